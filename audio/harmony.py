@@ -74,10 +74,6 @@ class Scale:
     root: int
     intervals: tuple[int, ...]
 
-    def contains(self, pitch: int) -> bool:
-        """Return whether a MIDI pitch belongs to the scale."""
-        return (pitch - self.root) % 12 in self.intervals
-
     def pitch(self, degree: int) -> int:
         """Return the MIDI pitch of a degree; degree 0 is the root in octave -1 (MIDI 0 to 11)."""
         octave, step = divmod(degree, len(self.intervals))

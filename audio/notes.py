@@ -142,7 +142,7 @@ def _selects(when: EventFilter, event: ScoreEvent) -> bool:
     ranges = ((when.size, event.size), (when.strength, abs(event.strength)))
     return all(
         pattern is None or matches_pattern(name, pattern) for pattern, name in names
-    ) and all(range_ is None or range_.contains(value) for range_, value in ranges)
+    ) and all(bounds is None or bounds.contains(value) for bounds, value in ranges)
 
 
 def _event_notes(

@@ -43,7 +43,7 @@ def main(count: int) -> None:
     renderer = Renderer(choose())
     shooting = Shooting(scene, take)
     renderer.render(shooting.shot(1))  # compiles the kernels
-    cold = renderer.split.seconds
+    cold = renderer.timings.seconds
     with tempfile.TemporaryDirectory() as folder:
         outputs = Outputs(Path(folder), "bench")
         outputs.frames.mkdir()
@@ -52,7 +52,7 @@ def main(count: int) -> None:
         for _ in film_frames(renderer, shooting, outputs, keys):
             pass
         wall = time.perf_counter() - began
-    split = renderer.split
+    split = renderer.timings
     inside = split.seconds - cold
     print(f"first frame, with build: {cold:.2f} s")
     print(f"warm preview: {wall / count:.2f} s a frame over {count} frames")

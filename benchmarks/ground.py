@@ -27,22 +27,21 @@ def main() -> None:
     import mitsuba as mi
 
     from render.config import material
-    from render.plain import flat, plain
-    from render.surfaces.material_bsdf import bsdf
-    from render.surfaces.mitsuba_bsdf import nested
+    from render.surfaces.material_bsdf import material_bsdf
+    from render.surfaces.mitsuba_bsdf import opaque_bsdf, patterned_bsdf, rgb_texture
 
     words = material("dry soil")
     # Under the limit of what scatters evenly, patterns are nested in Mitsuba's principled BSDF.
     shiny = words.model_copy(update={"roughness": 0.69})
     one_sided = {
-        "nested textures": nested(shiny, "ground"),
-        "one colour": plain(words, flat(words.color)),
+        "nested textures": patterned_bsdf(shiny, "ground"),
+        "one colour": opaque_bsdf(words, rgb_texture(words.color)),
     }
     made = {
         name: mi.load_dict({"type": "twosided", "bsdf": surface})
         for name, surface in one_sided.items()
     }
-    made["one look"] = bsdf(words, "ground")
+    made["one look"] = material_bsdf(words, "ground")
     took = {name: milliseconds(surface) for name, surface in made.items()}
     for name, ms in took.items():
         print(f"{name:16} {ms:7.1f} ms  {ms / took['one colour']:5.2f} x one colour")
@@ -102,7 +101,7 @@ def hills(surface: Any) -> Any:
     import mitsuba as mi
 
     from render.meshes import vertex_normals
-    from render.shares import STEEP
+    from render.surfaces.mitsuba_bsdf import STEEP
 
     n = 200
     c = np.linspace(-30, 30, n)

@@ -36,11 +36,11 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
 from render.color import developed
-from render.comparison.flip import flip
-from render.comparison.psnr import psnr
+from render.comparison.flip_metric import flip
+from render.comparison.image_statistics import psnr
 from render.config import Film
 from render.denoiser import Denoiser
-from render.exposure import Exposure
+from render.frame import LightLayers
 from render.shot import Shot
 
 SCENES = {"first_steps": 40, "toy": 30}
@@ -89,7 +89,7 @@ def main(width: int, samples: int) -> None:
 
 def reference(shot: Shot, samples: int) -> Picture:
     """Return the light of the shot by `path`, from the cache where it was made before."""
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer
 
     key = hashlib.blake2b(f"{shot.digest}|{samples}".encode(), digest_size=10).hexdigest()
@@ -97,13 +97,13 @@ def reference(shot: Shot, samples: int) -> Picture:
     place = Path(base, "pronk", f"reference-{key}.npy")
     if place.exists():
         return np.asarray(np.load(place), np.float32)
-    stage = Stage(shot)
-    tracer = PathTracer(stage.scene, stage.depth)
+    scene = MitsubaScene(shot)
+    tracer = PathTracer(scene.scene, scene.depth)
     part = min(64, samples)
     rounds = max(samples // part, 1)
     total = np.zeros((*shot.film.resolved().size[::-1], 3))
     for k in range(rounds):
-        total += tracer.expose(stage.sensor, 1_000_003 * (k + 1), range(part), part).light
+        total += tracer.trace(scene.sensor, 1_000_003 * (k + 1), range(part), part).light
     light = (total / rounds).astype(np.float32)
     place.parent.mkdir(parents=True, exist_ok=True)
     np.save(place, light)
@@ -135,15 +135,15 @@ def measured(way: str, shot: Shot, judge: Picture) -> list[Point]:
 def _loop(shot: Shot, count: int) -> Callable[[int], Picture]:
     import mitsuba as mi
 
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
 
     def render(seed: int) -> Picture:
-        stage = Stage(shot)
-        sensor = mi.load_dict(_plain_sensor(stage.sensor, shot, count))
+        scene = MitsubaScene(shot)
+        sensor = mi.load_dict(_plain_sensor(scene.sensor, shot, count))
         plain = mi.load_dict(
-            {"type": "path", "max_depth": stage.depth, "rr_depth": stage.depth + 1}
+            {"type": "path", "max_depth": scene.depth, "rr_depth": scene.depth + 1}
         )
-        image = plain.render(stage.scene, sensor, seed=seed, spp=count)
+        image = plain.render(scene.scene, sensor, seed=seed, spp=count)
         return np.array(image, np.float32)
 
     return render
@@ -175,13 +175,13 @@ def _plain_sensor(sensor: Any, shot: Shot, count: int) -> dict[str, Any]:
 
 
 def _path(shot: Shot, count: int) -> Callable[[int], Picture]:
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer
 
-    stage, oidn = Stage(shot), _Albedo()
-    tracer = PathTracer(stage.scene, stage.depth)
+    scene, oidn = MitsubaScene(shot), _Albedo()
+    tracer = PathTracer(scene.scene, scene.depth)
     return lambda seed: oidn.clean(
-        tracer.expose(stage.sensor, 7919 * 65 * seed, range(count), count)
+        tracer.trace(scene.sensor, 7919 * 65 * seed, range(count), count)
     )
 
 
@@ -195,11 +195,11 @@ class _Albedo:
         self._device: Any = mitsuba_oidn.Device(mitsuba_oidn.DeviceType.CPU)
         self._device.commit()
 
-    def clean(self, exposure: Exposure) -> Picture:
+    def clean(self, exposure: LightLayers) -> Picture:
         """Return the light without noise."""
         cleaned = self._oidn.denoise(
             exposure.light,
-            albedo=exposure.color,
+            albedo=exposure.albedo,
             hdr=True,
             quality=self._oidn.Quality.Fast,
             device=self._device,
@@ -208,14 +208,14 @@ class _Albedo:
 
 
 def _ours(shot: Shot, count: int, soft_light: str = "full") -> Callable[[int], Picture]:
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
 
     words = {"soft_light": soft_light, "samples": count}
     shot = replace(shot, film=shot.film.model_copy(update=words))
-    stage, denoiser = Stage(shot), Denoiser()
+    scene, denoiser = MitsubaScene(shot), Denoiser()
     passes = shot.film.resolved().passes
     return lambda seed: denoiser.clean(
-        stage.expose(seed, range(passes), passes), "fast", wide=stage.wide
+        scene.trace(seed, range(passes), passes), "fast", has_soft_lights=scene.has_soft_lights
     )
 
 

@@ -8,11 +8,9 @@ from typing import Annotated, Never
 
 import typer
 
-from pipeline.commands import films, machine, measures, options, scenes
+from pipeline.commands import analysis, films, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
-from pipeline.commands.plots import plots
-from pipeline.commands.report import reports
 from pipeline.errors import PronkError
 from pipeline.production.run.interrupts import heard, ignore, listen
 
@@ -30,26 +28,26 @@ app = typer.Typer(
 
 for command in (
     films.render,
-    scenes.check,
-    scenes.figure,
-    scenes.schema,
-    measures.simulate,
+    scene_files.check,
+    scene_files.figure,
+    scene_files.schema,
+    analysis.simulate,
     films.midi,
     films.frame,
     films.sheet,
     films.bench,
     films.watch,
-    measures.effort,
-    measures.jumps,
-    measures.fit,
-    scenes.new,
-    machine.doctor,
+    analysis.effort,
+    analysis.jumps,
+    analysis.fit,
+    scene_files.new,
+    scene_files.doctor,
     direct,
 ):
     app.command()(command)
-app.add_typer(plots, name="plot")
+app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")
-app.add_typer(reports, name="report")
+app.add_typer(analysis.reports, name="report")
 
 
 def _version(wanted: bool) -> None:
@@ -80,7 +78,7 @@ def main() -> Never:
         code = INTERRUPTED
     if code == INTERRUPTED:
         ignore()
-        typer.echo(f"stopped; {options.FLAGS.stopped}", err=True)
+        typer.echo(f"stopped; {options.CURRENT.options.stopped}", err=True)
         # Libraries whose threads were at work would add tracebacks of their own.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     sys.exit(code)

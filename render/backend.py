@@ -1,9 +1,8 @@
-"""Backend: which variant of Mitsuba works on this machine, with which LLVM.
+"""Backend: the Mitsuba variant, and the LLVM library, that works on this machine.
 
-A library of LLVM that does not fit aborts the whole process instead of raising an
-error, so every candidate first renders a tiny picture in a child process. The
-outcome is remembered in the user's cache until a version, a library or the
-processor changes.
+An incompatible LLVM library aborts the whole process instead of raising an error, so every
+candidate first renders a tiny image in a child process. The result is cached for the user until
+a version, a library or the processor changes.
 """
 
 from __future__ import annotations
@@ -21,14 +20,15 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from render.atomic_file import replaced_when_complete
 from render.errors import BackendMissing
 
 Choice = Literal["auto", "cuda", "llvm", "scalar"]
 
 _VARIANTS = {"cuda": "cuda_ad_rgb", "llvm": "llvm_ad_rgb", "scalar": "scalar_rgb"}
 _ENV = "DRJIT_LIBLLVM_PATH"
-_OLDEST, _NEWEST = 16, 40
-_PATIENCE_S = 120.0
+_OLDEST_LLVM, _NEWEST_LLVM = 16, 40
+_PROBE_TIMEOUT_S = 120.0
 
 _PROBE = """
 import sys, mitsuba as mi
@@ -47,14 +47,14 @@ if 'llvm' in sys.argv[1]:
 
 
 @dataclass(frozen=True)
-class Finding:
-    """What became of one candidate.
+class ProbeResult:
+    """Result of probing one candidate.
 
     Attributes:
         variant: of Mitsuba.
-        library: path of LLVM's library, or empty.
+        library: path of the LLVM library, or empty.
         works: whether it rendered.
-        why: the reason, in words.
+        why: the reason.
         version: of LLVM, or empty.
     """
 
@@ -71,21 +71,21 @@ class Backend:
 
     Attributes:
         variant: of Mitsuba, such as `llvm_ad_rgb`.
-        library: path of LLVM's library, or empty.
+        library: path of the LLVM library, or empty.
         version: of LLVM, or empty.
         why: why it was chosen.
-        findings: what became of each candidate tried.
+        probes: results of all candidates tried.
     """
 
     variant: str
     library: str
     version: str
     why: str
-    findings: tuple[Finding, ...] = field(default=(), compare=False)
+    probes: tuple[ProbeResult, ...] = field(default=(), compare=False)
 
     @property
     def key(self) -> str:
-        """All of the backend that pixels depend on."""
+        """Everything in the backend that pixels depend on."""
         llvm = f" {self.version.split('.')[0]}" if self.version else ""
         return f"{self.variant}{llvm}; {_versions()}; {processor_class()}"
 
@@ -102,50 +102,51 @@ class Backend:
                 )
             os.environ[_ENV] = self.library
         if self.variant == _VARIANTS["cuda"] and (found := libraries()):
-            # It is read only once: LLVM may have to go on where the GPU's memory ends.
+            # Read only once, and LLVM takes over when the GPU runs out of memory.
             os.environ.setdefault(_ENV, found[0])
         import mitsuba as mi
 
         mi.set_variant(self.variant)
-        # Its warnings go to standard output, where results are; what matters is raised.
+        # Mitsuba's warnings go to standard output, where results are; errors are raised.
         mi.set_log_level(mi.LogLevel.Error)
 
     def describe(self) -> list[str]:
-        """Return the findings as lines for a person."""
+        """Return the probes and the choice as lines of text."""
         lines = [
             f"{f.variant} {f.library or '(no library)'}: {'works' if f.works else 'fails'}, {f.why}"
-            for f in self.findings
+            for f in self.probes
         ]
         return [*lines, f"chosen: {self.variant} {self.version}: {self.why}", f"key: {self.key}"]
 
 
 def choose(choice: Choice = "auto", fresh: bool = False) -> Backend:
-    """Return the first backend that works: cuda, llvm, then scalar, or the one asked for.
+    """Return the first backend that works of cuda, llvm and scalar, or the requested one.
 
     Args:
-        choice: auto, or the one kind to try.
-        fresh: probe again, whatever was remembered.
+        choice: auto, or the only kind to try.
+        fresh: whether to ignore the cache.
 
     Raises:
         BackendMissing: none works; the message says why for each.
     """
     kinds = list(_VARIANTS) if choice == "auto" else [choice]
-    findings: list[Finding] = []
+    probes: list[ProbeResult] = []
     for variant, library in _candidates(kinds):
-        finding = _remembered(variant, library, fresh)
-        findings.append(finding)
-        if finding.works:
-            why = finding.why if len(findings) == 1 else f"{finding.why}; first that works"
-            return Backend(variant, library, finding.version, why, tuple(findings))
-    reasons = "\n".join(f"  {f.variant} {f.library}: {f.why}" for f in findings)
+        result = _cached_probe(variant, library, fresh)
+        probes.append(result)
+        if result.works:
+            why = result.why if len(probes) == 1 else f"{result.why}; first that works"
+            return Backend(variant, library, result.version, why, tuple(probes))
+    reasons = "\n".join(f"  {f.variant} {f.library}: {f.why}" for f in probes)
     raise BackendMissing(
-        f"no backend works for {choice!r}:\n{reasons or '  no library of LLVM was found'}\n"
-        f"install karellen-llvm-core, or LLVM {_OLDEST} or later and set {_ENV}, or ask for scalar"
+        f"no backend works for {choice!r}:\n{reasons or '  no LLVM library was found'}\n"
+        f"install karellen-llvm-core, or LLVM {_OLDEST_LLVM} or later and set {_ENV}; "
+        "or choose scalar"
     )
 
 
 def without_gpu() -> Backend:
-    """Return the first backend that works and needs no graphics processor.
+    """Return the first backend that works without a GPU.
 
     Raises:
         BackendMissing: none works; the message says why for each.
@@ -163,11 +164,11 @@ def _candidates(kinds: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 
 def libraries() -> list[str]:
-    """Return the libraries of LLVM to try, best first: told, of this environment, system."""
+    """Return the LLVM libraries to try, best first: configured, of this environment, system."""
     found = [os.environ.get(_ENV, "")]
     found += sorted(map(str, Path(sys.prefix, "lib").glob("libLLVM.so.*")), reverse=True)
     folders = [Path("/usr/lib"), Path("/usr/lib64"), *Path("/usr/lib").glob("*-linux-gnu")]
-    for version in range(_NEWEST, _OLDEST - 1, -1):
+    for version in range(_NEWEST_LLVM, _OLDEST_LLVM - 1, -1):
         names = (f"libLLVM-{version}.so", f"libLLVM.so.{version}", f"libLLVM.so.{version}.1")
         places = [*folders, Path(f"/usr/lib/llvm-{version}/lib")]
         found += [str(p / n) for p in places for n in names if (p / n).exists()][:1]
@@ -176,27 +177,26 @@ def libraries() -> list[str]:
     return list(dict.fromkeys(path for path in found if path))
 
 
-def _remembered(variant: str, library: str, fresh: bool) -> Finding:
-    """Return what became of a candidate, from the cache where nothing has changed since."""
+def _cached_probe(variant: str, library: str, fresh: bool) -> ProbeResult:
+    """Return the result of a candidate, from the cache if nothing has changed since."""
     place = cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
     if not fresh:
         try:
-            return Finding(**json.loads(place.read_text()))
+            return ProbeResult(**json.loads(place.read_text()))
         except (OSError, ValueError, TypeError):
-            pass  # never probed, or not readable: probe
-    finding = _probed(variant, library)
+            pass  # not cached, or not readable
+    result = _probe(variant, library)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
-        beside = place.with_suffix(f".{os.getpid()}")
-        beside.write_text(json.dumps(asdict(finding)))
-        os.replace(beside, place)
+        with replaced_when_complete(place) as temporary:
+            temporary.write_text(json.dumps(asdict(result)))
     except OSError:
         pass  # the cache only saves time
-    return finding
+    return result
 
 
-def _probed(variant: str, library: str) -> Finding:
-    """Render a tiny picture in a child process."""
+def _probe(variant: str, library: str) -> ProbeResult:
+    """Render a tiny image in a child process."""
     environment = dict(os.environ)
     if library:
         environment[_ENV] = library
@@ -206,30 +206,30 @@ def _probed(variant: str, library: str) -> Finding:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=_PATIENCE_S,
+            timeout=_PROBE_TIMEOUT_S,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Finding(variant, library, False, f"gave no answer in {_PATIENCE_S:g} s")
+        return ProbeResult(variant, library, False, f"gave no answer in {_PROBE_TIMEOUT_S:g} s")
     version = next(
         (line[8:].replace(" ", ".") for line in child.stdout.splitlines() if line[:7] == "version"),
         "",
     )
     if child.returncode == 0:
-        return Finding(variant, library, True, "rendered a tiny picture", version)
+        return ProbeResult(variant, library, True, "rendered a tiny image", version)
     last = (child.stderr.strip().splitlines() or ["no message"])[-1]
     if "CUDA backend hasn't been initialized" in last:
         last = "Dr.Jit found no NVIDIA GPU with a driver"
     if child.returncode < 0:
-        why = f"died of signal {-child.returncode}: {last}"
+        why = f"was killed by signal {-child.returncode}: {last}"
         if library:
             why += "; Dr.Jit cannot use this LLVM"
-        return Finding(variant, library, False, why)
-    return Finding(variant, library, False, last)
+        return ProbeResult(variant, library, False, why)
+    return ProbeResult(variant, library, False, last)
 
 
 def cache_folder() -> Path:
-    """Return the folder in which this machine's findings are kept."""
+    """Return the folder of this user's cache."""
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return Path(base, "pronk")
 
@@ -250,7 +250,7 @@ def _versions() -> str:
 
 
 def processor_class() -> str:
-    """Return the class of processor, whose vector width decides how sums are rounded."""
+    """Return the class of processor: its vector width decides how sums are rounded."""
     try:
         flags = next(
             line for line in Path("/proc/cpuinfo").read_text().splitlines() if line[:5] == "flags"

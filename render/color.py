@@ -1,8 +1,7 @@
-"""Colour: between sRGB and light, and from the light of a scene to a picture.
+"""Colour: sRGB encoding, and AgX tone mapping of scene light.
 
-The picture is made by AgX, which bends the light of a scene into the range of a
-screen much as film does: highlights roll off and lose colour instead of
-clipping into glaring primaries.
+AgX compresses scene light to the range of a screen much as film does: highlights roll off and
+lose saturation instead of clipping to primaries.
 
 Source: T. Sobotka, AgX, 2022; the polynomial fit and the matrices are those of
     B. Wrensch, Minimal AgX Implementation, 2023 (iolite-engine.com), which are
@@ -32,28 +31,28 @@ _OUTSET = (
 _LOW_STOP, _HIGH_STOP = -12.47393, 4.026069
 _SIGMOID = (15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232)
 
-# The look laid over the neutral curve, which is meant to be graded: AgX's own
-# "punchy" is power 1.35, saturation 1.4; half way keeps skies and soil believable.
+# Grading of the neutral curve: AgX's own "punchy" look is power 1.35, saturation 1.4; half way
+# keeps skies and soil believable.
 _POWER = 1.15
 _SATURATION = 1.12
 
-_STEPS = 8192
+_CURVE_SAMPLES = 8192
 
 
-Whole = TypeVar("Whole", np.uint8, np.uint16)
+Integer = TypeVar("Integer", np.uint8, np.uint16)
 
-ROWS = 128
-"""Rows of a picture that are developed together: they stay in the cache, and in little memory."""
+BAND_ROWS = 128
+"""Rows of an image that are developed together, so that they stay in the cache."""
 
 
 def linear(srgb: ArrayLike) -> NDArray[np.float64]:
-    """Return light for sRGB values, both 0 to 1 and of any shape (IEC 61966-2-1)."""
+    """Return linear light of sRGB values, both 0 to 1 and of any shape (IEC 61966-2-1)."""
     s = np.asarray(srgb, np.float64)
     return np.where(s <= 0.04045, s / 12.92, ((np.maximum(s, 0.04045) + 0.055) / 1.055) ** 2.4)
 
 
 def encoded(light: ArrayLike) -> NDArray[np.float64]:
-    """Return sRGB values for light, both 0 to 1 and of any shape; inverse of `linear`."""
+    """Return sRGB values of linear light, both 0 to 1 and of any shape; inverse of `linear`."""
     x = np.clip(np.asarray(light, np.float64), 0.0, 1.0)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
 
@@ -65,11 +64,11 @@ def luminance(light: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def developed(light: NDArray[np.float32], stops: float) -> NDArray[np.uint8]:
-    """Develop the light of a scene into an 8-bit sRGB picture.
+    """Return scene light as an 8-bit sRGB image.
 
     Args:
-        light: (H, W, 3) linear sRGB, 0 or more; 0.18 is a middle grey.
-        stops: exposure, as a power of two.
+        light: (H, W, 3) linear sRGB, 0 or more; 0.18 is middle grey.
+        stops: exposure compensation.
 
     Returns:
         (H, W, 3) sRGB, ready to show.
@@ -78,28 +77,29 @@ def developed(light: NDArray[np.float32], stops: float) -> NDArray[np.uint8]:
 
 
 def developed16(light: NDArray[np.float32], stops: float) -> NDArray[np.uint16]:
-    """Develop the light of a scene into a 16-bit sRGB picture; see `developed`."""
+    """Return scene light as a 16-bit sRGB image; see `developed`."""
     return _quantized(light, stops, np.uint16)
 
 
-def _quantized(light: NDArray[np.float32], stops: float, kind: type[Whole]) -> NDArray[Whole]:
-    most = np.iinfo(kind).max
+def _quantized(light: NDArray[np.float32], stops: float, kind: type[Integer]) -> NDArray[Integer]:
+    top = np.iinfo(kind).max
     out = np.empty(light.shape, kind)
-    for band in range(0, len(light), ROWS):
-        rows = slice(band, band + ROWS)
-        for i, c in enumerate(_shown(light[rows], stops)):
-            out[rows, ..., i] = np.clip(c * most + 0.5, 0, most)
+    for band in range(0, len(light), BAND_ROWS):
+        rows = slice(band, band + BAND_ROWS)
+        for i, c in enumerate(_tone_mapped(light[rows], stops)):
+            out[rows, ..., i] = np.clip(c * top + 0.5, 0, top)
     return out
 
 
-def _shown(light: NDArray[np.float32], stops: float) -> list[NDArray[np.float32]]:
-    """Return the channels of the picture, about 0 to 1."""
+def _tone_mapped(light: NDArray[np.float32], stops: float) -> list[NDArray[np.float32]]:
+    """Return the channels of the tone-mapped image, about 0 to 1."""
     curve = _curve()
-    low, per_stop = np.float32(_LOW_STOP - stops), (_STEPS - 1) / (_HIGH_STOP - _LOW_STOP)
+    low, per_stop = np.float32(_LOW_STOP - stops), (_CURVE_SAMPLES - 1) / (_HIGH_STOP - _LOW_STOP)
     channels = [light[..., i] for i in range(3)]
     inset = _mixed(channels, _INSET)
     index = [
-        np.clip((np.log2(np.maximum(c, 1e-12)) - low) * per_stop, 0, _STEPS - 1) for c in inset
+        np.clip((np.log2(np.maximum(c, 1e-12)) - low) * per_stop, 0, _CURVE_SAMPLES - 1)
+        for c in inset
     ]
     bent = [curve[(i + 0.5).astype(np.intp)] for i in index]
     r, g, b = LUMINANCE
@@ -118,6 +118,6 @@ def _mixed(
 
 @cache
 def _curve() -> NDArray[np.float32]:
-    """The sigmoid and the power of the look, sampled over the range of stops."""
-    bent = np.polyval(_SIGMOID, np.linspace(0.0, 1.0, _STEPS))
+    """Return the sigmoid with the power of the look, sampled over the range of stops."""
+    bent = np.polyval(_SIGMOID, np.linspace(0.0, 1.0, _CURVE_SAMPLES))
     return np.asarray(np.clip(bent, 0.0, 1.0) ** _POWER, np.float32)

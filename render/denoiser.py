@@ -1,7 +1,6 @@
 """The denoiser: Intel's Open Image Denoise on the CPU.
 
-It repeats itself to the bit at a fixed number of threads only, so the number is a
-constant and no property of the machine.
+Its bits depend on the number of threads, so the number is a constant.
 """
 
 from __future__ import annotations
@@ -14,30 +13,30 @@ from numpy.typing import NDArray
 
 from render.config.film import Denoise
 from render.errors import DenoiseError
-from render.exposure import GLEAM, Exposure, Image
+from render.frame import ALBEDO_BIAS, Image, LightLayers
 
 THREADS = 2
-"""Threads of the denoiser; part of the key of a frame."""
+"""Part of the key of a frame."""
 
-MEMORY = 128
-"""What the denoiser may take beside its pictures [MiB]: it goes over large ones tile by tile. Like
-the threads a constant, for tiles that are laid otherwise round otherwise."""
+MEMORY_MIB = 128
+"""Memory beside the images, which sets the tiles of large ones [MiB]. A constant, because other
+tiles round differently."""
 
 _QUALITY = {"fast": "Fast", "high": "High"}
 
-_SEEN = 0.8 * GLEAM
-"""Colour from which on a pixel shows a surface, and not the sky beside it."""
+_SURFACE_ALBEDO = 0.8 * ALBEDO_BIAS
+"""Albedo from which a pixel shows a surface and not the sky beside it."""
 
-WITHOUT = "write `film: {denoise: off}` to do without"
+_REMEDY = "write `film: {denoise: off}` to render without it"
 
 
 class Denoiser:
-    """Removes the noise that few samples leave.
+    """Removes the noise of few samples.
 
-    A denoiser that is missing or does not start is told only to who wants a picture cleaned.
+    A denoiser that is missing or does not start raises only when it is used.
 
     Attributes:
-        key: what its answer depends on besides the picture.
+        key: all that its result depends on besides the image.
     """
 
     def __init__(self) -> None:
@@ -45,7 +44,7 @@ class Denoiser:
         try:
             self._oidn: Any = importlib.import_module("mitsuba_oidn")
         except ImportError as error:
-            self._fail("is missing", error, f"install mitsuba-oidn, or {WITHOUT}")
+            self._fail("is missing", error, f"install mitsuba-oidn, or {_REMEDY}")
             return
         try:
             self._device: Any = self._oidn.Device(self._oidn.DeviceType.CPU)
@@ -53,56 +52,56 @@ class Denoiser:
             self._device.commit()
             self._filter = self._device.new_filter("RT")
             self._filter.hdr = True
-            self._filter.max_memory_mb = MEMORY
-            self.key = f"oidn {self._oidn.oidn_version()} threads {THREADS} memory {MEMORY}"
+            self._filter.max_memory_mb = MEMORY_MIB
+            self.key = f"oidn {self._oidn.oidn_version()} threads {THREADS} memory {MEMORY_MIB}"
         except (self._oidn.Error, RuntimeError) as error:
-            self._fail("does not start", error, f"install mitsuba-oidn anew, or {WITHOUT}")
+            self._fail("does not start", error, f"reinstall mitsuba-oidn, or {_REMEDY}")
 
-    def _fail(self, what: str, error: Exception, remedy: str) -> None:
+    def _fail(self, problem: str, error: Exception, remedy: str) -> None:
         reason = (str(error).strip().splitlines() or ["no reason given"])[0]
-        self._fault = f"the denoiser {what}: {reason}; {remedy}"
+        self._fault = f"the denoiser {problem}: {reason}; {remedy}"
         self.key = "no denoiser"
 
-    def clean(self, exposure: Exposure, mode: Denoise, *, wide: bool = False) -> Image:
-        """Return the light of an exposure without its noise, (H, W, 3), linear.
+    def clean(self, layers: LightLayers, mode: Denoise, *, has_soft_lights: bool = False) -> Image:
+        """Return the denoised light of a frame, (H, W, 3), linear.
 
-        Light that came straight from a lamp is clean and keeps its sharp edges. The other is
-        divided by the colour of the surface, which leaves the soft light that fell on it;
-        that is cleaned, and coloured again by clean colours: no grain of the ground is taken
-        for noise, and none of it is lost. Where its few samples met the sky alone, the light
-        is that of the surfaces beside.
+        Direct light is clean and keeps its sharp edges. Indirect light is divided by the albedo,
+        which leaves the soft irradiance; that is denoised and multiplied by the clean albedo, so
+        that texture is neither taken for noise nor lost. Where all samples of a pixel met the
+        sky, its irradiance is that of the surfaces beside it.
 
-        Lamps that are wide have soft shadows, which few samples leave grainy: what they do for
-        surfaces is cleaned in the same way, by itself.
+        The soft shadows of wide lights are noisy, too: their direct light is denoised in the
+        same way, by itself.
 
         Args:
-            exposure: of one frame.
-            mode: how well.
-            wide: whether it was lit by a key light so wide that its shadows are soft.
+            layers: of one frame.
+            mode: quality.
+            has_soft_lights: whether lights are so wide that their shadows are soft.
 
         Raises:
             DenoiseError: the denoiser is missing or failed.
         """
         if mode == "off":
-            return exposure.light
-        known = exposure.dye.max(axis=-1, keepdims=True) > 0.0
-        fallen = np.asarray(exposure.indirect / np.where(known, exposure.dye, 1.0), np.float32)
-        soft = exposure.enlarged(self._cleaned(_filled(fallen, known), mode))
-        # In place, for pictures of a film's size are large.
-        soft *= exposure.color
-        soft += self._lit(exposure, mode) if wide else exposure.direct
+            return layers.light
+        albedo = layers.indirect_albedo
+        known = albedo.max(axis=-1, keepdims=True) > 0.0
+        irradiance = np.asarray(layers.indirect / np.where(known, albedo, 1.0), np.float32)
+        soft = layers.full_size(self._denoise(_filled(irradiance, known), mode))
+        # In place, because frames of a film's size are large.
+        soft *= layers.albedo
+        soft += self._clean_direct(layers, mode) if has_soft_lights else layers.direct
         return soft
 
-    def _lit(self, exposure: Exposure, mode: Literal["fast", "high"]) -> Image:
-        """Return direct light with clean shadows; where no surface is seen it is as it was."""
-        known = exposure.color.max(axis=-1, keepdims=True) > _SEEN
-        fallen = np.asarray(exposure.direct / np.where(known, exposure.color, 1.0), np.float32)
-        fallen[~known[..., 0]] = 0.0
-        cleaned = self._cleaned(_filled(fallen, known), mode)
-        cleaned *= exposure.color
-        return np.where(known, cleaned, exposure.direct)
+    def _clean_direct(self, layers: LightLayers, mode: Literal["fast", "high"]) -> Image:
+        """Return direct light with clean shadows, unchanged where no surface is visible."""
+        known = layers.albedo.max(axis=-1, keepdims=True) > _SURFACE_ALBEDO
+        irradiance = np.asarray(layers.direct / np.where(known, layers.albedo, 1.0), np.float32)
+        irradiance[~known[..., 0]] = 0.0
+        cleaned = self._denoise(_filled(irradiance, known), mode)
+        cleaned *= layers.albedo
+        return np.where(known, cleaned, layers.direct)
 
-    def _cleaned(self, light: Image, mode: Literal["fast", "high"]) -> Image:
+    def _denoise(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()
         cleaned = np.empty_like(light)
         try:
@@ -112,24 +111,24 @@ class Denoiser:
             self._filter.commit()
             self._filter.execute()
         except (self._oidn.Error, RuntimeError) as error:
-            raise DenoiseError(f"the denoiser failed: {error}; {WITHOUT}") from error
+            raise DenoiseError(f"the denoiser failed: {error}; {_REMEDY}") from error
         return cleaned
 
     def require(self) -> None:
-        """Make sure that it is there.
+        """Raise if the denoiser is missing or does not start.
 
         Raises:
-            DenoiseError: it is missing or does not start; the message says what to install.
+            DenoiseError: the message says what to install.
         """
         if self._fault:
             raise DenoiseError(self._fault)
 
 
 def _filled(light: Image, known: NDArray[np.bool_]) -> Image:
-    """Return light with what is not known taken from the nearest that is, coarser and coarser.
+    """Return light with unknown pixels filled from coarser and coarser levels (push-pull).
 
     Args:
-        light: (H, W, 3), 0 where it is not known.
+        light: (H, W, 3), 0 where it is unknown.
         known: (H, W, 1).
     """
     height, width = known.shape[:2]
@@ -142,9 +141,9 @@ def _filled(light: Image, known: NDArray[np.bool_]) -> Image:
     return np.where(known, light, near)
 
 
-def _halved(picture: Image) -> Image:
-    """Return the sums of two by two pixels; a last row or column that is odd stands alone."""
-    height, width = picture.shape[:2]
-    even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)))
+def _halved(image: Image) -> Image:
+    """Return the sums of two by two pixels, with zeros beyond an odd border."""
+    height, width = image.shape[:2]
+    even = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)))
     rows = even[0::2] + even[1::2]
     return np.asarray(rows[:, 0::2] + rows[:, 1::2], np.float32)

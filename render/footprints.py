@@ -1,8 +1,8 @@
-"""Prints: what was pressed into the ground, as a raster of blocks.
+"""Footprint raster: what feet have pressed into the ground over a film, in sparse blocks.
 
-Only blocks that hold a print are kept. A texel says the number of the print that made it,
-how dark it is and how steep along X and Z, so that one array serves a whole film: a frame
-shows those up to the number of prints that have been made by then.
+Only blocks with footprints are stored. A texel holds the number of the footprint that made it,
+its darkness, and its slopes along X and Z, so that one array serves the whole film: a frame
+shows the footprints up to the number made by then.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 BLOCK = 32
-"""Texels between the borders of a block; it has one row and one column more, its neighbour's."""
+"""Texels along a block, which also has the first row and column of its neighbours."""
 
-MOST = (1 << 13) - 1
-"""The highest number of a print."""
+MAX_FOOTPRINTS = (1 << 13) - 1
+"""The highest number of a footprint."""
 
-STEEPEST = 1.5
+MAX_SLOPE = 1.5
 """The greatest slope that a texel can hold."""
 
 
 @dataclass(frozen=True, eq=False)
-class Prints:
-    """A raster of prints, seen from above.
+class FootprintRaster:
+    """All footprints of a film, seen from above.
 
     Attributes:
         corner: x and z of the first block's first texel [m].
@@ -41,21 +41,21 @@ class Prints:
 
     @cached_property
     def bytes(self) -> bytes:
-        """All of it."""
+        """The whole raster as bytes, for a digest."""
         head = repr((self.corner, self.spacing, self.blocks.shape)).encode()
         return head + self.blocks.tobytes() + self.texels.tobytes()
 
 
-def packed(
-    number: NDArray[np.uint32], dark: NDArray[np.floating], slopes: NDArray[np.floating]
+def pack_texels(
+    number: NDArray[np.uint32], darkness: NDArray[np.floating], slopes: NDArray[np.floating]
 ) -> NDArray[np.uint32]:
-    """Return texels.
+    """Return packed texels.
 
     Args:
-        number: of the print, from 1; 0 for none.
-        dark: 0 to 1.
+        number: of the footprint, from 1; 0 for none.
+        darkness: 0 to 1.
         slopes: (2, ...) along X and Z.
     """
-    parts = np.rint((slopes / STEEPEST).clip(-1, 1) * 63 + 64).astype(np.uint32)
-    shade = np.rint(dark.clip(0, 1) * 31).astype(np.uint32)
+    parts = np.rint((slopes / MAX_SLOPE).clip(-1, 1) * 63 + 64).astype(np.uint32)
+    shade = np.rint(darkness.clip(0, 1) * 31).astype(np.uint32)
     return np.asarray(number | shade << 13 | parts[0] << 18 | parts[1] << 25, np.uint32)

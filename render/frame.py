@@ -1,4 +1,4 @@
-"""Frame: a finished picture, as light and as it is shown."""
+"""Frames: the layers of light of a traced frame, and the finished frame."""
 
 from __future__ import annotations
 
@@ -10,17 +10,60 @@ from numpy.typing import NDArray
 
 from render.color import developed
 
+Image = NDArray[np.float32]
+
+ALBEDO_BIAS = 0.05
+"""Added to albedos, because light is divided by them: black and bare metal have a gleam, too."""
+
+
+@dataclass(frozen=True, eq=False)
+class LightLayers:
+    """One frame as traced, before denoising, in linear sRGB.
+
+    Attributes:
+        direct: (H, W, 3) light of lamps, visible or reflected by the visible surface.
+        albedo: (H, W, 3) diffuse albedo of the visible surface plus `ALBEDO_BIAS`; 0 in the sky.
+        indirect: (H, W, 3) all other light, of the sky and from surface to surface; or, at half
+            the size, (H / 2, W / 2, 3).
+        indirect_albedo: the albedo as the samples of `indirect` met it, and of its size.
+    """
+
+    direct: Image
+    albedo: Image
+    indirect: Image
+    indirect_albedo: Image
+
+    @property
+    def light(self) -> Image:
+        """The sum of direct and indirect light."""
+        return self.direct + self.full_size(self.indirect)
+
+    def full_size(self, soft: Image) -> Image:
+        """Return an image of the size of indirect light at that of the frame."""
+        return soft if soft.shape == self.direct.shape else _doubled(_doubled(soft, 0), 1)
+
+
+def _doubled(image: Image, axis: int) -> Image:
+    """Return an image twice as long along an axis, linear between the centres of pixels."""
+    near = np.moveaxis(image, axis, 0)
+    before = np.concatenate([near[:1], near[:-1]])
+    after = np.concatenate([near[1:], near[-1:]])
+    twice = np.empty((2 * len(near), *near.shape[1:]), np.float32)
+    twice[0::2] = near + np.float32(0.25) * (before - near)
+    twice[1::2] = near + np.float32(0.25) * (after - near)
+    return np.moveaxis(twice, 0, axis)
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One finished picture.
+    """One finished frame.
 
     Attributes:
-        light: (H, W, 3) float32, linear sRGB before exposure and tone.
-        exposure: stops by which it is shown brighter.
+        light: (H, W, 3) float32, linear sRGB before exposure and tone mapping.
+        exposure: exposure compensation [stops].
     """
 
-    light: NDArray[np.float32]
+    light: Image
     exposure: float = 0.0
 
     @cached_property

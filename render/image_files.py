@@ -1,8 +1,4 @@
-"""Pictures on disk: PNG and EXR files that carry the key they were made under.
-
-A file is written beside its place and then renamed, so that a process that is
-killed at any moment leaves the old picture or the new one, never a torn one.
-"""
+"""Image files: PNG and EXR with the key of their frame, written atomically."""
 
 from __future__ import annotations
 
@@ -17,38 +13,39 @@ import OpenEXR
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from render.atomic_file import replaced_when_complete
 from render.errors import FrameFileError
 
 KEY = "pronk-key"
 """Name of the text chunk or attribute that holds the key."""
 
 _LEVEL = 1
-"""Of deflate: on rendered frames a tenth larger than level 3 at half the time."""
+"""Deflate level: on rendered frames a tenth larger than level 3, in half the time."""
 
 _PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
 
 def write_png(path: Path, srgb8: NDArray[np.uint8], key: str, level: int = _LEVEL) -> None:
-    """Write an 8-bit sRGB picture (H, W, 3) as PNG, whole or not at all.
+    """Write an 8-bit sRGB image (H, W, 3) as PNG, completely or not at all.
 
     Args:
-        path: where it goes.
-        srgb8: the picture.
-        key: kept in the file, for `read_key`.
+        path: of the file.
+        srgb8: the image.
+        key: stored in the file, for `read_key`.
         level: of deflate, 9 for the smallest file.
 
     Raises:
         FrameFileError: it could not be written.
     """
-    words = PngImagePlugin.PngInfo()
-    words.add(b"sRGB", b"\0")
-    words.add_text(KEY, key)
-    with beside(path) as temporary:
-        iio.imwrite(temporary, srgb8, plugin="pillow", compress_level=level, pnginfo=words)
+    info = PngImagePlugin.PngInfo()
+    info.add(b"sRGB", b"\0")
+    info.add_text(KEY, key)
+    with _image_file(path) as temporary:
+        iio.imwrite(temporary, srgb8, plugin="pillow", compress_level=level, pnginfo=info)
 
 
 def read_png(path: Path) -> NDArray[np.uint8]:
-    """Return a PNG picture as (H, W, 3) uint8.
+    """Return a PNG image as (H, W, 3) uint8.
 
     Raises:
         FrameFileError: it is missing or torn.
@@ -56,11 +53,11 @@ def read_png(path: Path) -> NDArray[np.uint8]:
     try:
         return np.asarray(iio.imread(path, plugin="pillow", mode="RGB"), dtype=np.uint8)
     except (OSError, SyntaxError, ValueError) as error:
-        raise FrameFileError(f"{path} is no readable picture: {error}; render it again") from error
+        raise FrameFileError(f"{path} is no readable image: {error}; render it again") from error
 
 
 def write_exr(path: Path, light: NDArray[np.float32], key: str) -> None:
-    """Write linear light (H, W, 3) as EXR of 16-bit floats, whole or not at all.
+    """Write linear light (H, W, 3) as EXR of 16-bit floats, completely or not at all.
 
     Raises:
         FrameFileError: it could not be written.
@@ -71,12 +68,12 @@ def write_exr(path: Path, light: NDArray[np.float32], key: str) -> None:
         "type": OpenEXR.scanlineimage,
         KEY: key,
     }
-    with beside(path) as temporary, OpenEXR.File(header, {"RGB": half}) as file:
+    with _image_file(path) as temporary, OpenEXR.File(header, {"RGB": half}) as file:
         file.write(str(temporary))
 
 
 def read_exr(path: Path) -> NDArray[np.float32]:
-    """Return the linear light (H, W, 3) of an EXR picture.
+    """Return the linear light (H, W, 3) of an EXR image.
 
     Raises:
         FrameFileError: it is missing or torn.
@@ -86,11 +83,11 @@ def read_exr(path: Path) -> NDArray[np.float32]:
         with OpenEXR.File(str(path)) as file:
             return np.asarray(file.channels()["RGB"].pixels, dtype=np.float32)
     except (OSError, RuntimeError, KeyError, ValueError) as error:
-        raise FrameFileError(f"{path} is no readable picture: {error}; render it again") from error
+        raise FrameFileError(f"{path} is no readable image: {error}; render it again") from error
 
 
 def read_key(path: Path) -> str | None:
-    """Return the key of a PNG or EXR picture; None if it has none, is torn or is missing."""
+    """Return the key of a PNG or EXR image; None if it has none, is torn or is missing."""
     try:
         return _exr_key(path) if path.suffix == ".exr" else _png_key(path)
     except (OSError, SyntaxError, ValueError, RuntimeError):
@@ -98,21 +95,12 @@ def read_key(path: Path) -> str | None:
 
 
 @contextmanager
-def beside(path: Path) -> Iterator[Path]:
-    """Give a place beside `path`, whose file takes its place when the block ends well.
-
-    Raises:
-        FrameFileError: it could not be written.
-    """
-    # The suffix stays, because encoders choose the container by it.
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
+def _image_file(path: Path) -> Iterator[Path]:
     try:
-        yield temporary
-        os.replace(temporary, path)
+        with replaced_when_complete(path) as temporary:
+            yield temporary
     except (OSError, RuntimeError) as error:
         raise FrameFileError(f"{path} could not be written: {error}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _png_key(path: Path) -> str | None:
@@ -122,16 +110,16 @@ def _png_key(path: Path) -> str | None:
             return None
         file.seek(0)
         key = image.info.get(KEY)
-        # Checks the sums of all chunks up to the last without unpacking the pixels.
+        # Checks the CRC of all chunks without decompressing the pixels.
         image.verify()
     return key if isinstance(key, str) else None
 
 
 def _exr_key(path: Path) -> str | None:
-    # The library itself says on the terminal that a file is missing.
+    # OpenEXR itself prints a message when a file is missing.
     if not path.is_file():
         return None
-    # A torn file is known by reading it, for its header stands at its begin.
+    # Only reading the pixels reveals a torn file, because its header stands at its start.
     with OpenEXR.File(str(path)) as file:
         key = file.header().get(KEY)
         file.channels()

@@ -1,8 +1,8 @@
-"""Meshes in Mitsuba: the one module that knows the names of its mesh parameters.
+"""Mitsuba meshes, merged by material: the one module that names their parameters.
 
-Small meshes of one material are merged, because one mesh that is updated in place
-is several times faster than hundreds. What is merged follows from the topology
-alone, so that every frame of a build, rendered in any order, has the same scene.
+Small meshes of one material are merged, because updating one mesh in place is several times
+faster than updating hundreds. The merge follows from the topology alone, so that every frame of
+a build has the same scene, in any order of rendering.
 """
 
 from __future__ import annotations
@@ -18,38 +18,55 @@ from numpy.typing import NDArray
 
 from render.config import Material
 from render.errors import ShotError
-from render.footprints import Prints
-from render.shares import share_names, shares
+from render.footprints import FootprintRaster
 from render.shot import Mesh
-from render.surfaces.footprint_lookup import PRINTED
+from render.surfaces.footprint_lookup import FOOTPRINT_COUNT
 from render.surfaces.material_bsdf import (
-    TINTED,
-    Surface,
-    bsdf,
-    glowing,
-    has_shares,
+    area_emitter,
+    material_bsdf,
     needs_coordinates,
+    needs_vertex_shares,
 )
-from render.unwrapping import Unwrapped, unwrapped
+from render.surfaces.mitsuba_bsdf import Surface, share_names, vertex_shares
+from render.surfaces.patterns import WARNED
 
-ALONE = 20_000
-"""A mesh of this many vertices is not merged: it is likely to stand still (terrain)."""
+MERGE_LIMIT = 20_000
+"""Vertices from which a mesh is not merged: it is likely to stand still (terrain)."""
+
+_PLANES = np.array([[1, 2], [0, 2], [0, 1]])
+"""Axes of the plane of projection along each axis. The rows of a pattern run along the first,
+which is the body's longest where possible."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unwrapped:
+    """A surface with texture coordinates and doubled vertices at seams.
+
+    Attributes:
+        source: (V,) index of the original vertex of each vertex.
+        faces: (F, 3) indices of the doubled vertices.
+        uv: (V, 2) texture coordinates [m].
+    """
+
+    source: NDArray[np.uint32]
+    faces: NDArray[np.uint32]
+    uv: NDArray[np.float32]
 
 
 @dataclass(frozen=True)
-class Group:
-    """Meshes that make up one mesh of Mitsuba.
+class MeshGroup:
+    """Meshes of a shot that become one Mitsuba mesh.
 
     Attributes:
-        members: their places in `Shot.meshes`.
+        members: their indices in `Shot.meshes`.
         material: name of their material.
         surface: what patterns are laid on.
         smooth: whether they have vertex normals.
         faces: (F, 3) indices into the vertices of all members.
-        shared: the material, if its vertices say which share of its colours they show.
-        tinted: (F,) faces in the colour of a warning, or None.
+        share_material: the material, if its vertices have `mitsuba_bsdf.vertex_shares`.
+        warned: (F,) hatched faces, or None.
         unwrapped: the surface with texture coordinates, None where it needs none.
-        prints: what is pressed into it, or None; such a mesh stands alone.
+        footprints: in the ground, or None; a mesh with footprints is not merged.
     """
 
     members: tuple[int, ...]
@@ -57,28 +74,30 @@ class Group:
     surface: Surface
     smooth: bool
     faces: NDArray[np.uint32]
-    shared: Material | None
-    tinted: NDArray[np.bool_] | None
+    share_material: Material | None
+    warned: NDArray[np.bool_] | None
     unwrapped: Unwrapped | None
-    prints: Prints | None
+    footprints: FootprintRaster | None
 
 
-def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[Group, ...]:
+def group_meshes(
+    meshes: Sequence[Mesh], materials: Mapping[str, Material]
+) -> tuple[MeshGroup, ...]:
     """Return the groups into which the meshes of a shot are merged.
 
     Raises:
-        ShotError: a mesh names a material that the shot has not, or its arrays do not fit.
+        ShotError: a mesh names an unknown material, or its arrays do not fit.
     """
     members: dict[tuple[str, Surface, bool, bool, str], list[int]] = {}
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
-        alone = len(mesh.vertices) >= ALONE or mesh.prints is not None
-        name = mesh.name if alone else ""
-        alike = mesh.material, _surface(mesh), mesh.smooth, mesh.tinted is not None, name
-        members.setdefault(alike, []).append(i)
+        is_alone = len(mesh.vertices) >= MERGE_LIMIT or mesh.footprints is not None
+        name = mesh.name if is_alone else ""
+        key = mesh.material, _surface(mesh), mesh.smooth, mesh.warned is not None, name
+        members.setdefault(key, []).append(i)
     return tuple(
-        _group(tuple(places), meshes, materials[material], material, surface, smooth)
-        for (material, surface, smooth, _, _), places in members.items()
+        _group(tuple(indices), meshes, materials[material], material, surface, smooth)
+        for (material, surface, smooth, _, _), indices in members.items()
     )
 
 
@@ -91,7 +110,7 @@ def _surface(mesh: Mesh) -> Surface:
 def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
     if mesh.material not in materials:
         raise ShotError(
-            f"mesh {mesh.name!r} asks for material {mesh.material!r}, which the shot has not; "
+            f"mesh {mesh.name!r} names material {mesh.material!r}, which the shot lacks; "
             f"it has {', '.join(sorted(materials))}"
         )
     n = len(mesh.vertices)
@@ -101,75 +120,105 @@ def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
         raise ShotError(f"mesh {mesh.name!r} has uv of shape {mesh.uv.shape}, not ({n}, 2)")
     if mesh.rest is not None and mesh.rest.shape != (n, 3):
         raise ShotError(f"mesh {mesh.name!r} has rest of shape {mesh.rest.shape}, not ({n}, 3)")
-    if mesh.tinted is not None and mesh.tinted.shape != mesh.faces.shape[:1]:
-        told = f"has tints for {len(mesh.tinted)} faces, not {len(mesh.faces)}"
-        raise ShotError(f"mesh {mesh.name!r} {told}")
+    if mesh.warned is not None and mesh.warned.shape != mesh.faces.shape[:1]:
+        counts = f"{len(mesh.warned)} values for {len(mesh.faces)} faces"
+        raise ShotError(f"mesh {mesh.name!r} has `warned` with {counts}")
 
 
 def _group(
     members: tuple[int, ...],
     meshes: Sequence[Mesh],
-    words: Material,
-    material: str,
+    material: Material,
+    name: str,
     surface: Surface,
     smooth: bool,
-) -> Group:
+) -> MeshGroup:
     starts = np.cumsum([0, *(len(meshes[i].vertices) for i in members)])
-    faces = [
-        meshes[i].faces.astype(np.uint32) + np.uint32(s)
-        for i, s in zip(members, starts, strict=False)
-    ]
-    all_faces = np.concatenate(faces)
-    shared = words if has_shares(words, surface) else None
-    tints = [t for t in (meshes[i].tinted for i in members) if t is not None]
-    tinted = np.concatenate(tints) if tints else None
-    laid = _unwrapped([meshes[i] for i in members], all_faces, words, surface)
-    prints = meshes[members[0]].prints
-    return Group(members, material, surface, smooth, all_faces, shared, tinted, laid, prints)
+    faces = np.concatenate(
+        [
+            meshes[i].faces.astype(np.uint32) + np.uint32(start)
+            for i, start in zip(members, starts, strict=False)
+        ]
+    )
+    share_material = material if needs_vertex_shares(material, surface) else None
+    warned = [mesh.warned for mesh in (meshes[i] for i in members) if mesh.warned is not None]
+    unwrapped = None
+    if surface != "bare" and needs_coordinates(material, surface):
+        # Ground is at rest where it stands.
+        grouped = [meshes[i] for i in members]
+        rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in grouped]
+        unwrapped = unwrap(np.concatenate(rest), faces)
+    return MeshGroup(
+        members,
+        name,
+        surface,
+        smooth,
+        faces,
+        share_material,
+        np.concatenate(warned) if warned else None,
+        unwrapped,
+        meshes[members[0]].footprints,
+    )
 
 
-def _unwrapped(
-    meshes: Sequence[Mesh], faces: NDArray[np.uint32], words: Material, surface: Surface
-) -> Unwrapped | None:
-    if surface == "bare" or not needs_coordinates(words, surface):
-        return None
-    # Ground stands where it is at rest.
-    rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in meshes]
-    return unwrapped(np.concatenate(rest), faces)
+def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
+    """Return a surface with texture coordinates from six sides of the box around it at rest.
+
+    Every triangle is projected along the axis that it faces, which stretches no pattern by more
+    than the square root of three. Where two sides meet, vertices are doubled; the doubles keep
+    one normal, so that the seam is in the pattern alone.
+
+    Args:
+        rest: (N, 3) vertices at rest, longest along the first axis [m].
+        faces: (F, 3).
+    """
+    a, b, c = (rest[faces[:, i]].astype(float) for i in range(3))
+    side = np.abs(np.cross(b - a, c - a)).argmax(axis=1)
+    corners = faces.astype(np.int64) * 3 + side[:, None]
+    kept, index = np.unique(corners, return_inverse=True)
+    source = kept // 3
+    uv = np.take_along_axis(rest[source], _PLANES[kept % 3], axis=1)
+    new_faces = index.reshape(faces.shape).astype(np.uint32)
+    return Unwrapped(source.astype(np.uint32), new_faces, uv.astype(np.float32))
 
 
-def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
-    """Return a group as a new mesh of Mitsuba."""
+def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> mi.Mesh:
+    """Return a group as a new Mitsuba mesh."""
     props = mi.Properties()
-    props["mesh_bsdf"] = bsdf(words, group.surface, group.tinted is not None, group.prints)
-    laid = group.unwrapped
-    count = len(laid.source) if laid else sum(len(meshes[i].vertices) for i in group.members)
-    if words.glow > 0.0:
-        props["mesh_emitter"] = mi.load_dict(glowing(words))
+    props["mesh_bsdf"] = material_bsdf(
+        material, group.surface, group.warned is not None, group.footprints
+    )
+    unwrapped = group.unwrapped
+    if unwrapped:
+        count = len(unwrapped.source)
+    else:
+        count = sum(len(meshes[i].vertices) for i in group.members)
+    if material.glow > 0.0:
+        props["mesh_emitter"] = mi.load_dict(area_emitter(material))
     mesh = mi.Mesh(
         group.material,
         count,
         len(group.faces),
         props=props,
         has_vertex_normals=group.smooth,
-        has_vertex_texcoords=laid is not None,
+        has_vertex_texcoords=unwrapped is not None,
     )
-    for name in share_names(group.shared):
+    for name in share_names(group.share_material):
         mesh.add_attribute(name, 1, [0.0] * count)
-    if group.tinted is not None:
-        tints = _at_vertices(group.tinted, group.faces)
-        mesh.add_attribute(TINTED, 1, (tints[laid.source] if laid else tints).tolist())
+    if group.warned is not None:
+        share = _vertex_share(group.warned, group.faces)
+        mesh.add_attribute(WARNED, 1, (share[unwrapped.source] if unwrapped else share).tolist())
     values = mi.traverse(mesh)
-    _write(values, "faces", laid.faces if laid else group.faces)
-    if laid:
-        _write(values, "vertex_texcoords", laid.uv)
-    update(values, "", group, meshes)
+    _write(values, "faces", unwrapped.faces if unwrapped else group.faces)
+    if unwrapped:
+        _write(values, "vertex_texcoords", unwrapped.uv)
+    update_vertices(values, "", group, meshes)
     values.update()
     return mesh
 
 
-def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> None:
-    """Write where a group stands in this frame into Mitsuba's parameters.
+def update_vertices(values: Any, prefix: str, group: MeshGroup, meshes: Sequence[Mesh]) -> None:
+    """Write the vertices of a group in this frame to Mitsuba's parameters.
 
     Raises:
         ShotError: a vertex is not finite.
@@ -178,37 +227,27 @@ def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> No
     vertices = np.ascontiguousarray(vertices, np.float32)
     if not np.isfinite(vertices).all():
         raise ShotError(f"a vertex of material {group.material!r} is not finite")
-    every = slice(None) if group.unwrapped is None else group.unwrapped.source
-    _write(values, prefix + "vertex_positions", vertices[every])
+    source = slice(None) if group.unwrapped is None else group.unwrapped.source
+    _write(values, prefix + "vertex_positions", vertices[source])
     if group.smooth:
         normals = vertex_normals(vertices, group.faces)
-        _write(values, prefix + "vertex_normals", normals[every])
-        if group.shared is not None:
-            for name, share in shares(group.shared, vertices, normals).items():
-                _write(values, prefix + name, share[every])
+        _write(values, prefix + "vertex_normals", normals[source])
+        if group.share_material is not None:
+            shares = vertex_shares(group.share_material, vertices, normals)
+            for name, share in shares.items():
+                _write(values, prefix + name, share[source])
 
 
-def imprint(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> None:
-    """Write how many prints have been made into Mitsuba's parameters."""
-    name = f"{prefix}bsdf.{PRINTED}"
-    if group.prints is not None and name in values:
-        values[name] = dr.opaque(type(values[name]), meshes[group.members[0]].printed)
+def update_footprints(values: Any, prefix: str, group: MeshGroup, meshes: Sequence[Mesh]) -> None:
+    """Write the number of footprints made so far to Mitsuba's parameters."""
+    name = f"{prefix}bsdf.{FOOTPRINT_COUNT}"
+    if group.footprints is not None and name in values:
+        count = meshes[group.members[0]].footprint_count
+        values[name] = dr.opaque(type(values[name]), count)
 
 
-def _at_vertices(tinted: NDArray[np.bool_], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
-    """Return which share of the faces about each vertex is tinted, (V,)."""
-    corners, tints = faces.ravel(), np.repeat(tinted.astype(float), 3)
-    count = np.bincount(corners)
-    return (np.bincount(corners, tints) / np.maximum(count, 1)).astype(np.float32)
-
-
-def _write(values: Any, name: str, array: NDArray[Any]) -> None:
-    # The type of a buffer differs between the variants of Mitsuba.
-    values[name] = type(values[name])(np.ascontiguousarray(array.ravel()))
-
-
-def moved(group: Group, before: Sequence[Mesh], now: Sequence[Mesh]) -> bool:
-    """Whether any mesh of a group stands elsewhere than before."""
+def has_moved(group: MeshGroup, before: Sequence[Mesh], now: Sequence[Mesh]) -> bool:
+    """Whether the vertices of any mesh of a group have changed."""
     return any(
         before[i] is not now[i]
         and before[i].vertices is not now[i].vertices
@@ -220,7 +259,7 @@ def moved(group: Group, before: Sequence[Mesh], now: Sequence[Mesh]) -> bool:
 def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
     """Return the unit normals of the vertices, weighted by the area of the faces.
 
-    Computed here and not by Mitsuba, which adds them up in parallel in any order.
+    Mitsuba would sum them in parallel in any order.
 
     Args:
         vertices: (V, 3) [m].
@@ -232,6 +271,18 @@ def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> 
     sums = [np.bincount(corners, np.tile(n[:, i], 3), len(vertices)) for i in range(3)]
     total = np.stack(sums, axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    # A vertex of collapsed triangles only is never seen; any direction will do.
+    # A vertex of collapsed triangles only is invisible; any direction will do.
     up = np.array([0.0, 1.0, 0.0])
     return np.where(length > 1e-20, total / np.maximum(length, 1e-20), up).astype(np.float32)
+
+
+def _vertex_share(warned: NDArray[np.bool_], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """Return the share of warned faces around each vertex, (V,)."""
+    corners, values = faces.ravel(), np.repeat(warned.astype(float), 3)
+    count = np.bincount(corners)
+    return (np.bincount(corners, values) / np.maximum(count, 1)).astype(np.float32)
+
+
+def _write(values: Any, name: str, array: NDArray[Any]) -> None:
+    # The type of a buffer differs between the variants of Mitsuba.
+    values[name] = type(values[name])(np.ascontiguousarray(array.ravel()))

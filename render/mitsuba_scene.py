@@ -1,7 +1,6 @@
-"""A shot in Mitsuba: built once, then moved in place from frame to frame.
+"""A shot as a Mitsuba scene: built once, then updated in place from frame to frame.
 
-Building anew for each frame would leak (mitsuba3, issue 1890) and cost far more
-than the frame.
+Building anew for each frame would leak (mitsuba3, issue 1890) and take far longer than the frame.
 """
 
 from __future__ import annotations
@@ -15,82 +14,117 @@ import numpy as np
 from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
-from render.exposure import Exposure
+from render.frame import LightLayers
 from render.lights.emitters import emitters
-from render.lights.lamps import lamp_emitters, move_lamps, standing
-from render.meshes import Group, built, groups, imprint, moved, update
+from render.lights.lamps import fixed_places, lamp_emitters, move_lamps
+from render.meshes import (
+    MeshGroup,
+    build_mesh,
+    group_meshes,
+    has_moved,
+    update_footprints,
+    update_vertices,
+)
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
-from render.surfaces.bsdf_plugins import set_pixel
-from render.surfaces.material_bsdf import light_paths
-from render.tracer import tracer
-from render.tracing.tracer import Plate
+from render.surfaces.material_bsdf import extra_bounces
+from render.surfaces.texture_mapping import set_pixel_width
+from render.tracing.path_tracer import PathTracer
+from render.tracing.tracer import Accumulator, Tracer
+from render.tracing.wavefront import Wavefront
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
+"""Linear colour of the ground beyond a scene without ground."""
 
 
-class Stage:
-    """The Mitsuba scene of all shots that share a `Shot.build`.
+class MitsubaScene:
+    """The Mitsuba scene of all shots with the same `Shot.build`.
 
     Attributes:
-        build: the digest of what it was built for.
+        build: digest of what it was built for.
         scene: of Mitsuba.
         sensor: the camera in it.
         depth: longest light path, in segments; glass takes more than the film asks for.
-        handed_over: why Mitsuba's own path tracer is at work, or nothing.
-        wide: whether lights that surfaces ask for are so wide that their shadows are soft.
+        path_tracer_reason: why Mitsuba's own path tracer is in use, or empty.
+        has_soft_lights: whether sampled lights are so wide that their shadows are soft.
     """
 
     def __init__(self, shot: Shot) -> None:
         self.build = shot.build
         self._film = shot.film.resolved()
-        self._groups: tuple[Group, ...] = groups(shot.meshes, shot.materials)
-        parts: dict[str, Any] = {
-            f"mesh{i}": built(group, shot.meshes, shot.materials[group.material])
+        self._groups: tuple[MeshGroup, ...] = group_meshes(shot.meshes, shot.materials)
+        meshes: dict[str, Any] = {
+            f"mesh{i}": build_mesh(group, shot.meshes, shot.materials[group.material])
             for i, group in enumerate(self._groups)
         }
         self._lamps = shot.light.lamps
-        # Moved there once more below, so that a fresh build equals one that was moved.
-        self._shining: tuple[LampPlace, ...] = ()
+        # The update below moves them, so that a new scene equals one that was updated.
+        self._lamp_places: tuple[LampPlace, ...] = ()
         self.scene = mi.load_dict(
             {
                 "type": "scene",
-                **parts,
-                **emitters(shot.light, _ground(shot)),
-                **lamp_emitters(self._lamps, shot.lamps or standing(self._lamps)),
+                **meshes,
+                **emitters(shot.light, _ground_color(shot)),
+                **lamp_emitters(self._lamps, shot.lamps or fixed_places(self._lamps)),
                 "camera": _camera(self._film, shot.camera),
             }
         )
         self.sensor = self.scene.sensors()[0]
-        self.wide = self.scene.environment().sampling_weight() > 0.0
-        self.depth = self._film.depth + light_paths(shot.materials.values())
-        self._tracer, self.handed_over = tracer(self.scene, self._film, self.depth)
+        self.has_soft_lights = self.scene.environment().sampling_weight() > 0.0
+        self.depth = self._film.depth + extra_bounces(shot.materials.values())
+        self._tracer, self.path_tracer_reason = choose_tracer(self.scene, self._film, self.depth)
         self._values = mi.traverse(self.scene)
-        self._shown: tuple[Mesh, ...] = shot.meshes
-        self.move(shot.moments[0])
+        self._meshes: tuple[Mesh, ...] = shot.meshes
+        self.update(shot.moments[0])
 
-    def move(self, moment: Moment) -> None:
-        """Move meshes, lamps and camera to where they stand at a moment of a shot of one build."""
+    def update(self, moment: Moment) -> None:
+        """Move meshes, lamps and camera to a moment of a shot with the same build."""
         for i, group in enumerate(self._groups):
-            if moved(group, self._shown, moment.meshes):
-                update(self._values, f"mesh{i}.", group, moment.meshes)
-            imprint(self._values, f"mesh{i}.", group, moment.meshes)
-        self._shown = moment.meshes
-        shining = moment.lamps or standing(self._lamps)
-        if shining != self._shining:
-            move_lamps(self._values, self._lamps, shining)
-            self._shining = shining
-        _aim(self._values, moment.camera, self._film)
-        set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])
+            if has_moved(group, self._meshes, moment.meshes):
+                update_vertices(self._values, f"mesh{i}.", group, moment.meshes)
+            update_footprints(self._values, f"mesh{i}.", group, moment.meshes)
+        self._meshes = moment.meshes
+        places = moment.lamps or fixed_places(self._lamps)
+        if places != self._lamp_places:
+            move_lamps(self._values, self._lamps, places)
+            self._lamp_places = places
+        _update_camera(self._values, moment.camera, self._film)
+        set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
-        self._tracer.moved()
+        self._tracer.scene_changed()
 
-    def expose(self, seed: int, passes: range, of: int) -> Exposure:
-        """Return what the camera sees while nothing moves; see `Plate.expose`."""
-        return self._tracer.expose(self.sensor, seed, passes, of)
+    def trace(self, seed: int, passes: range, total: int) -> LightLayers:
+        """Return what the camera sees while nothing moves; see `Accumulator.add_passes`."""
+        return self._tracer.trace(self.sensor, seed, passes, total)
 
-    def plate(self) -> Plate:
-        """Return a plate that the sensor of this stage may be exposed on."""
-        return self._tracer.plate()
+    def accumulator(self) -> Accumulator:
+        """Return an empty accumulator for the sensor of this scene."""
+        return self._tracer.accumulator()
+
+
+def choose_tracer(scene: Any, film: FullFilm, depth: int) -> tuple[Tracer, str]:
+    """Return the tracer for a scene, and why it is not the wavefront tracer, or empty.
+
+    Args:
+        scene: of Mitsuba.
+        film: size of the frame, and of its indirect light.
+        depth: longest path, in segments.
+    """
+    reason = wavefront_limitation(scene)
+    if reason:
+        return PathTracer(scene, depth, film.rays), reason
+    return Wavefront(scene, film.size, depth, half=film.soft_light == "half"), ""
+
+
+def wavefront_limitation(scene: Any) -> str:
+    """Return why the wavefront tracer does not support a scene, or empty."""
+    variant = str(mi.variant())
+    if not variant.startswith(("llvm", "cuda")):
+        return f"{variant} has no wavefronts"
+    if "spectral" in variant or "polarized" in variant:
+        return f"{variant} carries more than three colours"
+    if any(shape.is_medium_transition() for shape in scene.shapes()):
+        return "a surface encloses a medium"
+    return ""
 
 
 def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:
@@ -121,13 +155,13 @@ def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:
     }
 
 
-def _aim(values: Any, pose: CameraPose, film: FullFilm) -> None:
+def _update_camera(values: Any, pose: CameraPose, film: FullFilm) -> None:
     sight = np.subtract(pose.p_WT, pose.p_WC)
     if not np.isfinite([*sight, *pose.up]).all() or np.linalg.norm(sight) == 0:
         raise ShotError(f"the camera at {pose.p_WC} cannot look at {pose.p_WT}")
     up = np.asarray(pose.up, float)
     if np.linalg.norm(np.cross(sight, up)) < 1e-6 * np.linalg.norm(sight):
-        # Looking straight up or down: let the top of the picture be -Z, as on a map.
+        # Looking straight up or down, the top of the frame is -Z, as on a map.
         up = np.array([0.0, 0.0, -1.0])
     T = mi.ScalarTransform4f().look_at(list(pose.p_WC), list(pose.p_WT), up.tolist())
     width, height = film.size
@@ -142,11 +176,12 @@ def _aim(values: Any, pose: CameraPose, film: FullFilm) -> None:
     values["camera.x_fov"] = type(values["camera.x_fov"])(math.degrees(2 * math.atan(half)))
 
 
-def _ground(shot: Shot) -> tuple[float, float, float]:
-    """Return the linear colour of the ground: that of the first material laid as ground."""
+def _ground_color(shot: Shot) -> tuple[float, float, float]:
+    """Return the linear colour of the ground: that of the first patterned ground material."""
     for mesh in shot.meshes:
-        words: Material = shot.materials[mesh.material]
-        if mesh.uv is not None and words.texture != "none" and words.color2 is not None:
-            r, g, b = (linear(words.color) + linear(words.color2)) / 2
-            return float(r), float(g), float(b)
+        material: Material = shot.materials[mesh.material]
+        if mesh.uv is None or material.texture == "none" or material.color2 is None:
+            continue
+        r, g, b = (linear(material.color) + linear(material.color2)) / 2
+        return float(r), float(g), float(b)
     return _NEUTRAL_GROUND

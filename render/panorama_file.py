@@ -1,7 +1,4 @@
-"""Panorama: a picture of all directions around a place, in an EXR or HDR file.
-
-Only what can be known without Mitsuba is here, so that a scene is checked when it is read.
-"""
+"""Panorama files: checks of EXR and HDR files without Mitsuba, for when a scene is read."""
 
 from __future__ import annotations
 
@@ -13,36 +10,33 @@ from pathlib import Path
 import OpenEXR
 
 SUFFIXES = (".exr", ".hdr")
-_MOST_HEADER = 65536
+_MAX_HEADER_BYTES = 65536
 
 
-def fault_of(path: Path) -> str | None:
-    """Return what is wrong with the file of a panorama, None if it can be used."""
+def panorama_fault(path: Path) -> str | None:
+    """Return what is wrong with a panorama file, None if it is usable."""
     if path.suffix.lower() not in SUFFIXES:
         return f"'{path.name}' is no {' or '.join(SUFFIXES)} file"
     try:
         width, height = _size(path)
     except (OSError, RuntimeError, ValueError, KeyError, TypeError) as error:
-        return f"'{path.name}' cannot be read as a picture: {error}"
+        return f"'{path.name}' cannot be read as an image: {error}"
     if width != 2 * height:
-        return (
-            f"'{path.name}' is {width} by {height} pixels; a picture of all directions is twice "
-            "as wide as high"
-        )
+        return f"'{path.name}' is {width} by {height} pixels; a panorama is twice as wide as high"
     return None
 
 
-def content_of(path: Path) -> str:
-    """Return a digest of what a file holds, empty if it cannot be read."""
+def file_digest(path: Path) -> str:
+    """Return a digest of the content of a file, empty if it cannot be read."""
     try:
         found = path.stat()
-        return _content(path, found.st_mtime_ns, found.st_size)
+        return _digest(path, found.st_mtime_ns, found.st_size)
     except OSError:
         return ""
 
 
 @lru_cache(maxsize=16)
-def _content(path: Path, changed: int, size: int) -> str:
+def _digest(path: Path, changed: int, size: int) -> str:
     return hashlib.blake2b(path.read_bytes(), digest_size=16).hexdigest()
 
 
@@ -53,9 +47,9 @@ def _size(path: Path) -> tuple[int, int]:
             low, high = file.header()["dataWindow"]
         return int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
     with path.open("rb") as stream:
-        head = stream.read(_MOST_HEADER)
+        head = stream.read(_MAX_HEADER_BYTES)
     if not head.startswith(b"#?"):
-        raise ValueError("it does not begin as an HDR file does")
+        raise ValueError("it does not start as an HDR file does")
     found = re.search(rb"\n\n[-+]Y (\d+) [-+]X (\d+)\n", head)
     if found is None:
         raise ValueError("its header gives no size")

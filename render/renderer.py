@@ -1,4 +1,4 @@
-"""Renderer: shots in, frames out, and where the time went."""
+"""Renderer: shots in, frames out, with timings."""
 
 from __future__ import annotations
 
@@ -13,25 +13,24 @@ from typing import TYPE_CHECKING
 
 from render.backend import Backend
 from render.config import FullFilm
-from render.device_memory import told_memory
-from render.exposure import Exposure
-from render.frame import Frame
+from render.errors import device_memory_errors
+from render.frame import Frame, LightLayers
 from render.shot import Shot
 
 if TYPE_CHECKING:
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
 
 
 @dataclass
-class Split:
+class Timings:
     """Seconds spent by a renderer so far.
 
     Attributes:
-        frames: how many were finished.
-        build: building scenes in Mitsuba.
-        update: moving meshes and camera, with Mitsuba's own update.
-        trace: Mitsuba at work, to the last pixel.
-        denoise: the denoiser.
+        frames: number of finished frames.
+        build: building Mitsuba scenes.
+        update: updating them in place.
+        trace: tracing, to the last pixel.
+        denoise: denoising.
     """
 
     frames: int = 0
@@ -42,33 +41,33 @@ class Split:
 
     @contextmanager
     def timed(self, part: str) -> Iterator[None]:
-        """Add the time that passes inside to a part."""
-        began = time.perf_counter()
+        """Add the time spent in the block to a part."""
+        start = time.perf_counter()
         yield
-        setattr(self, part, getattr(self, part) + time.perf_counter() - began)
+        setattr(self, part, getattr(self, part) + time.perf_counter() - start)
 
     @property
     def seconds(self) -> float:
-        """All of it."""
+        """The sum of all parts."""
         return self.build + self.update + self.trace + self.denoise
 
 
 class Renderer:
-    """Renders shots on one backend; builds a scene only when the shot needs another one.
+    """Renders shots on one backend; builds a scene only when `Shot.build` changes.
 
     Args:
-        backend: what Mitsuba is to run on.
-        threads: how many Mitsuba uses, all processors unless said; pixels do not depend on it.
+        backend: that Mitsuba runs on.
+        threads: of Mitsuba, all processors by default; pixels do not depend on it.
 
     Attributes:
-        backend: what Mitsuba runs on.
-        split: seconds spent so far.
-        key_extra: all that a frame depends on besides its shot; frames are kept under both.
+        backend: that Mitsuba runs on.
+        timings: seconds spent so far.
+        key_extra: all that a frame depends on besides its shot; part of its key.
     """
 
     def __init__(self, backend: Backend, threads: int | None = None) -> None:
         backend.activate()
-        # Imported here because Mitsuba must find the backend chosen when it is imported.
+        # Mitsuba reads the backend when it is imported.
         import drjit
 
         from render.denoiser import Denoiser
@@ -76,10 +75,10 @@ class Renderer:
         if threads is not None:
             drjit.set_thread_count(threads)
         self.backend = backend
-        self.split = Split()
+        self.timings = Timings()
         self._denoiser = Denoiser()
-        self._stage: Stage | None = None
-        self.key_extra = f"{backend.key}; {self._denoiser.key}; look {look()}"
+        self._scene: MitsubaScene | None = None
+        self.key_extra = f"{backend.key}; {self._denoiser.key}; look {code_digest()}"
 
     def render(self, shot: Shot) -> Frame:
         """Render one shot.
@@ -87,57 +86,64 @@ class Renderer:
         Raises:
             ShotError: the shot cannot be drawn.
             DenoiseError: the denoiser is missing or failed.
-            DeviceMemoryShort: a graphics processor has too little memory.
+            DeviceMemoryShort: the GPU has too little memory.
         """
         film = shot.film.resolved()
         if film.denoise != "off":
-            # Before the work that would be in vain without it.
             self._denoiser.require()
-        with told_memory():
-            stage = self._staged(shot)
-            exposure = self._exposed(stage, shot, film)
-        with self.split.timed("denoise"):
-            light = self._denoiser.clean(exposure, film.denoise, wide=stage.wide)
-        self.split.frames += 1
+        with device_memory_errors():
+            scene = self._scene_of(shot)
+            layers = self._trace(scene, shot, film)
+        with self.timings.timed("denoise"):
+            light = self._denoiser.clean(
+                layers, film.denoise, has_soft_lights=scene.has_soft_lights
+            )
+        self.timings.frames += 1
         return Frame(light, film.exposure)
 
-    def _exposed(self, stage: Stage, shot: Shot, film: FullFilm) -> Exposure:
-        """Return the mean of all moments that the shutter is open."""
+    def _trace(self, scene: MitsubaScene, shot: Shot, film: FullFilm) -> LightLayers:
+        """Return the mean of all moments of the exposure."""
         count = len(shot.moments)
         each = max(round(film.passes / count), 1)
-
-        plate = stage.plate()
+        accumulator = scene.accumulator()
         for k, moment in enumerate(shot.moments):
             if k:
-                with self.split.timed("update"):
-                    stage.move(moment)
+                with self.timings.timed("update"):
+                    scene.update(moment)
             passes = range(k * each, (k + 1) * each)
-            with self.split.timed("trace"):
-                plate.expose(stage.sensor, shot.seed, passes, count * each)
-        with self.split.timed("trace"):
-            return plate.exposure()
+            with self.timings.timed("trace"):
+                accumulator.add_passes(scene.sensor, shot.seed, passes, count * each)
+        with self.timings.timed("trace"):
+            return accumulator.layers()
 
-    def _staged(self, shot: Shot) -> Stage:
-        from render.mitsuba_scene import Stage
+    def _scene_of(self, shot: Shot) -> MitsubaScene:
+        from render.mitsuba_scene import MitsubaScene
 
-        # Taken off while it is worked on: one that stopped half way is not used again.
-        stage, self._stage = self._stage, None
-        if stage is None or stage.build != shot.build:
-            del stage  # frees the old scene before the new one is made
-            with self.split.timed("build"):
-                stage = Stage(shot)
+        # A scene whose update raised must not be used again.
+        scene, self._scene = self._scene, None
+        if scene is None or scene.build != shot.build:
+            del scene  # frees the old scene before the new one is made
+            with self.timings.timed("build"):
+                scene = MitsubaScene(shot)
         else:
-            with self.split.timed("update"):
-                stage.move(shot.moments[0])
-        self._stage = stage
-        return stage
+            with self.timings.timed("update"):
+                scene.update(shot.moments[0])
+        self._scene = scene
+        return scene
 
 
 @cache
-def look() -> str:
+def code_digest() -> str:
     """Return a digest of the modules that decide what a frame looks like."""
     here = Path(__file__).parent
-    # Words are in the digest of a shot, and a film is made of finished frames.
-    others = {"backend.py", "codecs.py", "errors.py", "film_encoder.py", "image_files.py", "config"}
+    # The configuration is in the digest of a shot, and a film is made of finished frames.
+    others = {
+        "atomic_file.py",
+        "backend.py",
+        "config",
+        "errors.py",
+        "film_encoder.py",
+        "image_files.py",
+    }
     files = sorted(f for f in here.rglob("*.py") if f.relative_to(here).parts[0] not in others)
     return hashlib.blake2b(b"".join(f.read_bytes() for f in files), digest_size=6).hexdigest()

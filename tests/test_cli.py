@@ -66,7 +66,7 @@ def pronk(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) ->
     def run(*words: str) -> tuple[int, str, str]:
         capfd.readouterr()
         monkeypatch.setattr(sys, "argv", ["pronk", *words])
-        monkeypatch.setattr(options, "FLAGS", options.Flags())
+        monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
         # The test runner listens to Ctrl-C itself.
         monkeypatch.setattr(cli, "listen", lambda: None)
         with pytest.raises(SystemExit) as end:

@@ -1,11 +1,11 @@
-"""A small drama manager: it brings a cast together, two at a time, and hears how they meet.
+"""A small drama manager: brings a cast together, two at a time, and counts how they meet.
 
     python docs/examples/drama_manager.py SCENE [--out FOLDER] [--pronk COMMAND]
 
-It starts `pronk direct SCENE`, asks who is there, and then, until the scene is at its end, sends
-whoever has been left alone longest to who has been visited least. When somebody arrives, the one
-who is visited looks at the visitor, and the next two are brought together. People hug who can.
-Nothing of pronk is imported: whatever speaks JSON-RPC 2.0 can do the same.
+It starts `pronk direct SCENE` and queries the cast. Until the end of the scene it sends the
+performer that waited longest to the one that was visited least. On arrival the visited performer
+looks at the visitor, and the next pair follows. Performers that can hug do so. Nothing of pronk is
+imported: any program that speaks JSON-RPC 2.0 can do the same.
 """
 
 import argparse
@@ -15,36 +15,36 @@ import shlex
 import subprocess
 import sys
 
-PATIENCE = 8.0
-"""How long a visit may take [s]."""
+VISIT_TIMEOUT = 8.0
+"""Longest duration of a visit [s]."""
 
 
 class Stage:
-    """The other end: a scene that is directed.
+    """Connection to a directed scene.
 
     Attributes:
-        heard: what has happened and nobody has asked for.
+        events: notifications so far.
     """
 
     def __init__(self, command):
-        self.heard = []
+        self.events = []
         self._numbers = itertools.count(1)
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def ask(self, method, **params):
-        """Send a request and return its result; what is heard meanwhile is kept.
+        """Send a request and return its result, keeping notifications.
 
         Raises:
-            ValueError: the request was refused; says why.
+            ValueError: the request was refused.
         """
         number = next(self._numbers)
-        words = {"jsonrpc": "2.0", "id": number, "method": method, "params": params}
-        self._process.stdin.write(json.dumps(words).encode() + b"\n")
+        request = {"jsonrpc": "2.0", "id": number, "method": method, "params": params}
+        self._process.stdin.write(json.dumps(request).encode() + b"\n")
         self._process.stdin.flush()
         for line in self._process.stdout:
             message = json.loads(line)
             if "method" in message:
-                self.heard.append(message["params"])
+                self.events.append(message["params"])
             elif "error" in message:
                 raise ValueError(message["error"]["message"])
             else:
@@ -58,10 +58,10 @@ class Stage:
 
 
 class Manager:
-    """Who has met whom, and what comes next.
+    """Chooses the visits.
 
     Attributes:
-        meetings: [visitor, visited, time at which they met].
+        meetings: visitor, visited performer, and time of each meeting.
     """
 
     def __init__(self, stage):
@@ -74,14 +74,16 @@ class Manager:
         stage.ask("subscribe", events=["arrived", "touch", "pain", "hug"])
 
     def direct(self):
-        """Go on until the end of the scene."""
+        """Direct until the end of the scene."""
         time, finished = 0.0, False
         while len(self.cast) > 1 and not finished:
             visitor = min(self.cast, key=lambda name: (self._last[name], name))
             others = [name for name in self.cast if name != visitor]
             visited = min(others, key=lambda name: (self._visited[name], self._last[name], name))
             hugs = self._send(visitor, visited)
-            found = self.stage.ask("step", event=["arrived"], who=[visitor], until=time + PATIENCE)
+            found = self.stage.ask(
+                "step", event=["arrived"], who=[visitor], until=time + VISIT_TIMEOUT
+            )
             time, finished = found["time"], found["finished"]
             self._last[visitor] = time
             self._visited[visited] += 1
@@ -94,16 +96,16 @@ class Manager:
                 self._try(visitor, "let_go")
 
     def _can_walk(self, name):
-        """Tell whether somebody follows instructions; who does not says so."""
+        """Return whether a performer accepts orders."""
         return self._try(name, "stop")
 
     def _send(self, visitor, visited):
-        """Let somebody go near somebody; return whether it hugs, which not everybody can."""
+        """Send a visitor; return whether it hugs, which not every performer can."""
         if self._try(visitor, {"hug": visited}):
             return True
         x, _, z = self.stage.ask("query", what=["places"], who=[visited])["places"][visited]
         near = self.stage.ask("query", what=["places"], who=[visitor])["places"][visitor]
-        # Up to an arm's length, not on top of one another.
+        # Stop at an arm's length.
         far = max(((x - near[0]) ** 2 + (z - near[2]) ** 2) ** 0.5, 1e-9)
         part = max(1.0 - 0.8 / far, 0.0)
         place = [near[0] + part * (x - near[0]), near[2] + part * (z - near[2])]
@@ -111,7 +113,7 @@ class Manager:
         return False
 
     def _try(self, who, do):
-        """Tell somebody to do something; return whether that is something it can do."""
+        """Send a command; return whether the performer can carry it out."""
         try:
             self.stage.ask("command", who=who, do=do)
         except ValueError:
@@ -120,11 +122,11 @@ class Manager:
 
 
 def main():
-    """Direct a scene and say what happened."""
+    """Direct a scene and report the meetings."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene")
     parser.add_argument("--out", default="out")
-    parser.add_argument("--pronk", default="pronk", help="how it is called here")
+    parser.add_argument("--pronk", default="pronk", help="command of pronk")
     given = parser.parse_args()
     stage = Stage([*shlex.split(given.pronk), "direct", given.scene, "--out", given.out, "-q"])
     manager = Manager(stage)
@@ -132,7 +134,9 @@ def main():
     end = stage.ask("end")
     for visitor, visited, time in manager.meetings:
         print(f"{time:6.2f} s  {visitor} has come to {visited}")
-    counts = {kind: sum(one["kind"] == kind for one in stage.heard) for kind in ("touch", "pain")}
+    counts = {
+        kind: sum(event["kind"] == kind for event in stage.events) for kind in ("touch", "pain")
+    }
     print(f"{counts['touch']} touches, {counts['pain']} of them painful" if counts["touch"] else "")
     print(f"the scene: {end['scene']}\nits take: {end['take']}")
     return stage.leave()

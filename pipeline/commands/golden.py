@@ -8,14 +8,12 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.options import (
+    Assignments,
     BackendName,
     BackendOption,
-    JsonFlag,
-    QuietFlag,
+    Reporting,
     SceneNames,
-    Sets,
-    VerboseFlag,
-    reporter_of,
+    with_options,
 )
 
 Scenes = Annotated[
@@ -38,41 +36,40 @@ golden = typer.Typer(no_args_is_help=True, help="Keep a film as it is: its regre
 
 
 @golden.command()
+@with_options
 def record(
     scenes: SceneNames,
+    options: Reporting,
     goldens: Goldens = None,
     layers: Layers = None,
     seeds: Seeds = 4,
-    again: Annotated[bool, typer.Option("--again", help="Although there is one.")] = False,
-    sets: Sets = None,
+    again: Annotated[bool, typer.Option("--again", help="Replace a golden that is there.")] = False,
+    sets: Assignments = None,
     backend: BackendOption = BackendName.auto,
-    json_lines: JsonFlag = False,
-    quiet: QuietFlag = False,
-    verbose: VerboseFlag = False,
 ) -> None:
     """Write the goldens of scenes that have none."""
     from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of, layers_of
 
-    reporter = reporter_of(json_lines, quiet, verbose)
+    reporter = options.reporter()
     renderer = GoldenRenderer(backend.value)
     for case in cases_of(scenes, goldens, Path("out"), sets or []):
-        told = golden_record.record(case, renderer, reporter, layers_of(layers), seeds, again)
-        reporter.result(told)
+        reporter.result(
+            golden_record.record(case, renderer, reporter, layers_of(layers), seeds, again)
+        )
 
 
 @golden.command()
+@with_options
 def check(
+    options: Reporting,
     scenes: Scenes = None,
     goldens: Goldens = None,
     out: ReportOut = Path("out"),
     layers: Layers = None,
-    sets: Sets = None,
+    sets: Assignments = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Scenes checked at once.")] = 1,
     backend: BackendOption = BackendName.auto,
-    json_lines: JsonFlag = False,
-    quiet: QuietFlag = False,
-    verbose: VerboseFlag = False,
 ) -> None:
     """Compare scenes with their goldens; write a report, and never a golden.
 
@@ -82,7 +79,7 @@ def check(
     from pipeline.production.goldens.golden_case import cases_of, layers_of
     from pipeline.production.goldens.golden_check import run_checks
 
-    reporter = reporter_of(json_lines, quiet, verbose)
+    reporter = options.reporter()
     cases = cases_of(scenes or [], goldens, out, sets or [])
     code = run_checks(cases, out, layers_of(layers), backend.value, jobs, reporter)
     if code:
@@ -90,54 +87,51 @@ def check(
 
 
 @golden.command()
+@with_options
 def approve(
     scenes: SceneNames,
+    options: Reporting,
     goldens: Goldens = None,
     out: ReportOut = Path("out"),
     layers: Layers = None,
-    json_lines: JsonFlag = False,
-    quiet: QuietFlag = False,
-    verbose: VerboseFlag = False,
 ) -> None:
     """Make what the last check found to differ the golden, as it was looked at."""
     from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import cases_of, layers_of
 
-    reporter = reporter_of(json_lines, quiet, verbose)
+    reporter = options.reporter()
     for case in cases_of(scenes, goldens, out):
         reporter.result(golden_record.approve(case, layers_of(layers)))
 
 
 @golden.command(name="list")
+@with_options
 def list_(
+    options: Reporting,
     goldens: Goldens = None,
-    json_lines: JsonFlag = False,
-    quiet: QuietFlag = False,
-    verbose: VerboseFlag = False,
 ) -> None:
     """Say which goldens there are, what they hold and what they weigh."""
     from pipeline.production.goldens.golden_case import GOLDENS_FOLDER, golden_list
 
     text, facts = golden_list(goldens or Path(GOLDENS_FOLDER))
-    reporter_of(json_lines, quiet, verbose).result(text, goldens=facts)
+    options.reporter().result(text, goldens=facts)
 
 
 @golden.command()
+@with_options
 def calibrate(
+    options: Reporting,
     scenes: Scenes = None,
     goldens: Goldens = None,
     seeds: Seeds = 8,
     write: Annotated[bool, typer.Option("--write", help="Write them into the golden.")] = False,
     backend: BackendOption = BackendName.auto,
-    json_lines: JsonFlag = False,
-    quiet: QuietFlag = False,
-    verbose: VerboseFlag = False,
 ) -> None:
     """Propose limits from pictures that differ in noise alone."""
     from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of
 
-    reporter = reporter_of(json_lines, quiet, verbose)
+    reporter = options.reporter()
     renderer = GoldenRenderer(backend.value)
     for case in cases_of(scenes or [], goldens, Path("out")):
         reporter.result(golden_record.calibrate(case, renderer, reporter, seeds, write))

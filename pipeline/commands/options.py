@@ -1,12 +1,20 @@
-"""The options that commands share, and what they come to: a reporter, changes, an order."""
+"""Options that commands share, in groups: each group is a dataclass, written once.
+
+A command takes one parameter `options` of a group, and `with_options` gives it an option of the
+command line for each field.
+"""
 
 from __future__ import annotations
 
 import enum
+import inspect
+import logging
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_type_hints
 
 import typer
 
@@ -15,9 +23,7 @@ from pipeline.errors import PronkError, SceneError, UsageError
 if TYPE_CHECKING:
     from pipeline.production.run.order import Order
     from pipeline.production.run.progress import Reporter
-
-
-GOES_ON = "the same command goes on where it was"
+    from pipeline.spec import Scene
 
 
 class Preset(enum.StrEnum):
@@ -38,104 +44,197 @@ class BackendName(enum.StrEnum):
     scalar = "scalar"
 
 
-@dataclass(slots=True)
-class Flags:
-    """The flags that every command has."""
-
-    json_lines: bool = False
-    quiet: bool = False
-    verbose: bool = False
-    stopped: str = GOES_ON
-    """What is said after Ctrl-C."""
-
-    def reporter(self) -> Reporter:
-        """Return the reporter that suits them."""
-        from pipeline.production.run.progress import reporter_for
-
-        return reporter_for(self.json_lines, self.quiet, self.verbose)
-
-
-FLAGS = Flags()
-
 SceneName = Annotated[
     str, typer.Argument(metavar="SCENE", help="A file, or the name of a shipped scene.")
 ]
 SceneNames = Annotated[
     list[str], typer.Argument(metavar="SCENE", help="Files, or names of shipped scenes.")
 ]
-Out = Annotated[Path, typer.Option(help="Folder that the scenes' folders are made in.")]
-Sets = Annotated[
+OutFolder = Annotated[Path, typer.Option(help="Folder that the scenes' folders are made in.")]
+Assignments = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change a word of the scene: fps=30."),
+    typer.Option("--set", metavar="PATH=VALUE", help="Change a value of the scene: fps=30."),
 ]
 PresetOption = Annotated[
     Preset | None, typer.Option(help="Size and quality of the frames; the scene's own if left out.")
 ]
-SizeOption = Annotated[
-    str | None, typer.Option(metavar="WxH", help="Size of the frames, such as 1280x720.")
-]
-SamplesOption = Annotated[
-    int | None, typer.Option(min=1, max=65536, help="Rays through each pixel.")
-]
 BackendOption = Annotated[
     BackendName, typer.Option(help="Variant of Mitsuba; the fastest that works if left out.")
 ]
-JsonFlag = Annotated[bool, typer.Option("--json", help="Say everything as lines of JSON.")]
-QuietFlag = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
-VerboseFlag = Annotated[bool, typer.Option("-v", "--verbose", help="Say more.")]
 
 
-def reporter_of(json_lines: bool, quiet: bool, verbose: bool, stopped: str = GOES_ON) -> Reporter:
-    """Keep the flags of the command that runs, and return the reporter that suits them."""
-    FLAGS.json_lines, FLAGS.quiet, FLAGS.verbose = json_lines, quiet, verbose
-    FLAGS.stopped = stopped
-    return FLAGS.reporter()
+@dataclass(kw_only=True)
+class Verbosity:
+    """How much a command says."""
+
+    stopped: ClassVar[str] = "the same command goes on where it was"
+    """What is said after Ctrl-C."""
+
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")] = False
+    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Say more.")] = False
+
+    @property
+    def as_json(self) -> bool:
+        """Whether to say everything as lines of JSON."""
+        return False
+
+    def reporter(self) -> Reporter:
+        """Return the reporter for these options."""
+        from pipeline.production.run.progress import reporter_for
+
+        return reporter_for(self.as_json, self.quiet, self.verbose)
 
 
-def changes_of(sets: list[str] | None, size: str | None, samples: int | None) -> list[str]:
-    """Return the words that options change, an explicit `--set` last."""
-    changes = []
-    if size is not None:
-        match = re.fullmatch(r"\s*(\d{1,5})\s*[xX×]\s*(\d{1,5})\s*", size)
-        if match is None:
-            raise UsageError(f"--size {size!r} is no size; write width and height, as in 1280x720")
-        changes.append(f"film.size=[{match[1]},{match[2]}]")
-    if samples is not None:
-        changes.append(f"film.samples={samples}")
-    return [*changes, *(sets or [])]
+@dataclass(kw_only=True)
+class Reporting(Verbosity):
+    """How much a command says, and whether for programs."""
+
+    json_lines: Annotated[bool, typer.Option("--json", help="Say everything as lines of JSON.")] = (
+        False
+    )
+
+    @property
+    def as_json(self) -> bool:
+        """Whether to say everything as lines of JSON."""
+        return self.json_lines
 
 
-def order_of(
-    name: str,
-    sets: list[str] | None,
-    out: Path,
-    preset: Preset | None = None,
-    backend: BackendName = BackendName.auto,
-    **more: Any,
-) -> Order:
-    """Return what is asked of a run on a scene, by the scene's name.
+@dataclass(kw_only=True)
+class SceneOptions(Reporting):
+    """Options of commands that load a scene."""
 
-    Raises:
-        UsageError: if there is no such scene.
-        SceneError: if it is wrong.
-    """
-    from pipeline.production.run.order import Order
-    from pipeline.spec import find_scene, load_scene
+    sets: Assignments = None
 
-    file = find_scene(name)
-    changes = [*([f"film.preset={preset.value}"] if preset else []), *(sets or [])]
-    return Order(load_scene(file, changes), file.stem, out, backend=backend.value, **more)
+    def scene(self, name: str) -> Scene:
+        """Load a scene by its name.
+
+        Raises:
+            UsageError: there is no such scene.
+            SceneError: it is wrong.
+        """
+        from pipeline.spec import find_scene, load_scene
+
+        return load_scene(find_scene(name), self.sets or [])
+
+
+@dataclass(kw_only=True)
+class RunOptions(SceneOptions):
+    """Options of commands that simulate a scene."""
+
+    out: OutFolder = Path("out")
+
+    def assignments(self) -> list[str]:
+        """Return the values of the scene that options change, an explicit `--set` last."""
+        return self.sets or []
+
+    def order(
+        self,
+        name: str,
+        preset: Preset | None = None,
+        backend: BackendName = BackendName.auto,
+        **more: Any,
+    ) -> Order:
+        """Return the order to run a scene.
+
+        Args:
+            name: of the scene.
+            preset: quality of the frames.
+            backend: variant of Mitsuba.
+            more: other fields of the order.
+
+        Raises:
+            UsageError: there is no such scene.
+            SceneError: it is wrong.
+        """
+        from pipeline.production.run.order import Order
+        from pipeline.spec import find_scene, load_scene
+
+        file = find_scene(name)
+        changes = [*([f"film.preset={preset.value}"] if preset else []), *self.assignments()]
+        scene = load_scene(file, changes)
+        return Order(scene, file.stem, more.pop("out", self.out), backend=backend.value, **more)
+
+
+@dataclass(kw_only=True)
+class FrameOptions(RunOptions):
+    """Options of commands that render frames."""
+
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="Size of the frames, such as 1280x720.")
+    ] = None
+    samples: Annotated[
+        int | None, typer.Option(min=1, max=65536, help="Rays through each pixel.")
+    ] = None
+    backend: BackendOption = BackendName.auto
+
+    def assignments(self) -> list[str]:
+        """Return the values of the scene that options change, an explicit `--set` last."""
+        changes = []
+        if self.size is not None:
+            match = re.fullmatch(r"\s*(\d{1,5})\s*[xX×]\s*(\d{1,5})\s*", self.size)
+            if match is None:
+                message = f"--size {self.size!r} is no size; write width and height, as in 1280x720"
+                raise UsageError(message)
+            changes.append(f"film.size=[{match[1]},{match[2]}]")
+        if self.samples is not None:
+            changes.append(f"film.samples={self.samples}")
+        return [*changes, *(self.sets or [])]
+
+    def frame_order(self, name: str, preset: Preset | None = None, **more: Any) -> Order:
+        """Return the order to render a scene, see `order`."""
+        return self.order(name, preset, self.backend, **more)
+
+
+@dataclass
+class _Current:
+    options: Verbosity
+
+
+CURRENT = _Current(Verbosity())
+"""The options of the command that runs."""
+
+
+def with_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Replace the parameter `options` of a command by an option for each of its group's fields."""
+    signature = inspect.signature(function, eval_str=True)
+    group = signature.parameters["options"].annotation
+    types = get_type_hints(group, include_extras=True)
+    # The options of a group stand before those of the group that it extends.
+    annotated = [name for base in group.__mro__ for name in inspect.get_annotations(base)]
+    names = [name for name in annotated if name in inspect.signature(group).parameters]
+    shared = [
+        inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=getattr(group, name),
+            annotation=types[name],
+        )
+        for name in names
+    ]
+    own = [p for p in signature.parameters.values() if p.name != "options"]
+
+    @wraps(function)
+    def command(**values: Any) -> None:
+        CURRENT.options = group(**{name: values.pop(name) for name in names})
+        level = logging.ERROR if CURRENT.options.quiet else logging.WARNING
+        logging.getLogger("pronk").setLevel(level)
+        function(options=CURRENT.options, **values)
+
+    command.__signature__ = signature.replace(  # type: ignore[attr-defined] # what Typer reads
+        parameters=[*(p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in own), *shared]
+    )
+    command.__annotations__ = {p.name: p.annotation for p in [*own, *shared]}
+    return command
 
 
 def say(error: PronkError) -> None:
-    """Write an error where the flags want it."""
-    if not FLAGS.json_lines:
+    """Write an error as the options of the running command ask."""
+    if not CURRENT.options.as_json:
         typer.echo(f"error: {error}", err=True)
         return
     import json
-    from dataclasses import asdict
 
-    words: dict[str, object] = {"event": "error", "exit_code": error.exit_code}
+    event: dict[str, object] = {"event": "error", "exit_code": error.exit_code}
     if isinstance(error, SceneError):
-        words["problems"] = [asdict(problem) for problem in error.problems]
-    typer.echo(json.dumps({**words, "message": str(error)}, ensure_ascii=False))
+        event["problems"] = [asdict(problem) for problem in error.problems]
+    typer.echo(json.dumps({**event, "message": str(error)}, ensure_ascii=False))

@@ -81,6 +81,11 @@ class Effort:
     unbalanced_moment: Array
     distance: float
 
+    @property
+    def weight(self) -> float:
+        """[N]."""
+        return self.mass * GRAVITY
+
     @cached_property
     def power(self) -> Array:
         """(n,) mechanical power of all joints together [W]."""

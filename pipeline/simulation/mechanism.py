@@ -1,4 +1,4 @@
-"""Mechanism: joints, masses and planned stances of legged creatures, as a take records them."""
+"""Mechanism: joints, masses, stances and part names of creatures, as a take records them."""
 
 from __future__ import annotations
 
@@ -59,3 +59,16 @@ class Leg:
     length: float
     sole: float
     stances: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class NodeAlias:
+    """Another name of a node: that of a node of its creature's drawing.
+
+    Attributes:
+        name: such as "bug.knee1_l".
+        node: number of the node, -1 for none.
+    """
+
+    name: str
+    node: int

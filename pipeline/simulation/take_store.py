@@ -16,7 +16,7 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
-from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.mechanism import Leg, Mechanism, NodeAlias
 from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.take import (
     FORMAT,
@@ -46,6 +46,7 @@ RECORD_TYPES: dict[str, Any] = {
     "told": Told,
     "mechanisms": Mechanism,
     "legs": Leg,
+    "aliases": NodeAlias,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)

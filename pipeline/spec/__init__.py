@@ -16,7 +16,7 @@ from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.scene_library import find_scene, library, shipped_scenes
 from pipeline.spec.scene_loader import load_figure, load_figures, load_scene, read_scene
 from pipeline.spec.terrain import Terrain
-from pipeline.spec.walk import GaitWords, Walk
+from pipeline.spec.walk import GaitPhases, Walk
 from pipeline.spec.yaml_writer import dump
 
 __all__ = [
@@ -27,7 +27,7 @@ __all__ = [
     "Dance",
     "Dancer",
     "Figure",
-    "GaitWords",
+    "GaitPhases",
     "Group",
     "Many",
     "Member",

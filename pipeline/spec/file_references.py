@@ -90,9 +90,9 @@ def _panorama_fault(path: Path, name: str) -> str | None:
     if fault is not None:
         return fault
     # Only scenes with pictures wait for the library that reads them.
-    from render.panorama_file import fault_of
+    from render.panorama_file import panorama_fault
 
-    return fault_of(path)
+    return panorama_fault(path)
 
 
 def _unreadable_file(path: Path, name: str) -> str | None:

@@ -150,7 +150,7 @@ class Grass(GroupBase):
     )
 
 
-GroupWords = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")]
+GroupRule = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")]
 
 DIRECTED = ("flock", "school")
 """Rules of the groups that a script can send somewhere."""
@@ -159,7 +159,7 @@ DIRECTED = ("flock", "school")
 class Group(Performer):
     """Many bodies that move by one rule."""
 
-    group: GroupWords = Field(description="How many they are, and by which rule they move.")
+    group: GroupRule = Field(description="How many they are, and by which rule they move.")
     at: At = Field(
         (0.0, 0.0),
         description="About where they begin, [x, y, z]; [x, z] is on the ground [m].",
@@ -168,7 +168,7 @@ class Group(Performer):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if self.parent is not None and not isinstance(self.group, Fire):
-            message = "only a fire goes along with a parent; a flock may follow somebody"
+            message = "only a fire has a parent; remove this, or write follow for a flock"
             raise_faults([Fault(("parent",), message, at_key=True)])
         return self
 

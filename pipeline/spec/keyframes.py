@@ -16,9 +16,21 @@ from pipeline.spec.model_base import (
     Number,
     raise_faults,
 )
-from render.config.ease import EASE, HELD_EASE, TURN, Ease
+from render.config.base import (
+    EASE_DESCRIPTION,
+    HELD_EASE_DESCRIPTION,
+    TURN_DESCRIPTION,
+    Ease,
+)
 
-__all__ = ["EASE", "TURN", "Ease", "Keyframe", "SmoothEase", "faults_of_order"]
+__all__ = [
+    "EASE_DESCRIPTION",
+    "TURN_DESCRIPTION",
+    "Ease",
+    "Keyframe",
+    "SmoothEase",
+    "faults_of_order",
+]
 
 SmoothEase = Literal["spline", "linear", "in", "out", "in-out"]
 """The eases of what must not jump, such as joints."""
@@ -60,14 +72,15 @@ class Keyframe(ConfigModel):
     at: Time = Field(description="When [s].")
     position: Place | None = Field(None, description="Where its origin is, [x, y, z] [m].")
     rotation_deg: Turn | None = Field(
-        None, description=f"How it is turned: {TURN}. More than 360 is more than one turn."
+        None,
+        description=f"How it is turned: {TURN_DESCRIPTION}. More than 360 is more than one turn.",
     )
     scale: Scale | None = Field(
         None,
         description="Factor on its own lengths, one or one for each of its axes; its children "
         "keep theirs.",
     )
-    ease: Ease = Field("spline", description=HELD_EASE)
+    ease: Ease = Field("spline", description=HELD_EASE_DESCRIPTION)
     tangent: Tangent | None = Field(
         None,
         description="How fast a spline goes through here; found from the keys beside it "
@@ -132,7 +145,7 @@ def faults_of_tangents(keys: Sequence[Eased], name: str) -> Iterator[Fault]:
         after = keys[i + 1].ease if i + 1 < len(keys) else "hold"
         before = key.ease if i else "hold"
         if key.tangent is not None and "spline" not in (before, after):
-            message = "only a spline has a tangent, and none comes here or leaves from here"
+            message = "needs a spline before or after this key; remove this"
             yield Fault((name, i, "tangent"), message, at_key=True)
 
 
@@ -149,7 +162,7 @@ class BodyKey(ConfigModel):
         (0.0, 0.0, 0.0), description="Forward, up and to the right of its heading [m]."
     )
     turn_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"About its forward x, up y and right z: {TURN}."
+        (0.0, 0.0, 0.0), description=f"About its forward x, up y and right z: {TURN_DESCRIPTION}."
     )
 
 
@@ -168,7 +181,7 @@ class PoseKey(ConfigModel):
         None, description="Where the link that ends there is to point, as a direction."
     )
     turn_deg: Turn | None = Field(
-        None, description=f"How that link is turned from the way it was drawn: {TURN}."
+        None, description=f"How that link is turned from the way it was drawn: {TURN_DESCRIPTION}."
     )
     frame: Frame = Field(
         "feet",
@@ -198,7 +211,7 @@ class PoseKey(ConfigModel):
         description="How long the first key takes over from what was done before, ending at `at`, "
         "and how long a release takes, beginning there [s].",
     )
-    ease: SmoothEase = Field("spline", description=f"{EASE}.")
+    ease: SmoothEase = Field("spline", description=f"{EASE_DESCRIPTION}.")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -208,13 +221,13 @@ class PoseKey(ConfigModel):
         if len(named) == 2:
             faults.append(Fault(("node",), "give either limb or node, not both", at_key=True))
         if asked and not named:
-            faults.append(Fault((asked[0],), "say of which limb or node", at_key=True))
+            faults.append(Fault((asked[0],), "needs limb or node", at_key=True))
         if named and not asked:
             faults.append(Fault((named[0],), f"say what it is to do: {' or '.join(GOALS)}"))
         if self.aim is not None and self.turn_deg is not None:
             faults.append(Fault(("aim",), "give either aim or turn_deg, not both", at_key=True))
         if self.aim == (0.0, 0.0, 0.0):
-            faults.append(Fault(("aim",), "points nowhere; give a direction such as [0, -1, 0]"))
+            faults.append(Fault(("aim",), "has no direction; write one such as [0, -1, 0]"))
         if not (asked or named or self.joints or self.body or self.release):
             faults.append(Fault((), "should have limb, node, joints, body or release"))
         raise_faults(faults)

@@ -53,7 +53,7 @@ def keyed_union(forms: Mapping[str, type[BaseModel]], default: str, word: Any = 
     """Return the union of models that are told apart by the key that each alone has.
 
     Args:
-        forms: the models by their keys; the first key found in a mapping decides.
+        forms: the models by their keys; the first of these keys that a mapping has decides.
         default: name of the model that a mapping without any of the keys is checked against.
         word: type of what a plain string may be, if it may.
     """
@@ -62,7 +62,7 @@ def keyed_union(forms: Mapping[str, type[BaseModel]], default: str, word: Any = 
         if word is not None and isinstance(value, str):
             return "a word"
         if isinstance(value, Mapping):
-            return next((forms[key].__name__ for key in value if key in forms), default)
+            return next((form.__name__ for key, form in forms.items() if key in value), default)
         return type(value).__name__ if isinstance(value, ConfigModel) else None
 
     union: Any = Annotated[word, Tag("a word")] if word is not None else None

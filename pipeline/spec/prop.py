@@ -1,4 +1,4 @@
-"""Prop: a thing that moves only as its author says, by keyframes, on a parent, or in a hand."""
+"""Prop: a thing moved by keyframes, velocity, force, a parent or a hand (Sims, ch. 3.1)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.keyframes import (
-    TURN,
     Keyframe,
     Rates,
     Time,
@@ -27,7 +26,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
-from render.config.ease import EASE, Ease
+from render.config.base import EASE_DESCRIPTION, TURN_DESCRIPTION, Ease
 
 
 class BoxShape(ConfigModel):
@@ -87,7 +86,7 @@ class Hold(ConfigModel):
     by: str = Field(
         min_length=1,
         max_length=200,
-        description="Who holds it with what, such as arm.hand: a performer and a node of its "
+        description="The hand that holds it, such as arm.hand: a performer and a node of its "
         "drawing or a link.",
     )
     at: Time = Field(description="When it is taken [s].")
@@ -105,7 +104,7 @@ class Hold(ConfigModel):
 Push = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Pushes = tuple[Push, Push, Push]
 
-DRIVEN_EASE = f"{EASE}, hold keeps the value before until then."
+DRIVEN_EASE = f"{EASE_DESCRIPTION}, hold keeps the value before until then."
 
 
 class VelocityKey(ConfigModel):
@@ -125,13 +124,13 @@ class VelocityKey(ConfigModel):
         return self
 
 
-def _velocity_form(words: Any) -> str:
-    if isinstance(words, list | tuple) and words and not isinstance(words[0], int | float):
+def _velocity_form(value: Any) -> str:
+    if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):
         return "keys"
     return "one"
 
 
-VelocityWords = Annotated[
+PropVelocity = Annotated[
     Annotated[Velocity, Tag("one")]
     | Annotated[
         tuple[VelocityKey, ...], Field(min_length=1, max_length=MAX_KEYFRAMES), Tag("keys")
@@ -156,8 +155,8 @@ class ForceKey(ConfigModel):
         return self
 
 
-class ForceWords(ConfigModel):
-    """What pushes a prop: it meets nothing, and goes as its mass lets it."""
+class ForceMotion(ConfigModel):
+    """Forces on a prop, which moves by its mass and collides with nothing."""
 
     force: Pushes | None = Field(None, description="At its middle, all the time [N].")
     torque: Pushes | None = Field(None, description="About x, y and z, all the time [N m].")
@@ -175,8 +174,8 @@ class ForceWords(ConfigModel):
     turning_drag: Annotated[Number, Field(ge=0, le=1e6)] = Field(
         0.0, description="Torque that holds it back, for each radian a second [N m s]."
     )
-    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin [m/s].")
-    spin_deg: Rates = Field((0.0, 0.0, 0.0), description="At the begin [degrees/s].")
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the start [m/s].")
+    spin_deg: Rates = Field((0.0, 0.0, 0.0), description="At the start [degrees/s].")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -185,26 +184,26 @@ class ForceWords(ConfigModel):
 
     def _faults(self) -> Iterator[Fault]:
         yield from faults_of_order(self.keys, "keys")
-        for word in ("force", "torque"):
-            if self.keys and getattr(self, word) is not None:
-                yield Fault((word,), "give it in the keys, or take the keys away", at_key=True)
+        for key in ("force", "torque"):
+            if self.keys and getattr(self, key) is not None:
+                yield Fault((key,), "conflicts with keys; write it there", at_key=True)
 
 
-def _keyed(velocity: VelocityWords | None) -> TypeGuard[tuple[VelocityKey, ...]]:
+def _keyed(velocity: PropVelocity | None) -> TypeGuard[tuple[VelocityKey, ...]]:
     return velocity is not None and isinstance(velocity[0], VelocityKey)
 
 
 class Prop(Performer):
-    """A thing that moves only as its author says."""
+    """A thing that moves only as its keys say."""
 
-    prop: Shape = Field(description="What it looks like.")
+    prop: Shape = Field(description="Its shape.")
     at: At = Field(
         (0.0, 0.0),
         description="Where its middle is, [x, y, z]; [x, z] puts it on the ground, or on the "
         "origin of its parent [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
+        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN_DESCRIPTION}."
     )
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
         (),
@@ -215,9 +214,9 @@ class Prop(Performer):
         description="Whether the keyframes begin again when the last is reached, which should "
         "then be as the first; a rotation may be whole turns on.",
     )
-    velocity: VelocityWords | None = Field(
+    velocity: PropVelocity | None = Field(
         None,
-        description="How fast it goes from where it is at the begin, [x, y, z], or a list of "
+        description="Velocity from its position at the start, [x, y, z], or a list of "
         "velocities at certain times; relative to its parent or the world [m/s].",
     )
     spin_deg: Rates | None = Field(
@@ -225,11 +224,11 @@ class Prop(Performer):
         description="How it turns all the time, about x, y and z of its parent or the world "
         "[degrees/s].",
     )
-    force: ForceWords | None = Field(
+    force: ForceMotion | None = Field(
         None, description="What pushes and turns it, as its mass lets it."
     )
     held: Annotated[tuple[Hold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
-        (), description="By whom it is held, and when."
+        (), description="Hands that hold it, and when."
     )
 
     @model_validator(mode="after")
@@ -248,23 +247,23 @@ class Prop(Performer):
         return self
 
     def _faults_of_moving(self) -> Iterator[Fault]:
-        ways = [word for word in ("keyframes", "velocity", "force") if getattr(self, word)]
-        for word in ways[1:]:
-            message = f"it is moved by its {ways[0]} already; take one of the two away"
-            yield Fault((word,), message, at_key=True)
+        ways = [key for key in ("keyframes", "velocity", "force") if getattr(self, key)]
+        for key in ways[1:]:
+            message = f"conflicts with {ways[0]}; remove one"
+            yield Fault((key,), message, at_key=True)
         if self.repeat and not (self.keyframes and self.keyframes[-1].at > self.keyframes[0].at):
-            yield Fault(("repeat",), "needs two keyframes to go between", at_key=True)
+            yield Fault(("repeat",), "needs two keyframes at different times", at_key=True)
         if self.spin_deg is not None and ways not in ([], ["velocity"]):
-            message = f"it turns by its {ways[0]}; say there how"
+            message = f"conflicts with {ways[0]}; write the rotation there"
             yield Fault(("spin_deg",), message, at_key=True)
         elif self.spin_deg is not None and _keyed(self.velocity):
-            message = "give it in the keys of its velocity"
+            message = "conflicts with the keys of velocity; write it there"
             yield Fault(("spin_deg",), message, at_key=True)
         if _keyed(self.velocity):
             yield from faults_of_order(self.velocity, "velocity")
         moving = [*ways, *(["spin_deg"] if self.spin_deg is not None else [])]
         if moving and self.held:
-            message = f"what is held does not follow {moving[0]}; take one of the two away"
+            message = f"conflicts with {moving[0]}; remove one"
             yield Fault(("held",), message, at_key=True)
 
     @property

@@ -1,13 +1,11 @@
-"""The author's words for materials, light, camera and film.
+"""Configuration models of materials, light, camera and film, a part of the scene language.
 
-They are part of the scene language and know nothing of Mitsuba: no word here is
-one that the renderer would then ignore.
+They are independent of Mitsuba, and the renderer uses every key.
 """
 
 from render.config.camera import Camera, Cuts, View, cuts
 from render.config.film import Film, FullFilm
-from render.config.lamp import Lamp, Spot
-from render.config.light import LIGHTS, Hdr, Light, Moon, Studio, Sun, light
+from render.config.light import LIGHTS, Hdr, Lamp, Light, Moon, Spot, Studio, Sun, light
 from render.config.material import MATERIALS, Material, material
 
 __all__ = [

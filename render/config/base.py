@@ -1,11 +1,11 @@
-"""What all words share: they are frozen, closed and finite, and may start from a preset."""
+"""Base classes and value types of all configuration models."""
 
 from __future__ import annotations
 
 import difflib
 import re
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BaseModel,
@@ -18,17 +18,17 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 
-class Words(BaseModel):
-    """A block of the scene file: it refuses unknown words, infinities and NaN."""
+class ConfigModel(BaseModel):
+    """A block of the scene file: frozen; it rejects unknown keys, infinities and NaN."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class PresetWords(Words):
-    """A block for which the name of a preset may stand, or which adjusts one by `preset`.
+class PresetModel(ConfigModel):
+    """A block that the name of a preset may replace, or that adjusts one by its key `preset`.
 
-    The values of the preset are written out when the block is read, so that a block
-    means the same wherever it goes. Its own words come before those of the preset.
+    The values of the preset are written out when the block is read, so that a block means the
+    same wherever it goes. The block's own values override those of the preset.
     """
 
     presets: ClassVar[Mapping[str, Mapping[str, Any]]]
@@ -36,18 +36,18 @@ class PresetWords(Words):
 
     @model_validator(mode="before")
     @classmethod
-    def _write_out(cls, value: object) -> object:
-        words = {"preset": value} if isinstance(value, str) else value
-        if not isinstance(words, Mapping) or words.get("preset") is None:
-            return words
-        known_name(str(words["preset"]), cls.presets, "preset")
-        return merge(cls.presets[str(words["preset"])], words)
+    def _expand_preset(cls, value: object) -> object:
+        values = {"preset": value} if isinstance(value, str) else value
+        if not isinstance(values, Mapping) or values.get("preset") is None:
+            return values
+        known_name(str(values["preset"]), cls.presets, "preset")
+        return merge(cls.presets[str(values["preset"])], values)
 
     @classmethod
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """Let the name of a preset stand for the block in the JSON schema too."""
+        """Let the JSON schema accept the name of a preset in place of the block."""
         block = handler.resolve_ref_schema(handler(schema))
         names = {"type": "string", "enum": sorted(cls.presets)}
         block.get("properties", {}).get("preset", {}).pop("anyOf", None)
@@ -55,17 +55,17 @@ class PresetWords(Words):
         return {"anyOf": [names, block], "title": cls.__name__}
 
 
-def merge(under: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `under` with the words of `over` laid on top, block by block."""
-    merged = dict(under)
-    for word, value in over.items():
-        below = merged.get(word)
+def merge(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `base` with the values of `override` over it, block by block."""
+    merged = dict(base)
+    for key, value in override.items():
+        below = merged.get(key)
         both = isinstance(below, Mapping) and isinstance(value, Mapping)
-        merged[word] = merge(below, value) if both else value  # type: ignore[arg-type]
+        merged[key] = merge(below, value) if both else value  # type: ignore[arg-type]
     return merged
 
 
-def known_name(name: str, names: Iterable[str], what: str) -> str:
+def known_name(name: str, names: Iterable[str], kind: str) -> str:
     """Return `name` if it is one of `names`.
 
     Raises:
@@ -76,14 +76,14 @@ def known_name(name: str, names: Iterable[str], what: str) -> str:
         return name
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-    raise ValueError(f"no {what} is called {name!r}; {hint}")
+    raise ValueError(f"no {kind} is called {name!r}; {hint}")
 
 
 def _from_hex(value: object) -> object:
     if not isinstance(value, str):
         return value
     if not re.fullmatch(r"#[0-9a-fA-F]{6}", value):
-        raise ValueError(f"{value!r} is no colour: write '#rrggbb' or [red, green, blue] in 0..1")
+        raise ValueError(f"{value!r} is no colour; write '#rrggbb' or [red, green, blue] in 0..1")
     return tuple(int(value[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 
@@ -96,6 +96,28 @@ Color = Annotated[
         | tuple[Unit, Unit, Unit],
     ),
 ]
-"""Red, green, blue of sRGB, each 0 to 1; `#rrggbb` may be written for it."""
+"""Red, green, blue of sRGB, each 0 to 1, or `#rrggbb`."""
 
 Point = tuple[float, float, float]
+
+# Beyond 10 km a float32 vertex is less accurate than a millimetre.
+Coordinate = Annotated[float, Field(ge=-10_000, le=10_000)]
+Place = tuple[Coordinate, Coordinate, Coordinate]
+Rate = Annotated[float, Field(ge=-36_000, le=36_000)]
+Rates = tuple[Rate, Rate, Rate]
+
+Time = Annotated[float, Field(ge=0, le=1e6)]
+Angle = Annotated[float, Field(ge=-36_000, le=36_000)]
+Turn = tuple[Angle, Angle, Angle]
+
+Ease = Literal["spline", "linear", "in", "out", "in-out", "hold"]
+"""Interpolation from the keyframe before, of bodies and of the camera."""
+
+EASE_DESCRIPTION = (
+    "Interpolation from the keyframe before: spline passes through without a stop, in starts "
+    "from rest, out comes to rest, in-out does both, linear does neither"
+)
+HELD_EASE_DESCRIPTION = f"{EASE_DESCRIPTION}, hold waits and then jumps."
+
+TURN_DESCRIPTION = "about z, then x, then y, so that y turns it about the vertical [degrees]"
+"""Meaning of the three numbers of every `turn_deg` and `rotation_deg`."""

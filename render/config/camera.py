@@ -1,4 +1,4 @@
-"""Camera: what is seen from where, as words; production computes the poses."""
+"""Camera configuration: cuts, keyframes, moves and lens. `production` computes the poses."""
 
 from __future__ import annotations
 
@@ -8,94 +8,102 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, TypeAdapter, model_validator
 
-from render.config.base import Words
-from render.config.camera_moves import CraneWords, DollyWords, OrbitWords, TruckWords
-from render.config.ease import HELD_EASE, TURN, Ease, Place, Rate, Rates, Time, Turn
+from render.config.base import (
+    HELD_EASE_DESCRIPTION,
+    TURN_DESCRIPTION,
+    ConfigModel,
+    Ease,
+    Place,
+    Rate,
+    Rates,
+    Time,
+    Turn,
+)
+from render.config.camera_moves import CraneField, DollyField, OrbitField, TruckField
 
 View = Literal["three-quarter", "side", "front", "back", "top"]
 
-
-MOST_KEYS = 10_000
+MAX_KEYFRAMES = 10_000
 """Keyframes of one cut."""
 
-PLACED = ("position", "target", "rotation_deg")
-"""What a keyframe says of a camera that its author moves."""
+POSE_KEYS = ("position", "target", "rotation_deg")
+"""Keys of a keyframe that place a camera."""
 
-VALUES = (*PLACED, "fov_deg", "focus")
-"""What a keyframe of the camera may say."""
+KEYFRAME_KEYS = (*POSE_KEYS, "fov_deg", "focus")
+"""Keys of a keyframe that have a value."""
 
-FRAMED = ("view", "distance", "elevation_deg", "orbit", "dolly", "truck", "crane")
-"""Words of a camera that is not put anywhere: it frames by itself."""
+FRAMING_KEYS = ("view", "distance", "elevation_deg", "orbit", "dolly", "truck", "crane")
+"""Keys of a camera that frames automatically."""
 
 Focus = Annotated[float, Field(gt=0, le=1e5)] | Place | str
 """A distance [m], a point of the world, or a performer."""
 
-FOCUS = (
-    "What is sharp: a performer or one of its links or nodes as bug.head, a point [x, y, z] of the "
+FOCUS_DESCRIPTION = (
+    "Focus: a performer or one of its links or nodes as bug.head, a point [x, y, z] of the "
     "world, or a distance [m]"
 )
 
 FieldOfView = Annotated[float, Field(ge=1, le=150)]
 
 
-class CameraTangent(Words):
-    """How fast a spline goes through a keyframe, where that is not left to the spline."""
+class CameraTangent(ConfigModel):
+    """Velocities of a spline at a keyframe, where they are given."""
 
     position: Rates | None = Field(None, description="[m/s].")
     target: Rates | None = Field(None, description="[m/s].")
-    rotation_deg: Rates | None = Field(None, description="Of each of the three angles [degrees/s].")
+    rotation_deg: Rates | None = Field(None, description="Rates of the three angles [degrees/s].")
     fov_deg: Rate | None = Field(None, description="[degrees/s].")
 
 
-class CameraKey(Words):
-    """Where the camera is at one time and how it sees, relative to its parent or the world."""
+class CameraKey(ConfigModel):
+    """Pose and lens of the camera at one time, relative to its parent or the world."""
 
-    at: Time = Field(description="When, from the begin of the film [s].")
-    position: Place | None = Field(None, description="Where it is, [x, y, z] [m].")
-    target: Place | None = Field(None, description="The point it looks at, [x, y, z] [m].")
+    at: Time = Field(description="Time from the start of the film [s].")
+    position: Place | None = Field(None, description="Position [x, y, z] [m].")
+    target: Place | None = Field(None, description="Point it looks at, [x, y, z] [m].")
     rotation_deg: Turn | None = Field(
         None,
-        description=f"How it is turned: {TURN}; at 0 it looks along +X.",
+        description=f"Rotation: {TURN_DESCRIPTION}; at 0 it looks along +X.",
     )
     fov_deg: FieldOfView | None = Field(None, description="Vertical field of view [degrees].")
-    focus: Focus | None = Field(None, description=f"{FOCUS}.")
-    ease: Ease = Field("spline", description=HELD_EASE)
+    focus: Focus | None = Field(None, description=f"{FOCUS_DESCRIPTION}.")
+    ease: Ease = Field("spline", description=HELD_EASE_DESCRIPTION)
     tangent: CameraTangent | None = Field(
         None,
-        description="How fast a spline goes through here; found from the keys beside it "
-        "if left out, 0 at the first and the last.",
+        description="Velocity of the spline here; found from the neighbouring keyframes if left "
+        "out, 0 at the first and the last.",
     )
 
     @model_validator(mode="after")
-    def _says_something(self) -> Self:
-        said = [word for word in VALUES if getattr(self, word) is not None]
-        if not said:
-            raise ValueError(f"should say one of {', '.join(VALUES)}")
-        for word in VALUES:
-            if getattr(self.tangent, word, None) is not None and word not in said:
-                raise ValueError(f"its tangent needs the {word} that it goes through")
+    def _check_values(self) -> Self:
+        given = [key for key in KEYFRAME_KEYS if getattr(self, key) is not None]
+        if not given:
+            raise ValueError(f"the keyframe is empty; give one of {', '.join(KEYFRAME_KEYS)}")
+        for key in KEYFRAME_KEYS:
+            if getattr(self.tangent, key, None) is not None and key not in given:
+                raise ValueError(f"`tangent.{key}` needs `{key}`")
         return self
 
 
-class Camera(Words):
-    """One cut: a camera that goes along with performers, stands in a place, or is moved."""
+class Camera(ConfigModel):
+    """One cut: a camera that follows performers, stands still, or is animated by the author."""
 
-    start: float = Field(0.0, ge=0, description="Time at which this cut begins [s].")
+    start: float = Field(0.0, ge=0, description="Time at which this cut starts [s].")
     follow: str | tuple[str, ...] | None = Field(
-        None, description="Performer or performers to keep in the picture; all unless said."
+        None, description="Performer or performers to keep in the frame; all by default."
     )
     view: View | None = Field(
-        None, description="Side from which the camera looks; three-quarter unless said."
+        None, description="Side from which the camera looks; three-quarter by default."
     )
     distance: float | None = Field(
-        None, gt=0, le=1e5, description="Distance to what is followed [m]; chosen if left out."
+        None, gt=0, le=1e5, description="Distance to the target [m]; automatic if left out."
     )
     elevation_deg: float | None = Field(
-        None, ge=-89, le=89, description="Height of the camera as an angle; that of the view."
+        None, ge=-89, le=89, description="Elevation of the camera; that of the view by default."
     )
     fov_deg: FieldOfView = Field(35.0, description="Vertical field of view [degrees].")
     at: Place | None = Field(
-        None, description="Place [x, y, z] where the camera stands, in its parent or the world."
+        None, description="Position [x, y, z] of the camera, in its parent or the world."
     )
     look_at: Place | None = Field(
         None, description="Point [x, y, z] of the world at which it looks."
@@ -104,158 +112,163 @@ class Camera(Words):
         None,
         min_length=1,
         max_length=200,
-        description="What it goes along with: a performer, or one of its links or nodes as "
-        "bug.head; it looks ahead from there, unless told where.",
+        description="Part that carries it: a performer, or one of its links or nodes as bug.head; "
+        "it looks ahead from there unless it has a target.",
     )
-    keyframes: Annotated[tuple[CameraKey, ...], Field(max_length=MOST_KEYS)] = Field(
-        (), description="Where it is at certain times, where it looks, and how wide it sees."
+    keyframes: Annotated[tuple[CameraKey, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (), description="Position, target, rotation, field of view and focus at certain times."
     )
     velocity: Rates | None = Field(
-        None, description="How fast it goes from `at`, where it is when the cut begins [m/s]."
+        None, description="Velocity, from `at` at the start of the cut [m/s]."
     )
     rotation_deg: Turn | None = Field(
         None,
-        description=f"How it is turned, instead of a point at which it looks: {TURN}; at 0 it "
-        "looks along +X.",
+        description=f"Rotation, instead of a target: {TURN_DESCRIPTION}; at 0 it looks along +X.",
     )
     spin_deg: Rates | None = Field(
         None,
-        description="How it turns, about x, y and z of its parent or the world, from its "
-        "rotation_deg when the cut begins [degrees/s].",
+        description="Angular velocity about x, y and z of its parent or the world, from its "
+        "rotation_deg at the start of the cut [degrees/s].",
     )
     steady: float = Field(
         0.0,
         ge=0,
         le=60,
-        description="Over about how long the shaking of its parent is evened out [s].",
+        description="Time over which the motion of its parent is smoothed [s].",
     )
 
-    orbit: OrbitWords | None = Field(
-        None, description="Turn about what it looks at: degrees a second, [from, to], or in full."
+    orbit: OrbitField | None = Field(
+        None, description="Turn about the target: degrees per second, [from, to], or in full."
     )
-    dolly: DollyWords | None = Field(
+    dolly: DollyField | None = Field(
         None,
-        description="Drive towards what it looks at: metres a second, distances [from, to], or in "
-        "full.",
+        description="Move towards the target: metres per second, distances [from, to], or in full.",
     )
-    truck: TruckWords | None = Field(
-        None, description="Drive to the right: metres a second, [from, to] in metres, or in full."
+    truck: TruckField | None = Field(
+        None, description="Move to the right: metres per second, [from, to] in metres, or in full."
     )
-    crane: CraneWords | None = Field(
+    crane: CraneField | None = Field(
         None,
-        description="Rise: metres a second, heights [from, to] over the ground, or in full.",
+        description="Rise: metres per second, heights [from, to] over the ground, or in full.",
     )
     lead: float | None = Field(
         None,
         ge=-0.5,
         le=0.5,
-        description="How much more room a performer that moves has ahead than behind, as it is put "
-        "back from the middle, as a part of the picture; 0.1 if left out.",
+        description="Lead room: offset of a moving performer from the centre, as a fraction of "
+        "the frame; 0.1 by default.",
     )
     aperture: float | None = Field(
         None,
         ge=0.05,
         le=64,
-        description="F-number of the lens on a sensor of 36 x 24 mm: the smaller, the less is "
-        "sharp before and behind the focus. All is sharp if left out.",
+        description="F-number of the lens on a sensor of 36 x 24 mm: the smaller, the shallower "
+        "the depth of field. All is sharp if left out.",
     )
-    focus: Focus | None = Field(None, description=f"{FOCUS}; what it looks at if left out.")
+    focus: Focus | None = Field(None, description=f"{FOCUS_DESCRIPTION}; the target if left out.")
 
     @model_validator(mode="after")
-    def _no_idle_words(self) -> Self:
-        viewed = [word for word in FRAMED if getattr(self, word) is not None]
-        if self.at is not None and viewed:
-            raise ValueError(f"a camera that stands at a place has no {' and no '.join(viewed)}")
-        if (wrong := next(self._wrong(viewed), None)) is not None:
-            raise ValueError(wrong)
-        if self.look_at is not None and self.follow is not None:
-            raise ValueError("give one of follow and look_at")
-        if self.at is not None and self.at == self.look_at:
-            raise ValueError("the camera stands at the point it looks at")
-        if (wrong := next(iter((*self._wrong_moves(), *self._wrong_lens())), None)) is not None:
-            raise ValueError(wrong)
+    def _check_conflicts(self) -> Self:
+        conflicts = itertools.chain(
+            self._pose_conflicts(), self._move_conflicts(), self._lens_conflicts()
+        )
+        if (conflict := next(conflicts, None)) is not None:
+            raise ValueError(conflict)
         return self
 
     @property
-    def moved(self) -> bool:
-        """Whether it is moved by its author, by keyframes, velocity or a parent."""
-        words = (self.parent, self.velocity, self.rotation_deg, self.spin_deg)
-        said = (getattr(key, word) for key in self.keyframes for word in PLACED)
-        return any(word is not None for word in (*words, *said))
+    def is_animated(self) -> bool:
+        """Whether the author moves it, by keyframes, velocity or a parent."""
+        own = (self.parent, self.velocity, self.rotation_deg, self.spin_deg)
+        keyed = (getattr(key, name) for key in self.keyframes for name in POSE_KEYS)
+        return any(value is not None for value in (*own, *keyed))
 
-    def _wrong(self, viewed: list[str]) -> Iterator[str]:
-        """Find what does not fit together in a camera that is moved."""
+    def _given(self, keys: tuple[str, ...]) -> list[str]:
+        return [key for key in keys if getattr(self, key) is not None]
+
+    def _is_keyed(self, *keys: str) -> bool:
+        """Return whether any keyframe gives one of these keys."""
+        return any(getattr(frame, key) is not None for frame in self.keyframes for key in keys)
+
+    def _pose_conflicts(self) -> Iterator[str]:
+        framing = self._given(FRAMING_KEYS)
+        if self.at is not None and framing:
+            yield f"`at` conflicts with {_listing(framing)}; remove one"
+        yield from self._animation_conflicts(framing)
+        if self.look_at is not None and self.follow is not None:
+            yield "`follow` conflicts with `look_at`; remove one"
+        if self.at is not None and self.at == self.look_at:
+            yield "`look_at` equals `at`; move one of them"
+
+    def _animation_conflicts(self, framing: list[str]) -> Iterator[str]:
         if any(b.at < a.at for a, b in itertools.pairwise(self.keyframes)):
-            yield "keyframes must be in the order of time"
-        if not self.moved:
+            yield "keyframes are not in the order of time; sort them by `at`"
+        if not self.is_animated:
             if self.steady:
-                yield "steady is for a camera that has a parent"
+                yield "`steady` needs a `parent`"
             return
-        if viewed:
-            yield f"a camera that is moved by its author has no {' and no '.join(viewed)}"
-        places = any(key.position is not None for key in self.keyframes)
-        if self.at is None and not places:
-            yield "a camera that is moved needs a place: at, or a position in its keyframes"
-        if self.at is not None and places:
-            yield "give one of at and positions in keyframes"
+        if framing:
+            yield (
+                f"{_listing(framing)} conflicts with a camera that is animated by parent, "
+                "velocity, rotation or keyframes; remove one"
+            )
+        has_positions = self._is_keyed("position")
+        if self.at is None and not has_positions:
+            yield "an animated camera needs a position; give `at` or `position` in its keyframes"
+        if self.at is not None and has_positions:
+            yield "`at` conflicts with `position` in keyframes; remove one"
         if self.velocity is not None and self.keyframes:
-            yield "give one of velocity and keyframes"
-        yield from self._looks_twice()
+            yield "`velocity` conflicts with `keyframes`; remove one"
+        aims = self._given(("look_at", "follow"))
+        aims += [f"{key} in keyframes" for key in ("target", "rotation_deg") if self._is_keyed(key)]
+        if self.rotation_deg is not None or self.spin_deg is not None:
+            aims.append("rotation_deg or spin_deg")
+        if len(aims) > 1:
+            yield f"the direction is given by {_listing(aims)}; keep one"
 
-    def _wrong_moves(self) -> Iterator[str]:
-        """Find what does not fit together in a camera that frames by itself."""
-        if self.view == "top":
-            words = ("elevation_deg", "orbit", "truck", "crane")
-            if said := [word for word in words if getattr(self, word) is not None]:
-                yield f"the view from the top has no {' and no '.join(said)}"
-        if self.lead is not None and (self.look_at is not None or self.moved):
-            which = "looks at a point" if self.look_at is not None else "is moved by its author"
-            yield f"a camera that {which} has no lead"
+    def _move_conflicts(self) -> Iterator[str]:
+        if self.view == "top" and (
+            given := self._given(("elevation_deg", "orbit", "truck", "crane"))
+        ):
+            yield f"`view: top` conflicts with {_listing(given)}; remove one"
+        if self.lead is not None and (self.look_at is not None or self.is_animated):
+            other = "`look_at`" if self.look_at is not None else "an animated camera"
+            yield f"`lead` conflicts with {other}; remove one"
         if self.dolly is not None and self.dolly.start is not None and self.distance is not None:
-            yield "the distance is said by distance and by dolly; give one of them"
+            yield "`distance` conflicts with the distances of `dolly`; remove one"
         if self.crane is not None and self.crane.start is not None:
             if self.elevation_deg is not None:
-                yield "the height is said by elevation_deg and by crane; give one of them"
+                yield "`elevation_deg` conflicts with the heights of `crane`; remove one"
             if self.orbit is not None and self.orbit.rise_deg:
-                yield "the height is said by crane and by rise_deg of orbit; give one of them"
-        zooms = any(key.fov_deg is not None for key in self.keyframes)
-        if self.dolly is not None and self.dolly.zoom and zooms:
-            yield "give one of zoom of dolly and fov_deg in keyframes"
+                yield "`orbit.rise_deg` conflicts with the heights of `crane`; remove one"
+        if self.dolly is not None and self.dolly.zoom and self._is_keyed("fov_deg"):
+            yield "`dolly.zoom` conflicts with `fov_deg` in keyframes; remove one"
 
-    def _wrong_lens(self) -> Iterator[str]:
-        """Find what does not fit together in a lens."""
-        keyed = any(key.focus is not None for key in self.keyframes)
-        if self.focus is not None and keyed:
-            yield "give one of focus and focus in keyframes"
+    def _lens_conflicts(self) -> Iterator[str]:
+        is_keyed = self._is_keyed("focus")
+        if self.focus is not None and is_keyed:
+            yield "`focus` conflicts with `focus` in keyframes; remove one"
         if self.aperture is None:
-            if self.focus is not None or keyed:
-                yield "focus needs an aperture, as 2.8; without one all is sharp"
+            if self.focus is not None or is_keyed:
+                yield "`focus` needs an `aperture`, such as 2.8; without one all is sharp"
             return
-        turned = self.rotation_deg is not None or self.spin_deg is not None
-        turned |= any(key.rotation_deg is not None for key in self.keyframes)
-        aims = (self.look_at, self.follow, *(key.target for key in self.keyframes))
-        ahead = turned or (self.parent is not None and all(aim is None for aim in aims))
-        if ahead and self.focus is None and not keyed:
-            yield "a camera that looks at nothing in particular needs a focus"
-
-    def _looks_twice(self) -> Iterator[str]:
-        looks = [word for word in ("look_at", "follow") if getattr(self, word) is not None]
-        looks += [
-            f"{word} in keyframes"
-            for word in ("target", "rotation_deg")
-            if any(getattr(key, word) is not None for key in self.keyframes)
-        ]
-        if self.rotation_deg is not None or self.spin_deg is not None:
-            looks.append("rotation_deg and spin_deg")
-        if len(looks) > 1:
-            yield f"where it looks is said by {' and by '.join(looks)}; give one of them"
+        is_turned = self.rotation_deg is not None or self.spin_deg is not None
+        is_turned |= self._is_keyed("rotation_deg")
+        has_target = bool(self._given(("look_at", "follow"))) or self._is_keyed("target")
+        is_aimless = is_turned or (self.parent is not None and not has_target)
+        if is_aimless and self.focus is None and not is_keyed:
+            yield "a camera with an `aperture` and no target needs a `focus`"
 
 
-def _listed(value: object) -> object:
+def _listing(keys: list[str]) -> str:
+    return " and ".join(f"`{key}`" for key in keys)
+
+
+def _as_sequence(value: object) -> object:
     return value if isinstance(value, list | tuple) else (value,)
 
 
-def _in_order(value: tuple[Camera, ...]) -> tuple[Camera, ...]:
+def _check_starts(value: tuple[Camera, ...]) -> tuple[Camera, ...]:
     if not value or value[0].start != 0:
         raise ValueError("the first cut must start at 0")
     if any(b.start <= a.start for a, b in itertools.pairwise(value)):
@@ -265,18 +278,20 @@ def _in_order(value: tuple[Camera, ...]) -> tuple[Camera, ...]:
 
 Cuts = Annotated[
     tuple[Camera, ...],
-    BeforeValidator(_listed, json_schema_input_type=Camera | list[Camera]),
-    AfterValidator(_in_order),
+    BeforeValidator(_as_sequence, json_schema_input_type=Camera | list[Camera]),
+    AfterValidator(_check_starts),
 ]
-"""One camera, or a list of cuts of which the first starts at 0."""
+"""One camera, or a list of cuts; the first starts at 0."""
 
 _CUTS: TypeAdapter[tuple[Camera, ...]] = TypeAdapter(Cuts)
 
 
-def cuts(word: Mapping[str, Any] | Camera | list[Mapping[str, Any] | Camera]) -> tuple[Camera, ...]:
-    """Return the cuts that a word in a scene stands for, in order of time.
+def cuts(
+    value: Mapping[str, Any] | Camera | list[Mapping[str, Any] | Camera],
+) -> tuple[Camera, ...]:
+    """Return the cuts of a value in a scene, in order of time.
 
     Raises:
-        ValueError: a word is out of range, or the cuts are not in order from 0.
+        ValueError: a value is out of range, or the cuts are not in order from 0.
     """
-    return _CUTS.validate_python(word)
+    return _CUTS.validate_python(value)

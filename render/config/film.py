@@ -1,4 +1,4 @@
-"""Film: how large, how clean, how bright."""
+"""Film: size, sampling, exposure and file formats of the frames."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from render.config.base import Words
+from render.config.base import ConfigModel
 
 Denoise = Literal["off", "fast", "high"]
 SoftLight = Literal["half", "full"]
@@ -18,15 +18,15 @@ Moments = Annotated[int, Field(ge=1, le=256)]
 # H.264 in 4:2:0 keeps one chroma sample for two by two pixels.
 Even = Annotated[int, Field(ge=16, le=8192, multiple_of=2)]
 
-RAYS_A_PATH = 4
-"""Rays through a pixel for each path that goes on from there: they cost half of one, and make
-edges, textures and shadows clean, where the rest is smooth."""
+RAYS_PER_PATH = 4
+"""Camera rays for each indirect light path: they cost half a path, and clean edges, textures and
+shadows, while indirect light is smooth."""
 
-# A shutter that is open for half of a frame is what films are shot with.
-_STILL: dict[str, Any] = {"shutter_deg": 0.0, "moments": 4}
+# Films are shot with the shutter open for half of a frame.
+_SHARP: dict[str, Any] = {"shutter_deg": 0.0, "moments": 4}
 _BLURRED: dict[str, Any] = {"shutter_deg": 180.0, "moments": 6}
-_SHOWN: dict[str, Any] = {"format": "png", "codec": "h264"}
-_KEPT: dict[str, Any] = {"format": "exr", "codec": "prores"}
+_FOR_VIEWING: dict[str, Any] = {"format": "png", "codec": "h264"}
+_FOR_EDITING: dict[str, Any] = {"format": "exr", "codec": "prores"}
 
 _PRESETS: dict[Preset, dict[str, Any]] = {
     "draft": {
@@ -35,8 +35,8 @@ _PRESETS: dict[Preset, dict[str, Any]] = {
         "depth": 3,
         "soft_light": "half",
         "denoise": "fast",
-        **_STILL,
-        **_SHOWN,
+        **_SHARP,
+        **_FOR_VIEWING,
     },
     "preview": {
         "size": (640, 360),
@@ -44,8 +44,8 @@ _PRESETS: dict[Preset, dict[str, Any]] = {
         "depth": 4,
         "soft_light": "half",
         "denoise": "fast",
-        **_STILL,
-        **_SHOWN,
+        **_SHARP,
+        **_FOR_VIEWING,
     },
     "final": {
         "size": (1280, 720),
@@ -54,7 +54,7 @@ _PRESETS: dict[Preset, dict[str, Any]] = {
         "soft_light": "full",
         "denoise": "high",
         **_BLURRED,
-        **_SHOWN,
+        **_FOR_VIEWING,
     },
     "master": {
         "size": (1920, 1080),
@@ -63,56 +63,56 @@ _PRESETS: dict[Preset, dict[str, Any]] = {
         "soft_light": "full",
         "denoise": "high",
         **_BLURRED,
-        **_KEPT,
+        **_FOR_EDITING,
         "moments": 16,
     },
 }
 
 
-class Film(Words):
+class Film(ConfigModel):
     """Size and quality of the frames: a preset, and what differs from it."""
 
-    preset: Preset = Field("preview", description="Where the words left out come from.")
+    preset: Preset = Field("preview", description="Source of the values left out.")
     size: tuple[Even, Even] | None = Field(None, description="Width and height [pixels], even.")
     samples: int | None = Field(
         None,
         ge=1,
         le=65536,
-        description="Rays through each pixel; a quarter as many go on from there as light paths.",
+        description="Camera rays per pixel; a quarter as many continue as light paths.",
     )
     depth: int | None = Field(None, ge=1, le=64, description="Longest light path, in segments.")
     soft_light: SoftLight | None = Field(
         None,
-        description="Size at which the light of the sky and from surface to surface is traced: "
+        description="Resolution of sky light and indirect light: "
         "half takes a quarter of the time, and is soft at the edges of bare metal and glass.",
     )
-    denoise: Denoise | None = Field(None, description="What removes the noise that is left.")
+    denoise: Denoise | None = Field(None, description="Denoiser of the finished frame.")
     shutter_deg: Degrees | None = Field(
         None,
-        description="How long the shutter is open, 360 for the whole frame: what moves is blurred.",
+        description="Shutter angle, 360 for the whole frame, which sets the motion blur.",
     )
     moments: Moments | None = Field(
         None,
-        description="Moments of which a blurred frame is made, which share its samples.",
+        description="Moments of a blurred frame, which share its samples.",
     )
-    exposure: float = Field(0.0, ge=-20, le=20, description="Stops brighter than by itself.")
+    exposure: float = Field(0.0, ge=-20, le=20, description="Exposure compensation [stops].")
     format: Format | None = Field(
-        None, description="Of the frames: png is ready to show; exr keeps all light."
+        None, description="Format of the frames: png is ready to show; exr keeps all light."
     )
     codec: Codec | None = Field(
         None,
-        description="Of the film: h264 in MP4 is ready to show; prores in MOV has ten bits and "
-        "plain sound, for those who work on.",
+        description="Codec of the film: h264 in MP4 is ready to show; prores in MOV has ten bits "
+        "and uncompressed sound, for editing.",
     )
 
     def resolved(self) -> FullFilm:
-        """Return the film with every word written out."""
-        given = {w: v for w, v in self.model_dump().items() if v is not None}
+        """Return the film with the values of its preset written out."""
+        given = {k: v for k, v in self.model_dump().items() if v is not None}
         return FullFilm.model_validate({**_PRESETS[self.preset], **given})
 
 
 class FullFilm(Film):
-    """A film of which every word is set."""
+    """A film with all values set."""
 
     size: tuple[Even, Even]
     samples: int = Field(ge=1, le=65536)
@@ -126,24 +126,24 @@ class FullFilm(Film):
 
     @property
     def rays(self) -> int:
-        """Rays through each pixel in a pass, which has a path for each pixel of the soft light."""
-        return 1 if self.soft_light == "half" else RAYS_A_PATH
+        """Camera rays per pixel in a pass; a pass has one path per pixel of the soft light."""
+        return 1 if self.soft_light == "half" else RAYS_PER_PATH
 
     @property
     def passes(self) -> int:
-        """How often the picture is traced, at least once."""
+        """Number of passes, at least one."""
         return max(round(self.samples / self.rays), 1)
 
     @property
     def suffix(self) -> str:
-        """How the film's file ends."""
+        """Suffix of the film's file."""
         return {"h264": ".mp4", "prores": ".mov"}[self.codec]
 
     @property
     def exposures(self) -> tuple[float, ...]:
-        """When a frame is taken, in parts of a frame from its begin: the middles of its moments.
+        """Times of the moments of an exposure, as fractions of a frame from its start.
 
-        A moment has a pass at least.
+        Each moment has at least one pass.
         """
         if self.shutter_deg == 0.0:
             return (0.0,)

@@ -1,4 +1,4 @@
-"""Materials: how a surface looks."""
+"""Materials: colour, reflection and texture of a surface."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from render.config.base import Color, PresetWords, Unit, known_name
-from render.config.creature_materials import CREATURES
-from render.config.ground_materials import GROUNDS
-from render.config.thing_materials import THINGS
+from render.config.base import Color, PresetModel, Unit, known_name
+from render.config.material_palette import PALETTE
 
 Texture = Literal[
     "none",
@@ -40,15 +38,12 @@ Texture = Literal[
     "marble",
 ]
 
-PALETTE: dict[str, dict[str, Any]] = {**CREATURES, **THINGS, **GROUNDS}
-"""All named materials."""
 
+class Material(PresetModel):
+    """The look of a surface: the name of a preset, an adjusted preset, or all values.
 
-class Material(PresetWords):
-    """How a surface looks: the name of a preset, an adjusted preset, or all words.
-
-    On the ground a texture is laid from above, or from the side where it is steep; on
-    bodies and limbs it runs along them and goes with them.
+    On the ground a texture is projected from above, or from the side where it is steep; on
+    bodies and limbs it runs along them and moves with them.
     """
 
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = PALETTE
@@ -66,41 +61,41 @@ class Material(PresetWords):
         0.0,
         ge=0,
         le=1e4,
-        description="Light of its colour that it gives off; about 10 is what the sun lights.",
+        description="Emitted light of its colour; a sunlit surface has about 10.",
     )
-    texture: Texture = Field("none", description="Pattern laid over the base colour.")
+    texture: Texture = Field("none", description="Pattern over the base colour.")
     texture_scale: float = Field(
-        2.0, ge=0.01, le=1000, description="Length [m] after which the pattern starts again."
+        2.0, ge=0.01, le=1000, description="Length [m] after which the pattern repeats."
     )
-    color2: Color | None = Field(None, description="Colour that the texture mixes in, in patches.")
+    color2: Color | None = Field(None, description="Second colour, mixed in by patches.")
     bump: float = Field(0.0, ge=0, le=4, description="Relief of the texture; 1 is natural.")
     steep_color: Color | None = Field(
         None, description="Colour of bare rock where a textured surface is steep."
     )
     steep_deg: float = Field(
-        33.0, ge=1, le=89, description="Slope [degrees] about which the rock shows."
+        33.0, ge=1, le=89, description="Slope [degrees] at which the rock appears."
     )
     crest_color: Color | None = Field(
         None,
         description="Colour of textured ground above `crest_height`, such as dry crests or snow.",
     )
-    crest_height: float = Field(1.0, description="Height [m] from which crests show their colour.")
+    crest_height: float = Field(1.0, description="Height [m] above which crests show their colour.")
     hollow_color: Color | None = Field(
         None, description="Colour of textured ground below `hollow_height`, such as damp soil."
     )
-    hollow_height: float = Field(0.0, description="Height [m] up to which hollows show theirs.")
+    hollow_height: float = Field(0.0, description="Height [m] below which hollows show theirs.")
 
 
 MATERIALS: dict[str, Material] = {name: Material.model_validate(name) for name in PALETTE}
 
 
-def material(word: str | Mapping[str, Any] | Material) -> Material:
-    """Return the material that a word in a scene stands for, written out in full.
+def material(value: str | Mapping[str, Any] | Material) -> Material:
+    """Return the material of a value in a scene, written out in full.
 
     Raises:
         ValueError: no preset has this name (the message holds the nearest one), or a
             value is out of range.
     """
-    if isinstance(word, str):
-        return MATERIALS[known_name(word, MATERIALS, "material")]
-    return Material.model_validate(word)
+    if isinstance(value, str):
+        return MATERIALS[known_name(value, MATERIALS, "material")]
+    return Material.model_validate(value)

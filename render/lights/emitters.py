@@ -1,7 +1,7 @@
-"""Lights: what surrounds the scene as a map of all directions, a key light, and lamps.
+"""The emitters of a scene: an environment map and a key light, exposed for a grey card.
 
-All but the lamps is scaled so that a grey card half turned to the key light shows as middle
-grey, or darker by so many stops at night, as a photographer would expose it.
+All light but that of lamps is scaled so that a grey card half turned to the key light shows as
+middle grey, or darker by some stops at night, as a photographer would expose it.
 """
 
 from __future__ import annotations
@@ -13,59 +13,59 @@ import mitsuba as mi
 import numpy as np
 
 from render.config import Light, Moon, Studio
-from render.lights.environment_map import UP, enlarged
-from render.lights.lamps import CARD
-from render.lights.outdoor_light import outdoors
-from render.lights.panorama_light import panorama
-from render.lights.studio import studio_lights
-from render.lights.surroundings import Surroundings, card_of
+from render.lights.environment_map import UP, resized
+from render.lights.key_light import LightEnvironment, card_illuminance
+from render.lights.lamps import CARD_ILLUMINANCE
+from render.lights.outdoor_light import outdoor_light
+from render.lights.panorama_light import panorama_light
+from render.lights.studio_light import studio_light
 
-_STRONG = 0.02
-"""Share of the card's light from which on a key light is alone worth a shadow ray."""
+_STRONG_KEY_SHARE = 0.02
+"""Share of the card's light from which a key light alone is worth a shadow ray."""
 
 
 def emitters(light: Light, ground: Sequence[float]) -> dict[str, dict[str, Any]]:
-    """Return the emitters of a light as dictionaries for `mi.load_dict`; lamps come beside them.
+    """Return the emitters of a light, without its lamps, as dictionaries for `mi.load_dict`.
 
     Args:
-        light: the words.
-        ground: linear colour of the ground, which goes on beyond the edge of the world.
+        light: the light of the scene.
+        ground: linear colour of the ground, which extends beyond the edge of the terrain.
 
     Returns:
-        `sky`, an `envmap`, and `key`, a distant disc, where there is a key light.
+        `sky`, an `envmap`, and `key`, a distant disc, if there is a key light.
     """
-    around = _surroundings(light, ground)
-    key = around.key
-    card = around.card
-    scale = CARD * 2.0**around.stops / card
-    image = around.image * scale
-    if around.points is not None:
-        height, width = around.points.shape[:2]
-        image = enlarged(image, width, height) + around.points
-    # Softboxes beside the key light are strong and narrow: met by chance alone they are grain.
-    alone = not light.is_wide and key.brightness(UP) > _STRONG * card
+    environment = light_environment(light, ground)
+    key, card = environment.key, environment.card
+    scale = CARD_ILLUMINANCE * 2.0**environment.stops / card
+    image = environment.radiance * scale
+    if environment.stars is not None:
+        height, width = environment.stars.shape[:2]
+        image = resized(image, width, height) + environment.stars
+    # Softboxes beside the key light are bright and narrow: without shadow rays they are noise.
+    key_alone = not light.is_wide and key.illuminance(UP) > _STRONG_KEY_SHARE * card
     found = {
         "sky": {
             "type": "envmap",
             "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
-            "sampling_weight": 0.0 if alone else 1.0,
+            "sampling_weight": 0.0 if key_alone else 1.0,
         }
     }
-    if key.lit:
+    if key.is_lit:
         found["key"] = key.emitter(scale)
     return found
 
 
-def _surroundings(light: Light, ground: Sequence[float]) -> Surroundings:
+def light_environment(light: Light, ground: Sequence[float]) -> LightEnvironment:
+    """Return the map and the key light of a sky, a panorama or a studio."""
     if light.sun is not None:
         soil = np.asarray(ground, np.float64)
         stars = 0.5 if light.stars is None else light.stars
-        return outdoors(light.sun, light.moon or Moon(), stars, soil)
+        return outdoor_light(light.sun, light.moon or Moon(), stars, soil)
     if light.hdr is not None:
-        image, key = panorama(light.hdr)
-        # A black picture stays black.
-        card = card_of(image, key) or 1.0
+        image, key = panorama_light(light.hdr)
+        # A black panorama stays black.
+        card = card_illuminance(image, key) or 1.0
         strength = light.hdr.strength
-        return Surroundings(image * strength, key.dimmed(strength), card)
-    image, key = studio_lights(light.studio or Studio())
-    return Surroundings(image, key, card_of(image, key))
+        return LightEnvironment(image * strength, key.scaled(strength), card)
+    image, key = studio_light(light.studio or Studio())
+    return LightEnvironment(image, key, card_illuminance(image, key))

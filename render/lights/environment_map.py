@@ -1,7 +1,7 @@
-"""Directions: maps of all directions around the scene, laid out as Mitsuba's `envmap`.
+"""Latitude-longitude maps of all directions, laid out as Mitsuba's `envmap`.
 
 Rows run from straight up to straight down, columns once around from -Z over +X.
-Directions are world directions (Y up).
+Directions are in the world frame (Y up).
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 from render.color import luminance
 
-Image = NDArray[np.float64]
+Map = NDArray[np.float64]
 Vector = NDArray[np.float64]
 
 WIDTH, HEIGHT = 512, 256
-"""Size of the maps that skies are painted in."""
+"""Size of the maps that skies are computed at [pixels]."""
 
 UP = np.array([0.0, 1.0, 0.0])
 
 
 @cache
-def directions(width: int = WIDTH, height: int = HEIGHT) -> Vector:
-    """Return the directions of the pixels of a map, (height, width, 3)."""
+def pixel_directions(width: int = WIDTH, height: int = HEIGHT) -> Vector:
+    """Return the unit direction of each pixel of a map, (height, width, 3)."""
     theta = (np.arange(height) + 0.5) * (math.pi / height)
     phi = (np.arange(width) + 0.5) * (2 * math.pi / width)
     sin = np.sin(theta)[:, None]
@@ -35,28 +35,28 @@ def directions(width: int = WIDTH, height: int = HEIGHT) -> Vector:
     return found
 
 
-def solid_angles(width: int = WIDTH, height: int = HEIGHT) -> Image:
-    """Return the solid angles of the pixels of a map, (height, width) [sr]."""
+def solid_angles(width: int = WIDTH, height: int = HEIGHT) -> Map:
+    """Return the solid angle of each pixel of a map, (height, width) [sr]."""
     theta = (np.arange(height) + 0.5) * (math.pi / height)
     ring = 2 * math.pi / width * math.pi / height * np.sin(theta)
     return np.broadcast_to(ring[:, None], (height, width))
 
 
-def irradiance(image: Image, normal: Vector) -> Vector:
-    """Return what a map (H, W, 3) sends on a plane with this normal, (3,)."""
-    height, width = image.shape[:2]
-    cosine = (directions(width, height) @ normal).clip(0, None)
+def irradiance(radiance: Map, normal: Vector) -> Vector:
+    """Return the irradiance (3,) of a map (H, W, 3) on a plane with this normal."""
+    height, width = radiance.shape[:2]
+    cosine = (pixel_directions(width, height) @ normal).clip(0, None)
     weight = solid_angles(width, height) * cosine
-    return np.asarray((image * weight[..., None]).sum(axis=(0, 1)))
+    return np.asarray((radiance * weight[..., None]).sum(axis=(0, 1)))
 
 
-def brightness(image: Image, normal: Vector) -> float:
-    """Return the luminance of `irradiance`."""
-    return float(luminance(irradiance(image, normal)))
+def illuminance(radiance: Map, normal: Vector) -> float:
+    """Return the luminance of the irradiance of a map on a plane with this normal."""
+    return float(luminance(irradiance(radiance, normal)))
 
 
-def enlarged(image: Image, width: int = WIDTH, height: int = HEIGHT) -> Image:
-    """Return a map at another size: linear between pixels, around in azimuth."""
+def resized(image: Map, width: int = WIDTH, height: int = HEIGHT) -> Map:
+    """Return a map at another size: bilinear, periodic in azimuth."""
     rows = (np.arange(height) + 0.5) * (len(image) / height) - 0.5
     columns = (np.arange(width) + 0.5) * (image.shape[1] / width) - 0.5
     r0, c0 = np.floor(rows).astype(int), np.floor(columns).astype(int)
@@ -68,34 +68,34 @@ def enlarged(image: Image, width: int = WIDTH, height: int = HEIGHT) -> Image:
     )
 
 
-def cap(toward: Vector, radius_deg: float, feather_deg: float) -> Image:
-    """Return a map that is 1 around a direction and 0 elsewhere, with a soft edge."""
-    away = angles(toward)
-    return smooth((radius_deg + feather_deg - away) / (2 * feather_deg))
+def soft_disc(center: Vector, radius_deg: float, feather_deg: float) -> Map:
+    """Return a map that is 1 within an angle of a direction and 0 beyond a soft edge."""
+    angle = angles_from(center)
+    return smoothstep((radius_deg + feather_deg - angle) / (2 * feather_deg))
 
 
-def angles(toward: Vector) -> Image:
-    """Return how far each pixel of a map is from a direction [degrees]."""
-    return np.asarray(np.degrees(np.arccos((directions() @ toward).clip(-1, 1))))
+def angles_from(direction: Vector) -> Map:
+    """Return the angle of each pixel of a map from a direction [degrees]."""
+    return np.asarray(np.degrees(np.arccos((pixel_directions() @ direction).clip(-1, 1))))
 
 
-def smooth(t: Image) -> Image:
-    """Return the smooth step of values, 0 below 0 and 1 above 1."""
+def smoothstep(t: Map) -> Map:
+    """Return 3t² - 2t³ with `t` clipped to 0..1."""
     edge = np.asarray(t).clip(0, 1)
     return np.asarray(edge * edge * (3 - 2 * edge))
 
 
-def headed(heading: float, height: float) -> Vector:
-    """Return the unit vector of a heading (0 is +X, positive turns about +Y) and a height."""
+def direction_of(azimuth: float, elevation: float) -> Vector:
+    """Return the unit vector of an azimuth (0 is +X, positive about +Y) and elevation [rad]."""
     return np.array(
         [
-            math.cos(height) * math.cos(heading),
-            math.sin(height),
-            -math.cos(height) * math.sin(heading),
+            math.cos(elevation) * math.cos(azimuth),
+            math.sin(elevation),
+            -math.cos(elevation) * math.sin(azimuth),
         ]
     )
 
 
-def unit(v: Vector) -> Vector:
-    """Return a vector at length 1."""
+def normalized(v: Vector) -> Vector:
+    """Return a vector scaled to length 1."""
     return np.asarray(v / np.linalg.norm(v))

@@ -1,8 +1,8 @@
-"""Lamps as Mitsuba's emitters, moved in place from moment to moment.
+"""Lamps as Mitsuba emitters, moved in place from moment to moment.
 
-A lamp that is seen is an analytic ball. Measured on lit ground at 4 samples, the same
-lamp as a mesh has twice its variance at the same time, for half of its samples face away;
-a point without a body is quicker but its light on glossy bodies is noisier.
+A visible lamp is an analytic sphere. Measured on lit ground at 4 samples, the same lamp as a
+mesh has twice the variance in the same time, because half of its samples face away; a point
+light is faster, but noisier on glossy bodies.
 """
 
 from __future__ import annotations
@@ -20,71 +20,76 @@ from render.errors import ShotError
 from render.lights.environment_map import Vector
 from render.shot import LampPlace
 
-CARD = 1.25 * math.pi
-"""Irradiance at which a grey card shows as middle grey."""
+CARD_ILLUMINANCE = 1.25 * math.pi
+"""Illuminance at which a grey card shows as middle grey."""
 
 
 def lamp_emitters(lamps: Sequence[Lamp], places: Sequence[LampPlace]) -> dict[str, dict[str, Any]]:
-    """Return lamps as dictionaries for `mi.load_dict`, `lamp0` and so on.
+    """Return lamps as dictionaries for `mi.load_dict`, named `lamp0`, `lamp1`, ...
 
     Raises:
-        ShotError: a place is not finite.
+        ShotError: a position is not finite.
     """
     found = {}
     for i, (lamp, place) in enumerate(zip(lamps, places, strict=True)):
-        intensity = intensity_of(lamp)
-        words: dict[str, Any] = {"type": "point", "position": list(place.p_WL)}
+        intensity = radiant_intensity(lamp)
+        emitter: dict[str, Any] = {"type": "point", "position": list(place.p_WL)}
         if lamp.spot is not None:
             half = lamp.spot.angle_deg / 2
-            words = {
+            emitter = {
                 "type": "spot",
                 "to_world": _pose(lamp, place),
                 "cutoff_angle": half,
-                # A beam as wide as the cone would divide by nothing.
+                # A beam as wide as the cone would divide by zero.
                 "beam_width": half * min(1 - lamp.spot.softness, 0.999),
             }
-        if lamp.ball > 0:
-            radiance = {"type": "rgb", "value": (intensity / (math.pi * lamp.ball**2)).tolist()}
-            words = {
+        if lamp.visible_radius > 0:
+            radiance = intensity / (math.pi * lamp.visible_radius**2)
+            emitter = {
                 "type": "sphere",
                 "to_world": _pose(lamp, place),
-                "emitter": {"type": "area", "radiance": radiance},
+                "emitter": {
+                    "type": "area",
+                    "radiance": {"type": "rgb", "value": radiance.tolist()},
+                },
             }
         else:
-            words["intensity"] = {"type": "rgb", "value": intensity.tolist()}
-        found[f"lamp{i}"] = words
+            emitter["intensity"] = {"type": "rgb", "value": intensity.tolist()}
+        found[f"lamp{i}"] = emitter
     return found
 
 
 def move_lamps(values: Any, lamps: Sequence[Lamp], places: Sequence[LampPlace]) -> None:
-    """Move lamps of a scene, whose parameters these are, to other places.
+    """Move lamps in the parameters of a scene.
 
     Raises:
-        ShotError: a place is not finite.
+        ShotError: a position is not finite.
     """
     for i, (lamp, place) in enumerate(zip(lamps, places, strict=True)):
-        if lamp.spot is None and lamp.ball == 0:
+        if lamp.spot is None and lamp.visible_radius == 0:
             name, value = f"lamp{i}.position", mi.ScalarPoint3f(*place.p_WL)
         else:
             name, value = f"lamp{i}.to_world", _pose(lamp, place)
         values[name] = type(values[name])(value)
 
 
-def standing(lamps: Sequence[Lamp]) -> tuple[LampPlace, ...]:
-    """Return where lamps are that nobody carries."""
+def fixed_places(lamps: Sequence[Lamp]) -> tuple[LampPlace, ...]:
+    """Return the places of lamps without a parent."""
     return tuple(LampPlace(x.at, None if x.spot is None else x.spot.toward) for x in lamps)
 
 
-def intensity_of(lamp: Lamp) -> Vector:
-    """Return the radiant intensity of a lamp, (3,), in the units of an exposed picture."""
+def radiant_intensity(lamp: Lamp) -> Vector:
+    """Return the radiant intensity (3,) of a lamp, in units of the exposed frame."""
     color = blackbody(lamp.temperature_k) if lamp.color is None else linear(lamp.color)
     bright = float(luminance(color))
-    # Black gives no light at all, whatever its brightness.
-    return np.asarray(lamp.brightness * CARD * color / bright if bright > 0 else 0.0 * color)
+    # Black gives no light, whatever its brightness.
+    if bright <= 0:
+        return np.asarray(0.0 * color)
+    return np.asarray(lamp.brightness * CARD_ILLUMINANCE * color / bright)
 
 
 def blackbody(kelvin: float) -> Vector:
-    """Return the colour of a glowing body in linear sRGB, as bright as white.
+    """Return the colour of a black body in linear sRGB, as bright as white.
 
     Source: B. Kim et al., Design of Advanced Color Temperature Control System for HDTV
         Applications, 2002: a cubic fit of the Planckian locus, 1667 to 25000 K.
@@ -114,10 +119,10 @@ def blackbody(kelvin: float) -> Vector:
 def _pose(lamp: Lamp, place: LampPlace) -> Any:
     aim = place.p_WL if place.p_WS is None else place.p_WS
     if not np.isfinite([*place.p_WL, *aim]).all():
-        raise ShotError(f"a lamp at {place.p_WL} is not at a finite place")
+        raise ShotError(f"a lamp at {place.p_WL} has a position that is not finite")
     T = mi.ScalarTransform4f()
     if lamp.spot is None:
-        return T.translate(list(place.p_WL)).scale(lamp.ball)
+        return T.translate(list(place.p_WL)).scale(lamp.visible_radius)
     sight = np.subtract(aim, place.p_WL)
     up = [0.0, 0.0, 1.0] if np.hypot(sight[0], sight[2]) < 1e-4 * abs(sight[1]) else [0.0, 1.0, 0.0]
     return T.look_at(list(place.p_WL), list(aim), up)

@@ -1,12 +1,13 @@
-"""A picture of a place as light: its sun is taken out of it and becomes the key light.
+"""A panorama (EXR or HDR) as light: its sun is cut out and becomes the key light.
 
-A sun of a few pixels in a map is met by chance alone, or wants rays of its own at every
-bounce; as a distant disc of the same irradiance it is free of noise.
+A sun of a few pixels in a map is hit by chance alone, or needs a shadow ray at every bounce;
+as a distant disc of the same irradiance it is free of noise.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 import mitsuba as mi
@@ -15,55 +16,70 @@ import numpy as np
 from render.color import luminance
 from render.config import Hdr
 from render.errors import ShotError
-from render.lights.environment_map import UP, Image, directions, solid_angles, unit
-from render.lights.key_light import Key
+from render.lights.environment_map import UP, Map, normalized, pixel_directions, solid_angles
+from render.lights.key_light import KeyLight
 
-_WIDEST = 2048
-_SUN_DEG = 4.0
-"""How far from its brightest place the sun of a map is looked for [degrees]."""
-_RING_DEG = 7.0
-_TIMES = 8.0
-"""What is so many times as bright as the sky around it belongs to the sun."""
-_SHARE = 0.1
-"""Part of the light of a map from which on its sun is worth a light of its own."""
+_MAX_WIDTH = 2048
+"""Width to which a larger panorama is reduced [pixels]."""
 
 
-def panorama(words: Hdr) -> tuple[Image, Key]:
-    """Return the map of a picture without its sun, turned as asked, and the sun.
+@dataclass(frozen=True)
+class SunDetection:
+    """How the sun of a panorama is found.
+
+    Attributes:
+        radius_deg: angle from the brightest pixel within which pixels may belong to the sun.
+        ring_deg: outer radius of the ring whose median is the sky around it.
+        contrast: brightness relative to that sky from which a pixel belongs to the sun.
+        min_share: share of the map's light from which its sun becomes a key light.
+        min_diameter_deg: of the key light; that of the real sun.
+    """
+
+    radius_deg: float = 4.0
+    ring_deg: float = 7.0
+    contrast: float = 8.0
+    min_share: float = 0.1
+    min_diameter_deg: float = 0.53
+
+
+_SUN = SunDetection()
+
+
+def panorama_light(panorama: Hdr) -> tuple[Map, KeyLight]:
+    """Return the map of a panorama without its sun, turned as asked, and the sun.
 
     Raises:
-        ShotError: the picture cannot be read.
+        ShotError: the file cannot be read.
     """
-    image = _turned(_smaller(_read(Path(words.file))), words.turn_deg)
-    return _parted(image)
+    return split_sun(_turned(reduced(_read(Path(panorama.file))), panorama.turn_deg))
 
 
-def _read(path: Path) -> Image:
+def _read(path: Path) -> Map:
     try:
         bitmap = mi.Bitmap(str(path)).convert(
             mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False
         )
     except RuntimeError as error:
-        raise ShotError(f"{path} cannot be read as a picture of light: {error}") from error
+        raise ShotError(f"{path} cannot be read as a panorama: {error}") from error
     image = np.array(bitmap, np.float64)
     if not np.isfinite(image).all():
-        raise ShotError(f"{path} holds light that is not finite")
+        raise ShotError(f"{path} holds values that are not finite")
     return image.clip(0.0, None)
 
 
-def _smaller(image: Image) -> Image:
-    """Return a map of at most so many pixels, of the same light in every direction."""
-    times = math.ceil(image.shape[1] / _WIDEST)
-    height, width = image.shape[0] // times, image.shape[1] // times
-    if times == 1 or height == 0:
+def reduced(image: Map) -> Map:
+    """Return a map at most `_MAX_WIDTH` wide with the same light in every direction."""
+    factor = math.ceil(image.shape[1] / _MAX_WIDTH)
+    height, width = image.shape[0] // factor, image.shape[1] // factor
+    if factor == 1 or height == 0:
         return image
-    cut = image[: height * times, : width * times]
+    cut = image[: height * factor, : width * factor]
     # Not weighted by solid angle, which hardly changes within one pixel of the result.
-    return np.asarray(cut.reshape(height, times, width, times, 3).mean(axis=(1, 3)))
+    return np.asarray(cut.reshape(height, factor, width, factor, 3).mean(axis=(1, 3)))
 
 
-def _turned(image: Image, turn_deg: float) -> Image:
-    """Return a map turned about +Y, mixing two neighbouring columns."""
+def _turned(image: Map, turn_deg: float) -> Map:
+    """Return a map turned about +Y, linear between columns."""
     # Columns run from -Z over +X, against positive turns.
     shift = -turn_deg / 360.0 * image.shape[1]
     whole = math.floor(shift)
@@ -72,30 +88,25 @@ def _turned(image: Image, turn_deg: float) -> Image:
     return np.asarray((1 - part) * near + part * far)
 
 
-def _parted(image: Image) -> tuple[Image, Key]:
-    """Return a map without its sun, and the sun; without light if the map has none."""
+def split_sun(image: Map) -> tuple[Map, KeyLight]:
+    """Return a map without its sun, and the sun; an unlit key light if there is none."""
     height, width = image.shape[:2]
-    d, angle = directions(width, height), solid_angles(width, height)
+    d, angle = pixel_directions(width, height), solid_angles(width, height)
     bright = luminance(image)
-    dark = Key(UP, _SUN_DEG, np.zeros(3))
+    dark = KeyLight(UP, _SUN.radius_deg, np.zeros(3))
     total = float((bright * angle).sum())
     top = np.unravel_index(int(bright.argmax()), bright.shape)
     near = d @ d[top]
-    inside = near > math.cos(math.radians(_SUN_DEG))
-    ring = ~inside & (near > math.cos(math.radians(_RING_DEG)))
+    inside = near > math.cos(math.radians(_SUN.radius_deg))
+    ring = ~inside & (near > math.cos(math.radians(_SUN.ring_deg)))
     if total <= 0 or not ring.any():
         return image, dark
     sky = np.median(image[ring], axis=0)
-    sun = inside & (bright > _TIMES * float(luminance(sky)))
+    sun = inside & (bright > _SUN.contrast * float(luminance(sky)))
     extra = np.where(sun[..., None], (image - sky).clip(0, None), 0.0) * angle[..., None]
-    if float(luminance(extra).sum()) < _SHARE * total:
+    if float(luminance(extra).sum()) < _SUN.min_share * total:
         return image, dark
-    toward = unit((d * luminance(extra)[..., None]).sum(axis=(0, 1)))
-    width_deg = _width_of(float(angle[sun].sum()))
+    direction = normalized((d * luminance(extra)[..., None]).sum(axis=(0, 1)))
+    diameter = 2 * math.degrees(math.sqrt(float(angle[sun].sum()) / math.pi))
     rest = np.where(sun[..., None], np.minimum(image, sky), image)
-    return rest, Key(toward, width_deg, extra.sum(axis=(0, 1)))
-
-
-def _width_of(solid_angle: float) -> float:
-    """Return the width of a disc [degrees]; no sun of a picture is sharper than the real one."""
-    return max(2 * math.degrees(math.sqrt(solid_angle / math.pi)), 0.53)
+    return rest, KeyLight(direction, max(diameter, _SUN.min_diameter_deg), extra.sum(axis=(0, 1)))

@@ -1,66 +1,78 @@
-"""Rough surfaces: a BSDF that scatters evenly, with a colour and a relief of its own.
+"""BSDF plugins in Python: a diffuse and a glossy surface with a pattern shader.
 
-Where a ground of nested textures, blends and bumps evaluates a pattern many times over,
-this one looks once at the point that is hit: the pattern gives the colour and bends the
-normal. What it gives back is at most its colour (the energy of a cosine about a bent
-normal, less what would go below the surface).
+The shader is called once per point, gives the colour and bends the normal. The diffuse surface
+reflects at most its colour: the energy of a cosine about the bent normal, less what would go
+below the surface. The glossy one wraps a BSDF of Mitsuba, which it hands the colour through a
+texture.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
-from render.plugins import plugin
-
-PIXEL = "pixel"
-"""Name of the value that says how wide a pixel is at a distance of one metre [m]."""
-
-Look = Callable[[Any], tuple[Any, Any]]
-"""From `mi.SurfaceInteraction3f` the colour, `mi.Color3f`, and the normal in the world."""
+from render.config import Material
+from render.surfaces.mitsuba_bsdf import opaque_bsdf
+from render.surfaces.patterns import Shader
 
 
-def rough(look: Look, values: dict[str, Any]) -> Any:
-    """Return a rough surface, `mi.BSDF`.
+def plugin(methods: type, base: str) -> Any:
+    """Return a new object of Mitsuba's class `base` with these methods.
+
+    Mitsuba's base classes differ between variants and do not exist before one is chosen, so
+    the methods stand in plain classes.
+    """
+    return _plugin_class(methods, base, mi.variant())(mi.Properties())
+
+
+@cache
+def _plugin_class(methods: type, base: str, variant: str) -> type:
+    del variant
+    # Mitsuba's classes allow no second base, so the methods are copied.
+    own = {k: v for k, v in vars(methods).items() if not k.startswith("__")}
+    return type(methods.__name__, (getattr(mi, base),), own)
+
+
+def diffuse_bsdf(shader: Shader, values: dict[str, Any]) -> Any:
+    """Return a diffuse surface, `mi.BSDF`.
 
     Args:
-        look: what it shows.
-        values: all arrays of Dr.Jit that the look reads. They must stand in the surface
-            itself, where recordings look for what may change, and are found among the scene's
-            parameters by these names.
+        shader: its colour and normal.
+        values: all arrays of Dr.Jit that the shader reads. They must be members of the surface,
+            where frozen functions look for their inputs, and are scene parameters by these names.
     """
-    surface = plugin(_Rough, "BSDF")
-    surface.look, surface.values = look, values
+    surface = plugin(_DiffuseBsdf, "BSDF")
+    surface.shader, surface.values = shader, values
     both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
     surface.m_flags = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.SpatiallyVarying | both
     surface.m_components = [surface.m_flags]
     return surface
 
 
-def set_pixel(values: Any, fov_deg: float, height: int) -> None:
-    """Tell all looks of a scene how wide a pixel is.
+def glossy_bsdf(material: Material, shader: Shader, values: dict[str, Any]) -> Any:
+    """Return a glossy surface, `mi.BSDF`.
 
     Args:
-        values: the scene's parameters.
-        fov_deg: vertical field of view [degrees].
-        height: of the picture [pixels].
+        material: its reflection; colour and texture come from the shader.
+        shader: its colour and normal.
+        values: see `diffuse_bsdf`.
     """
-    wide = 2.0 * math.tan(math.radians(fov_deg) / 2.0) / height
-    for name in values.keys():
-        if name.endswith(f".{PIXEL}"):
-            values[name] = dr.opaque(type(values[name]), wide)
+    paint, surface = plugin(_Paint, "Texture"), plugin(_GlossyBsdf, "BSDF")
+    surface.paint, surface.base = paint, mi.load_dict(opaque_bsdf(material, paint))
+    surface.shader, surface.values = shader, values
+    surface.set_flags()
+    return surface
 
 
-class _Rough:
-    """The methods of `mi.BSDF` for a rough surface; see `render.plugins`."""
+class _DiffuseBsdf:
+    """Methods of `mi.BSDF` for a diffuse surface."""
 
     m_components: list[Any]
     m_flags: Any
-    look: Look
+    shader: Shader
     values: dict[str, Any]
 
     def sample(
@@ -76,33 +88,33 @@ class _Rough:
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         del ctx
-        color, bent = self._seen(si)
-        return _lit(color, bent, si.wi, wo, active)
+        color, bent = self._shaded(si)
+        return _diffuse(color, bent, si.wi, wo, active)
 
     def eval_pdf_sample(
         self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
     ) -> tuple[Any, Any, Any, Any]:
         del ctx, sample1
-        color, bent = self._seen(si)
-        value, pdf = _lit(color, bent, si.wi, wo, active)
-        around = mi.warp.square_to_cosine_hemisphere(sample2)
-        side = side_of(si.wi)
-        out = mi.Frame3f(bent).to_world(around)
-        there = active & (out.z > 0) & (si.wi.z != 0)
+        color, bent = self._shaded(si)
+        value, pdf = _diffuse(color, bent, si.wi, wo, active)
+        local = mi.warp.square_to_cosine_hemisphere(sample2)
+        side = _side_of(si.wi)
+        out = mi.Frame3f(bent).to_world(local)
+        is_above = active & (out.z > 0) & (si.wi.z != 0)
         found: Any = dr.zeros(mi.BSDFSample3f)
         found.wo = mi.Vector3f(out.x, out.y, out.z * side)
-        found.pdf = dr.select(there, mi.warp.square_to_cosine_hemisphere_pdf(around), 0.0)
+        found.pdf = dr.select(is_above, mi.warp.square_to_cosine_hemisphere_pdf(local), 0.0)
         found.eta = 1.0
         found.sampled_type = mi.UInt32(+mi.BSDFFlags.DiffuseReflection)
         found.sampled_component = 0
-        return value, pdf, found, dr.select(there, color, 0.0)
+        return value, pdf, found, dr.select(is_above, color, 0.0)
 
     def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-        return dr.select(active, self._seen(si)[0], 0.0)
+        return dr.select(active, self._shaded(si)[0], 0.0)
 
-    def _seen(self, si: Any) -> tuple[Any, Any]:
-        color, normal = self.look(si)
-        return color, bent_in(si, normal)
+    def _shaded(self, si: Any) -> tuple[Any, Any]:
+        color, normal = self.shader(si)
+        return color, _local_normal(si, normal)
 
     def traverse(self, callback: Any) -> None:
         for name, value in self.values.items():
@@ -112,27 +124,146 @@ class _Rough:
         del keys
 
     def to_string(self) -> str:
-        return "Rough[]"
+        return "DiffuseBsdf[]"
 
 
-def side_of(direction: Any) -> Any:
+class _Paint:
+    """Methods of `mi.Texture` for one that returns the colour it was given last."""
+
+    color: Any = None
+
+    def eval(self, si: Any, active: Any = True) -> Any:
+        del si, active
+        return mi.Color3f(0.5) if self.color is None else self.color
+
+    def eval_3(self, si: Any, active: Any = True) -> Any:
+        return self.eval(si, active)
+
+    def eval_1(self, si: Any, active: Any = True) -> Any:
+        return mi.luminance(self.eval(si, active))
+
+    def mean(self) -> Any:
+        return mi.Float(0.5)
+
+    def is_spatially_varying(self) -> bool:
+        return True
+
+    def traverse(self, callback: Any) -> None:
+        del callback
+
+    def to_string(self) -> str:
+        return "Paint[]"
+
+
+class _GlossyBsdf:
+    """Methods of `mi.BSDF` for a glossy surface."""
+
+    m_components: list[Any]
+    m_flags: Any
+    shader: Shader
+    values: dict[str, Any]
+    paint: Any
+    base: Any
+
+    def set_flags(self) -> None:
+        """Copy the flags of the wrapped BSDF, for both sides."""
+        parts = [self.base.flags(i) for i in range(self.base.component_count())]
+        both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+        self.m_components = [part | both for part in parts]
+        self.m_flags = self.base.flags() | both
+
+    def sample(
+        self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any]:
+        here, frame, side = self._painted(si)
+        found, weight = self.base.sample(ctx, here, sample1, sample2, active)
+        self.paint.color = None
+        return _from_bent(found, weight, frame, side)
+
+    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval_pdf(ctx, si, wo, active)[0]
+
+    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval_pdf(ctx, si, wo, active)[1]
+
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+        here, frame, side = self._painted(si)
+        out, is_above = _to_bent(wo, frame, side, active)
+        value, pdf = self.base.eval_pdf(ctx, here, out, is_above)
+        self.paint.color = None
+        return dr.select(is_above, value, 0.0), dr.select(is_above, pdf, 0.0)
+
+    def eval_pdf_sample(
+        self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any, Any, Any]:
+        here, frame, side = self._painted(si)
+        out, is_above = _to_bent(wo, frame, side, active)
+        value, pdf = self.base.eval_pdf(ctx, here, out, is_above)
+        found, weight = self.base.sample(ctx, here, sample1, sample2, active)
+        self.paint.color = None
+        found, weight = _from_bent(found, weight, frame, side)
+        return dr.select(is_above, value, 0.0), dr.select(is_above, pdf, 0.0), found, weight
+
+    def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+        return dr.select(active, self.shader(si)[0], 0.0)
+
+    def _painted(self, si: Any) -> tuple[Any, Any, Any]:
+        """Return the interaction for the wrapped BSDF, the bent frame and the side."""
+        color, normal = self.shader(si)
+        self.paint.color = color
+        side = _side_of(si.wi)
+        frame = mi.Frame3f(_local_normal(si, normal))
+        here = mi.SurfaceInteraction3f(si)
+        wi = frame.to_local(mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side))
+        # At grazing angles the bent surface may face away; it is then seen edge on.
+        wi.z = dr.maximum(wi.z, 1e-3)
+        here.wi = dr.normalize(wi)
+        return here, frame, side
+
+    def traverse(self, callback: Any) -> None:
+        for name, value in self.values.items():
+            callback.put(name, value, mi.ParamFlags.NonDifferentiable)
+
+    def parameters_changed(self, keys: Any) -> None:
+        del keys
+
+    def to_string(self) -> str:
+        return "GlossyBsdf[]"
+
+
+def _side_of(direction: Any) -> Any:
     """Return 1 for a direction above the surface and -1 for one below."""
     return dr.select(direction.z < 0, mi.Float(-1), mi.Float(1))
 
 
-def bent_in(si: Any, normal: Any) -> Any:
-    """Return a normal of the world in the frame of the surface, `mi.Vector3f` of length one."""
+def _local_normal(si: Any, normal: Any) -> Any:
+    """Return a normal of the world as unit `mi.Vector3f` in the frame of the surface."""
     bent = dr.normalize(si.to_local(normal))
-    # A normal that looks into the ground would have no hemisphere above it.
+    # A normal below the surface would have no hemisphere above it.
     bent.z = dr.maximum(bent.z, 0.05)
     return dr.normalize(bent)
 
 
-def _lit(color: Any, bent: Any, wi: Any, wo: Any, active: Any) -> tuple[Any, Any]:
+def _diffuse(color: Any, bent: Any, wi: Any, wo: Any, active: Any) -> tuple[Any, Any]:
     """Return the value, times the cosine, and the density of scattering into `wo`."""
-    side = side_of(wi)
+    side = _side_of(wi)
     out = mi.Vector3f(wo.x, wo.y, wo.z * side)
     cosine = dr.maximum(dr.dot(out, bent), 0.0)
-    there = active & (out.z > 0) & (wi.z != 0)
-    pdf = dr.select(there, cosine * dr.inv_pi, 0.0)
+    is_above = active & (out.z > 0) & (wi.z != 0)
+    pdf = dr.select(is_above, cosine * dr.inv_pi, 0.0)
     return color * pdf, pdf
+
+
+def _to_bent(wo: Any, frame: Any, side: Any, active: Any) -> tuple[Any, Any]:
+    """Return a direction in the bent frame, and whether it leaves the true surface."""
+    out = mi.Vector3f(wo.x, wo.y, wo.z * side)
+    return frame.to_local(out), active & (out.z > 0)
+
+
+def _from_bent(found: Any, weight: Any, frame: Any, side: Any) -> tuple[Any, Any]:
+    """Return a sample of the wrapped BSDF in the frame of the surface."""
+    out = frame.to_world(found.wo)
+    is_above = (out.z > 0) & (found.pdf > 0)
+    found.wo = mi.Vector3f(out.x, out.y, out.z * side)
+    found.pdf = dr.select(is_above, found.pdf, 0.0)
+    return found, dr.select(is_above, weight, 0.0)

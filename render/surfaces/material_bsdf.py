@@ -1,7 +1,7 @@
-"""Materials as Mitsuba's BSDFs.
+"""The BSDF and the emitter of a material.
 
-A pattern is looked at once a point (`render.surfaces.patterns`); in the scalar variant, where that
-would be slow, it is made of Mitsuba's own textures (`render.surfaces.mitsuba_bsdf`).
+Patterns are evaluated once per point by a Python shader (`patterns`); in the scalar variant,
+where that would be slow, they are made of Mitsuba's own textures (`mitsuba_bsdf`).
 """
 
 from __future__ import annotations
@@ -11,63 +11,22 @@ from typing import Any
 
 import mitsuba as mi
 
-from render.coat import Coat
 from render.color import linear
 from render.config import Material
-from render.footprints import Prints
-from render.glossy import glossy
-from render.hatching import TINT, TINTED, WARNING
-from render.plain import clear, flat, is_rough, plain
-from render.surfaces.bsdf_plugins import rough
-from render.surfaces.mitsuba_bsdf import Surface, nested, tinted
-from render.surfaces.patterns import Ground
+from render.footprints import FootprintRaster
+from render.surfaces.bsdf_plugins import diffuse_bsdf, glossy_bsdf
+from render.surfaces.mitsuba_bsdf import (
+    Surface,
+    is_diffuse,
+    opaque_bsdf,
+    patterned_bsdf,
+    rgb_texture,
+    transmissive_bsdf,
+    warned_bsdf,
+)
+from render.surfaces.patterns import BodyShader, GroundShader
 
-__all__ = ["TINTED", "Surface", "bsdf", "glowing", "has_shares"]
-
-
-def bsdf(
-    words: Material, surface: Surface, warned: bool = False, prints: Prints | None = None
-) -> Any:
-    """Return the BSDF of a material, `mi.BSDF`.
-
-    Args:
-        words: the material, written out in full.
-        surface: what a pattern is laid on: ground, a body, or nothing that could bear one.
-        warned: whether the surface carries the attribute `TINTED`.
-        prints: what is pressed into ground; the scalar variant leaves it out.
-    """
-    if words.transmission > 0:
-        return mi.load_dict(clear(words))
-    has_pattern = surface != "bare" and words.texture != "none"
-    if not (has_pattern or warned or prints) or _is_scalar():
-        made = nested(words, surface) if has_pattern else plain(words, flat(words.color))
-        if warned:
-            made = tinted(TINTED, TINT, made, WARNING)
-        return mi.load_dict({"type": "twosided", "bsdf": made})
-    look = _look(words if has_pattern else words.model_copy(update=_BARE), surface, warned, prints)
-    if is_rough(words):
-        return rough(look, look.values)
-    return glossy(words, look, look.values)
-
-
-def _look(words: Material, surface: Surface, warned: bool, prints: Prints | None) -> Ground | Coat:
-    if surface == "body" and words.texture != "none":
-        return Coat(words)
-    return Ground(words, warned, prints)
-
-
-def glowing(words: Material) -> dict[str, Any]:
-    """Return the emitter of a material that gives off light."""
-    radiance = [float(words.glow * c) for c in linear(words.color)]
-    return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
-
-
-def has_shares(words: Material, surface: Surface) -> bool:
-    """Whether meshes of this material carry the attributes of `render.shares`."""
-    return _is_scalar() and surface == "ground" and words.texture != "none"
-
-
-_BARE = {
+_NO_PATTERN = {
     "texture": "none",
     "color2": None,
     "steep_color": None,
@@ -75,19 +34,66 @@ _BARE = {
     "hollow_color": None,
     "bump": 0.0,
 }
-"""Words of a surface without any pattern."""
+"""Values of a material without pattern."""
 
 
-def light_paths(materials: Iterable[Material]) -> int:
-    """Return how many more bounces a light path may take through what is clear."""
-    # In and out of one solid, and what it mirrors inside once.
-    return 3 if any(words.transmission > 0 for words in materials) else 0
+def material_bsdf(
+    material: Material,
+    surface: Surface,
+    is_warned: bool = False,
+    footprints: FootprintRaster | None = None,
+) -> Any:
+    """Return the BSDF of a material, `mi.BSDF`.
+
+    Args:
+        material: written out in full.
+        surface: what a pattern is laid on.
+        is_warned: whether the surface has the attribute `patterns.WARNED`.
+        footprints: in the ground; the scalar variant leaves them out.
+    """
+    if material.transmission > 0:
+        return mi.load_dict(transmissive_bsdf(material))
+    has_pattern = surface != "bare" and material.texture != "none"
+    if not (has_pattern or is_warned or footprints) or _is_scalar():
+        if has_pattern:
+            made = patterned_bsdf(material, surface)
+        else:
+            made = opaque_bsdf(material, rgb_texture(material.color))
+        if is_warned:
+            made = warned_bsdf(made)
+        return mi.load_dict({"type": "twosided", "bsdf": made})
+    shader: BodyShader | GroundShader
+    if has_pattern and surface == "body":
+        shader = BodyShader(material)
+    else:
+        shown = material if has_pattern else material.model_copy(update=_NO_PATTERN)
+        shader = GroundShader(shown, is_warned, footprints)
+    if is_diffuse(material):
+        return diffuse_bsdf(shader, shader.values)
+    return glossy_bsdf(material, shader, shader.values)
 
 
-def needs_coordinates(words: Material, surface: Surface) -> bool:
-    """Whether meshes of this material carry texture coordinates."""
-    # A look lays ground by its place in the world.
-    return words.texture != "none" and (surface == "body" or _is_scalar())
+def area_emitter(material: Material) -> dict[str, Any]:
+    """Return the emitter of a glowing material."""
+    radiance = [float(material.glow * c) for c in linear(material.color)]
+    return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
+
+
+def needs_vertex_shares(material: Material, surface: Surface) -> bool:
+    """Whether meshes of this material have the attributes of `mitsuba_bsdf.vertex_shares`."""
+    return _is_scalar() and surface == "ground" and material.texture != "none"
+
+
+def needs_coordinates(material: Material, surface: Surface) -> bool:
+    """Whether meshes of this material have texture coordinates."""
+    # A ground shader projects by the position in the world.
+    return material.texture != "none" and (surface == "body" or _is_scalar())
+
+
+def extra_bounces(materials: Iterable[Material]) -> int:
+    """Return the additional bounces that light paths through transmissive materials need."""
+    # In and out of one solid, and one reflection inside.
+    return 3 if any(material.transmission > 0 for material in materials) else 0
 
 
 def _is_scalar() -> bool:

@@ -1,8 +1,8 @@
-"""Nested surfaces: patterns as Mitsuba's own textures, blends and bumps.
+"""BSDFs from Mitsuba's own plugins, as dictionaries for `mi.load_dict`.
 
-For the scalar variant, where a look in Python (see `bsdf_plugins`) would be called for
-every single point. It shows the same patterns in the same colours, except that it lays
-them by the texture coordinates of the mesh.
+Besides plain surfaces these are patterns for the scalar variant, where a shader in Python would
+be called for every single point: nested textures, blends and bumps show the same patterns in the
+same colours, laid by the texture coordinates of the mesh.
 """
 
 from __future__ import annotations
@@ -13,73 +13,134 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from render import coat
 from render.color import linear
 from render.config import Material
-from render.plain import flat, plain
-from render.shares import CREST, HOLLOW, STEEP
-from render.surfaces.patterns import BARE, BRIGHTEST, PATCHES, REGULAR, SECOND, WARMTH
+from render.surfaces.patterns import (
+    BODY_PATCHES,
+    FIRST_LAYER,
+    LINED_PATTERNS,
+    MAX_REFLECTANCE,
+    MIN_REFLECTANCE,
+    PATCHES,
+    ROCK_LAYER,
+    SECOND_LAYER,
+    SOFT_HEIGHT,
+    SOFT_SLOPE_DEG,
+    WARMTH,
+    WARNED,
+    WARNING_COLOR,
+    WARNING_TINT,
+    Layer,
+)
 from render.textures import patches, tile
 
 Plugin = dict[str, Any]
 
 Surface = Literal["ground", "body", "bare"]
-"""What a pattern is laid on; nothing is laid on what is bare."""
+"""What a pattern is laid on; a bare surface has none."""
+
+DIFFUSE_ROUGHNESS = 0.7
+"""Roughness from which a bare dielectric is diffuse, which is fastest and flickers least."""
+
+STEEP, CREST, HOLLOW = "vertex_steep", "vertex_crest", "vertex_hollow"
+"""Mesh attributes: shares of bare rock, of crests and of hollows, 0 to 1."""
 
 
-def nested(words: Material, surface: Surface) -> Plugin:
-    """Return the BSDF of a surface with a pattern as a dictionary for `mi.load_dict`."""
+def is_diffuse(material: Material) -> bool:
+    """Whether a material is purely diffuse: rough, and neither metal nor coated."""
+    shines = material.metallic or material.clearcoat or material.sheen or material.transmission
+    return material.roughness >= DIFFUSE_ROUGHNESS and not shines
+
+
+def opaque_bsdf(material: Material, color: Any) -> Plugin:
+    """Return the BSDF of an opaque material with its colour as a texture."""
+    if is_diffuse(material):
+        return {"type": "diffuse", "reflectance": color}
+    return {
+        "type": "principled",
+        "base_color": color,
+        "roughness": max(material.roughness, 0.03),
+        "metallic": material.metallic,
+        "specular": 0.5,
+        "clearcoat": material.clearcoat,
+        "clearcoat_gloss": 0.93,
+        "sheen": material.sheen,
+        "sheen_tint": 0.6,
+    }
+
+
+def transmissive_bsdf(material: Material) -> Plugin:
+    """Return the two-sided BSDF of a transmissive material."""
+    tinted = {"int_ior": material.ior, "specular_transmittance": rgb_texture(material.color)}
+    glass: Plugin = {"type": "dielectric", **tinted}
+    if material.roughness > 0.03:
+        glass = {"type": "roughdielectric", "alpha": material.roughness**2, **tinted}
+    if material.transmission >= 1.0:
+        return glass
+    opaque = {"type": "twosided", "bsdf": opaque_bsdf(material, rgb_texture(material.color))}
+    return _blend(material.transmission, opaque, glass)
+
+
+def rgb_texture(color: tuple[float, float, float]) -> Plugin:
+    """Return an sRGB colour as a texture."""
+    return {"type": "rgb", "value": [float(c) for c in linear(color)]}
+
+
+def patterned_bsdf(material: Material, surface: Surface) -> Plugin:
+    """Return the BSDF of a surface with a pattern."""
     on_body = surface == "body"
-    made = _pattern(words, words.texture, words.color, (1.0, 0.0))
-    if words.color2 is not None:
-        lie = (1.0, 0.0) if on_body or words.texture in REGULAR else SECOND
-        second = _pattern(words, words.texture, words.color2, lie)
-        span, turn = coat.PATCHES if on_body else PATCHES
-        weight = _bitmap(patches()[..., None], words.texture_scale * span, turn)
-        made = blend(weight, made, second)
-    over = [
-        (HOLLOW, words.hollow_color, words.texture, (1.0, 0.0)),
-        (CREST, words.crest_color, words.texture, (1.0, 0.0)),
-        (STEEP, words.steep_color, "rock", BARE),
+    made = _layer(material, material.texture, material.color, FIRST_LAYER)
+    if material.color2 is not None:
+        shares_layer = on_body or material.texture in LINED_PATTERNS
+        layout = FIRST_LAYER if shares_layer else SECOND_LAYER
+        second = _layer(material, material.texture, material.color2, layout)
+        map_layout = BODY_PATCHES if on_body else PATCHES
+        size = material.texture_scale * map_layout.scale
+        weight = _bitmap(patches()[..., None], size, map_layout.turn_deg)
+        made = _blend(weight, made, second)
+    overlays = [
+        (HOLLOW, material.hollow_color, material.texture, FIRST_LAYER),
+        (CREST, material.crest_color, material.texture, FIRST_LAYER),
+        (STEEP, material.steep_color, "rock", ROCK_LAYER),
     ]
-    for name, color, texture, lie in over:
+    for name, color, texture, layout in overlays:
         if color is not None and not on_body:
-            layer = _pattern(words, texture, color, lie)
-            made = blend({"type": "mesh_attribute", "name": name}, made, layer)
-    return _bump(words, made) if words.bump > 0 else made
+            layer = _layer(material, texture, color, layout)
+            made = _blend({"type": "mesh_attribute", "name": name}, made, layer)
+    return _bump(material, made) if material.bump > 0 else made
 
 
-def blend(weight: Plugin, below: Plugin, above: Plugin) -> Plugin:
-    """Return `above` over `below` by a weight."""
+def warned_bsdf(below: Plugin) -> Plugin:
+    """Return a surface tinted in the warning colour where its attribute `WARNED` says so."""
+    tint = {"type": "uniform", "value": WARNING_TINT}
+    warning = {"type": "diffuse", "reflectance": rgb_texture(WARNING_COLOR)}
+    attribute = {"type": "mesh_attribute", "name": WARNED}
+    return _blend(attribute, below, _blend(tint, below, warning))
+
+
+def _blend(weight: Plugin | float, below: Plugin, above: Plugin) -> Plugin:
     return {"type": "blendbsdf", "weight": weight, "below": below, "above": above}
 
 
-def tinted(attribute: str, tint: float, below: Plugin, color: tuple[float, float, float]) -> Plugin:
-    """Return a surface that is tinted where a mesh attribute says so."""
-    uniform = {"type": "uniform", "value": tint}
-    warned = blend(uniform, below, {"type": "diffuse", "reflectance": flat(color)})
-    return blend({"type": "mesh_attribute", "name": attribute}, below, warned)
-
-
-def _pattern(
-    words: Material, name: str, color: tuple[float, float, float], lie: tuple[float, float]
+def _layer(
+    material: Material, pattern: str, color: tuple[float, float, float], layout: Layer
 ) -> Plugin:
-    larger, turn_deg = lie
-    drawn = tile(name)
+    drawn = tile(pattern)
     tint = np.array(WARMTH, np.float32)
     albedo = linear(color) * drawn.shade[..., None] * (1 + drawn.warmth[..., None] * tint)
-    shown = _bitmap(albedo.clip(0.003, BRIGHTEST), words.texture_scale * larger, turn_deg)
-    return plain(words, shown)
+    albedo = albedo.clip(MIN_REFLECTANCE, MAX_REFLECTANCE)
+    texture = _bitmap(albedo, material.texture_scale * layout.scale, layout.turn_deg)
+    return opaque_bsdf(material, texture)
 
 
-def _bump(words: Material, surface: Plugin) -> Plugin:
-    drawn = tile(words.texture)
+def _bump(material: Material, surface: Plugin) -> Plugin:
+    drawn = tile(material.texture)
     # The relief grows with the tile, which keeps its slopes.
-    relief = drawn.relief[..., None] * (words.texture_scale / drawn.size)
+    relief = drawn.relief[..., None] * (material.texture_scale / drawn.size)
     return {
         "type": "bumpmap",
-        "scale": words.bump,
-        "relief": _bitmap(relief, words.texture_scale, 0.0),
+        "scale": material.bump,
+        "relief": _bitmap(relief, material.texture_scale, 0.0),
         "surface": surface,
     }
 
@@ -94,3 +155,44 @@ def _bitmap(pixels: NDArray[np.floating], size: float, turn_deg: float) -> Plugi
         "wrap_mode": "repeat",
         "to_uv": T().rotate(turn_deg).scale([1 / size, 1 / size]),
     }
+
+
+def share_names(material: Material | None) -> list[str]:
+    """Return the mesh attributes that a patterned ground needs."""
+    if material is None:
+        return []
+    colors = {
+        CREST: material.crest_color,
+        HOLLOW: material.hollow_color,
+        STEEP: material.steep_color,
+    }
+    return [name for name, color in colors.items() if color is not None]
+
+
+def vertex_shares(
+    material: Material, vertices: NDArray[np.float32], normals: NDArray[np.float32]
+) -> dict[str, NDArray[np.float32]]:
+    """Return the mesh attributes of a ground by slope and height, with ragged borders.
+
+    Args:
+        material: of the ground.
+        vertices: (V, 3) [m].
+        normals: (V, 3).
+    """
+    x, y, z = vertices.T
+    # Incommensurable waves, never seen to repeat.
+    ragged = np.sin(5.1 * x + 1.7 * z + 2.3 * y) + np.sin(3.3 * z - 4.4 * x + 1.1)
+    ragged += np.sin(9.7 * x + 8.3 * z) * np.sin(7.9 * z - 6.1 * y)
+    slope = np.degrees(np.arccos(np.clip(np.abs(normals[:, 1]), 0, 1))) + 2.5 * ragged
+    height = y + 0.1 * SOFT_HEIGHT * ragged
+    distances = {
+        STEEP: (slope - material.steep_deg) / SOFT_SLOPE_DEG,
+        CREST: (height - material.crest_height) / SOFT_HEIGHT,
+        HOLLOW: (material.hollow_height - height) / SOFT_HEIGHT,
+    }
+    return {name: _centered_step(distances[name]) for name in share_names(material)}
+
+
+def _centered_step(x: NDArray[np.floating]) -> NDArray[np.float32]:
+    t = (0.5 + 0.5 * x).clip(0, 1)
+    return np.asarray(t * t * (3 - 2 * t), np.float32)

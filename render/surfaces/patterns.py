@@ -1,14 +1,14 @@
-"""Ground: what is seen of soil, sand, grass, snow or rock at a point.
+"""Pattern shaders: colour and normal of ground and of bodies at the points of a kernel.
 
-Two layers of one pattern, the second larger, turned and in the second colour, are mixed
-by slow patches, so that no tile is seen again beside itself; where the surface is steep,
-rock lies bare.
+On ground, two layers of one pattern, the second larger, turned and in the second colour, are
+mixed by slow patches, so that no tile is seen to repeat. Bare rock shows where the surface is
+steep. Forbidden faces are hatched in a warning colour.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import drjit as dr
@@ -17,170 +17,193 @@ import numpy as np
 
 from render.color import linear
 from render.config import Material
-from render.footprints import Prints
-from render.hatching import hatched
-from render.laying import Laid, laid, ragged_wave, turned
-from render.surfaces.bsdf_plugins import PIXEL
-from render.surfaces.footprint_lookup import Pressed
+from render.footprints import FootprintRaster
+from render.surfaces.footprint_lookup import FootprintLookup
 from render.surfaces.texture_mapping import (
-    LEVELS,
+    PIXEL_WIDTH,
+    DeviceTexture,
+    Projection,
     Sample,
-    Texels,
-    patch_texels,
-    read,
-    texels,
+    box_projection,
+    device_texture,
+    mip_level,
+    patch_mipmap,
+    pattern_mipmap,
+    ragged_wave,
 )
-from render.textures import TILE
+
+Shader = Callable[[Any], tuple[Any, Any]]
+"""From `mi.SurfaceInteraction3f` the colour, `mi.Color3f`, and the normal in the world."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """How a layer lies relative to the first one.
+
+    Attributes:
+        scale: factor on the size of a tile.
+        turn_deg: rotation [degrees].
+    """
+
+    scale: float
+    turn_deg: float
+
+
+FIRST_LAYER = Layer(1.0, 0.0)
+SECOND_LAYER = Layer(1.37, 37.0)
+ROCK_LAYER = Layer(1.13, 11.0)
+PATCHES = Layer(9.0, 19.0)
+LARGE_PATCHES = Layer(61.0, 52.0)
+BODY_PATCHES = Layer(1.7, 19.0)
+
+PATCH_CONTRAST = 0.8
+"""Weight of patches of each size."""
 
 WARMTH = (0.13, 0.0, -0.16)
-"""How much a texel's warmth adds to red, green and blue."""
+"""Share of a texel's warmth added to red, green and blue."""
 
-SECOND, BARE = (1.37, 37.0), (1.13, 11.0)
-"""How much larger the second layer and the rock are than the first, and how far turned [deg]."""
+LINED_PATTERNS = frozenset({"wood", "planks", "weave", "tiles", "checker", "scratches", "brushed"})
+"""Patterns with lines, which a turned second layer would cross; both colours share one layer."""
 
-PATCHES = (9.0, 19.0)
-"""Tiles that the map of patches spans, and how far it is turned [deg]."""
+SOFT_SLOPE_DEG, SOFT_HEIGHT = 9.0, 0.2
+"""Half-width of the border of bare rock [degrees of slope], and of crests and hollows [m]."""
 
-FIELDS = (61.0, 52.0)
-"""The same of larger patches."""
+MIN_REFLECTANCE, MAX_REFLECTANCE = 0.003, 0.9
+"""Range of colours; a brighter surface would light itself by its many reflections."""
 
-_CONTRAST = 0.8
-"""How much patches of each size weigh."""
+WARNED = "vertex_tinted"
+"""Mesh attribute: share of the faces around a vertex that are hatched, 0 to 1."""
 
-REGULAR = frozenset({"wood", "planks", "weave", "tiles", "checker", "scratches", "brushed"})
-"""Patterns with lines, which a second, turned layer would cross; their colours share one layer."""
+WARNING_COLOR = (0.85, 0.12, 0.06)
+"""Colour of the hatching, sRGB."""
 
-SOFT_DEG, SOFT = 9.0, 0.2
-"""The borders of bare rock and of crests and hollows are spread over this much slope [deg] and
-height [m] to either side."""
+WARNING_TINT, HATCH_LINE, HATCH_RIM = 0.42, 0.30, 0.35
+"""Share of that colour between the lines, and what lines and the rim add to it."""
 
-BRIGHTEST = 0.9
-"""Above this a surface would light itself through its many reflections."""
+HATCH_SPACING = 0.24
+"""Distance between lines [m]."""
 
 
-class Ground:
-    """What is seen of a ground: a `render.surfaces.bsdf_plugins.Look`."""
+class GroundShader:
+    """Shades ground, with footprints and hatching."""
 
-    def __init__(self, words: Material, warned: bool = False, prints: Prints | None = None) -> None:
-        self.words, self.warned = words, warned
-        # Not a constant of the kernel: another lens must not compile it again.
-        self.values: dict[str, Any] = {PIXEL: dr.opaque(mi.Float, 1e-3)}
-        self._pressed = Pressed(prints, self.values) if prints is not None else None
-        self._first = self._patches = self._bare = None
-        if words.texture != "none":
-            tile = texels(words.texture)
-            self._first = source(tile, self.values, "first")
-            self.values["smoothness"] = mi.Float(tile.smoothness(words.bump))
-        if words.color2 is not None:
-            self._patches = source(patch_texels(), self.values, "patches")
-        if words.steep_color is not None:
-            self._bare = source(texels("rock"), self.values, "bare")
+    def __init__(
+        self,
+        material: Material,
+        is_warned: bool = False,
+        footprints: FootprintRaster | None = None,
+    ) -> None:
+        self._material, self._is_warned = material, is_warned
+        # Opaque, so that another lens does not compile the kernel again.
+        self.values: dict[str, Any] = {PIXEL_WIDTH: dr.opaque(mi.Float, 1e-3)}
+        self._footprints = None
+        if footprints is not None:
+            self._footprints = FootprintLookup(footprints, self.values)
+        self._first = self._patches = self._rock = None
+        if material.texture != "none":
+            mipmap = pattern_mipmap(material.texture)
+            self._first = device_texture(mipmap, self.values, "first")
+            self.values["smoothness"] = mi.Float(mipmap.relief_darkening(material.bump))
+        if material.color2 is not None:
+            self._patches = device_texture(patch_mipmap(), self.values, "patches")
+        if material.steep_color is not None:
+            self._rock = device_texture(pattern_mipmap("rock"), self.values, "bare")
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
-        """Return colour and normal at points that were hit."""
-        color, normal = self._pattern(si)
-        if self._pressed is not None:
-            dark, gradient = self._pressed.at(si.p)
+        """Return colour and normal at surface interactions."""
+        color, normal = self._textured(si)
+        if self._footprints is not None:
+            dark, gradient = self._footprints.at(si.p)
             color *= 1.0 - dark
-            normal = bent(dr.normalize(normal), gradient, 1.0)
-        if self.warned:
+            normal = bent_normal(dr.normalize(normal), gradient, 1.0)
+        if self._is_warned:
             color = hatched(si, color)
-        return dr.clip(color, 0.003, BRIGHTEST), normal
+        return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), normal
 
-    def _pattern(self, si: Any) -> tuple[Any, Any]:
-        words, n = self.words, si.sh_frame.n
+    def _textured(self, si: Any) -> tuple[Any, Any]:
+        material, n = self._material, si.sh_frame.n
         if self._first is None:
-            return mi.Color3f(*_linear(words.color)), mi.Normal3f(n)
+            return mi.Color3f(*_linear(material.color)), mi.Normal3f(n)
         ragged = ragged_wave(si.p)
-        on = laid(si.p, si.n, ragged)
-        level = level_of(si, words.texture_scale, self.values[PIXEL])
-        first = self._first.layer(on, words.texture_scale, 0.0, level)
-        color, slopes = colored(words.color, first), (first.slope_u, first.slope_v)
-        if self._patches is not None and words.color2 is not None:
+        projection = box_projection(si.p, si.n, ragged)
+        size = material.texture_scale
+        level = mip_level(si, size, self.values[PIXEL_WIDTH])
+        first = self._first.on(projection, size, 0.0, level)
+        color, slopes = colored(material.color, first), (first.slope_u, first.slope_v)
+        if self._patches is not None and material.color2 is not None:
             second = first
-            if words.texture not in REGULAR:
-                second = self._first.layer(on, words.texture_scale * SECOND[0], SECOND[1], level)
-            share = self._patch(si, on)
-            color = dr.lerp(color, colored(words.color2, second), share)
-            slopes = mixed(slopes, second, share) if second is not first else slopes
-        # The pattern itself breaks the border up: the dark between clods fills first.
-        uneven = 0.2 * SOFT * (ragged + 2.0 * (1.0 - first.shade))
-        color = _by_height(words, color, first, si.p.y + uneven)
-        if self._bare is not None and words.steep_color is not None:
-            bare = self._bare.layer(on, words.texture_scale * BARE[0], BARE[1], level)
-            share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))
-            color = dr.lerp(color, colored(words.steep_color, bare), share)
-            slopes = mixed(slopes, bare, share)
+            if material.texture not in LINED_PATTERNS:
+                second = self._first.on(
+                    projection, size * SECOND_LAYER.scale, SECOND_LAYER.turn_deg, level
+                )
+            share = self._patch_share(si, projection, self._patches)
+            color = dr.lerp(color, colored(material.color2, second), share)
+            slopes = _mixed_slopes(slopes, second, share) if second is not first else slopes
+        # The pattern itself breaks up the border: the dark between clods fills first.
+        uneven = 0.2 * SOFT_HEIGHT * (ragged + 2.0 * (1.0 - first.shade))
+        color = _by_height(material, color, first, si.p.y + uneven)
+        if self._rock is not None and material.steep_color is not None:
+            rock = self._rock.on(projection, size * ROCK_LAYER.scale, ROCK_LAYER.turn_deg, level)
+            share = _rock_share(n, material.steep_deg, ragged + 1.5 * (1.0 - first.shade))
+            color = dr.lerp(color, colored(material.steep_color, rock), share)
+            slopes = _mixed_slopes(slopes, rock, share)
         color *= dr.gather(mi.Float, self.values["smoothness"], level)
-        return color, bent(n, on.gradient(*slopes), words.bump)
+        return color, bent_normal(n, projection.gradient(*slopes), material.bump)
 
-    def _patch(self, si: Any, on: Laid) -> Any:
-        """Return the share of the second colour: patches of two sizes, which never meet again."""
-        assert self._patches is not None
+    def _patch_share(self, si: Any, projection: Projection, patches: DeviceTexture) -> Any:
+        """Return the share of the second colour: patches of two incommensurable sizes."""
         share = mi.Float(0.5)
-        for larger, turn_deg in (PATCHES, FIELDS):
-            size = self.words.texture_scale * larger
+        for layer in (PATCHES, LARGE_PATCHES):
+            size = self._material.texture_scale * layer.scale
             # The map has half as many texels as a tile.
-            level = level_of(si, 2.0 * size, self.values[PIXEL])
-            layer = self._patches.layer(on, size, turn_deg, level)
-            share += _CONTRAST * (layer.shade - 0.5)
+            level = mip_level(si, 2.0 * size, self.values[PIXEL_WIDTH])
+            patch = patches.on(projection, size, layer.turn_deg, level)
+            share += PATCH_CONTRAST * (patch.shade - 0.5)
         return dr.clip(share, 0.0, 1.0)
 
 
-def level_of(si: Any, size: float, pixel: Any) -> Any:
-    """Return the level whose texels are about as large as a pixel where it hits.
+class BodyShader:
+    """Shades a body, whose pattern moves with it."""
 
-    Args:
-        si: `mi.SurfaceInteraction3f`.
-        size: of a tile [m].
-        pixel: `mi.Float`, width of a pixel at a metre [m].
-    """
-    # A pixel on ground seen at a flat angle is longer than wide: its area counts. Seven
-    # tenths of that keep it crisp; what is left to sparkle the samples average.
-    seen = si.t * pixel * (0.7 * TILE / size) * dr.rsqrt(dr.maximum(dr.abs(si.wi.z), 0.01))
-    return mi.UInt32(dr.clip(dr.log2(dr.maximum(seen, 1.0)), 0.0, LEVELS - 1.0))
+    def __init__(self, material: Material) -> None:
+        self._material = material
+        # Opaque, so that another lens does not compile the kernel again.
+        self.values: dict[str, Any] = {PIXEL_WIDTH: dr.opaque(mi.Float, 1e-3)}
+        self._first = device_texture(pattern_mipmap(material.texture), self.values, "first")
+        self._patches = None
+        if material.color2 is not None:
+            self._patches = device_texture(patch_mipmap(), self.values, "patches")
 
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """A tile in Dr.Jit.
-
-    Attributes:
-        of: the tile.
-        values: of the surface, among which its texels are.
-        name: of the texels.
-    """
-
-    of: Texels
-    values: dict[str, Any]
-    name: str
-
-    def at(self, u: Any, v: Any, turn_deg: float, level: Any) -> Sample:
-        """Return the tile, turned, at coordinates in tiles; its slopes are along these."""
-        found = read(self.values[self.name], self.of, *turned(u, v, turn_deg), level)
-        slope_u, slope_v = turned(found.slope_u, found.slope_v, -turn_deg)
-        return Sample(found.shade, found.warmth, slope_u, slope_v)
-
-    def layer(self, on: Laid, size: float, turn_deg: float, level: Any) -> Sample:
-        """Return the tile laid at `size` metres, turned; its slopes are those of the surface."""
-        return self.at(on.u / size, on.v / size, turn_deg, level)
+    def __call__(self, si: Any) -> tuple[Any, Any]:
+        """Return colour and normal at surface interactions."""
+        material, n = self._material, si.sh_frame.n
+        uv = si.uv / material.texture_scale
+        level = mip_level(si, material.texture_scale, self.values[PIXEL_WIDTH])
+        first = self._first.at(uv.x, uv.y, 0.0, level)
+        color = colored(material.color, first)
+        if self._patches is not None and material.color2 is not None:
+            span, turn_deg = BODY_PATCHES.scale, BODY_PATCHES.turn_deg
+            patch = self._patches.at(uv.x / span, uv.y / span, turn_deg, None)
+            # One layer is enough for a body, which is smaller than a few tiles.
+            color = dr.lerp(color, colored(material.color2, first), patch.shade)
+        if material.bump == 0:
+            return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), n
+        normal = bent_normal(n, _uv_gradient(si, first), material.bump)
+        return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), normal
 
 
-def source(of: Texels, values: dict[str, Any], name: str) -> Source:
-    """Put the texels of a tile among the values of a surface and return the tile."""
-    values[name] = _on_device(of, str(mi.variant()))
-    return Source(of, values, name)
-
-
-@lru_cache(maxsize=64)
-def _on_device(of: Texels, variant: str) -> Any:
-    """Return the texels of a tile in a variant; all surfaces share them."""
-    del variant
-    return mi.UInt32(of.words)
+def _uv_gradient(si: Any, sample: Sample) -> Any:
+    """Return the gradient in the world of a relief that lies by texture coordinates."""
+    along, across = si.dp_du, si.dp_dv
+    # Texture coordinates are metres, so that both are about one metre long.
+    return mi.Vector3f(
+        sample.slope_u * along / dr.maximum(dr.squared_norm(along), 1e-8)
+        + sample.slope_v * across / dr.maximum(dr.squared_norm(across), 1e-8)
+    )
 
 
 def colored(color: tuple[float, float, float], sample: Sample) -> Any:
-    """Return a colour in sRGB under a pattern, `mi.Color3f`."""
+    """Return an sRGB colour under a pattern as linear `mi.Color3f`."""
     parts = [
         dr.fma(sample.warmth, warm * c, c) * sample.shade
         for c, warm in zip(_linear(color), WARMTH, strict=True)
@@ -192,26 +215,30 @@ def _linear(color: tuple[float, float, float]) -> list[float]:
     return [float(c) for c in linear(color)]
 
 
-def _by_height(words: Material, color: Any, sample: Sample, height: Any) -> Any:
+def _by_height(material: Material, color: Any, sample: Sample, height: Any) -> Any:
     """Return the colour of ground with those of hollows and crests."""
-    if words.hollow_color is not None:
-        share = _step((words.hollow_height - height) * (1.0 / SOFT))
-        color = dr.lerp(color, colored(words.hollow_color, sample), share)
-    if words.crest_color is not None:
-        share = _step((height - words.crest_height) * (1.0 / SOFT))
-        color = dr.lerp(color, colored(words.crest_color, sample), share)
+    if material.hollow_color is not None:
+        share = _centered_step((material.hollow_height - height) * (1.0 / SOFT_HEIGHT))
+        color = dr.lerp(color, colored(material.hollow_color, sample), share)
+    if material.crest_color is not None:
+        share = _centered_step((height - material.crest_height) * (1.0 / SOFT_HEIGHT))
+        color = dr.lerp(color, colored(material.crest_color, sample), share)
     return color
 
 
-def _step(place: Any) -> Any:
-    """Return 0 at -1 and 1 at 1, with a soft passage."""
-    t = dr.clip(0.5 + 0.5 * place, 0.0, 1.0)
+def _centered_step(x: Any) -> Any:
+    """Return a smoothstep from 0 at -1 to 1 at 1."""
+    return _smoothstep(0.5 + 0.5 * x)
+
+
+def _smoothstep(t: Any) -> Any:
+    t = dr.clip(t, 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 
-def mixed(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]:
-    """Return slopes with a share of those of another layer."""
-    # Two reliefs that know nothing of one another would smooth each other where they mix.
+def _mixed_slopes(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]:
+    """Return slopes mixed with those of another layer, at constant variance."""
+    # Two independent reliefs would smooth each other where they mix.
     scale = dr.rsqrt(share * share + (1.0 - share) * (1.0 - share))
     u, v = (
         dr.lerp(a, b, share) for a, b in zip(slopes, (other.slope_u, other.slope_v), strict=True)
@@ -219,18 +246,27 @@ def mixed(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]
     return u * scale, v * scale
 
 
-def _steepness(n: Any, steep_deg: float, ragged: Any) -> Any:
-    """Return the share of bare rock where the normal is `n`."""
+def _rock_share(n: Any, steep_deg: float, ragged: Any) -> Any:
+    """Return the share of bare rock at a normal."""
     low, high = (
         float(np.cos(np.radians(np.clip(steep_deg + side, 0.0, 90.0))))
-        for side in (SOFT_DEG, -SOFT_DEG)
+        for side in (SOFT_SLOPE_DEG, -SOFT_SLOPE_DEG)
     )
-    slope = (high - dr.abs(n.y)) * (1.0 / (high - low)) + 0.25 * ragged
-    t = dr.clip(slope, 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
+    return _smoothstep((high - dr.abs(n.y)) * (1.0 / (high - low)) + 0.25 * ragged)
 
 
-def bent(n: Any, gradient: Any, bump: float) -> Any:
-    """Return the normal of a relief whose gradient in the world is given."""
+def bent_normal(n: Any, gradient: Any, bump: float) -> Any:
+    """Return the normal of a relief with a gradient in the world, not normalized."""
     along = gradient - n * dr.dot(n, gradient)
     return mi.Normal3f(n - bump * along)
+
+
+def hatched(si: Any, color: Any) -> Any:
+    """Return the colour of ground, hatched where its attribute `WARNED` says so."""
+    share = si.shape.eval_attribute_1(WARNED, si)
+    inside = _smoothstep((share - 0.42) * (1.0 / 0.16))
+    rim = _smoothstep(1.0 - dr.abs(share - 0.5) * (1.0 / 0.16))
+    across = (si.p.x + si.p.z + 0.5 * si.p.y) * (1.0 / HATCH_SPACING)
+    line = _smoothstep(1.5 - 5.0 * dr.abs(across - dr.floor(across) - 0.5))
+    tint = inside * (WARNING_TINT + dr.maximum(HATCH_LINE * line, HATCH_RIM * rim))
+    return dr.lerp(color, mi.Color3f(*(float(c) for c in linear(WARNING_COLOR))), tint)

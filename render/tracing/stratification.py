@@ -1,104 +1,114 @@
-"""Draws: the numbers by which paths choose, stratified pass by pass.
+"""Stratification: the random numbers of paths, correlated multi-jittered over the passes.
 
-They come from a hash of the pixel and of a key, without any state: the same seed gives the same
-numbers whatever was drawn before, in any order and on any number of threads.
+They come from a hash of the pixel and of a key, without state: the same seed gives the same
+numbers in any order and on any number of threads.
 
 Source: Kensler, Correlated Multi-Jittered Sampling, 2013.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
-ON_LAMP, ALONG = 0, 1
-"""The pairs that a step draws: a point on a lamp and a direction along the surface. At the eye
-they are a place in the pixel and one on the lens."""
+EMITTER_PAIR, BSDF_PAIR = 0, 1
+"""Pairs of numbers of a step: a point on an emitter and a direction of the BSDF. At the camera
+they are a point in the pixel and one on the lens."""
 
-ROUNDS = 8
-"""Of the hash; with fewer, numbers of neighbouring keys have been seen to hang together."""
+HASH_ROUNDS = 8
+"""With fewer rounds, numbers of neighbouring keys have been seen to correlate."""
+
+
+def stratum_grid(count: int) -> tuple[int, int]:
+    """Return columns and rows, as near to a square as possible, of exactly `count` strata."""
+    rows = next(k for k in range(math.isqrt(count), 0, -1) if count % k == 0)
+    return count // rows, rows
 
 
 @dataclass
-class Draws:
-    """What one step of one pass draws its samples by.
+class StepStrata:
+    """The strata of one step of one pass, for Dr.Jit.
 
     Attributes:
-        key: of the numbers that pixels draw in this pass.
-        base: of those that they keep over all passes.
+        key: of the numbers that differ between passes.
+        base: of the permutations that all passes share.
         k: number of the pass.
-        grid: columns and rows of cells in each pair of dimensions, one for every pass.
-        together: whether all pixels have the same cell along the surface in the same pass. Only
-            one step may: two would have the same cell together, always.
+        grid: columns and rows of strata in each pair of dimensions, one for every pass.
+        shared: whether all pixels have the same BSDF stratum in the same pass. At most one step
+            may: two would be correlated.
     """
 
     key: mi.UInt32
     base: mi.UInt32
     k: mi.UInt32
     grid: tuple[int, int]
-    together: mi.Bool
+    shared: mi.Bool
 
 
 @dataclass(frozen=True)
-class Chance:
-    """Where the samples of one pass of a picture lie."""
+class PassStrata:
+    """The strata of one pass of a frame.
+
+    Attributes:
+        seed: of the frame.
+        k: number of the pass.
+        grid: columns and rows of strata.
+    """
 
     seed: int
     k: int
     grid: tuple[int, int]
 
-    def draws(self, step: int) -> Draws:
-        """Return what step `step` of the paths draws by; 0 is at the eye."""
+    def step(self, step: int) -> StepStrata:
+        """Return the strata of a step of the paths; 0 is at the camera."""
         key = self.seed * 0x9E3779B1 + step * 0xC2B2AE3D
-        drawn = Draws(
+        strata = StepStrata(
             mi.UInt32((key + (self.k + 1) * 0x85EBCA77) & 0xFFFFFFFF),
             mi.UInt32(key & 0xFFFFFFFF),
             mi.UInt32(self.k),
             self.grid,
             mi.Bool(step == 1),
         )
-        # Numbers that a kernel had to be compiled for would cost more than they say.
-        dr.make_opaque(drawn)
-        return drawn
+        # Literals would compile a kernel for each value.
+        dr.make_opaque(strata)
+        return strata
 
 
-def pair(pixel: Any, draws: Draws, i: int) -> Any:
-    """Return the `i`-th pair of numbers that a pixel draws, each pass in a cell of its own.
-
-    Source: Kensler, Correlated Multi-Jittered Sampling, 2013.
-    """
-    columns, rows = draws.grid
-    k: Any = draws.k
-    u, v = _uniform(pixel, draws.key + i)
-    shuffle, across = _hash(pixel, draws.base + (2 * i + 1) * 0x1000193)
+def sample_2d(pixel: Any, strata: StepStrata, i: int) -> Any:
+    """Return the `i`-th pair of numbers of a pixel, in another stratum in each pass."""
+    columns, rows = strata.grid
+    k: Any = strata.k
+    u, v = _uniform(pixel, strata.key + i)
+    shuffle, across = _hash(pixel, strata.base + (2 * i + 1) * 0x1000193)
     cell = mi.permute_kensler(k, columns * rows, shuffle)
-    if i == ALONG:
-        cell = dr.select(draws.together, k, cell)
+    if i == BSDF_PAIR:
+        cell = dr.select(strata.shared, k, cell)
     column, row = cell // rows, cell % rows
-    down = _hash(pixel, draws.base + (2 * i + 2) * 0x1000193 + row)[0]
+    down = _hash(pixel, strata.base + (2 * i + 2) * 0x1000193 + row)[0]
     # Within a column each row has a strip of its own, and within a row each column.
     x = mi.Float(mi.permute_kensler(row, rows, across + column)) + u
     y = mi.Float(mi.permute_kensler(column, columns, down)) + v
     return mi.Point2f((mi.Float(column) + x / rows) / columns, (mi.Float(row) + y / columns) / rows)
 
 
-def line(pixel: Any, draws: Draws) -> Any:
-    """Return the single number that a pixel draws, each pass in an interval of its own."""
-    count = draws.grid[0] * draws.grid[1]
-    k: Any = draws.k
-    place = mi.permute_kensler(k, count, _hash(pixel, draws.base)[0])
-    return (mi.Float(place) + _uniform(pixel, draws.key + 2)[0]) / count
+def sample_1d(pixel: Any, strata: StepStrata) -> Any:
+    """Return the single number of a pixel, in another stratum in each pass."""
+    count = strata.grid[0] * strata.grid[1]
+    k: Any = strata.k
+    place = mi.permute_kensler(k, count, _hash(pixel, strata.base)[0])
+    return (mi.Float(place) + _uniform(pixel, strata.key + 2)[0]) / count
 
 
 def _uniform(pixel: Any, key: Any) -> tuple[Any, Any]:
-    """Return two numbers in [0, 1) of a pixel, by a hash and without a state."""
+    """Return two numbers in [0, 1) by a hash of pixel and key."""
     a, b = _hash(pixel, key)
     scale = 1.0 / (1 << 24)
     return mi.Float(a >> 8) * scale, mi.Float(b >> 8) * scale
 
 
 def _hash(pixel: Any, key: Any) -> Any:
-    return mi.sample_tea_32(pixel, key, ROUNDS)
+    return mi.sample_tea_32(pixel, key, HASH_ROUNDS)

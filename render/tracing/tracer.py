@@ -1,8 +1,8 @@
-"""Plate: what the light of several moments is added up on while the shutter is open.
+"""Tracer interface: what turns a Mitsuba scene into light, pass by pass.
 
-Tracers fill it pass by pass, and the pictures are made once, when the shutter closes: a film's
-picture is large, and four of each moment beside four of their sum would be most of the memory
-that a frame takes.
+An accumulator adds up the light of several moments while the shutter is open, and images are
+made once, when it closes: a frame's images are large, and four of each moment beside four of
+their sum would be most of a frame's memory.
 """
 
 from __future__ import annotations
@@ -10,41 +10,100 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any
 
-from render.exposure import Exposure
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from render.frame import Image, LightLayers
+
+MAX_PATHS = 1 << 17
+"""Paths in flight at once, which bounds the memory."""
+
+SQUARE = 4
+"""Side of the squares of pixels whose paths are adjacent in memory."""
+
+Sums = tuple[Any, Any]
+"""Sums over all passes, lane by lane, `mi.Color3f`: light, and albedo."""
 
 
-class Plate(ABC):
+class Accumulator(ABC):
     """The sums of one frame."""
 
     @abstractmethod
-    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> None:
-        """Add what the sensor sees now; see `words.FullFilm.rays`.
+    def add_passes(self, sensor: Any, seed: int, passes: range, total: int) -> None:
+        """Add what the sensor sees now; see `FullFilm.rays`.
 
         Args:
             sensor: of the scene.
             seed: of all passes.
-            passes: numbers of those to trace now, at some moment of the exposure.
-            of: how many passes make up the picture, among which the samples are spread.
+            passes: numbers of those to trace now, at one moment of the exposure.
+            total: passes of the frame, over which the samples are stratified.
         """
 
     @abstractmethod
-    def exposure(self) -> Exposure:
-        """Return the mean of all passes, which uses the plate up."""
+    def layers(self) -> LightLayers:
+        """Return the mean of all passes; the accumulator is used up."""
 
 
 class Tracer(ABC):
-    """Traces one scene of Mitsuba."""
+    """Traces one Mitsuba scene."""
 
     @abstractmethod
-    def plate(self) -> Plate:
-        """Return a plate on which nothing has fallen yet."""
+    def accumulator(self) -> Accumulator:
+        """Return an empty accumulator."""
 
     @abstractmethod
-    def moved(self) -> None:
+    def scene_changed(self) -> None:
         """Take note that the scene was changed in place."""
 
-    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
-        """Return what the sensor sees of a scene that does not move; see `Plate.expose`."""
-        plate = self.plate()
-        plate.expose(sensor, seed, passes, of)
-        return plate.exposure()
+    def trace(self, sensor: Any, seed: int, passes: range, total: int) -> LightLayers:
+        """Return what the sensor sees of a still scene; see `Accumulator.add_passes`."""
+        accumulator = self.accumulator()
+        accumulator.add_passes(sensor, seed, passes, total)
+        return accumulator.layers()
+
+
+class PixelLanes:
+    """The pixels of an image in the order in which they are traced, in chunks.
+
+    Args:
+        size: width and height [pixels].
+
+    Attributes:
+        size: the same.
+        chunks: numbers of pixels, row by row, `mi.UInt32` each.
+    """
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        self.size = size
+        order = _square_order(*size)
+        self.chunks = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // MAX_PATHS))]
+
+    def zero_sums(self) -> list[Sums]:
+        """Return sums of zero for each chunk."""
+        return [
+            (dr.opaque(mi.Color3f, 0.0, len(p)), dr.opaque(mi.Color3f, 0.0, len(p)))
+            for p in self.chunks
+        ]
+
+    def means(self, sums: list[Sums], count: int) -> tuple[Image, Image]:
+        """Return the means, (H, W, 3), of sums of `count` samples, which are used up."""
+        first, second = (list(column) for column in zip(*sums, strict=True))
+        sums.clear()
+        return self._mean(first, count), self._mean(second, count)
+
+    def _mean(self, sums: list[Any], count: int) -> Image:
+        width, height = self.size
+        values = dr.empty(mi.Float, 3 * width * height)
+        for pixels in self.chunks:
+            dr.scatter(values, sums.pop(0) / dr.opaque(mi.Float, count), pixels)
+        return np.array(values, np.float32).reshape(height, width, 3)
+
+
+def _square_order(width: int, height: int) -> NDArray[np.uint32]:
+    """Return the pixels, square after square."""
+    y, x = np.mgrid[0:height, 0:width]
+    across = -(-width // SQUARE)
+    place = ((y // SQUARE) * across + x // SQUARE) * SQUARE**2 + (y % SQUARE) * SQUARE + x % SQUARE
+    return np.argsort(place.ravel(), kind="stable").astype(np.uint32)

@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 from audio.config.sound import Sound
+from audio.harmony import Scale
 from audio.score import Score, ScoreEvent
+from audio.wav_file import write_wav
 
 
 @dataclass
@@ -124,6 +126,11 @@ def parse_wav(path: Path) -> Any:
     return (whole.view("<i4")[:, 0] / 2**31).reshape(-1, 2)
 
 
+def is_on_scale(pitch: int, scale: Scale) -> bool:
+    """Return whether a MIDI pitch belongs to a scale."""
+    return (pitch - scale.root) % 12 in scale.intervals
+
+
 _END = 0xFF2F
 
 
@@ -208,3 +215,15 @@ def _score(
 def score_of() -> Callable[..., Score]:
     """Return a factory of scores: events, frames, rate and sound configuration."""
     return _score
+
+
+@pytest.fixture
+def render(read_wav: Callable[[Path], Any], tmp_path: Path) -> Callable[..., Any]:
+    """Return a function that renders a score in a dry room without mastering: (N, 2)."""
+
+    def play(*args: Any, sound: Any = None, **fields: Any) -> Any:
+        config = {"room": "dry", "master": "off", **(sound or {})}
+        write_wav(_score(*args, sound=config, **fields), tmp_path / "render.wav")
+        return read_wav(tmp_path / "render.wav")
+
+    return play

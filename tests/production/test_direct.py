@@ -1,4 +1,4 @@
-"""Another program directs a scene; what becomes of it is a take like any other."""
+"""Directing by another program: queries, commands, and takes that replay."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ from typing import Any
 
 import pytest
 
-from pipeline.production.direct.notifications import ALL_KINDS
+from pipeline.production.direct.notifications import EVENT_KINDS
 from pipeline.production.direct.session import Session
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take_store import read_take
 from pipeline.spec import load_scene, read_scene
-from tests.production.directing import FRAMES, asked, replayed, request, served, session_in, stage
+from tests.production.direct_client import (
+    FRAMES,
+    asked,
+    replayed,
+    request,
+    served,
+    session_in,
+    stage,
+)
 
 PLAN: list[tuple[int, dict[str, Any]]] = [
     (0, {"who": "bug", "do": {"turn_deg": 40}}),
@@ -42,7 +50,7 @@ def _directed(folder: Path, every: int, end: str = "end", until: int = 10**6) ->
 
 
 @pytest.mark.slow
-def test_what_was_commanded_replays_to_the_same_bytes_however_often_it_is_asked(
+def test_commands_replay_to_the_same_bytes_whatever_is_queried(
     tmp_path: Path,
 ) -> None:
     kept = [_directed(tmp_path / str(every), every) for every in (0, 1)]
@@ -54,7 +62,7 @@ def test_what_was_commanded_replays_to_the_same_bytes_however_often_it_is_asked(
 
 
 @pytest.mark.slow
-def test_a_scene_that_ends_now_is_as_long_as_it_was_played_and_replays(tmp_path: Path) -> None:
+def test_a_scene_that_ends_now_has_the_simulated_length_and_replays(tmp_path: Path) -> None:
     kept = _directed(tmp_path, 5, "now", until=33)
     scene, again = load_scene(kept["scene"]), replayed(kept["scene"])
     assert again.digest == kept["digest"]
@@ -71,7 +79,7 @@ def test_a_scene_that_ends_now_is_as_long_as_it_was_played_and_replays(tmp_path:
 
 
 @pytest.mark.slow
-def test_undirected_it_is_the_scene_itself(tmp_path: Path) -> None:
+def test_without_commands_the_take_is_that_of_the_scene(tmp_path: Path) -> None:
     plain = stage()
     kept = asked(session_in(tmp_path, plain))("end")
     assert load_scene(kept["scene"]) == plain
@@ -96,7 +104,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug", "do": {"go_too": [1, 1]}}, "do.go_too", "did you mean 'go_to'?"),
         ({"who": "bug", "do": {"gait": "canter"}}, "do.gait", "take trot, wave, tripod or ripple"),
         ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot jump over itself"),
-        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can be told"),
+        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can hop"),
         (
             {"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}},
             "do.jump.speed",
@@ -109,7 +117,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug", "do": "stop", "when": {"arrived": "x"}}, "when.arrived", "known: "),
     ],
 )
-def test_a_wrong_command_says_where_and_what_is_right_and_changes_nothing(
+def test_a_wrong_command_is_refused_with_path_and_suggestion(
     words: dict[str, Any], path: str, right: str, begun: Session
 ) -> None:
     error = asked(begun)("command", **words)
@@ -120,7 +128,7 @@ def test_a_wrong_command_says_where_and_what_is_right_and_changes_nothing(
     assert not script.due_from_outside
 
 
-def test_steps_go_as_far_as_they_say(tmp_path: Path) -> None:
+def test_steps_end_at_their_limit(tmp_path: Path) -> None:
     ask = asked(session_in(tmp_path))
     assert ask("step")["step"] == 1
     assert ask("step", frames=2)["step"] == 9
@@ -138,7 +146,7 @@ def test_steps_go_as_far_as_they_say(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_queries_tell_what_the_take_will_have(tmp_path: Path) -> None:
+def test_queries_agree_with_the_take(tmp_path: Path) -> None:
     session = session_in(tmp_path)
     ask = asked(session)
     ask("step", steps=50)
@@ -157,7 +165,7 @@ def test_queries_tell_what_the_take_will_have(tmp_path: Path) -> None:
             assert found["channels"][channel.name] == kept.values[50, i]
 
 
-def test_who_subscribes_is_told_of_what_happens_and_of_nothing_else(tmp_path: Path) -> None:
+def test_a_subscription_notifies_of_its_events_only(tmp_path: Path) -> None:
     session = session_in(tmp_path)
     lines = served(
         session,
@@ -183,10 +191,10 @@ def test_unknown_kinds_and_names_are_refused_with_the_nearest(tmp_path: Path) ->
     assert "did you mean 'footfall'?" in ask("subscribe", events=["footfal"])["message"]
     assert "did you mean 'bug'?" in ask("query", who=["bgu"])["message"]
     assert "did you mean 'bug'?" in ask("step", who=["bgu"])["message"]
-    assert ask("subscribe", events=["*"])["events"] == sorted(ALL_KINDS)
+    assert ask("subscribe", events=["*"])["events"] == sorted(EVENT_KINDS)
 
 
-def test_after_the_end_it_can_be_asked_but_not_told(tmp_path: Path) -> None:
+def test_after_the_end_only_queries_are_answered(tmp_path: Path) -> None:
     ask = asked(session_in(tmp_path, read_scene(STAGE_OF_ONE_FRAME)))
     ask("end")
     for method, params in {"step": {}, "end": {}, "command": {"who": "bug", "do": "stop"}}.items():

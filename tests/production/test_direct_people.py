@@ -1,4 +1,4 @@
-"""People who are directed: what they go through is told, and replays."""
+"""Directed characters: their events are reported, and replay."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.spec import read_scene
-from tests.production.directing import asked, replayed, session_in
+from tests.production.direct_client import asked, replayed, session_in
 
 HUG = """\
 pronk: 1
@@ -26,7 +26,7 @@ cast:
 
 
 @pytest.mark.slow
-def test_a_hug_is_told_of_when_the_arms_are_closed_and_replays(tmp_path: Path) -> None:
+def test_a_hug_is_reported_when_the_arms_are_closed_and_replays(tmp_path: Path) -> None:
     ask = asked(session_in(tmp_path, read_scene(HUG)))
     ask("command", who="child", do={"hug": "mother"})
     found = ask("step", event=["hug"])
@@ -41,7 +41,7 @@ def test_a_hug_is_told_of_when_the_arms_are_closed_and_replays(tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_a_blow_is_told_of_as_pain_with_who_gave_it(tmp_path: Path) -> None:
+def test_a_blow_is_reported_as_pain_with_its_cause(tmp_path: Path) -> None:
     ask = asked(session_in(tmp_path, read_scene(BLOW)))
     found = ask("step", event=["pain"])
     told = [(one["kind"], one["who"], one["other"]) for one in found["happened"]]

@@ -1,4 +1,4 @@
-"""Whatever comes in, a proper answer of JSON-RPC 2.0 goes out, and nothing else is harmed."""
+"""JSON-RPC 2.0: every message gets a valid answer."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from pipeline.production.direct.framing import MOST_BYTES
-from pipeline.production.direct.protocol import MOST_IN_BATCH, Protocol
+from pipeline.production.direct.protocol import MAX_BATCH, Protocol
+from pipeline.production.direct.transport import MAX_MESSAGE_BYTES
 from pipeline.spec import read_scene
-from tests.production.directing import STAGE, replayed, request, served, session_in
+from tests.production.direct_client import STAGE, replayed, request, served, session_in
 
 PARSE, INVALID, UNKNOWN, PARAMS = -32700, -32600, -32601, -32602
 
@@ -44,7 +44,7 @@ def _fail(params: Any) -> object:
         (b"null", INVALID),
         (b"{}", INVALID),
         (b"[]", INVALID),
-        (json.dumps([1] * (MOST_IN_BATCH + 1)).encode(), INVALID),
+        (json.dumps([1] * (MAX_BATCH + 1)).encode(), INVALID),
         (b'{"jsonrpc": "1.0", "method": "echo", "id": 1}', INVALID),
         (b'{"jsonrpc": "2.0", "method": 1, "id": 1}', INVALID),
         (b'{"jsonrpc": "2.0", "method": "echo", "params": "bar", "id": 1}', INVALID),
@@ -53,7 +53,7 @@ def _fail(params: Any) -> object:
         (b'{"jsonrpc": "2.0", "method": "echo", "id": {}}', INVALID),
     ],
 )
-def test_what_is_no_request_is_answered_without_an_id(message: bytes, code: int) -> None:
+def test_invalid_requests_are_answered_without_an_id(message: bytes, code: int) -> None:
     answer = _answer(message)
     assert (answer["jsonrpc"], answer["id"], answer["error"]["code"]) == ("2.0", None, code)
 
@@ -79,18 +79,18 @@ def test_a_batch_is_answered_request_by_request() -> None:
     assert [one.get("error", {}).get("code") for one in answer] == [None, INVALID, INVALID]
 
 
-def test_a_defect_of_ours_is_an_internal_error_without_its_traceback() -> None:
+def test_a_defect_is_an_internal_error_without_traceback() -> None:
     error = _answer(request("fail"))["error"]
     assert error == {"code": -32000, "message": "Server error"}
 
 
-def test_a_message_that_is_too_long_is_thrown_away_to_its_end(tmp_path: Path) -> None:
-    long = b'{"x": "' + b"y" * (3 * MOST_BYTES) + b'"}'
+def test_an_oversized_message_is_discarded_to_its_end(tmp_path: Path) -> None:
+    long = b'{"x": "' + b"y" * (3 * MAX_MESSAGE_BYTES) + b'"}'
     lines = served(session_in(tmp_path), [long, b"", b"  ", request("step", 5)])
     assert [line["id"] for line in lines] == [None, 5]
     assert lines[0]["error"]["code"] == INVALID
-    assert str(MOST_BYTES) in lines[0]["error"]["data"]
-    exact = request("step", 6) + b" " * (MOST_BYTES - len(request("step", 6)) - 1)
+    assert str(MAX_MESSAGE_BYTES) in lines[0]["error"]["data"]
+    exact = request("step", 6) + b" " * (MAX_MESSAGE_BYTES - len(request("step", 6)) - 1)
     assert [line["id"] for line in served(session_in(tmp_path), [exact])] == [6]
 
 
@@ -148,7 +148,7 @@ def _fuzzed(chance: random.Random) -> bytes:
         pytest.param(10_000, 2, marks=pytest.mark.nightly),
     ],
 )
-def test_fuzzed_messages_crash_nothing_and_leave_a_take_that_replays(
+def test_fuzzed_messages_leave_a_take_that_replays(
     count: int, seed: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     chance = random.Random(seed)

@@ -1,4 +1,4 @@
-"""Whoever comes in, by whatever door, and however it goes away: a finished take is left."""
+"""Transports: every connection, however it ends, leaves a finished take."""
 
 from __future__ import annotations
 
@@ -21,14 +21,19 @@ import pytest
 
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.direct import session
-from pipeline.production.direct.framing import Wire
-from pipeline.production.direct.recording import Kept, Place, place_of
+from pipeline.production.direct.recording import RecordedScene, SceneRecorder, recorder_for
 from pipeline.production.direct.server import direct
-from pipeline.production.direct.transport import LOOPBACK, Door, Say, door_of
+from pipeline.production.direct.transport import (
+    LOOPBACK,
+    Announce,
+    MessageStream,
+    Transport,
+    transport_for,
+)
 from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take_store import read_take
-from tests.production.directing import STAGE, replayed, request, stage
+from tests.production.direct_client import STAGE, replayed, request, stage
 
 ROOT = Path(__file__).parents[2]
 PRONK = [sys.executable, "-c", "from pipeline.cli import main; main()"]
@@ -36,7 +41,7 @@ PRONK = [sys.executable, "-c", "from pipeline.cli import main; main()"]
 Client = Callable[[str], None]
 
 
-def _directed(door: Door, folder: Path, client: Client) -> Kept:
+def _directed(door: Transport, folder: Path, client: Client) -> RecordedScene:
     """Direct the stage by a door through which a client comes in, who is told where it is."""
     clients = []
 
@@ -45,7 +50,7 @@ def _directed(door: Door, folder: Path, client: Client) -> Kept:
             clients.append(threading.Thread(target=client, args=[found[1]]))
             clients[0].start()
 
-    place = Place("stage_directed", folder, Reporter())
+    place = SceneRecorder("stage_directed", folder, Reporter())
     place.reporter.note = lambda text, detail=False: say(text)  # type: ignore[method-assign]
     kept = direct(stage(), place, door)
     for one in clients:
@@ -53,7 +58,7 @@ def _directed(door: Door, folder: Path, client: Client) -> Kept:
     return kept
 
 
-def _whole(kept: Kept) -> None:
+def _whole(kept: RecordedScene) -> None:
     """Check that what is kept goes to the scene's end and replays."""
     assert kept.frames == stage().n_frames
     assert read_take(kept.take).digest == kept.digest == replayed(kept.scene).digest
@@ -79,14 +84,14 @@ def test_a_port_is_open_to_this_machine_alone_and_to_one_program(tmp_path: Path)
             seen.append(json.loads(lines.readline())["result"]["frames"])
         seen.append(place.partition(":")[0])
 
-    kept = _directed(door_of(None, 0, LOOPBACK), tmp_path, client)
+    kept = _directed(transport_for(None, 0, LOOPBACK), tmp_path, client)
     assert seen == [8, "shut", 2, LOOPBACK]
     assert kept.frames == 2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reset", [False, True])
-def test_who_vanishes_in_the_middle_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
+def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
     def client(place: str) -> None:
         with _come_in(place) as one:
             one.sendall(request("subscribe", events=["*"]) + b"\n")
@@ -95,12 +100,12 @@ def test_who_vanishes_in_the_middle_leaves_a_finished_take(reset: bool, tmp_path
             if reset:
                 one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
 
-    kept = _directed(door_of(None, 0, LOOPBACK), tmp_path, client)
+    kept = _directed(transport_for(None, 0, LOOPBACK), tmp_path, client)
     _whole(kept)
     assert reset or read_take(kept.take).told[0].text == "turn_deg 90"
 
 
-def test_browsers_are_turned_away(tmp_path: Path) -> None:
+def test_browsers_are_refused(tmp_path: Path) -> None:
     seen: list[object] = []
     order = request("end", at="now") + b"\n"
 
@@ -115,37 +120,37 @@ def test_browsers_are_turned_away(tmp_path: Path) -> None:
             one.sendall(order)
             lines.readline()
 
-    _directed(door_of(None, 0, LOOPBACK), tmp_path, client)
+    _directed(transport_for(None, 0, LOOPBACK), tmp_path, client)
     assert seen[-1] is False
     assert seen[:-1] in ([b""], [])
 
 
 @pytest.mark.slow
-def test_a_local_socket_is_its_owners_and_goes_with_the_run(tmp_path: Path) -> None:
+def test_a_local_socket_is_private_and_removed_at_the_end(tmp_path: Path) -> None:
     place = tmp_path / "s"
     seen: list[object] = []
 
     def client(path: str) -> None:
         seen.append(stat.S_IMODE(os.stat(path).st_mode))
         with pytest.raises(UsageError, match="another run waits there"):
-            door_of(place, None, LOOPBACK)
+            transport_for(place, None, LOOPBACK)
         # The probe of the other run was let in and has gone again.
 
-    kept = _directed(door_of(place, None, LOOPBACK), tmp_path, client)
+    kept = _directed(transport_for(place, None, LOOPBACK), tmp_path, client)
     assert seen == [0o600]
     assert not place.exists()
     _whole(kept)
 
 
-def test_a_socket_that_nobody_waits_at_is_cleared_away_and_nothing_else(tmp_path: Path) -> None:
+def test_only_a_stale_socket_is_removed(tmp_path: Path) -> None:
     left, other = tmp_path / "left", tmp_path / "other"
     with socket.socket(socket.AF_UNIX) as one:
         one.bind(str(left))
-    door_of(left, None, LOOPBACK)
+    transport_for(left, None, LOOPBACK)
     assert not left.exists()
     other.write_text("mine")
     with pytest.raises(UsageError, match="there is something else already"):
-        door_of(other, None, LOOPBACK)
+        transport_for(other, None, LOOPBACK)
     assert other.read_text() == "mine"
 
 
@@ -156,38 +161,38 @@ def test_a_socket_that_nobody_waits_at_is_cleared_away_and_nothing_else(tmp_path
         (None, None, "0.0.0.0", "give --port as well"),
     ],
 )
-def test_doors_that_there_are_none_of(
+def test_conflicting_transports_are_refused(
     path: Path | None, number: int | None, host: str, right: str
 ) -> None:
     with pytest.raises(UsageError, match=right):
-        door_of(path, number, host)
+        transport_for(path, number, host)
 
 
 @pytest.mark.parametrize("host", ["no such host", "192.0.2.1"])
-def test_addresses_that_are_not_of_this_machine_are_refused(host: str, tmp_path: Path) -> None:
+def test_foreign_addresses_are_refused(host: str, tmp_path: Path) -> None:
     with (
         pytest.raises((UsageError, StoreError), match=host),
-        door_of(None, 0, host)(lambda text: None),
+        transport_for(None, 0, host)(lambda text: None),
     ):
         pass
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "..", ".hidden"])
-def test_names_that_are_none_are_refused(name: str, tmp_path: Path) -> None:
+def test_invalid_names_are_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="is no name"):
-        place_of(Path("stage.yaml"), name, tmp_path, True, False)
+        recorder_for(Path("stage.yaml"), name, tmp_path, True, False)
 
 
-def test_what_cannot_be_written_is_said_before_anybody_comes_in(tmp_path: Path) -> None:
+def test_an_unwritable_folder_is_refused_before_a_connection(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("in the way")
 
     @contextmanager
-    def door(say: Say) -> Iterator[Wire]:
+    def door(say: Announce) -> Iterator[MessageStream]:
         raise AssertionError("nobody may come in")
         yield
 
     with pytest.raises(StoreError, match="cannot be written to"):
-        direct(stage(), Place("stage_directed", tmp_path / "out", Reporter()), door)
+        direct(stage(), SceneRecorder("stage_directed", tmp_path / "out", Reporter()), door)
 
 
 # --- the command ------------------------------------------------------------------
@@ -218,7 +223,7 @@ def _ended(folder: Path, run: subprocess.Popen[bytes], text: bytes = b"") -> tup
 
 
 @pytest.mark.slow
-def test_standard_output_is_for_messages_alone(folder: Path) -> None:
+def test_standard_output_has_only_messages(folder: Path) -> None:
     text = b"\n".join([b"nonsense", request("step", 1, frames=3), request("end", 2)])
     code, out, err = _ended(folder, _started(folder, "--name", "other", "-v"), text)
     assert code == 0, err
@@ -230,7 +235,7 @@ def test_standard_output_is_for_messages_alone(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("presses", [[10], [10, 20]])
-def test_a_second_ctrl_c_gives_up_what_goes_to_its_end(
+def test_a_second_ctrl_c_drops_the_take(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, presses: list[int]
 ) -> None:
     class Pressed(Simulation):
@@ -240,12 +245,12 @@ def test_a_second_ctrl_c_gives_up_what_goes_to_its_end(
                 raise KeyboardInterrupt
 
     @contextmanager
-    def gone(say: Say) -> Iterator[Wire]:
-        yield Wire(io.BytesIO(), io.BytesIO())
+    def gone(say: Announce) -> Iterator[MessageStream]:
+        yield MessageStream(io.BytesIO(), io.BytesIO())
 
     monkeypatch.setattr(session, "Simulation", Pressed)
     said = list[str]()
-    place = Place("stage_directed", tmp_path, Reporter())
+    place = SceneRecorder("stage_directed", tmp_path, Reporter())
     monkeypatch.setattr(Reporter, "note", lambda self, text, detail=False: said.append(text))
     if len(presses) == 1:
         _whole(direct(stage(), place, gone))

@@ -80,7 +80,7 @@ def test_higher_notes_stand_higher_and_all_within_the_roll() -> None:
     assert tops == pytest.approx(expected, abs=0.01)
 
 
-def test_what_lasts_is_a_line_that_bends_with_its_speed_to_its_end() -> None:
+def test_a_lasting_note_is_a_line_that_bends_with_its_speed() -> None:
     speeds = (1.0, 2.0, 4.0, 2.0, 1.0)
     plot = plot_of([event(7, "roll", duration=1.0, speeds=speeds)])
     axis = axis_of(plot.score)
@@ -142,7 +142,7 @@ def vars_of(plot: EventPlot) -> dict[str, object]:
     return {name: getattr(plot, name) for name in EventPlot.__dataclass_fields__}
 
 
-def test_causes_are_told_apart_and_new_ones_keep_their_color() -> None:
+def test_causes_have_distinct_and_stable_colors() -> None:
     assert set(CAUSE_COLORS) <= set(Detect.model_fields)
     assert len(set(map(cause_color, Detect.model_fields))) == len(Detect.model_fields)
     assert cause_color("meow") == cause_color("meow")
@@ -177,7 +177,7 @@ def test_the_outline_holds_every_sample_and_no_more(tmp_path: Path, samples: int
             assert not found[k].any()
 
 
-def test_what_is_no_such_sound_is_refused_with_its_name(tmp_path: Path) -> None:
+def test_other_sound_files_are_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(SoundFileError, match=r"gone\.wav: cannot be read"):
         read_waveform(tmp_path / "gone.wav", 10)
     (tmp_path / "torn.wav").write_bytes(b"RIFF")
@@ -205,7 +205,7 @@ def test_the_command_draws_rendered_frames_and_overwrites_none(studio, pronk) ->
 
 
 @pytest.mark.slow
-def test_frames_that_are_not_there_are_rendered_small_and_kept_nowhere(unmade, tmp_path) -> None:
+def test_missing_frames_are_rendered_small_and_not_stored(unmade, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     svg, _ = plot_events(studio.order(), Reporter())
     assert len(list(ET.parse(svg).getroot().iter(f"{SVG}image"))) > 1

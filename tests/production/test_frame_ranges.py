@@ -1,4 +1,4 @@
-"""Which frames are asked for, and how sheets of them are laid out."""
+"""Frame ranges, and the layout of contact sheets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_frames_are_ascending_and_each_once(text: str | None, frames: list[int])
 
 
 @given(st.text("0123456789-x,:y@# .abc", max_size=12))
-def test_whatever_is_asked_gives_frames_of_the_scene_or_a_message(text: str) -> None:
+def test_any_text_gives_frames_of_the_scene_or_a_message(text: str) -> None:
     frames: tuple[int, ...] = ()
     told = ""
     try:

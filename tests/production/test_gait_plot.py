@@ -124,7 +124,7 @@ def test_the_svg_has_a_bar_for_every_contact(creatures: list[CreatureStances]) -
         "- {figure: inchworm, walk: {}}\n",
     ],
 )
-def test_a_scene_without_walkers_is_told_so(cast: str) -> None:
+def test_a_scene_without_walkers_is_refused(cast: str) -> None:
     with pytest.raises(UsageError, match=r"nobody in this scene walks on legs.*walk: \{\}"):
         walkers_of(read_scene(HEAD + cast))
 
@@ -134,7 +134,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the current folder, which holds scenes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(options, "FLAGS", options.Flags())
+    monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD + bug)
     (tmp_path / "still.yaml").write_text(HEAD + "- {figure: beetle}\n")

@@ -240,7 +240,7 @@ def _some(count: int) -> list[object]:
 
 
 @pytest.mark.parametrize("k", _some(COUNT))
-def test_what_changes_a_film_is_noticed(bases: list[Base], k: int) -> None:
+def test_changes_of_a_film_are_detected(bases: list[Base], k: int) -> None:
     mutate, layers = MUTATIONS[k % len(MUTATIONS)]
     turn = k // len(MUTATIONS)
     base = bases[turn % 2]
@@ -335,7 +335,7 @@ def rendered_by(variant: str, library: str, text: str, folder: Path) -> dict[int
 
 
 @pytest.mark.nightly
-def test_another_variant_is_let_pass_by_the_variances(tmp_path: Path) -> None:
+def test_another_variant_passes_by_the_variances(tmp_path: Path) -> None:
     """On plain ground in a studio: of patterns and far ground scalar keeps the mean colours."""
     text = text_of(LIGHTS[0]).replace("{preset: dry soil}", "{preset: red rubber}")
     base = made("plain", text, tmp_path, GoldenRenderer("llvm"))
@@ -359,12 +359,12 @@ HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other
 
 
 @pytest.mark.parametrize("k", _some(COUNT))
-def test_what_changes_no_film_is_let_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
+def test_changes_that_keep_the_film_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
     # Likewise mixed in every tenth of the list.
     HARMLESS[k % len(HARMLESS)](bases[k // len(HARMLESS) % 2], k, tmp_path)
 
 
-def test_both_lists_are_of_two_hundred() -> None:
+def test_both_lists_have_two_hundred_changes() -> None:
     assert COUNT % len(MUTATIONS) == 0
     assert len({mutate for mutate, _ in MUTATIONS}) == 8
     assert COUNT % len(HARMLESS) == 0

@@ -1,4 +1,4 @@
-"""Golden checks by the command line: what passes, what does not; nothing is overwritten."""
+"""Golden checks by the command line."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def facts(folder: Path) -> Any:
     return json.loads((folder / "out/golden/report.json").read_text(encoding="utf-8"))
 
 
-def test_what_was_recorded_holds(pronk: Pronk, home: Path) -> None:
+def test_a_recorded_golden_holds(pronk: Pronk, home: Path) -> None:
     before = state(home)
     assert set(before) == {
         "0001.png",
@@ -101,7 +101,7 @@ def test_what_was_recorded_holds(pronk: Pronk, home: Path) -> None:
     assert state(home) == before
 
 
-def test_a_golden_that_is_missing_ends_in_five(pronk: Pronk, home: Path) -> None:
+def test_a_missing_golden_ends_in_five(pronk: Pronk, home: Path) -> None:
     shutil.rmtree(home / "goldens")
     code, out, _ = pronk("golden", "check", "tiny")
     assert code == 5
@@ -117,7 +117,7 @@ def test_a_golden_that_is_missing_ends_in_five(pronk: Pronk, home: Path) -> None
     [("record", "tiny", "--again"), ("approve", "tiny"), ("calibrate", "tiny", "--write")],
     ids=lambda words: words[0],
 )
-def test_no_automaton_writes_goldens(
+def test_continuous_integration_writes_no_goldens(
     pronk: Pronk, home: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
 ) -> None:
     assert pronk("golden", "check", "tiny", "--set", "camera.fov_deg=40", *CHEAP)[0] == 1
@@ -171,7 +171,7 @@ def read_card_of(files_before: dict[str, bytes], home: Path) -> Any:
     return read_card(earlier).limits
 
 
-def test_what_was_checked_against_another_golden_is_not_approved(pronk: Pronk, home: Path) -> None:
+def test_a_check_against_another_golden_is_not_approved(pronk: Pronk, home: Path) -> None:
     assert pronk("golden", "check", "tiny", "--set", "camera.fov_deg=40", *CHEAP)[0] == 1
     assert pronk("golden", "record", "tiny", "--again", "--seeds", "0", *CHEAP)[0] == 0
     before = state(home)
@@ -229,7 +229,7 @@ DAMAGE: list[tuple[str, Callable[[Path], None], str]] = [
 
 
 @pytest.mark.parametrize(("name", "damage", "said"), DAMAGE)
-def test_a_damaged_golden_is_told_in_one_line_and_left_as_it_is(
+def test_a_damaged_golden_is_reported_in_one_line_and_kept(
     pronk: Pronk, home: Path, name: str, damage: Callable[[Path], None], said: str
 ) -> None:
     damage(home / "goldens/tiny" / name)
@@ -258,7 +258,7 @@ def _somewhere_else(home: Path) -> None:
     path.write_text(card.model_copy(update={"environment": "abacus"}).sealed().encoded())
 
 
-def test_elsewhere_variances_decide_and_without_them_nobody(pronk: Pronk, home: Path) -> None:
+def test_in_another_environment_only_variances_decide(pronk: Pronk, home: Path) -> None:
     _somewhere_else(home)
     # Equal pixels need no judge.
     assert pronk("golden", "check", "tiny", "--layers", "frames")[0] == 0
@@ -287,7 +287,7 @@ def test_limits_may_be_edited(pronk: Pronk, home: Path) -> None:
     assert pronk("golden", "check", "tiny", "--set", "film.exposure=-0.5")[0] == 0
 
 
-def test_other_ends_of_lines_and_tighter_pictures_change_nothing(pronk: Pronk, home: Path) -> None:
+def test_other_line_ends_and_repacked_pictures_change_nothing(pronk: Pronk, home: Path) -> None:
     for path in (home / "goldens/tiny").glob("*.json"):
         path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
     assert pronk("golden", "check", "tiny", "--layers", "motion,film")[0] == 0
@@ -319,7 +319,7 @@ def test_jobs_change_no_verdict(pronk: Pronk, home: Path) -> None:
     assert told() == one
 
 
-def test_the_gravest_outcome_decides_the_code(pronk: Pronk, home: Path) -> None:
+def test_the_most_severe_outcome_decides_the_exit_code(pronk: Pronk, home: Path) -> None:
     shutil.copy(home / "tiny.yaml", home / "newer.yaml")
     changed = ("--set", "camera.fov_deg=40")
     assert pronk("golden", "check", "tiny", "newer", *CHEAP, *changed)[0] == 1
@@ -348,7 +348,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_the_report_is_one_page_that_asks_no_network(pronk: Pronk, home: Path) -> None:
+def test_the_report_is_one_page_that_needs_no_network(pronk: Pronk, home: Path) -> None:
     shutil.copytree(home / "goldens/tiny", home / "goldens/aaa")
     (home / "aaa.yaml").write_text(SCENE, encoding="utf-8")
     path = home / "goldens/aaa/golden.yaml"

@@ -12,23 +12,22 @@ from pipeline.production.run import workers
 from pipeline.production.run.progress import LogReporter
 from pipeline.production.shots.frame_rendering import film_frames
 from render.backend import Backend
-from render.device_memory import told_memory
-from render.errors import DeviceMemoryShort, ShotError
+from render.errors import DeviceMemoryShort, ShotError, device_memory_errors
 
 CUDA = Backend("cuda_ad_rgb", "", "", "for a test")
 LLVM = Backend("llvm_ad_rgb", "", "23.1", "for a test")
 SAID = "jit_malloc(): out of memory! Could not allocate 2147483648 bytes of device memory."
 
 
-def test_what_drjit_says_becomes_an_error_of_its_own() -> None:
-    with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), told_memory():
+def test_a_drjit_message_becomes_a_typed_error() -> None:
+    with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), device_memory_errors():
         raise RuntimeError(SAID)
     loop = RuntimeError("dr.while_loop(): encountered an exception.")
     loop.__cause__ = RuntimeError(SAID)
-    with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), told_memory():
+    with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), device_memory_errors():
         raise loop
     for other in ("nonsense", SAID.replace("device", "host")):
-        with pytest.raises(RuntimeError, match=other[:10]) as error, told_memory():
+        with pytest.raises(RuntimeError, match=other[:10]) as error, device_memory_errors():
             raise RuntimeError(other)
         assert not isinstance(error.value, DeviceMemoryShort)
 
@@ -39,7 +38,7 @@ def test_the_processor_goes_on_and_it_is_reported(monkeypatch: pytest.MonkeyPatc
     def work(backend: Backend) -> str:
         tried.append(backend.variant)
         if backend is CUDA:
-            with told_memory():
+            with device_memory_errors():
                 raise RuntimeError(SAID)
         return "film"
 
@@ -52,7 +51,7 @@ def test_the_processor_goes_on_and_it_is_reported(monkeypatch: pytest.MonkeyPatc
     assert "going on with llvm_ad_rgb" in stream.getvalue()
 
 
-def test_filming_lets_the_lack_of_memory_through_and_no_other_error() -> None:
+def test_rendering_passes_only_the_lack_of_memory_through() -> None:
     for error, seen in (
         (DeviceMemoryShort("short"), DeviceMemoryShort),
         (ShotError("x"), FilmingError),

@@ -1,4 +1,4 @@
-"""Stopped at any moment, a run can go on, and what comes of it is the same film."""
+"""Interrupted runs: a run that was stopped at any moment can go on to the same film."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def _watched(studio: Studio, wanted: Callable[[], bool], running: Running) -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.nightly)])
-def test_an_interrupted_run_says_so_and_goes_on(
+def test_an_interrupted_run_can_go_on(
     film: Studio, tmp_path: Path, start: Start, jobs: int
 ) -> None:
     studio = _fresh(film, tmp_path / "studio")
@@ -160,7 +160,7 @@ LEFT = [
 ]
 
 
-def test_what_a_killed_run_left_is_cleared_away(studio: Studio, film: Studio) -> None:
+def test_unfinished_files_of_a_killed_run_are_removed(studio: Studio, film: Studio) -> None:
     for name in LEFT:
         (studio.made / name).parent.mkdir(parents=True, exist_ok=True)
         (studio.made / name).write_bytes(b"torn")
@@ -169,7 +169,7 @@ def test_what_a_killed_run_left_is_cleared_away(studio: Studio, film: Studio) ->
 
 
 @pytest.mark.parametrize("name", ["l", "lock", "take", "x" * 80])
-def test_clearing_leaves_what_is_not_ours(tmp_path: Path, name: str) -> None:
+def test_other_files_are_kept(tmp_path: Path, name: str) -> None:
     outputs = Outputs(tmp_path / name, name)
     kept = [".lock", ".git", ".notes.txt", "take.txt", f"{name}.mid", "frames/0001.png"]
     outputs.frames.mkdir(parents=True)

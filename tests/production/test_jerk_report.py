@@ -1,4 +1,4 @@
-"""The report of figure 3, and gains that lower the jerk."""
+"""Jerk report of figure 3, and the fit of gains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Onsets and slates: what is put into a sound or a picture is found there again."""
+"""Onsets and slates are found again in sounds and pictures."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def blows(times: list[float], noise: float = 1e-4) -> NDArray[np.float64]:
     return sound
 
 
-def test_blows_are_found_where_they_are() -> None:
+def test_onsets_are_found_at_their_times() -> None:
     times = [0.1, 0.5, 0.52, 1.25, 1.6]
     found = [onset.time for onset in onsets_of(blows(times), RATE) if onset.rise >= CLEAR_RISE]
     # The blow 20 ms after another one is lost in its sound.
@@ -38,7 +38,7 @@ def test_blows_are_found_where_they_are() -> None:
     assert onsets_of(np.zeros(0), RATE) == ()
 
 
-def test_one_blow_less_is_noticed_and_a_little_noise_is_not() -> None:
+def test_a_missing_onset_is_detected_and_noise_is_not() -> None:
     then = onsets_of(blows([0.1, 0.6, 1.3]), RATE)
     assert unmatched_onsets(then, onsets_of(blows([0.1, 0.6, 1.3], 2e-4), RATE), 1 / 48) == ([], [])
     gone, new = unmatched_onsets(then, onsets_of(blows([0.1, 1.3]), RATE), 1 / 48)
@@ -47,7 +47,7 @@ def test_one_blow_less_is_noticed_and_a_little_noise_is_not() -> None:
 
 
 @pytest.mark.parametrize("late", [-2, -1, 1, 3])
-def test_a_track_that_is_late_is_told_from_one_that_is_other(late: int) -> None:
+def test_a_late_track_is_distinguished_from_another_one(late: int) -> None:
     times = [0.31, 0.6, 1.05, 1.3]
     then = onsets_of(blows(times), RATE)
     now = onsets_of(blows([time + late / 24 for time in times]), RATE)
@@ -56,7 +56,7 @@ def test_a_track_that_is_late_is_told_from_one_that_is_other(late: int) -> None:
     assert best_shift(then, then, 1 / 24) == 0
 
 
-def test_weak_onsets_may_come_and_go() -> None:
+def test_weak_onsets_are_ignored() -> None:
     clear, weak = Onset(0.5, CLEAR_RISE + 1), Onset(1.0, CLEAR_RISE - 1)
     assert unmatched_onsets([clear, weak], [clear], 0.02) == ([], [])
     # Yet a weak one is partner enough for a clear one.
@@ -64,7 +64,7 @@ def test_weak_onsets_may_come_and_go() -> None:
 
 
 @pytest.mark.parametrize("number", [0, 1, 2, 1023, 65_536, 999_999])
-def test_a_slate_says_its_number(number: int) -> None:
+def test_a_slate_shows_its_number(number: int) -> None:
     assert slate_number(slate(number)[..., 0]) == number
     noise = np.random.default_rng(number).normal(0, 20, slate(number).shape[:2])
     assert slate_number(slate(number)[..., 0] * 0.8 + 20 + noise) == number

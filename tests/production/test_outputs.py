@@ -1,4 +1,4 @@
-"""What comes out: films of exactly the frames asked for, and notes on the frames."""
+"""Outputs: films of exactly the frames asked for, and notes on the frames."""
 
 from __future__ import annotations
 
@@ -218,7 +218,7 @@ def test_any_name_in_any_folder_makes_a_film(
     assert len(_onsets(made / f"{name}.mid")) == 6
 
 
-def test_lines_of_json_are_json(studio: Studio, pronk: Pronk) -> None:
+def test_json_lines_are_valid(studio: Studio, pronk: Pronk) -> None:
     studio.frame(4).unlink()
     code, out, err = pronk("render", "tiny", "--json", cwd=studio.folder)
     said = [json.loads(line) for line in out.splitlines()]
@@ -231,13 +231,13 @@ def test_lines_of_json_are_json(studio: Studio, pronk: Pronk) -> None:
     assert said[-1] == {"event": "result", "text": "out/tiny"}
 
 
-def test_quiet_renders_in_silence(studio: Studio, pronk: Pronk) -> None:
+def test_quiet_runs_print_nothing(studio: Studio, pronk: Pronk) -> None:
     studio.frame(4).unlink()
     assert pronk("render", "tiny", "-q", cwd=studio.folder) == (0, "", "")
     assert studio.frame(4).is_file()
 
 
-def test_a_log_says_what_was_done(studio: Studio, pronk: Pronk) -> None:
+def test_a_log_lists_the_stages(studio: Studio, pronk: Pronk) -> None:
     studio.frame(4).unlink()
     code, out, err = pronk("render", "tiny", cwd=studio.folder)
     assert (code, out) == (0, "out/tiny\n")

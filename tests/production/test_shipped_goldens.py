@@ -29,9 +29,7 @@ def lab() -> GoldenRenderer:
 
 
 @pytest.mark.parametrize("name", [golden.path.name for golden in goldens_in(FILMS)])
-def test_a_shipped_scene_still_is_its_golden(
-    name: str, lab: GoldenRenderer, tmp_path: Path
-) -> None:
+def test_a_shipped_scene_matches_its_golden(name: str, lab: GoldenRenderer, tmp_path: Path) -> None:
     (case,) = cases_of([name], FILMS, tmp_path)
     (tmp_path / "golden").mkdir()
     verdict = check(case, lab, Reporter())

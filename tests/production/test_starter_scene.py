@@ -38,7 +38,7 @@ def test_a_starter_passes_check(tmp_path: Path) -> None:
         "a, b",
     ],
 )
-def test_any_name_that_is_one_makes_a_scene(tmp_path: Path, name: str) -> None:
+def test_valid_names_make_a_scene(tmp_path: Path, name: str) -> None:
     path = write_starter(name, tmp_path)
     assert path == tmp_path / f"{name}.yaml"
     assert load_scene(path).title.casefold() == name.casefold()
@@ -63,7 +63,7 @@ def test_any_name_that_is_one_makes_a_scene(tmp_path: Path, name: str) -> None:
         "\ud800",
     ],
 )
-def test_what_is_no_name_is_refused(tmp_path: Path, name: str) -> None:
+def test_invalid_names_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(UsageError, match="is no name for a scene"):
         write_starter(name, tmp_path)
     assert list(tmp_path.iterdir()) == []
@@ -80,6 +80,6 @@ def test_every_name_makes_a_scene_or_a_message(tmp_path: Path, name: str) -> Non
     path.unlink()
 
 
-def test_a_name_that_is_too_long_is_told(tmp_path: Path) -> None:
+def test_a_name_that_is_too_long_is_refused(tmp_path: Path) -> None:
     with pytest.raises(PronkError, match="cannot be written"):
         write_starter("x" * 300, tmp_path)

@@ -1,4 +1,4 @@
-"""In whole scenes our tracer sees as much light as Mitsuba's own."""
+"""Tracers: pronk's and Mitsuba's agree on the light of whole scenes."""
 
 from __future__ import annotations
 
@@ -45,21 +45,21 @@ def shot_of(name: str) -> Shot:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", SCENES)
-def test_as_much_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
+def test_equal_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
     """Within 0.2 % in the mean, and at most four standard errors apart."""
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer
 
     shot = shot_of(name)
-    stage = Stage(shot)
-    assert stage.handed_over == ""
-    judge = PathTracer(stage.scene, stage.depth)
+    scene = MitsubaScene(shot)
+    assert scene.path_tracer_reason == ""
+    judge = PathTracer(scene.scene, scene.depth)
     ours, theirs = (
         np.array([one(k) for k in range(ROUNDS)])
         for one in (
-            lambda k: stage.expose(k, range(SAMPLES), SAMPLES).light.mean(dtype=float),
-            lambda k: judge.expose(
-                stage.sensor, 1_000_003 * (k + 1), range(SAMPLES), SAMPLES
+            lambda k: scene.trace(k, range(SAMPLES), SAMPLES).light.mean(dtype=float),
+            lambda k: judge.trace(
+                scene.sensor, 1_000_003 * (k + 1), range(SAMPLES), SAMPLES
             ).light.mean(dtype=float),
         )
     )

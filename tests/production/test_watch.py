@@ -30,7 +30,7 @@ class Results(Reporter):
         self.results.append(text)
 
 
-def test_every_change_makes_a_picture_and_mistakes_are_told_and_mended(tmp_path: Path) -> None:
+def test_every_change_makes_a_picture_and_errors_are_reported(tmp_path: Path) -> None:
     file = tmp_path / "play.yaml"
     file.write_text(SCENE)
     edits = iter([SCENE.replace("walk", "wlak"), SCENE.replace("4", "6"), None])
@@ -62,7 +62,7 @@ def test_every_change_makes_a_picture_and_mistakes_are_told_and_mended(tmp_path:
     assert len(asked) == 3
 
 
-def test_what_a_scene_names_is_watched_too(tmp_path: Path) -> None:
+def test_files_of_a_scene_are_watched(tmp_path: Path) -> None:
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     (tmp_path / "thing.obj").write_text(corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     file = tmp_path / "play.yaml"
@@ -71,7 +71,7 @@ def test_what_a_scene_names_is_watched_too(tmp_path: Path) -> None:
     assert files_of(load_scene(file)) == {tmp_path / "thing.obj"}
 
 
-def test_what_was_saved_before_the_system_watched_is_not_missed(tmp_path: Path) -> None:
+def test_changes_before_watching_are_not_missed(tmp_path: Path) -> None:
     file = tmp_path / "play.yaml"
     file.write_text(SCENE)
     seen = stamps({file})
@@ -81,7 +81,7 @@ def test_what_was_saved_before_the_system_watched_is_not_missed(tmp_path: Path) 
     assert stamps({file}) == {file: None}
 
 
-def test_the_system_tells_of_a_file_that_is_replaced(tmp_path: Path) -> None:
+def test_a_replaced_file_is_noticed(tmp_path: Path) -> None:
     """As editors save: a new file is renamed into the old one's place."""
     file = tmp_path / "play.yaml"
     file.write_text(SCENE)

@@ -1,4 +1,4 @@
-"""pronk as strangers get it: a wheel, installed where there is nothing else."""
+"""Wheel: pronk installed alone in an empty environment."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def test_a_library_that_aborts_is_passed_over(
     monkeypatch.setattr(module, "libraries", lambda: [str(fake), "/good.so"])
     chosen = choose("llvm")
     assert (chosen.library, chosen.version) == ("/good.so", "23.1.4")
-    assert "signal 6" in chosen.findings[0].why
+    assert "signal 6" in chosen.probes[0].why
     assert any("signal 6" in line for line in chosen.describe())
 
 

@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from render.comparison import TILE, distances, flip, psnr, spread_of, tile_box, tile_means
-from render.comparison.flip import JUDGES
+from render.comparison.flip_metric import JUDGES, flip
+from render.comparison.image_statistics import (
+    TILE,
+    psnr,
+    seed_spread,
+    tile_box,
+    tile_deviations,
+    tile_means,
+)
 
 Picture = NDArray[np.uint8]
 PAIRS = 50
@@ -110,17 +117,17 @@ def noisy(seed: int, shift: float = 0.0) -> Picture:
 
 
 def test_distances_of_noise_are_those_of_a_standard_deviation() -> None:
-    spread = spread_of([noisy(k) for k in range(40)])
-    found = np.concatenate([distances(spread, noisy(1000 + k)).ravel() for k in range(40)])
+    spread = seed_spread([noisy(k) for k in range(40)])
+    found = np.concatenate([tile_deviations(spread, noisy(1000 + k)).ravel() for k in range(40)])
     # The largest of three normal deviates has a mean of 1.33 of its absolute value.
     assert found.mean() == pytest.approx(1.33, abs=0.08)
     assert found.max() < 6
 
 
 def test_a_change_far_below_the_noise_is_found() -> None:
-    spread = spread_of([noisy(k) for k in range(8)])
+    spread = seed_spread([noisy(k) for k in range(8)])
     # The mean of a tile of 256 pixels is known to 20 / 16 of 255.
-    assert distances(spread, noisy(99)).max() < 6
-    assert distances(spread, noisy(99, shift=8)).min() > 3
+    assert tile_deviations(spread, noisy(99)).max() < 6
+    assert tile_deviations(spread, noisy(99, shift=8)).min() > 3
     with pytest.raises(ValueError, match="tiles"):
-        distances(spread, noisy(1)[:32])
+        tile_deviations(spread, noisy(1)[:32])

@@ -12,7 +12,7 @@ from render.backend import Backend
 from render.color import luminance
 from render.config import Film, Light, light
 from render.errors import ShotError
-from render.panorama_file import content_of, fault_of
+from render.panorama_file import file_digest, panorama_fault
 from render.renderer import Renderer
 from render.shot import Shot
 
@@ -26,11 +26,11 @@ def _mitsuba(backend: Backend) -> None:
 
 def sky(sun: float = 0.0, width: int = 256) -> np.ndarray:
     """Return a bluish sky over dark ground, with a sun of some pixels towards +X, 40 degrees up."""
-    from render.lights.environment_map import directions, headed
+    from render.lights.environment_map import direction_of, pixel_directions
 
-    d = directions(width, width // 2)
+    d = pixel_directions(width, width // 2)
     image = np.where(d[..., 1:2] > 0, np.array([0.4, 0.5, 0.8]), 0.1) * np.ones(3)
-    spot = d @ headed(0.0, np.radians(40.0)) > np.cos(np.radians(1.5))
+    spot = d @ direction_of(0.0, np.radians(40.0)) > np.cos(np.radians(1.5))
     image[spot] += sun * np.array([1.0, 0.9, 0.7])
     return image.astype(np.float32)
 
@@ -47,23 +47,23 @@ def written(path: Path, image: np.ndarray) -> str:
 def test_sky_and_sun_together_are_the_picture(
     tmp_path: Path, name: str, normal: tuple[float, float, float]
 ) -> None:
-    from render.lights.environment_map import irradiance, unit
-    from render.lights.panorama_light import panorama
+    from render.lights.environment_map import irradiance, normalized
+    from render.lights.panorama_light import panorama_light
 
     image = sky(sun=2000.0)
     lit = light({"hdr": {"file": written(tmp_path / name, image)}})
     assert lit.hdr is not None
-    rest, key = panorama(lit.hdr)
-    n = unit(np.array(normal, float))
-    sent = irradiance(rest, n) + key.irradiance * max(float(n @ key.toward), 0.0)
+    rest, key = panorama_light(lit.hdr)
+    n = normalized(np.array(normal, float))
+    sent = irradiance(rest, n) + key.irradiance * max(float(n @ key.direction), 0.0)
     # RGBE keeps eight bits; a disc of three degrees is not quite one direction.
     np.testing.assert_allclose(sent, irradiance(image, n), rtol=0.01)
     assert rest.max() < 1.0
-    assert key.width_deg == pytest.approx(3.0, abs=0.3)
+    assert key.diameter_deg == pytest.approx(3.0, abs=0.3)
 
 
 def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
-    from render.lights import emitters
+    from render.lights.emitters import emitters
 
     for sun in (0.0, 3.0):
         lit = light({"hdr": {"file": written(tmp_path / "a.exr", sky(sun))}})
@@ -74,13 +74,13 @@ def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
 
 def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
     """A sun towards +X, turned by a quarter, stands towards -Z, as headings do."""
-    from render.lights.panorama_light import panorama
+    from render.lights.panorama_light import panorama_light
 
     file = written(tmp_path / "a.exr", sky(2000.0))
     for turn, xz in ((0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-45, (0.707, 0.707))):
         words = light({"hdr": {"file": file, "turn_deg": turn}}).hdr
         assert words is not None
-        toward = panorama(words)[1].toward
+        toward = panorama_light(words)[1].direction
         flat = toward[[0, 2]] / np.hypot(*toward[[0, 2]])
         np.testing.assert_allclose(flat, xz, atol=0.02)
 
@@ -88,10 +88,10 @@ def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
     from render.lights.environment_map import UP, irradiance
-    from render.lights.panorama_light import _smaller
+    from render.lights.panorama_light import reduced
 
     image = sky(100.0, width=4096).astype(np.float64)
-    small = _smaller(image)
+    small = reduced(image)
     assert small.shape == (1024, 2048, 3)
     np.testing.assert_allclose(irradiance(small, UP), irradiance(image, UP), rtol=1e-3)
 
@@ -142,25 +142,25 @@ def test_only_its_content_decides_what_a_picture_is(make_shot: Make, tmp_path: P
     assert build(b) == first
     written(b, sky(5.0))
     assert build(b) != first
-    assert content_of(tmp_path / "none.exr") == ""
+    assert file_digest(tmp_path / "none.exr") == ""
 
 
 def test_what_is_no_picture_of_all_directions_is_named(tmp_path: Path) -> None:
     good = Path(written(tmp_path / "good.hdr", sky()))
-    assert fault_of(good) is None
+    assert panorama_fault(good) is None
     written(tmp_path / "square.exr", sky()[:, :128])
-    assert "128 by 128" in str(fault_of(tmp_path / "square.exr"))
+    assert "128 by 128" in str(panorama_fault(tmp_path / "square.exr"))
     for name, content in {
         "torn.exr": b"v/1\x01\x02",
         "torn.hdr": b"#?RADIANCE\n",
         "a.hdr": b"",
     }.items():
         (tmp_path / name).write_bytes(content)
-        assert "cannot be read" in str(fault_of(tmp_path / name))
-    assert "is no .exr or .hdr file" in str(fault_of(tmp_path / "a.png"))
+        assert "cannot be read" in str(panorama_fault(tmp_path / name))
+    assert "is no .exr or .hdr file" in str(panorama_fault(tmp_path / "a.png"))
     torn = tmp_path / "half.exr"
     torn.write_bytes(Path(written(tmp_path / "whole.exr", sky())).read_bytes()[:3000])
-    from render.lights import emitters
+    from render.lights.emitters import emitters
 
     with pytest.raises(ShotError, match=r"half\.exr"):
         emitters(light({"hdr": {"file": str(torn)}}), (0.2, 0.2, 0.2))

@@ -73,11 +73,11 @@ def test_a_lamp_moved_in_place_equals_a_fresh_build(
 ) -> None:
     shot = make_shot(lit=light({"lamps": [{"at": [0, 1.5, 1], **kind}]}))
     renderer.render(shot)
-    built = renderer.split.build
+    built = renderer.timings.build
     aim = (0.5, 0.0, 0.0) if "spot" in kind else None
     moved = replace(shot, lamps=(LampPlace((1.0, 1.2, 1.0), aim),))
     light_moved = renderer.render(moved).light
-    assert renderer.split.build == built
+    assert renderer.timings.build == built
     np.testing.assert_array_equal(light_moved, Renderer(backend).render(moved).light)
     assert not np.array_equal(light_moved, renderer.render(shot).light)
     assert shot.digest != moved.digest
@@ -110,7 +110,7 @@ def test_lamps_alone_at_night_are_neither_black_nor_burnt(
 
 
 def test_colours_follow_the_temperature() -> None:
-    from render.lights.lamps import blackbody, intensity_of
+    from render.lights.lamps import blackbody, radiant_intensity
 
     # White of 6500 K is nearly that of the screen; the cooler, the redder.
     np.testing.assert_allclose(blackbody(6500), np.ones(3), atol=0.06)
@@ -122,7 +122,7 @@ def test_colours_follow_the_temperature() -> None:
         assert float(luminance(blackbody(k))) == pytest.approx(1.0)
     for edge in (2222, 4000):
         np.testing.assert_allclose(blackbody(edge - 0.01), blackbody(edge + 0.01), atol=0.01)
-    own = intensity_of(Lamp(color=(1.0, 0.5, 0.0)))
+    own = radiant_intensity(Lamp(color=(1.0, 0.5, 0.0)))
     np.testing.assert_allclose(own / own[0], linear([1.0, 0.5, 0.0]), atol=1e-9)
 
 
@@ -138,5 +138,5 @@ def test_what_contradicts_itself_is_refused(renderer: Renderer, make_shot: Make)
     nowhere = replace(
         make_shot(lit=light({"lamps": [{}]})), lamps=(LampPlace((0.0, float("nan"), 0.0)),)
     )
-    with pytest.raises(ShotError, match="finite place"):
+    with pytest.raises(ShotError, match="not finite"):
         renderer.render(nowhere)

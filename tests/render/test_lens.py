@@ -36,9 +36,9 @@ def seen_through(lens: Lens | None, depth: float, half: float = 0.02) -> Shot:
 
 def coverage(renderer: Renderer, shot: Shot) -> NDArray[np.float64]:
     """Return how much of each pixel the plate covers: its colour, whatever lights it."""
-    stage = renderer._staged(shot)
+    scene = renderer._staged(shot)
     # Four looks for each path make as many samples.
-    return stage.expose(3, range(256), 256).color[..., 0].astype(float)
+    return scene.trace(3, range(256), 256).color[..., 0].astype(float)
 
 
 def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -91,9 +91,9 @@ def test_focus_is_pulled_in_the_scene_as_it_is_built(renderer: Renderer) -> None
     near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))
     assert near.build == far.build
     coverage(renderer, near)
-    stage = renderer._stage
+    scene = renderer._stage
     pulled = coverage(renderer, far)
-    assert renderer._stage is stage
+    assert renderer._stage is scene
     renderer._stage = None
     np.testing.assert_array_equal(pulled, coverage(renderer, far))
 

@@ -15,6 +15,7 @@ import pytest
 from render.backend import Backend
 from render.config import Film, material
 from render.errors import ShotError
+from render.lights.sun_position import sun_direction
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
 
@@ -26,9 +27,9 @@ def test_a_mesh_moved_in_place_equals_a_fresh_build(
     renderer: Renderer, backend: Backend, make_shot: Make
 ) -> None:
     renderer.render(make_shot(x=-0.7))
-    built = renderer.split.build
+    build_time = renderer.timings.build
     moved = renderer.render(make_shot(x=0.4)).light
-    assert renderer.split.build == built
+    assert renderer.timings.build == build_time
     fresh = Renderer(backend).render(make_shot(x=0.4)).light
     np.testing.assert_array_equal(moved, fresh)
     assert not np.array_equal(moved, renderer.render(make_shot(x=-0.7)).light)
@@ -38,10 +39,10 @@ def test_camera_and_field_of_view_move_without_a_build(
     renderer: Renderer, backend: Backend, make_shot: Make
 ) -> None:
     renderer.render(make_shot())
-    built = renderer.split.build
+    build_time = renderer.timings.build
     pose = CameraPose((-2.0, 3.0, 2.0), (0.0, 0.2, 0.0), fov_deg=60.0)
     moved = renderer.render(make_shot(camera=pose)).light
-    assert renderer.split.build == built
+    assert renderer.timings.build == build_time
     np.testing.assert_array_equal(moved, Renderer(backend).render(make_shot(camera=pose)).light)
 
 
@@ -57,7 +58,7 @@ def test_a_white_furnace_gives_back_the_light(renderer: Renderer) -> None:
     """A convex body in a sky of radiance 1 shows its albedo, whatever its shape."""
     import mitsuba as mi
 
-    from render.meshes import built, groups
+    from render.meshes import build_mesh, group_meshes
 
     n, m = 24, 48
     theta, phi = np.meshgrid(np.linspace(0, np.pi, n), np.linspace(0, 2 * np.pi, m, False))
@@ -72,11 +73,11 @@ def test_a_white_furnace_gives_back_the_light(renderer: Renderer) -> None:
     )
     mesh = Mesh("ball", ball.astype(np.float32), faces.astype(np.uint32), "m")
     words = material({"color": [0.5, 0.5, 0.5], "roughness": 1.0})
-    (group,) = groups([mesh], {"m": words})
+    (group,) = group_meshes([mesh], {"m": words})
     scene = mi.load_dict(
         {
             "type": "scene",
-            "ball": built(group, [mesh], words),
+            "ball": build_mesh(group, [mesh], words),
             "sky": {"type": "constant"},
             "camera": {
                 "type": "perspective",
@@ -97,7 +98,7 @@ def test_a_grey_card_is_middle_grey_by_day(renderer: Renderer) -> None:
 
     lit = light("day")
     assert lit.sun is not None
-    n = np.add(lit.sun.direction, (0.0, 1.0, 0.0))
+    n = np.add(sun_direction(lit.sun), (0.0, 1.0, 0.0))
     n /= np.linalg.norm(n)
     u = np.cross(n, [1.0, 0, 0])
     u /= np.linalg.norm(u)
@@ -139,7 +140,7 @@ def test_tinted_faces_are_red_and_the_others_as_they_were(
     upper = ground.vertices[ground.faces].mean(axis=1)[:, 2] < 0
 
     def seen(tinted: np.ndarray | None) -> np.ndarray:
-        return renderer.render(replace(shot, meshes=(replace(ground, tinted=tinted),))).light
+        return renderer.render(replace(shot, meshes=(replace(ground, warned=tinted),))).light
 
     plain, none, one, both = (seen(t) for t in (None, ~upper & upper, upper, upper | ~upper))
 
@@ -165,13 +166,13 @@ def test_every_light_is_finite_and_well_exposed(
 
 def test_a_wrong_shot_says_what_is_wrong(renderer: Renderer, make_shot: Make) -> None:
     shot = make_shot()
-    with pytest.raises(ShotError, match="asks for material 'dry soil'"):
+    with pytest.raises(ShotError, match="names material 'dry soil'"):
         renderer.render(replace(shot, materials={"bone": material("bone")}))
     here = CameraPose((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
     with pytest.raises(ShotError, match="cannot look at"):
         renderer.render(replace(shot, camera=here))
-    short = replace(shot.meshes[1], tinted=np.zeros(3, bool))
-    with pytest.raises(ShotError, match="has tints for 3 faces, not 4"):
+    short = replace(shot.meshes[1], warned=np.zeros(3, bool))
+    with pytest.raises(ShotError, match="3 values for 4 faces"):
         renderer.render(replace(shot, meshes=(shot.meshes[0], short, shot.meshes[2])))
     torn = replace(shot.meshes[1], vertices=np.full((4, 3), np.nan, np.float32))
     with pytest.raises(ShotError, match="not finite"):

@@ -15,7 +15,7 @@ import pytest
 import trimesh
 
 from render.config import MATERIALS, Film, Material, light, material
-from render.footprints import BLOCK, Prints, packed
+from render.footprints import BLOCK, FootprintRaster, pack_texels
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
 
@@ -32,18 +32,23 @@ def furnace(words: Material, ground: bool) -> float:
     """Return the mean radiance of a ball in a sky of radiance 1."""
     import mitsuba as mi
 
-    from render.meshes import built, groups
+    from render.meshes import build_mesh, group_meshes
 
     solid = trimesh.creation.icosphere(subdivisions=4)
     place = solid.vertices.astype(np.float32)
     laid: dict[str, Any] = {"uv": place[:, [0, 2]].copy()} if ground else {"rest": place}
     mesh = Mesh("ball", place, solid.faces.astype(np.uint32), "m", **laid)
-    (group,) = groups([mesh], {"m": words})
+    (group,) = group_meshes([mesh], {"m": words})
     eye = mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
     film = {"type": "hdrfilm", "width": 24, "height": 24, "rfilter": {"type": "box"}}
     camera = {"type": "perspective", "fov": 18, "to_world": eye, "film": film}
     sky = {"type": "constant"}
-    scene = {"type": "scene", "ball": built(group, [mesh], words), "sky": sky, "camera": camera}
+    scene = {
+        "type": "scene",
+        "ball": build_mesh(group, [mesh], words),
+        "sky": sky,
+        "camera": camera,
+    }
     path = mi.load_dict({"type": "path", "max_depth": 12, "rr_depth": 20})
     image = np.array(path.render(mi.load_dict(scene), spp=64))
     return float(image.max(axis=2).mean())
@@ -67,12 +72,12 @@ def test_a_white_rough_surface_gives_back_what_its_colour_says(renderer: Rendere
     del renderer
     import mitsuba as mi
 
-    from render.surfaces.bsdf_plugins import rough
-    from render.surfaces.patterns import Ground
+    from render.surfaces.bsdf_plugins import diffuse_bsdf
+    from render.surfaces.patterns import GroundShader
 
     words = material({"preset": "dry soil", "bump": 0})
-    look = Ground(words)
-    surface = rough(look, look.values)
+    look = GroundShader(words)
+    surface = diffuse_bsdf(look, look.values)
     si: Any = mi.SurfaceInteraction3f()
     x, z = np.random.default_rng(4).uniform(-300, 300, (2, 100_000))
     si.p = mi.Point3f(x, 0 * x, z)
@@ -98,8 +103,7 @@ def test_sampling_fits_evaluation_where_the_normal_is_bent(renderer: Renderer) -
     import drjit as dr
     import mitsuba as mi
 
-    from render.glossy import glossy
-    from render.surfaces.bsdf_plugins import rough
+    from render.surfaces.bsdf_plugins import diffuse_bsdf, glossy_bsdf
 
     tilted = mi.Normal3f(*(np.array([0.35, 0.0, 1.0]) / np.hypot(0.35, 1.0)).tolist())
 
@@ -108,7 +112,7 @@ def test_sampling_fits_evaluation_where_the_normal_is_bent(renderer: Renderer) -
         return mi.Color3f(0.7), tilted
 
     shiny = material({"color": [0.8, 0.8, 0.8], "roughness": 0.5})
-    for surface in (rough(look, {}), glossy(shiny, look, {})):
+    for surface in (diffuse_bsdf(look, {}), glossy_bsdf(shiny, look, {})):
         n = 400_000
         si: Any = dr.zeros(mi.SurfaceInteraction3f, n)
         si.sh_frame = mi.Frame3f(mi.Vector3f(0, 0, 1))
@@ -139,13 +143,13 @@ def test_steps_of_the_scalar_variant_are_where_those_of_the_look_are() -> None:
     from render.backend import choose
 
     choose().activate()
-    from render.shares import CREST, HOLLOW, STEEP, shares
+    from render.surfaces.mitsuba_bsdf import CREST, HOLLOW, STEEP, vertex_shares
 
     words = material({"preset": "dry soil", "crest_color": [1, 1, 1], "hollow_color": [0, 0, 0]})
     low, high = words.hollow_height - 1, words.crest_height + 1
     places = np.float32([[0, low, 0], [3, (low + high) / 2, 1], [7, high, 2]])
     slanted = np.float32([[0, 1, 0], [0, 1, 0], [1, 0.2, 0]])
-    found = shares(words, places, slanted / np.linalg.norm(slanted, axis=1, keepdims=True))
+    found = vertex_shares(words, places, slanted / np.linalg.norm(slanted, axis=1, keepdims=True))
     assert found[CREST].tolist() == [0, 0, 1]
     assert found[HOLLOW].tolist() == [1, 0, 0]
     assert found[STEEP].tolist() == [0, 0, 1]
@@ -181,9 +185,9 @@ def test_walls_have_no_streaks(renderer: Renderer) -> None:
     del renderer
     import mitsuba as mi
 
-    from render.surfaces.patterns import Ground
+    from render.surfaces.patterns import GroundShader
 
-    look = Ground(material({"preset": "rock", "color2": None, "bump": 0}))
+    look = GroundShader(material({"preset": "rock", "color2": None, "bump": 0}))
     rng = np.random.default_rng(7)
     for normal in np.eye(3):
         u, v = rng.uniform(0, 50, (2, 60_000))
@@ -207,14 +211,14 @@ def test_crests_and_hollows_show_their_colours(renderer: Renderer) -> None:
         pytest.skip("the scalar variant shows them by attributes")
     import mitsuba as mi
 
-    from render.surfaces.patterns import Ground
+    from render.surfaces.patterns import GroundShader
 
     green, red, blue = [0.2, 0.6, 0.2], [0.8, 0.1, 0.1], [0.1, 0.1, 0.8]
     words = material(
         {"preset": "sand", "color": green, "color2": green}
         | {"crest_color": red, "crest_height": 2.0, "hollow_color": blue, "hollow_height": -1.0}
     )
-    look = Ground(words)
+    look = GroundShader(words)
     x, z = np.random.default_rng(8).uniform(-20, 20, (2, 1000))
     strongest = []
     for y in (-3.0, 0.5, 4.0):
@@ -226,13 +230,13 @@ def test_crests_and_hollows_show_their_colours(renderer: Renderer) -> None:
     assert strongest == [{2}, {1}, {0}]
 
 
-def one_print() -> Prints:
+def one_print() -> FootprintRaster:
     """Return a raster with one dark square of 1 m about the origin, number 1."""
     dark = np.ones((BLOCK + 1, BLOCK + 1))
     number = np.ones(dark.shape, np.uint32)
-    block = packed(number, dark, np.zeros((2, *dark.shape)))
+    block = pack_texels(number, dark, np.zeros((2, *dark.shape)))
     texels = np.stack([np.zeros_like(block), block])
-    return Prints((-0.5, -0.5), 1.0 / BLOCK, np.array([[1]], np.uint32), texels)
+    return FootprintRaster((-0.5, -0.5), 1.0 / BLOCK, np.array([[1]], np.uint32), texels)
 
 
 def test_a_print_is_seen_in_its_place_and_once_it_is_made(
@@ -241,15 +245,15 @@ def test_a_print_is_seen_in_its_place_and_once_it_is_made(
     if renderer.backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant shows no prints")
     shot = make_shot(camera=ABOVE, film=FILM)
-    bare = replace(shot.meshes[0], prints=one_print())
+    bare = replace(shot.meshes[0], footprints=one_print())
 
     def seen(printed: int) -> np.ndarray:
-        mesh = replace(bare, printed=printed)
+        mesh = replace(bare, footprint_count=printed)
         return renderer.render(replace(shot, meshes=(mesh,))).light
 
     before, after = seen(0), seen(1)
-    assert replace(bare, printed=1).digest != bare.digest
-    assert replace(bare, printed=1).topology == bare.topology
+    assert replace(bare, footprint_count=1).digest != bare.digest
+    assert replace(bare, footprint_count=1).topology == bare.topology
     assert seen(0).tobytes() == before.tobytes()
     changed = np.abs(after - before).max(axis=2) > 0
     row, column = np.nonzero(changed)
@@ -263,7 +267,7 @@ def test_a_print_is_seen_in_its_place_and_once_it_is_made(
 
 @pytest.mark.nightly
 def test_memory_stays_flat_over_many_stages(renderer: Renderer, make_shot: Make) -> None:
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
 
     def resident() -> float:
         return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20
@@ -274,6 +278,6 @@ def test_memory_stays_flat_over_many_stages(renderer: Renderer, make_shot: Make)
     for i in range(60):
         if i == 10:
             before = resident()
-        Stage(shot).expose(0, range(1), 1)
-    # Building anew leaks some in Mitsuba itself; a stage that stayed alive would be far more.
+        MitsubaScene(shot).trace(0, range(1), 1)
+    # Building anew leaks some in Mitsuba itself; a scene that stayed alive would be far more.
     assert resident() - before < 60

@@ -55,20 +55,20 @@ def test_what_a_kernel_reads_is_what_was_drawn(backend: Backend) -> None:
     backend.activate()
     import mitsuba as mi
 
-    from render.surfaces.texture_mapping import read, texels
+    from render.surfaces.texture_mapping import lookup, pattern_mipmap
 
-    drawn, of = tile("soil"), texels("soil")
+    drawn, mipmap = tile("soil"), pattern_mipmap("soil")
     rng = np.random.default_rng(1)
     j, i = rng.integers(0, TILE, (2, 400))
     i[:4] = TILE - 1
     at = (i + 1.0) / TILE, (j + 0.5) / TILE
-    found = read(mi.UInt32(of.words), of, mi.Float(at[0]), mi.Float(at[1]), None)
+    found = lookup(mi.UInt32(mipmap.texels), mipmap, mi.Float(at[0]), mi.Float(at[1]), None)
     right = (i + 1) % TILE
     shade = 0.5 * (drawn.shade[j, i] + drawn.shade[j, right])
     np.testing.assert_allclose(np.array(found.shade), shade.clip(0, 2), atol=1.5 / 255)
     slope = (np.roll(drawn.relief, -1, 1) - np.roll(drawn.relief, 1, 1)) * (TILE / drawn.size / 2)
     expected = 0.5 * (slope[j, i] + slope[j, right])
-    np.testing.assert_allclose(np.array(found.slope_u), expected, atol=1.5 * of.steepest / 255)
+    np.testing.assert_allclose(np.array(found.slope_u), expected, atol=1.5 * mipmap.max_slope / 255)
 
 
 def test_coarser_copies_have_the_same_mean(backend: Backend) -> None:
@@ -77,12 +77,12 @@ def test_coarser_copies_have_the_same_mean(backend: Backend) -> None:
     backend.activate()
     import mitsuba as mi
 
-    from render.surfaces.texture_mapping import LEVELS, read, texels
+    from render.surfaces.texture_mapping import LEVELS, lookup, pattern_mipmap
 
-    of = texels("rock")
+    mipmap = pattern_mipmap("rock")
     u, v = (mi.Float(a) for a in np.random.default_rng(2).random((2, 200_000)))
     means = []
     for level in range(LEVELS):
-        found = read(mi.UInt32(of.words), of, u, v, mi.UInt32(level))
+        found = lookup(mi.UInt32(mipmap.texels), mipmap, u, v, mi.UInt32(level))
         means.append(float(np.array(found.shade).mean()))
     assert means == pytest.approx([means[0]] * LEVELS, abs=0.01)

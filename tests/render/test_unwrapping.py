@@ -1,4 +1,4 @@
-"""Patterns on bodies: no stretch, no seam in the shading, no swimming."""
+"""Texture coordinates of bodies: no stretch, few seams, no swimming."""
 
 from __future__ import annotations
 
@@ -6,15 +6,20 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import trimesh
 
 from render.backend import Backend
 from render.config import Film, light, material
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
-from render.unwrapping import unwrapped
 
 Make = Callable[..., Shot]
+
+
+@pytest.fixture(autouse=True)
+def _mitsuba(backend: Backend) -> None:
+    backend.activate()
 
 
 def ball() -> trimesh.Trimesh:
@@ -23,11 +28,13 @@ def ball() -> trimesh.Trimesh:
 
 def test_no_triangle_is_stretched() -> None:
     """The singular values of the map from triangle to pattern lie between 1 / sqrt 3 and 1."""
+    from render.meshes import unwrap
+
     solid = ball()
     rest, faces = solid.vertices.astype(np.float32), solid.faces.astype(np.uint32)
-    laid = unwrapped(rest, faces)
-    assert (laid.source[laid.faces] == faces).all()
-    corners, uv = rest[faces].astype(float), laid.uv[laid.faces].astype(float)
+    unwrapped = unwrap(rest, faces)
+    assert (unwrapped.source[unwrapped.faces] == faces).all()
+    corners, uv = rest[faces].astype(float), unwrapped.uv[unwrapped.faces].astype(float)
     along = corners[:, 1] - corners[:, 0]
     length = np.linalg.norm(along, axis=1, keepdims=True)
     along = along / length
@@ -40,17 +47,19 @@ def test_no_triangle_is_stretched() -> None:
     assert stretch.min() >= 1 / np.sqrt(3) - 1e-3
 
 
-def test_doubled_vertices_only_stand_on_seams() -> None:
+def test_only_vertices_on_seams_are_doubled() -> None:
+    from render.meshes import unwrap
+
     solid = ball()
-    laid = unwrapped(solid.vertices.astype(np.float32), solid.faces.astype(np.uint32))
-    counts = np.bincount(laid.source)
+    unwrapped = unwrap(solid.vertices.astype(np.float32), solid.faces.astype(np.uint32))
+    counts = np.bincount(unwrapped.source)
     assert counts.min() == 1
     assert counts.max() <= 3
-    assert len(laid.source) < 1.4 * len(solid.vertices)
+    assert len(unwrapped.source) < 1.4 * len(solid.vertices)
 
 
-def test_a_pattern_goes_with_the_body(backend: Backend) -> None:
-    """Body and camera moved together show the same picture, under a sky without a sun."""
+def test_a_pattern_moves_with_the_body(backend: Backend) -> None:
+    """Body and camera moved together show the same frame, under a sky without a sun."""
     solid = ball()
     rest = solid.vertices.astype(np.float32)
     faces = solid.faces.astype(np.uint32)
@@ -66,18 +75,18 @@ def test_a_pattern_goes_with_the_body(backend: Backend) -> None:
     here, there = seen(0.0), seen(8.0)
     inside = slice(16, 32)
     here, there = here[inside, inside], there[inside, inside]
-    # Samples of single rays may fall to either side of a vein; the veins are where they were.
+    # Single rays may fall to either side of a vein; the veins must not move.
     assert np.abs(here - there).mean() < 0.05 * here.std(axis=(0, 1)).mean()
 
 
 def test_bodies_without_a_pattern_are_not_unwrapped(renderer: Renderer, make_shot: Make) -> None:
     del renderer
-    from render.meshes import groups
+    from render.meshes import group_meshes
 
     shot = make_shot(look="red plastic")
     body = replace(shot.meshes[1], rest=shot.meshes[1].vertices)
     plain, patterned = (
-        groups([body], {"bone": material(name)})[0] for name in ("red plastic", "walnut")
+        group_meshes([body], {"bone": material(name)})[0] for name in ("red plastic", "walnut")
     )
     assert plain.unwrapped is None
     assert patterned.unwrapped is not None

@@ -1,4 +1,4 @@
-"""Our tracer shows what Mitsuba's own shows."""
+"""The wavefront tracer agrees with Mitsuba's path tracer."""
 
 from __future__ import annotations
 
@@ -11,18 +11,17 @@ import pytest
 from numpy.typing import NDArray
 
 from render.config import Film, Light, Material, light, material
-from render.exposure import GLEAM
+from render.frame import ALBEDO_BIAS
 from render.renderer import Renderer
 from render.shot import Shot
-from render.strata import grid
 
 Make = Callable[..., Shot]
 
-RECORDED = ("_looked", "_begun", "_shaded", "_shining", "_ended")
-"""What a wavefront has played back."""
+RECORDED = ("_add_direct", "_start_paths", "_bounce", "_hits_emitter", "_add_emission")
+"""Recorded stages of a wavefront."""
 
 LAMPS = light({"preset": "night", "lamps": [{"at": [0.8, 1.2, 0.6], "radius": 0.2}]})
-LOOKS: dict[str, tuple[str | Light, str | Material]] = {
+CASES: dict[str, tuple[str | Light, str | Material]] = {
     "sun and sky": ("day", "bone"),
     "a sky without sun": ("overcast", "clay"),
     "a large light and a glossy body": ("studio", "red plastic"),
@@ -31,51 +30,51 @@ LOOKS: dict[str, tuple[str | Light, str | Material]] = {
     "lamps by night": (LAMPS, "green chitin"),
 }
 DAILY = ("a large light and a glossy body",)
-"""The others are looked at by night."""
+"""The others run nightly."""
 
 
 def light_of_both(
     shot: Shot, samples: int, rounds: int = 1
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what ours and Mitsuba's own see of a shot, each the mean of many samples."""
-    from render.mitsuba_scene import Stage
+    """Return the light of a shot by the wavefront and the path tracer, as means of samples."""
+    from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer
 
-    stage = Stage(shot)
-    assert stage.handed_over == ""
-    judge = PathTracer(stage.scene, shot.film.resolved().depth)
+    scene = MitsubaScene(shot)
+    assert scene.path_tracer_reason == ""
+    reference = PathTracer(scene.scene, shot.film.resolved().depth)
     ours, theirs = [], []
     for seed in range(rounds):
-        ours.append(stage.expose(seed, range(samples), samples).light)
-        exposure = judge.expose(stage.sensor, 100_000 * seed, range(samples), samples)
-        theirs.append(exposure.light)
+        ours.append(scene.trace(seed, range(samples), samples).light)
+        layers = reference.trace(scene.sensor, 100_000 * seed, range(samples), samples)
+        theirs.append(layers.light)
     return np.mean(ours, axis=0, dtype=float), np.mean(theirs, axis=0, dtype=float)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly) for name in LOOKS],
+    [name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly) for name in CASES],
 )
-def test_the_mean_is_that_of_path(renderer: Renderer, make_shot: Make, name: str) -> None:
-    lit, look = LOOKS[name]
+def test_the_mean_equals_path(renderer: Renderer, make_shot: Make, name: str) -> None:
+    lit, look = CASES[name]
     film = Film(size=(64, 48), depth=5, soft_light="full", denoise="off")
     ours, theirs = light_of_both(make_shot(film=film, lit=lit, look=look), 64, 4)
     assert ours.mean() == pytest.approx(theirs.mean(), rel=0.004)
-    # Nowhere is light lost or doubled: blocks of pixels agree as well as their noise lets them.
+    # Blocks of pixels agree within their noise: no light is lost or doubled locally.
     blocks = [x.reshape(6, 8, 8, 8, 3).mean(axis=(1, 3)) for x in (ours, theirs)]
     np.testing.assert_allclose(blocks[0], blocks[1], rtol=0.06, atol=0.01)
 
 
 @pytest.mark.parametrize("depth", [1, 2, 3])
-def test_paths_end_where_those_of_path_end(renderer: Renderer, make_shot: Make, depth: int) -> None:
+def test_each_depth_equals_path(renderer: Renderer, make_shot: Make, depth: int) -> None:
     film = Film(size=(64, 48), samples=64, depth=depth, denoise="off")
     ours, theirs = light_of_both(make_shot(film=film, lit="studio"), 64)
     assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
 
 
 def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
-    """In a sky of radiance 1 a white body cannot be seen, at any depth that lets light out."""
+    """In a sky of radiance 1 a white body is invisible."""
     import mitsuba as mi
 
     from render.tracing.wavefront import Wavefront
@@ -85,7 +84,7 @@ def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
             "type": "scene",
             "ball": {"type": "sphere", "bsdf": {"type": "diffuse", "reflectance": 1.0}},
             "sky": {"type": "constant", "sampling_weight": 0.0},
-            # Rays are sent to lamps only, and there must be one.
+            # Emitter sampling needs an emitter besides the sky.
             "lamp": {"type": "point", "position": [0, 9, 0], "intensity": 0.0},
             "camera": {
                 "type": "perspective",
@@ -95,92 +94,93 @@ def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
             },
         }
     )
-    seen = Wavefront(scene, (16, 16), 3).expose(scene.sensors()[0], 0, range(4), 4)
-    inside = np.isclose(seen.dye[..., 0], 1.0 + GLEAM)
-    outside = seen.color[..., 0] == 0.0
+    seen = Wavefront(scene, (16, 16), 3).trace(scene.sensors()[0], 0, range(4), 4)
+    inside = np.isclose(seen.indirect_albedo[..., 0], 1.0 + ALBEDO_BIAS)
+    outside = seen.albedo[..., 0] == 0.0
     assert inside.sum() > 20
     assert outside.sum() > 20
     np.testing.assert_allclose(
-        seen.light[inside & np.isclose(seen.color[..., 0], 1.0 + GLEAM)], 1.0, rtol=1e-5
+        seen.light[inside & np.isclose(seen.albedo[..., 0], 1.0 + ALBEDO_BIAS)], 1.0, rtol=1e-5
     )
     np.testing.assert_allclose(seen.direct[outside], 1.0, rtol=1e-5)
-    # At its edge the paths may see more of the body or less than the looks do; light that is
-    # parted from colours does not know of it.
-    # Where they have seen nothing of it, it is as beside.
-    fallen = np.full_like(seen.dye, 1.0 / (1.0 + GLEAM))
-    np.divide(seen.indirect, seen.dye, where=seen.dye > 0.0, out=fallen)
-    np.testing.assert_allclose(seen.direct + seen.color * fallen, 1.0, rtol=1e-5)
-    np.testing.assert_allclose(seen.color[8, 8], 1.0 + GLEAM, rtol=1e-5)
-    np.testing.assert_allclose(seen.color[0, 0], 0.0)
+    # At the edge, paths and direct samples may meet the body in different numbers, so irradiance
+    # is compared, which is that of the neighbours where no path met the body.
+    irradiance = np.full_like(seen.indirect_albedo, 1.0 / (1.0 + ALBEDO_BIAS))
+    np.divide(seen.indirect, seen.indirect_albedo, where=seen.indirect_albedo > 0.0, out=irradiance)
+    np.testing.assert_allclose(seen.direct + seen.albedo * irradiance, 1.0, rtol=1e-5)
+    np.testing.assert_allclose(seen.albedo[8, 8], 1.0 + ALBEDO_BIAS, rtol=1e-5)
+    np.testing.assert_allclose(seen.albedo[0, 0], 0.0)
 
 
-def test_a_frame_is_played_back_from_one_recording(renderer: Renderer, make_shot: Make) -> None:
-    from render.mitsuba_scene import Stage
+def test_frames_replay_one_recording(renderer: Renderer, make_shot: Make) -> None:
+    from render.mitsuba_scene import MitsubaScene
 
-    stage = Stage(make_shot())
+    scene = MitsubaScene(make_shot())
     for i in range(4):
-        stage.move(make_shot(x=0.2 * i).moments[0])
-        stage.expose(i, range(4), 4)
-    tracer = vars(stage._tracer)
+        scene.update(make_shot(x=0.2 * i).moments[0])
+        scene.trace(i, range(4), 4)
+    stages = vars(scene._tracer)
     # Few paths end at a lamp, or none.
-    assert all(tracer[name].n_recordings == 1 for name in RECORDED[:-1])
-    assert tracer["_ended"].n_recordings <= 1
+    assert all(stages[name].n_recordings == 1 for name in RECORDED[:-1])
+    assert stages[RECORDED[-1]].n_recordings <= 1
 
 
-def test_passes_in_parts_are_the_whole(renderer: Renderer, make_shot: Make) -> None:
-    from render.mitsuba_scene import Stage
+def test_passes_may_be_added_in_parts(renderer: Renderer, make_shot: Make) -> None:
+    from render.mitsuba_scene import MitsubaScene
 
-    stage = Stage(make_shot())
-    whole = stage.expose(5, range(6), 6)
-    plate = stage.plate()
+    scene = MitsubaScene(make_shot())
+    whole = scene.trace(5, range(6), 6)
+    accumulator = scene.accumulator()
     for k in (0, 2, 4):
-        plate.expose(stage.sensor, 5, range(k, k + 2), 6)
-    parts = plate.exposure()
-    for name in ("direct", "color", "indirect", "dye"):
+        accumulator.add_passes(scene.sensor, 5, range(k, k + 2), 6)
+    parts = accumulator.layers()
+    for name in ("direct", "albedo", "indirect", "indirect_albedo"):
         np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), rtol=1e-4, atol=1e-6)
 
 
 @pytest.mark.slow
 def test_another_number_of_passes_is_recorded_anew(renderer: Renderer, make_shot: Make) -> None:
-    from render.mitsuba_scene import Stage
+    from render.mitsuba_scene import MitsubaScene
 
-    stage, fresh = Stage(make_shot()), Stage(make_shot())
-    stage.expose(5, range(2), 2)
+    scene, fresh = MitsubaScene(make_shot()), MitsubaScene(make_shot())
+    scene.trace(5, range(2), 2)
     np.testing.assert_array_equal(
-        stage.expose(5, range(6), 6).light, fresh.expose(5, range(6), 6).light
+        scene.trace(5, range(6), 6).light, fresh.trace(5, range(6), 6).light
     )
 
 
 @pytest.mark.nightly
-def test_samples_are_spread_better_than_by_chance(renderer: Renderer, make_shot: Make) -> None:
-    from render.mitsuba_scene import Stage
+def test_stratification_reduces_the_noise(renderer: Renderer, make_shot: Make) -> None:
+    from render.mitsuba_scene import MitsubaScene
 
-    stage = Stage(replace(make_shot(), film=Film(size=(64, 48), depth=2, denoise="off")))
-    spread = [stage.expose(seed, range(16), 16).light for seed in range(8)]
+    scene = MitsubaScene(replace(make_shot(), film=Film(size=(64, 48), depth=2, denoise="off")))
+    spread = [scene.trace(seed, range(16), 16).light for seed in range(8)]
     chance = [
-        np.mean([stage.expose(1000 + 16 * seed + k, range(1), 1).light for k in range(16)], axis=0)
+        np.mean([scene.trace(1000 + 16 * seed + k, range(1), 1).light for k in range(16)], axis=0)
         for seed in range(8)
     ]
     assert np.std(spread, axis=0).mean() < 0.7 * np.std(chance, axis=0).mean()
 
 
-def test_a_medium_is_handed_over(renderer: Renderer) -> None:
+def test_a_medium_is_left_to_the_path_tracer(renderer: Renderer) -> None:
     import mitsuba as mi
 
-    from render.tracer import tracer
+    from render.mitsuba_scene import choose_tracer
     from render.tracing.path_tracer import PathTracer
 
     fog = {"type": "homogeneous", "albedo": 0.5, "sigma_t": 1.0}
     scene = mi.load_dict(
         {"type": "scene", "ball": {"type": "sphere", "bsdf": {"type": "null"}, "interior": fog}}
     )
-    found, why = tracer(scene, Film(size=(16, 16)).resolved(), 3)
+    found, why = choose_tracer(scene, Film(size=(16, 16)).resolved(), 3)
     assert isinstance(found, PathTracer)
     assert "medium" in why
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 16, 30, 64])
-def test_a_grid_has_a_cell_for_every_pass(count: int) -> None:
-    columns, rows = grid(count)
+def test_the_grid_has_one_stratum_per_pass(count: int) -> None:
+    from render.tracing.stratification import stratum_grid
+
+    columns, rows = stratum_grid(count)
     assert columns * rows == count
     assert rows <= math.sqrt(count) <= columns

@@ -52,10 +52,10 @@ class Walk:
     def look(self) -> None:
         """Keep the state of this step."""
         walkers = self.walkers
-        self.swinging.append(walkers.feet.swinging.copy())
+        self.swinging.append(walkers.stepping.feet.swinging.copy())
         self.phases.append(walkers.phase.copy())
-        self.lifted.append(walkers.feet.lifted.copy())
-        self.ends.append(walkers.feet.end.copy())
+        self.lifted.append(walkers.stepping.feet.lift_phase.copy())
+        self.ends.append(walkers.stepping.feet.end.copy())
 
     @cached_property
     def take(self) -> Take:

@@ -40,7 +40,7 @@ def speeds(walk: Walk) -> Array:
     return np.linalg.norm(np.diff(places(walk), axis=0), axis=-1) / ROW
 
 
-def test_goes_through_its_waypoints_and_rests_on_closed_feet_at_the_last() -> None:
+def test_walks_through_waypoints_and_rests_with_closed_feet() -> None:
     waypoints = [[1.2, 0.2], [1.8, 1.2], [1.0, 1.8]]
     walk = walked(f"walk: {{path: {waypoints}}}", duration=8)
     p = places(walk)
@@ -51,7 +51,7 @@ def test_goes_through_its_waypoints_and_rests_on_closed_feet_at_the_last() -> No
     assert walk.standing[-1].all()
     walkers = walk.walkers
     for leg, tip in enumerate(walk.tips[-1]):
-        rest = walkers.feet.footholds.rest(
+        rest = walkers.stepping.planner.search.neutral_place(
             leg, float(walkers.travelled[0]), float(walkers.phase[0])
         )
         assert np.linalg.norm(tip[[0, 2]] - rest) < 0.1 * walkers.herd.legs.lengths[leg]
@@ -59,7 +59,7 @@ def test_goes_through_its_waypoints_and_rests_on_closed_feet_at_the_last() -> No
     assert np.abs(np.diff(speeds(walk))).max() / ROW < 6.0
 
 
-def test_looks_where_it_goes() -> None:
+def test_body_heads_along_its_route() -> None:
     walk = walked("walk: {path: [[1.2, 0.2], [1.8, 1.2], [1.0, 1.8]]}", duration=4)
     way = np.diff(places(walk), axis=0)
     going = np.linalg.norm(way, axis=-1) > 1e-3
@@ -67,7 +67,7 @@ def test_looks_where_it_goes() -> None:
     assert np.abs(np.degrees(ahead - headings(walk)[:-1][going])).max() < 4.0
 
 
-def test_paces_back_and_forth() -> None:
+def test_walks_back_and_forth() -> None:
     walk = walked("walk: {path: [[0.8, 0]], repeat: back and forth}", duration=13)
     x = places(walk)[:, 0]
     assert x.max() == pytest.approx(0.8, abs=0.01)
@@ -76,14 +76,14 @@ def test_paces_back_and_forth() -> None:
     assert np.abs(headings(walk)).max() > np.pi - 0.05
 
 
-def test_turns_on_the_spot_at_a_sharp_corner() -> None:
+def test_turns_in_place_at_a_sharp_corner() -> None:
     walk = walked("walk: {path: [[0.8, 0], [0.1, 0.1]]}", duration=10)
     assert np.linalg.norm(places(walk) - [0.8, 0], axis=-1).min() < 1e-3
     np.testing.assert_allclose(places(walk)[-1], [0.1, 0.1], atol=1e-6)
     assert np.abs(np.diff(headings(walk))).max() / ROW < 2.0
 
 
-def test_goes_round_and_round() -> None:
+def test_walks_a_loop() -> None:
     walk = walked("walk: {path: [[0.8, 0], [0.8, 0.8], [0, 0.8]], repeat: loop}", duration=10)
     p = places(walk)
     home = np.linalg.norm(p, axis=-1) < 0.05
@@ -91,14 +91,14 @@ def test_goes_round_and_round() -> None:
     assert speeds(walk)[96:].min() > 0.2
 
 
-def test_feet_stay_put_on_curves() -> None:
+def test_standing_feet_do_not_slip_on_curves() -> None:
     walk = walked("walk: {path: [[0.8, 0], [0.8, 0.8], [0, 0.8]], repeat: loop}", duration=5)
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[walk.standing[1:] & walk.standing[:-1]].max() < 1e-6
     assert walk.standing.sum(axis=1).min() >= 3
 
 
-def test_goes_to_a_place_and_on_when_it_has_arrived() -> None:
+def test_go_to_and_go_on_after_arrival() -> None:
     script = (
         "{at: 0.5, who: b, do: {go_to: [1, 0.6]}},"
         " {when: {arrived: b}, who: b, do: {go_to: [0.2, 0.9]}}"
@@ -110,7 +110,7 @@ def test_goes_to_a_place_and_on_when_it_has_arrived() -> None:
     np.testing.assert_allclose(p[-1], [0.2, 0.9], atol=1e-6)
 
 
-def test_what_waits_for_the_same_comes_one_after_the_other() -> None:
+def test_orders_for_one_event_are_queued() -> None:
     script = (
         "{at: 0, who: b, do: {go_to: [0.6, 0]}},"
         " {when: {arrived: b}, who: b, do: {go_to: [1.0, 0.3]}},"
@@ -124,7 +124,7 @@ def test_what_waits_for_the_same_comes_one_after_the_other() -> None:
     assert first < second
 
 
-def test_stops_waits_and_goes_on() -> None:
+def test_stop_wait_and_walk_on() -> None:
     walk = walked("walk: {}", "{at: 1, who: b, do: {wait: 2}}", duration=6)
     v = speeds(walk)
     assert v[192:280].max() == 0.0
@@ -135,7 +135,7 @@ def test_stops_waits_and_goes_on() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle", [90, -60])
-def test_turns_by_what_it_is_told(angle: int) -> None:
+def test_turns_by_the_ordered_angle(angle: int) -> None:
     walking = walked("walk: {}", f"{{at: 0.5, who: b, do: {{turn_deg: {angle}}}}}", duration=5)
     assert np.degrees(headings(walking)[-1]) == pytest.approx(angle, abs=1.0)
     standing = walked(
@@ -150,7 +150,7 @@ def test_turns_by_what_it_is_told(angle: int) -> None:
 @pytest.mark.parametrize(
     "figure", [pytest.param("horse", marks=pytest.mark.nightly), "antelope", "person", "spider"]
 )
-def test_who_sets_out_again_leaves_no_foot_behind(figure: str) -> None:
+def test_no_foot_stays_behind_at_a_restart(figure: str) -> None:
     """A body that is drawn down to a foot behind it has left that foot behind."""
     script = "script:\n- {at: 1, who: b, do: stop}\n- {at: 3.2, who: b, do: walk}\n"
     cast = f"cast: [{{name: b, figure: {figure}, walk: {{}}}}]\n"
@@ -161,7 +161,7 @@ def test_who_sets_out_again_leaves_no_foot_behind(figure: str) -> None:
     assert take.positions[-1, 0, 0] > take.positions[300, 0, 0] + 0.5
 
 
-def test_changes_its_speed() -> None:
+def test_speed_order() -> None:
     walk = walked("walk: {speed: 0.5}", "{at: 1, who: b, do: {speed: 0.3}}", duration=4)
     v = speeds(walk)
     assert v[40:90].mean() == pytest.approx(0.5, rel=0.02)
@@ -188,7 +188,7 @@ def test_refuses(words: str, script: str, message: str) -> None:
     assert all(problem.line > 0 for problem in caught.value.problems)
 
 
-def test_an_inchworm_follows_no_script_and_no_path() -> None:
+def test_inchworm_refuses_script_and_path() -> None:
     worm = "{name: w, figure: inchworm, walk: {}}"
     with pytest.raises(SceneError, match="follows no script"):
         Simulation(scene_of(worm, more="script: [{at: 1, who: w, do: stop}]"))
@@ -198,7 +198,7 @@ def test_an_inchworm_follows_no_script_and_no_path() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", [(2, 0.3), (1, 2), (0.6, -2), (-2, 0.5), (1.2, 0.4), (-1, 0)])
-def test_feet_stay_put_wherever_it_is_sent_while_it_walks(place: tuple[float, float]) -> None:
+def test_feet_do_not_slip_on_the_way_to_any_place(place: tuple[float, float]) -> None:
     script = f"{{at: 1.2, who: b, do: {{go_to: {list(place)}}}}},"
     walk = walked("walk: {}", script, duration=14)
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)

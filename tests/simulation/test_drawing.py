@@ -1,4 +1,4 @@
-"""Any drawing becomes a figure, or gets a message that leads to a node or an operation."""
+"""Every drawing becomes a figure, or gets an error with the path of a node or an operation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import yaml
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.figure import build_figure
-from pipeline.spec import Figure as Words
+from pipeline.spec import Figure as FigureConfig
 from pipeline.spec import read_scene
 
 KINDS = ("leg", "head", "tail", "feeler", "arm", "body")
@@ -23,7 +23,7 @@ def place(chance: np.random.Generator) -> list[float]:
 
 
 def operation(chance: np.random.Generator, names: list[str]) -> dict[str, object]:
-    """Return an operation of any kind, whose names may be wrong."""
+    """Return a random operation; its names may be unknown."""
     some = [str(name) for name in chance.choice(names, size=int(chance.integers(1, 4)))]
     chosen = [some, "selected", "all"][int(chance.choice(3, p=[0.7, 0.2, 0.1]))]
     moves = {
@@ -52,7 +52,7 @@ def operation(chance: np.random.Generator, names: list[str]) -> dict[str, object
 
 
 def drawing(chance: np.random.Generator) -> dict[str, object]:
-    """Return the words of any drawing at all."""
+    """Return the config of a random drawing."""
     n = int(chance.integers(1, 12))
     names = [f"n{i}" + str(chance.choice(["", "_l", "_r"])) for i in range(n)]
     known = [*names, *(["nobody"] if chance.random() < 0.05 else [])]
@@ -74,13 +74,13 @@ def drawing(chance: np.random.Generator) -> dict[str, object]:
     }
 
 
-def become_figures(seed: int, count: int) -> tuple[int, set[str]]:
-    """Try drawings; return how many became figures, and all heads of messages about others."""
+def build_random_figures(seed: int, count: int) -> tuple[int, set[str]]:
+    """Build random drawings; return the number of figures, and the heads of all error messages."""
     chance = np.random.default_rng(seed)
     figures, messages = 0, set()
     for _ in range(count):
-        words = drawing(chance)
-        scene = {"pronk": 1, "frames": 1, "figures": {"it": words}, "cast": [{"figure": "it"}]}
+        config = drawing(chance)
+        scene = {"pronk": 1, "frames": 1, "figures": {"it": config}, "cast": [{"figure": "it"}]}
         text = yaml.safe_dump(scene, sort_keys=False)
         try:
             read = read_scene(text, "it.yaml")
@@ -110,30 +110,23 @@ def become_figures(seed: int, count: int) -> tuple[int, set[str]]:
     return figures, messages
 
 
-@pytest.mark.slow
-def test_a_hundred_random_drawings() -> None:
-    figures, messages = become_figures(1, 100)
-    assert figures > 20
-    assert len(messages) > 3
+@pytest.mark.parametrize(
+    ("seed", "count", "kinds_of_messages"),
+    [
+        pytest.param(1, 100, 3, marks=pytest.mark.slow),
+        pytest.param(2, 1_000, 8, marks=pytest.mark.nightly),
+        pytest.param(3, 10_000, 12, marks=pytest.mark.nightly),
+    ],
+)
+def test_random_drawings(seed: int, count: int, kinds_of_messages: int) -> None:
+    figures, messages = build_random_figures(seed, count)
+    assert figures > count // 5
+    assert len(messages) > kinds_of_messages
 
 
-@pytest.mark.nightly
-def test_a_thousand_random_drawings() -> None:
-    figures, messages = become_figures(2, 1_000)
-    assert figures > 200
-    assert len(messages) > 8
-
-
-@pytest.mark.nightly
-def test_ten_thousand_random_drawings() -> None:
-    figures, messages = become_figures(3, 10_000)
-    assert figures > 2_000
-    assert len(messages) > 12
-
-
-def test_copies_have_the_girth_and_material_of_their_originals() -> None:
+def test_copies_keep_radius_and_material() -> None:
     drawn = draw(
-        Words.model_validate(
+        FigureConfig.model_validate(
             {
                 "nodes": {"a": [0, 0], "b": {"at": [1, 0], "radius": 0.1, "material": "brass"}},
                 "chains": [["a", "b"]],
@@ -148,7 +141,7 @@ def test_copies_have_the_girth_and_material_of_their_originals() -> None:
     assert [drawn.path_of(name) for name in ("b", "b_2_m")] == ["nodes.b", "then[1]"]
 
 
-def test_a_radius_is_chosen_where_none_is_given() -> None:
-    words = {"nodes": {"a": [0, 0], "b": [0, 4]}, "chains": [["a", "b"]]}
-    assert draw(Words.model_validate(words)).radii.tolist() == [0.1, 0.1]
-    assert draw(Words.model_validate({**words, "radius": 0.3})).radii.tolist() == [0.3, 0.3]
+def test_default_radius_follows_the_extent() -> None:
+    config = {"nodes": {"a": [0, 0], "b": [0, 4]}, "chains": [["a", "b"]]}
+    assert draw(FigureConfig.model_validate(config)).radii.tolist() == [0.1, 0.1]
+    assert draw(FigureConfig.model_validate({**config, "radius": 0.3})).radii.tolist() == [0.3, 0.3]

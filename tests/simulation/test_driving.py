@@ -26,7 +26,7 @@ from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, heading, matrix, rotation
 from pipeline.simulation.take import Take
 from pipeline.spec.keyframes import Ease
-from pipeline.spec.prop import BoxShape, ForceWords
+from pipeline.spec.prop import BoxShape, ForceMotion
 
 from .conftest import scene_of
 
@@ -145,7 +145,7 @@ def test_pieces_of_constant_force_are_pieces_of_parabolas() -> None:
 
 
 def test_a_constant_torque_turns_ever_faster() -> None:
-    words = ForceWords(torque=(0.0, 0.6, 0.0), mass=5.0)
+    words = ForceMotion(torque=(0.0, 0.6, 0.0), mass=5.0)
     box = BoxShape(shape="box", size=(0.4, 0.2, 0.9))
     moment = prop_mass(box, words).inertia[1, 1]
     member = (

@@ -1,4 +1,4 @@
-"""Drawings become figures: operations, parts, names, errors."""
+"""Figures: operations of drawings, anatomy, names, solids, errors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SPIDER = (
 )
 
 
-def test_a_mirror_copies_what_is_off_the_axis() -> None:
+def test_mirror_copies_nodes_beside_the_axis() -> None:
     words = Words.model_validate(
         {
             "nodes": {"hip": [0, 0], "knee_l": [-1, 0.5], "foot": [-2, 0.5]},
@@ -39,7 +39,7 @@ def test_a_mirror_copies_what_is_off_the_axis() -> None:
     assert len(named) == 4
 
 
-def test_mirrors_follow_one_another() -> None:
+def test_mirrors_apply_in_sequence() -> None:
     words = Words.model_validate(
         {
             "nodes": {"hip": [0.2, -0.3], "foot": [1, -1]},
@@ -57,7 +57,7 @@ def test_mirrors_follow_one_another() -> None:
         assert all(node in drawing.neighbours[other] for other in others)
 
 
-def test_the_creation_frame_is_right_handed_and_looks_ahead(beetle: Figure) -> None:
+def test_creation_frame_is_right_handed_with_x_forward(beetle: Figure) -> None:
     points = dict(zip(beetle.drawing.names, beetle.drawing.creation(), strict=True))
     ahead = points["head"] - points["rump"]
     right = points["foot2_r"] - points["foot2_l"]
@@ -66,7 +66,7 @@ def test_the_creation_frame_is_right_handed_and_looks_ahead(beetle: Figure) -> N
     assert np.cross(right, ahead)[1] > 0
 
 
-def test_a_beetle_has_what_a_beetle_has(beetle: Figure) -> None:
+def test_beetle_anatomy(beetle: Figure) -> None:
     kinds = [limb.kind for limb in beetle.skeleton.limbs]
     assert kinds == ["leg"] * 6 + ["head", "tail", "feeler", "feeler"]
     assert [leg.name for leg in beetle.skeleton.legs] == ["l1", "l2", "l3", "r1", "r2", "r3"]
@@ -83,7 +83,7 @@ def test_a_beetle_has_what_a_beetle_has(beetle: Figure) -> None:
         assert np.allclose(one.tip * [1, 1, -1], other.tip)
 
 
-def test_links_hang_on_joints_and_cover_the_drawing(beetle: Figure) -> None:
+def test_links_match_joints_and_drawing(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     assert skeleton.links[0].joint == BODY
     assert (skeleton.parents < np.arange(len(skeleton.parents))).all()
@@ -100,7 +100,7 @@ def test_links_hang_on_joints_and_cover_the_drawing(beetle: Figure) -> None:
         assert leg.length == pytest.approx(sum(np.linalg.norm(s) for s in spans))
 
 
-def test_feelers_move_with_the_head(beetle: Figure) -> None:
+def test_feelers_hang_on_the_head(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     head = next(limb for limb in skeleton.limbs if limb.kind == "head")
     for feeler in (limb for limb in skeleton.limbs if limb.kind == "feeler"):
@@ -117,7 +117,7 @@ def test_scale_multiplies_every_length(figure: Build) -> None:
     assert two.belly == pytest.approx(2.5 * one.belly)
 
 
-def test_nodes_apart_from_the_largest_group_are_ignored(figure: Build) -> None:
+def test_disconnected_nodes_are_ignored(figure: Build) -> None:
     words = SPIDER.replace("nodes: {", "nodes: {x1: [9, 9], x2: [9, 8], ").replace(
         "chains: [", "chains: [[x1, x2], "
     )
@@ -128,7 +128,7 @@ def test_nodes_apart_from_the_largest_group_are_ignored(figure: Build) -> None:
     assert np.allclose(built.skeleton.places, figure(SPIDER).skeleton.places)
 
 
-def test_a_chain_without_branches_has_its_body_in_the_middle(figure: Build) -> None:
+def test_body_of_a_chain_is_its_middle(figure: Build) -> None:
     worm = figure("{nodes: {a: [0, 0], b: [0, 1], c: [0, 2]}, chains: [[a, b, c]]}")
     assert [worm.drawing.names[n] for n in worm.anatomy.body] == ["b"]
     assert [limb.name for limb in worm.skeleton.limbs] == ["head", "tail"]
@@ -136,13 +136,13 @@ def test_a_chain_without_branches_has_its_body_in_the_middle(figure: Build) -> N
     assert np.isfinite(worm.body.vertices).all()
 
 
-def test_a_ring_is_all_body(figure: Build) -> None:
+def test_a_loop_is_body(figure: Build) -> None:
     ring = figure("{nodes: {a: [0, 0], b: [0, 1], c: [1, 0]}, chains: [[a, b, c, a]]}")
     assert len(ring.anatomy.body) == 3
     assert len(ring.anatomy.bones) == 3
 
 
-def test_authors_know_better_what_a_tip_is(figure: Build) -> None:
+def test_parts_override_kinds(figure: Build) -> None:
     by_guess = figure(SPIDER)
     assert {limb.kind for limb in by_guess.skeleton.limbs} == {"leg"}
     told = figure(SPIDER[:-1] + ", parts: {f1: head, f1_m: feeler}}")
@@ -150,7 +150,7 @@ def test_authors_know_better_what_a_tip_is(figure: Build) -> None:
     assert kinds == ["feeler", "head", "leg", "leg"]
 
 
-def test_a_part_that_is_no_tip_is_refused_with_its_place(figure: Build) -> None:
+def test_part_override_of_an_inner_node_is_refused(figure: Build) -> None:
     with pytest.raises(SceneError) as caught:
         figure(SPIDER[:-1] + ", parts: {k1: leg}}")
     (problem,) = caught.value.problems
@@ -165,7 +165,7 @@ def test_a_figure_without_connections_is_refused(figure: Build) -> None:
     assert caught.value.problems[0].path == "figures.thing.chains"
 
 
-def test_solids_are_closed_and_face_outward(beetle: Figure) -> None:
+def test_solids_are_closed_with_outward_faces(beetle: Figure) -> None:
     for piece in beetle.pieces:
         vertices, faces = piece.solid.vertices, piece.solid.faces.astype(int)
         edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
@@ -176,7 +176,7 @@ def test_solids_are_closed_and_face_outward(beetle: Figure) -> None:
         assert np.einsum("fi,fi->", a, np.cross(b, c)) / 6 > 0, piece.name
 
 
-def test_a_body_holds_all_its_bones(beetle: Figure) -> None:
+def test_body_surface_encloses_its_nodes(beetle: Figure) -> None:
     nodes = list(beetle.anatomy.body)
     v = beetle.body.vertices
     for point in beetle.drawing.creation()[nodes] - beetle.drawing.creation()[nodes].mean(axis=0):

@@ -53,7 +53,7 @@ def apart(a: Array | float, b: Array | float) -> Array:
 
 
 @given(rows())
-def test_phases_lie_in_a_cycle_and_no_foot_is_always_up_or_always_down(legs: LegRows) -> None:
+def test_phases_lie_in_a_cycle_and_every_foot_swings_and_stands(legs: LegRows) -> None:
     for gait in available_gaits(legs).values():
         for phases in (gait.up, gait.down):
             assert phases.shape == (legs.count,)
@@ -62,7 +62,7 @@ def test_phases_lie_in_a_cycle_and_no_foot_is_always_up_or_always_down(legs: Leg
 
 
 @given(rows())
-def test_a_foot_is_down_at_every_phase_where_a_gait_has_no_flight(legs: LegRows) -> None:
+def test_some_foot_is_down_at_every_phase_of_a_gait_without_flight(legs: LegRows) -> None:
     for name, gait in available_gaits(legs).items():
         grounded = (
             name in GROUNDED
@@ -83,7 +83,7 @@ def test_neighbours_never_swing_together_in_a_trot(legs: LegRows) -> None:
 
 @pytest.mark.slow
 @given(rows(least=2))
-def test_a_wave_goes_from_back_to_front_and_no_neighbours_swing_together(legs: LegRows) -> None:
+def test_wave_runs_from_back_to_front_without_swinging_neighbours(legs: LegRows) -> None:
     gait = wave(legs)
     for row in legs:
         lag = np.mod(np.diff(gait.up[list(row[::-1])]), 1.0)
@@ -101,7 +101,7 @@ def test_each_row_of_a_wave_is_timed_by_its_own_legs(legs: LegRows) -> None:
 
 
 @given(st.integers(1, 10))
-def test_mirroring_is_half_a_cycle_or_nothing(n: int) -> None:
+def test_mirror_image_is_shifted_by_half_a_cycle_or_not_at_all(n: int) -> None:
     mirror = np.concatenate([np.arange(n, 2 * n), np.arange(n)])
     legs = even(n, n)
     for gait, lag in ((trot(legs), 0.5), (ripple(legs), 0.5), (wave(legs), 0.0)):
@@ -110,12 +110,12 @@ def test_mirroring_is_half_a_cycle_or_nothing(n: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["walk", "amble", "pace"])
-def test_symmetrical_gaits_are_their_own_mirror_half_a_cycle_later(name: str) -> None:
+def test_symmetrical_gaits_mirror_after_half_a_cycle(name: str) -> None:
     gait = available_gaits(even(2, 2))[name]
     assert apart(gait.down[[2, 3, 0, 1]], gait.down + 0.5).max() < 1e-12
 
 
-def test_a_trot_is_what_it_is_for_two_four_and_six_legs() -> None:
+def test_trot_of_two_four_and_six_legs() -> None:
     assert trot(even(1, 1)).up.tolist() == [0.0, 0.5]
     diagonal = trot(even(2, 2)).up
     assert diagonal[0] == diagonal[3] != diagonal[1] == diagonal[2]
@@ -123,7 +123,7 @@ def test_a_trot_is_what_it_is_for_two_four_and_six_legs() -> None:
     assert set(np.flatnonzero(tripods == tripods[0])) == {0, 2, 4}
 
 
-def test_a_wave_is_a_bound_for_four_legs_and_a_hop_for_two() -> None:
+def test_wave_is_a_bound_for_four_legs_and_a_hop_for_two() -> None:
     bound = wave(even(2, 2)).up
     assert bound[0] == bound[2] != bound[1] == bound[3]
     hop = wave(even(1, 1))
@@ -131,13 +131,13 @@ def test_a_wave_is_a_bound_for_four_legs_and_a_hop_for_two() -> None:
     assert len(hop.flights()) == 1
 
 
-def test_a_ripple_of_an_insect_has_two_feet_up_at_most() -> None:
+def test_ripple_of_an_insect_lifts_one_foot_per_side() -> None:
     """Wilson 1966: of six legs, one of a side at a time."""
     swinging = ~ripple(even(3, 3)).standing(FINE)
     assert swinging[:, :3].sum(axis=1).max() == swinging[:, 3:].sum(axis=1).max() == 1
 
 
-def test_a_leg_in_the_middle_takes_turns_with_those_beside_it() -> None:
+def test_middle_leg_alternates_with_its_neighbours() -> None:
     legs = LegRows.of(["l", "m", "r"], [-0.1, 0.2, -0.1])
     assert legs == LegRows((1, 0), (2,))
     gait = trot(legs)
@@ -165,7 +165,7 @@ def quadruped(name: str) -> Gait:
         ("trot", True, (0.4375, 0.5625)),
     ],
 )
-def test_symmetrical_gaits_are_of_their_class(
+def test_symmetrical_gaits_match_their_footfall_class(
     name: str, walks: bool, fore_after_hind: tuple[float, float]
 ) -> None:
     gait = quadruped(name)
@@ -175,7 +175,7 @@ def test_symmetrical_gaits_are_of_their_class(
         assert fore_after_hind[0] < after < fore_after_hind[1]
 
 
-def test_a_walk_has_the_lateral_sequence_and_three_feet_down_or_two() -> None:
+def test_walk_has_lateral_sequence_and_two_or_three_feet_down() -> None:
     gait = quadruped("walk")
     start = gait.down[L_HIND]
     order = np.argsort(np.mod(gait.down - start, 1.0))
@@ -193,7 +193,7 @@ def test_a_walk_has_the_lateral_sequence_and_three_feet_down_or_two() -> None:
         ("pace", [[L_FORE, L_HIND], [R_FORE, R_HIND]], 2),
     ],
 )
-def test_running_gaits_have_their_beats_and_their_flights(
+def test_running_gaits_have_their_beats_and_flights(
     name: str, order: list[list[int]], flights: int
 ) -> None:
     gait = quadruped(name)
@@ -204,14 +204,14 @@ def test_running_gaits_have_their_beats_and_their_flights(
     assert (gait.duty < 0.5).all()
 
 
-def test_what_a_biped_does() -> None:
+def test_gaits_of_bipeds() -> None:
     gaits = available_gaits(even(1, 1))
     assert {"walk", "run", "hop", "skip", "trot", "wave"} == set(gaits)
     assert [len(gaits[name].flights()) for name in ("walk", "run", "hop", "skip")] == [0, 2, 1, 1]
     assert set(available_gaits(even(0, 1))) == {"trot", "wave", "hop"}
 
 
-def test_every_special_gait_says_what_it_needs() -> None:
+def test_every_special_gait_has_leg_requirements() -> None:
     found = {name for n in range(10) for m in (n, n + 1) for name in available_gaits(even(n, m))}
     assert found == {*LEG_REQUIREMENTS, "trot", "wave"} == set(get_args(GaitName))
 
@@ -220,7 +220,7 @@ def test_every_special_gait_says_what_it_needs() -> None:
 
 
 @given(rows(), st.floats(0.05, 0.95))
-def test_duty_keeps_the_middles_of_the_swings(legs: LegRows, duty: float) -> None:
+def test_duty_keeps_the_middle_of_each_swing(legs: LegRows, duty: float) -> None:
     for gait in available_gaits(legs).values():
         changed = gait.with_duty(duty)
         assert np.allclose(changed.duty, duty)
@@ -229,7 +229,7 @@ def test_duty_keeps_the_middles_of_the_swings(legs: LegRows, duty: float) -> Non
 
 
 @given(rows(), st.floats(0.05, 0.95))
-def test_flights_are_when_no_foot_is_down(legs: LegRows, duty: float) -> None:
+def test_flights_are_the_times_without_a_foot_down(legs: LegRows, duty: float) -> None:
     gait = trot(legs).with_duty(duty)
     flights = gait.flights()
     for begin, length in flights:
@@ -240,9 +240,7 @@ def test_flights_are_when_no_foot_is_down(legs: LegRows, duty: float) -> None:
 
 
 @given(rows(), st.floats(0.05, 0.4))
-def test_a_body_in_flight_falls_freely_and_its_speed_never_jumps(
-    legs: LegRows, duty: float
-) -> None:
+def test_bounce_is_free_fall_in_flight_with_continuous_speed(legs: LegRows, duty: float) -> None:
     for gait in available_gaits(legs).values():
         bounce = FlightBounce.of(gait.with_duty(duty))
         if bounce is None:
@@ -259,6 +257,6 @@ def test_a_body_in_flight_falls_freely_and_its_speed_never_jumps(
         assert np.abs(bounce.beat(FINE)).max() < 2.0 + 1e-3
 
 
-def test_a_bounce_is_there_for_gaits_with_flights_alone() -> None:
+def test_only_gaits_with_flights_bounce() -> None:
     assert FlightBounce.of(quadruped("walk")) is None
     assert FlightBounce.of(quadruped("pace")) is not None

@@ -44,7 +44,7 @@ def test_before_ground_that_cannot_be_stepped_on(
     _is_at_rest(walk)
 
 
-def test_one_that_is_not_asked_to_walk_stands(scene_of: SceneOf, walk_through: WalkThrough) -> None:
+def test_creature_without_walk_stands(scene_of: SceneOf, walk_through: WalkThrough) -> None:
     walk = walk_through(scene_of("{figure: beetle}", terrain="hills"))
     assert np.ptp(walk.tips, axis=0).max() < 1e-6
     assert np.ptp(walk.take.positions[:, 0], axis=0).max() < 1e-12
@@ -60,6 +60,6 @@ def _is_at_rest(walk: Walk) -> None:
     assert np.ptp(walk.take.positions[-rows:, 0], axis=0).max() < 1e-9
     assert np.ptp(walk.tips[-rows:], axis=0).max() < 1e-6
     ground = walk.simulation.world.ground
-    places = np.array([hold.place for hold in walk.walkers.feet.holds])
+    places = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
     assert ground.steppable(places[:, 0], places[:, 2]).all()
     assert not [note for note in walk.take.notes if note.kind == "clamped"]

@@ -1,4 +1,4 @@
-"""Inverse dynamics against MuJoCo, the balance of power, and sums done by hand."""
+"""Inverse dynamics against MuJoCo, the balance of power, and sums by hand."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _weigh(body: mujoco.MjsBody, masses: FrameMasses, frame: int) -> None:
     body.explicitinertial = True
 
 
-def _told_by_mujoco(
+def _mujoco_load(
     skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion
 ) -> tuple[Array, Array]:
     """Return joint torques (n, J), and force and moment of the body (n, 6)."""
@@ -122,9 +122,9 @@ def _told_by_mujoco(
     return torques, wrenches
 
 
-def _agrees(skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion) -> None:
+def _assert_matches_mujoco(skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion) -> None:
     load = inverse_dynamics(JointTree.of(skeleton), masses, motion)
-    torques, wrenches = _told_by_mujoco(skeleton, masses, motion)
+    torques, wrenches = _mujoco_load(skeleton, masses, motion)
     ours = np.concatenate([load.force, load.moment], axis=-1)
     assert np.abs(load.torques - torques).max(initial=0.0) <= 1e-8 * np.abs(torques).max(
         initial=0.0
@@ -137,20 +137,20 @@ def _masses(figure: Figure) -> FrameMasses:
     return FrameMasses.of(figure.skeleton, FigureMass(figure).links)
 
 
-def test_the_library_needs_the_torques_that_mujoco_says(shipped: Figure) -> None:
+def test_library_figures_match_mujoco(shipped: Figure) -> None:
     skeleton = shipped.skeleton
-    _agrees(skeleton, _masses(shipped), _moving(skeleton, np.random.default_rng(1)))
+    _assert_matches_mujoco(skeleton, _masses(shipped), _moving(skeleton, np.random.default_rng(1)))
 
 
-def test_random_figures_of_both_kinds_of_joints_as_well(random_skeleton: Maker) -> None:
+def test_random_figures_match_mujoco(random_skeleton: Maker) -> None:
     chance = np.random.default_rng(2)
     for _ in range(30):
         skeleton = random_skeleton(chance, int(chance.integers(1, 13)))
         masses = FrameMasses.of(skeleton, _random_links(skeleton, chance))
-        _agrees(skeleton, masses, _moving(skeleton, chance))
+        _assert_matches_mujoco(skeleton, masses, _moving(skeleton, chance))
 
 
-def test_pushes_take_from_the_torques_what_their_jacobians_say(shipped: Figure) -> None:
+def test_external_forces_act_by_their_jacobians(shipped: Figure) -> None:
     """By virtual work: τ changes by -Jᵀ F, and the body by -F and its moment."""
     skeleton, chance = shipped.skeleton, np.random.default_rng(3)
     tree, masses, motion = JointTree.of(skeleton), _masses(shipped), _moving(skeleton, chance)
@@ -214,7 +214,7 @@ def _energy(skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion, dt: f
 
 
 @pytest.mark.slow
-def test_the_work_of_joints_and_body_is_the_change_of_energy(shipped: Figure) -> None:
+def test_power_is_the_rate_of_energy(shipped: Figure) -> None:
     skeleton, masses = shipped.skeleton, _masses(shipped)
     times = np.linspace(0.0, 1.0, 2001)
     dt = times[1] - times[0]
@@ -228,7 +228,7 @@ def test_the_work_of_joints_and_body_is_the_change_of_energy(shipped: Figure) ->
     assert np.abs(energy - energy[0] - work).max() < 1e-5 * np.ptp(energy)
 
 
-def test_a_straight_leg_of_two_links_by_hand(figure: Callable[..., Figure]) -> None:
+def test_straight_two_link_leg_by_hand(figure: Callable[..., Figure]) -> None:
     """Held out level, each joint carries the weight beyond it times its arm."""
     thing = figure(
         "{nodes: {a: [0, 0], b: [0, 1], k: [1, 0], f: [2.5, 0], l: [-1, 0], m: [-2.5, 0]},"

@@ -1,4 +1,4 @@
-"""Jacobians against finite differences, and against MuJoCo."""
+"""Jacobians against finite differences and MuJoCo."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _check(skeleton: Skeleton, batch: LimbBatch, q: Array) -> None:
     assert np.abs(hessian(batch, pose) - dJ).max() < 1e-6 * scale
 
 
-def test_limbs_of_the_library(shipped: Figure) -> None:
+def test_library_limbs_match_finite_differences(shipped: Figure) -> None:
     skeleton, chance = shipped.skeleton, np.random.default_rng(1)
     if not skeleton.limbs:
         return
@@ -77,7 +77,7 @@ def test_limbs_of_the_library(shipped: Figure) -> None:
 
 @settings(max_examples=200, deadline=None)
 @given(seed=st.integers(0, 2**32), joints=st.integers(1, 9))
-def test_random_figures_of_both_kinds_of_joints(
+def test_random_limbs_match_finite_differences(
     random_skeleton: Maker, seed: int, joints: int
 ) -> None:
     chance = np.random.default_rng(seed)
@@ -132,17 +132,17 @@ def _agrees(skeleton: Skeleton, chance: np.random.Generator) -> None:
             assert np.abs(ours[:, 3:].T - angular[:, address]).max() < 1e-9
 
 
-def test_the_library_is_the_same_in_mujoco(shipped: Figure) -> None:
+def test_library_figures_match_mujoco(shipped: Figure) -> None:
     _agrees(shipped.skeleton, np.random.default_rng(1))
 
 
-def test_random_figures_are_the_same_in_mujoco(random_skeleton: Maker) -> None:
+def test_random_figures_match_mujoco(random_skeleton: Maker) -> None:
     chance = np.random.default_rng(2)
     for _ in range(30):
         _agrees(random_skeleton(chance, int(chance.integers(1, 13))), chance)
 
 
-def test_limbs_have_the_jacobians_of_their_trees(shipped: Figure) -> None:
+def test_limb_and_tree_jacobians_agree(shipped: Figure) -> None:
     skeleton, chance = shipped.skeleton, np.random.default_rng(5)
     tree, values = JointTree.of(skeleton), _values(skeleton, chance)
     for limb in skeleton.limbs:

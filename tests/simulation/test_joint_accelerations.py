@@ -1,4 +1,4 @@
-"""Legs of library figures that walk move smoothly: no joint is jerked along."""
+"""Leg joints of walking library figures accelerate smoothly."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def largest(walk: object) -> float:
     return float(np.abs(np.diff(walk.q, n=2, axis=0)).max() / clock.dt**2)
 
 
-def test_every_figure_that_walks_has_a_bound() -> None:
+def test_every_walking_figure_has_a_bound() -> None:
     assert set(MOST) == {path.stem for path in LIBRARY.glob("*.yaml")} - LEGLESS
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", MOST)
-def test_joints_of_legs_accelerate_no_more_than_is_said(
+def test_leg_joint_accelerations_are_bounded(
     figure: str, walk_through: Callable[..., object]
 ) -> None:
     found = largest(walk_through(walk_of(figure, 24)))

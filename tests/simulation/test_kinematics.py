@@ -1,4 +1,4 @@
-"""Forward and inverse kinematics against slower ways and finite differences."""
+"""Forward kinematics and `solve` against slower methods."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _random(skeleton: Skeleton, n: int, seed: int = 1) -> Array:
     return skeleton.lower + share * (skeleton.upper - skeleton.lower)
 
 
-def _of_legs(skeleton: Skeleton, legs: LimbBatch, q: Array) -> Array:
+def _leg_values(skeleton: Skeleton, legs: LimbBatch, q: Array) -> Array:
     """Return the legs' joint values (L, n) out of the skeleton's (J,), padded."""
     result = np.zeros_like(legs.lower)
     for row, leg in enumerate(skeleton.legs):
@@ -45,30 +45,30 @@ def _of_legs(skeleton: Skeleton, legs: LimbBatch, q: Array) -> Array:
     return result
 
 
-def _slowly(skeleton: Skeleton, q: Array, joint: int) -> tuple[Array, Array]:
+def _recursive_pose(skeleton: Skeleton, q: Array, joint: int) -> tuple[Array, Array]:
     """Return a joint's pose by walking up to the body, one rotation at a time."""
     if joint == BODY:
         return np.eye(3), np.zeros(3)
     parent = int(skeleton.parents[joint])
-    R, p = _slowly(skeleton, q, parent)
+    R, p = _recursive_pose(skeleton, q, parent)
     origin = skeleton.places[parent] if parent != BODY else np.zeros(3)
     p = p + R @ (skeleton.places[joint] - origin)
     return R @ rotation(skeleton.axes[joint], q[joint]), p
 
 
-def test_a_tree_places_its_joints_as_recursion_does(skeleton: Skeleton) -> None:
+def test_tree_pose_matches_recursion(skeleton: Skeleton) -> None:
     tree = JointTree.of(skeleton)
     many = _random(skeleton, 5)
     X = tree.pose(many)
     R, p = X[..., :3, :3], X[..., :3, 3]
     for row, q in enumerate(many):
         for joint in range(len(q)):
-            R_slow, p_slow = _slowly(skeleton, q, joint)
+            R_slow, p_slow = _recursive_pose(skeleton, q, joint)
             assert np.allclose(R[row, joint], R_slow, atol=1e-12)
             assert np.allclose(p[row, joint], p_slow, atol=1e-12)
 
 
-def test_at_zero_a_figure_lies_as_it_was_drawn(skeleton: Skeleton, legs: LimbBatch) -> None:
+def test_zero_pose_is_the_drawing(skeleton: Skeleton, legs: LimbBatch) -> None:
     tree = JointTree.of(skeleton)
     X = tree.pose(np.zeros(len(skeleton.parents)))
     assert np.allclose(X[:, :3, :3], np.eye(3))
@@ -76,11 +76,11 @@ def test_at_zero_a_figure_lies_as_it_was_drawn(skeleton: Skeleton, legs: LimbBat
     assert np.allclose(legs.pose(np.zeros_like(legs.lower)).tips, legs.tips)
 
 
-def test_limbs_and_trees_agree(skeleton: Skeleton, legs: LimbBatch) -> None:
+def test_limb_and_tree_poses_agree(skeleton: Skeleton, legs: LimbBatch) -> None:
     tree = JointTree.of(skeleton)
     for q in _random(skeleton, 10):
         X = tree.pose(q)
-        pose = legs.pose(_of_legs(skeleton, legs, q))
+        pose = legs.pose(_leg_values(skeleton, legs, q))
         for row, leg in enumerate(skeleton.legs):
             joints = list(leg.joints)
             assert np.allclose(pose.X_BJ[row, : len(joints)], X[joints], atol=1e-12)
@@ -89,43 +89,31 @@ def test_limbs_and_trees_agree(skeleton: Skeleton, legs: LimbBatch) -> None:
             assert np.allclose(pose.tips[row], tip, atol=1e-12)
 
 
-def test_jacobians_are_finite_differences(skeleton: Skeleton, legs: LimbBatch) -> None:
-    h = 1e-6
-    for values in _random(skeleton, 20):
-        q = _of_legs(skeleton, legs, values)
-        J = legs.pose(q).jacobian.transpose(0, 2, 1)
-        for k in range(q.shape[1]):
-            step = np.zeros_like(q)
-            step[:, k] = h
-            numeric = (legs.pose(q + step).tips - legs.pose(q - step).tips) / (2 * h)
-            assert np.abs(J[..., k] - numeric).max() < 1e-6 * legs.lengths.max()
-
-
-def test_padding_moves_nothing(skeleton: Skeleton, legs: LimbBatch) -> None:
+def test_padding_joints_move_nothing(skeleton: Skeleton, legs: LimbBatch) -> None:
     counts = np.array([len(leg.joints) for leg in skeleton.legs])
     padding = np.arange(legs.lower.shape[1]) >= counts[:, None]
-    q = _of_legs(skeleton, legs, _random(skeleton, 1)[0])
+    q = _leg_values(skeleton, legs, _random(skeleton, 1)[0])
     pose = legs.pose(q)
     assert not pose.jacobian[padding].any()
     assert np.allclose(legs.pose(np.where(padding, 0.7, q)).tips, pose.tips)
 
 
-def test_legs_alone_and_together_are_the_same(skeleton: Skeleton, legs: LimbBatch) -> None:
-    q = _of_legs(skeleton, legs, _random(skeleton, 1)[0])
+def test_batched_legs_match_single_legs(skeleton: Skeleton, legs: LimbBatch) -> None:
+    q = _leg_values(skeleton, legs, _random(skeleton, 1)[0])
     for row, leg in enumerate(skeleton.legs):
         alone = LimbBatch.of([(skeleton, leg)])
         n = len(leg.joints)
         assert np.allclose(alone.pose(q[row : row + 1, :n]).tips[0], legs.pose(q).tips[row])
 
 
-def test_reachable_goals_are_reached(beetle: Figure) -> None:
+def test_success_rate_for_reachable_goals(beetle: Figure) -> None:
     """From the preferred pose; what is left over is what a restart is for."""
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
     start = legs.pose(legs.preferred)
     reached = []
     for values in _random(skeleton, 300, seed=5):
-        goals = legs.pose(_of_legs(skeleton, legs, values)).tips
+        goals = legs.pose(_leg_values(skeleton, legs, values)).tips
         solution = solve(legs, start, goals)
         reached.append(solution.residual <= 1e-6 * legs.lengths)
         assert (solution.pose.q >= legs.lower).all()
@@ -134,7 +122,7 @@ def test_reachable_goals_are_reached(beetle: Figure) -> None:
     assert np.mean(reached) >= 0.95
 
 
-def test_goals_near_the_rest_are_always_reached(skeleton: Skeleton, legs: LimbBatch) -> None:
+def test_goals_near_rest_are_reached(skeleton: Skeleton, legs: LimbBatch) -> None:
     bent = np.array([len(leg.links) > 1 for leg in skeleton.legs])
     start = legs.pose(legs.preferred)
     chance = np.random.default_rng(3)
@@ -145,7 +133,7 @@ def test_goals_near_the_rest_are_always_reached(skeleton: Skeleton, legs: LimbBa
         assert (solution.residual <= 1e-6 * legs.lengths)[bent].all()
 
 
-def test_a_goal_out_of_reach_is_approached(beetle: Figure) -> None:
+def test_unreachable_goal_is_approached(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
     start = legs.pose(legs.preferred)
@@ -161,18 +149,7 @@ def test_a_goal_out_of_reach_is_approached(beetle: Figure) -> None:
         assert np.isfinite(solution.pose.q).all()
 
 
-def test_what_is_left_over_moves_no_tip(legs: LimbBatch) -> None:
-    """J (I - J⁺ J) z = 0 for the undamped pseudo-inverse."""
-    J = legs.pose(legs.preferred).jacobian.transpose(0, 2, 1)
-    z = np.random.default_rng(0).normal(size=legs.preferred.shape)[..., None]
-    rank = np.linalg.matrix_rank(J)
-    plus = np.linalg.pinv(J)
-    moved = J @ (z - plus @ (J @ z))
-    assert np.abs(moved[rank == 3]).max() < 1e-12
-    assert (rank == 3).any()
-
-
-def test_redundancy_goes_towards_the_preferred_values(beetle: Figure) -> None:
+def test_redundancy_pulls_to_preferred_values(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
     q = np.clip(legs.preferred + 0.2, legs.lower, legs.upper)
@@ -186,7 +163,7 @@ def test_redundancy_goes_towards_the_preferred_values(beetle: Figure) -> None:
     assert (np.linalg.norm(pose.q - legs.preferred, axis=-1) < before).all()
 
 
-def test_along_a_motion_joints_never_jump_and_knees_never_flip(beetle: Figure) -> None:
+def test_joints_do_not_jump_and_knees_do_not_flip_along_a_motion(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
     pose = legs.pose(legs.preferred)

@@ -11,7 +11,7 @@ import pytest
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from tests.simulation.conftest import Walk, scene_of, walk_through
 
 LEGS = {
@@ -51,7 +51,7 @@ def gait_of(walk: Walk) -> Gait:
     return Gait(walk.walkers.herd.up, walk.walkers.herd.down)
 
 
-def keeps_its_promises(walk: Walk) -> None:
+def assert_walking_invariants(walk: Walk) -> None:
     """Stance feet stay, nothing is out of reach or below ground, nothing jumps."""
     herd, recorder = walk.walkers.herd, walk.simulation.recorder
     assert not walk.take.notes
@@ -70,27 +70,25 @@ def keeps_its_promises(walk: Walk) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(("figure", "gait"), PAIRS)
-def test_every_gait_can_be_walked_by_who_has_it(figure: str, gait: str) -> None:
-    keeps_its_promises(walked(figure, gait))
+def test_every_gait_works_on_every_figure_that_has_it(figure: str, gait: str) -> None:
+    assert_walking_invariants(walked(figure, gait))
 
 
 @pytest.mark.parametrize(("figure", "gait"), RUNS)
-def test_who_runs_keeps_its_promises(figure: str, gait: str) -> None:
-    keeps_its_promises(walked(figure, gait))
+def test_running_keeps_the_invariants_of_walking(figure: str, gait: str) -> None:
+    assert_walking_invariants(walked(figure, gait))
 
 
 @pytest.mark.parametrize("gait", ["trot", "wave", "ripple", "trot, duty: 0.8"])
-def test_who_has_more_legs_on_one_side_walks_as_well(gait: str) -> None:
+def test_uneven_legs_walk(gait: str) -> None:
     walk = walked("odd", gait, more=UNEVEN)
     assert len(walk.walkers.herd.up) == 5
-    keeps_its_promises(walk)
+    assert_walking_invariants(walk)
     assert walk.standing.any(axis=1).all()
 
 
 @pytest.mark.parametrize(("figure", "gait"), RUNS)
-def test_all_feet_are_off_the_ground_in_flight_and_then_the_body_falls_freely(
-    figure: str, gait: str
-) -> None:
+def test_body_falls_freely_in_flight(figure: str, gait: str) -> None:
     walk = walked(figure, gait)
     phases = np.array(walk.phases)[:, 0]
     flying = ~gait_of(walk).standing(phases).any(axis=-1)
@@ -107,9 +105,9 @@ def test_all_feet_are_off_the_ground_in_flight_and_then_the_body_falls_freely(
 
 
 @pytest.mark.parametrize("duty", [0.4, 0.7])
-def test_duty_is_how_long_feet_are_down(duty: float) -> None:
+def test_feet_are_down_for_the_duty_factor(duty: float) -> None:
     walk: Callable[..., Walk] = walked
     seen = walk("horse", "trot", words=f", duty: {duty}, cycle: 0.75")
     # 1.5 s are two whole cycles.
     assert abs(seen.standing[:-1].mean() - duty) < 0.02
-    keeps_its_promises(seen)
+    assert_walking_invariants(seen)

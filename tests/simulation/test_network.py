@@ -1,4 +1,4 @@
-"""Network analysis: which parts of a drawing are what, and what is said of odd drawings."""
+"""Anatomy of drawings: kinds of appendages, bodies, hints and errors."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def worm(n: int, parts: Mapping[str, str] | None = None, along: str = "y") -> Pa
     return Parts({"nodes": nodes, "chains": [list(nodes)], "parts": dict(parts or {})})
 
 
-def test_the_middle_of_a_chain_is_its_body() -> None:
+def test_body_of_a_chain_is_its_middle() -> None:
     assert worm(2).body == "n0 n1"
     assert worm(2).limbs == {}
     assert worm(3).body == "n1"
@@ -66,7 +66,7 @@ def test_the_middle_of_a_chain_is_its_body() -> None:
     assert any("one chain without a branch: 'n2' is its body" in w for w in worm(5).warnings)
 
 
-def test_an_author_chooses_the_body_of_a_chain() -> None:
+def test_parts_choose_the_body_of_a_chain() -> None:
     assert worm(5, {"n1": "body"}).limbs == {"n0": "head: n1 n0", "n4": "tail: n1 n2 n3 n4"}
     between = worm(6, {"n1": "body", "n3": "body"})
     assert between.body == "n1 n2 n3"
@@ -76,12 +76,12 @@ def test_an_author_chooses_the_body_of_a_chain() -> None:
     assert worm(3, {"n0": "body", "n2": "body"}).limbs == {}
 
 
-def test_ends_of_a_chain_may_be_legs() -> None:
+def test_parts_choose_the_ends_of_a_chain() -> None:
     assert worm(3, {"n0": "leg", "n2": "leg"}).limbs == {"n0": "leg: n1 n0", "n2": "leg: n1 n2"}
     assert worm(3, {"n0": "feeler"}).limbs == {"n0": "feeler: n1 n0"}
 
 
-def test_an_appendage_may_be_body_as_a_whole_or_as_far_as_a_node() -> None:
+def test_parts_extend_the_body_into_an_appendage() -> None:
     fork = {
         "nodes": {"a": [0, 0], "l": [-1, 0], "k": [1, 0], "r": [2, 0], "h": [0, -1]},
         "chains": [["l", "a", "k", "r"], ["a", "h"]],
@@ -96,7 +96,7 @@ def test_an_appendage_may_be_body_as_a_whole_or_as_far_as_a_node() -> None:
     assert half.limbs["r"] == "leg: k r"
 
 
-def test_kinds_are_told_by_the_tip() -> None:
+def test_parts_name_kinds_by_tip() -> None:
     star = {
         "nodes": {"c": [0, 0], "n": [0, -1], "s": [0, 1], "e": [1, 0], "w": [-1, 0]},
         "chains": [["c", tip] for tip in "nsew"],
@@ -110,7 +110,7 @@ def test_kinds_are_told_by_the_tip() -> None:
     }  # fmt: skip
 
 
-def test_the_front_most_base_on_the_midline_carries_the_head() -> None:
+def test_front_most_base_on_the_midline_carries_the_head() -> None:
     chain = ["s1", "s2", "s3"]
     nodes = {"s1": [0, 0], "s2": [0, 1], "s3": [0, 2], "x": [0, -1], "y": [0.1, 0.2], "z": [0, 3]}
     nodes |= {f"{s}{i}": [side * 1.0, i] for i in range(3) for s, side in (("l", -1), ("r", 1))}
@@ -122,14 +122,14 @@ def test_the_front_most_base_on_the_midline_carries_the_head() -> None:
     assert set(kinds.values()) == {"leg"}
 
 
-def test_a_drawing_beside_the_axis_has_its_own_midline() -> None:
+def test_midline_of_a_drawing_beside_the_axis() -> None:
     nodes = {"c": [5, 0], "n": [5, -1], "e": [6, 0], "w": [4, 0]}
     built = Parts({"nodes": nodes, "chains": [["c", tip] for tip in "new"]})
     assert [a.side for a in built.anatomy.appendages] == ["l", "r", "m"]
     assert built.limbs["n"].startswith("head")
 
 
-def test_loops_and_the_bridge_between_them_are_body_and_are_named() -> None:
+def test_loops_and_their_bridge_are_body() -> None:
     built = Parts(RINGS)
     assert built.body == "a b c d e f g"
     (bridge,) = [text for text in built.warnings if "bridge" in text]
@@ -138,7 +138,7 @@ def test_loops_and_the_bridge_between_them_are_body_and_are_named() -> None:
 
 
 @pytest.mark.parametrize("legs", [0, 1, 3, 5])
-def test_any_number_of_legs(legs: int) -> None:
+def test_number_of_legs(legs: int) -> None:
     nodes: dict[str, object] = {"a": [0, -1], "b": [0, 1], "c": [0.3, 0]}
     nodes |= {f"f{i}": [2.0 if i % 2 else -2.0, i - 2.0] for i in range(legs)}
     chains = [["a", "b", "c", "a"], *(["a", f"f{i}"] for i in range(legs))]
@@ -147,14 +147,14 @@ def test_any_number_of_legs(legs: int) -> None:
     assert any("no leg" in text for text in built.warnings) == (legs == 0)
 
 
-def test_what_is_apart_is_ignored_and_named() -> None:
+def test_disconnected_nodes_are_ignored_with_a_hint() -> None:
     nodes = {"a": [0, 0], "b": [0, 1], "c": [0, 2], "x": [5, 5], "y": [6, 6]}
     built = Parts({"nodes": nodes, "chains": [["a", "b", "c"], ["x", "y"]]})
     assert built.names(built.anatomy.ignored) == ["x", "y"]
     assert "'x', 'y' are not connected to the rest and ignored" in built.warnings
 
 
-def test_nodes_at_one_place_are_named() -> None:
+def test_coincident_nodes_get_a_hint() -> None:
     nodes = {"a": [0, 0], "b": [0, 1], "c": [0, 2], "d": [0, 1]}
     built = Parts({"nodes": nodes, "chains": [["a", "b", "c"], ["a", "d"]]})
     assert any("'b' and 'd' are at the same place" in text for text in built.warnings)
@@ -173,9 +173,7 @@ def test_nodes_at_one_place_are_named() -> None:
         ),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_refused_by_name(
-    words: Mapping[str, object], path: str, says: list[str]
-) -> None:
+def test_invalid_parts_are_refused(words: Mapping[str, object], path: str, says: list[str]) -> None:
     with pytest.raises(SceneError) as caught:
         Parts(words)
     (problem,) = caught.value.problems

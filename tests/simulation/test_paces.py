@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.locomotion.gaits.gait_transition import (
-    PaceSchedule,
-    PaceTransition,
-)
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceTransition
 from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.mood import MOODS
@@ -31,7 +29,7 @@ def walked(figure: str, walk: str, *script: str, duration: float = 6, more: str 
 
 def speed(walk: Walk, time: float) -> float:
     """Return the mean speed of the body over a cycle from `time` on [m/s]."""
-    first, cycle = round(time / ROW), float(walk.walkers.going.cycle[0])
+    first, cycle = round(time / ROW), float(walk.walkers.progress.cycle[0])
     rows = round(cycle / ROW)
     x = walk.take.positions[:, 0, [0, 2]]
     return float(np.linalg.norm(x[first + rows] - x[first])) / (rows * ROW)
@@ -53,7 +51,7 @@ CHANGES = {
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("figure", CHANGES)
-def test_gaits_go_over_into_one_another_without_a_pop(figure: str) -> None:
+def test_gait_changes_are_smooth(figure: str) -> None:
     walk = walked(figure, *CHANGES[figure], duration=9)
     assert walk.take.notes == ()
     down = walk.standing[1:] & walk.standing[:-1]
@@ -74,11 +72,11 @@ def _alone(figure: str) -> list[object]:
     return scenes + [scene_of(member, duration=3.5) for member in members]
 
 
-def test_after_a_change_feet_keep_the_phases_of_the_new_gait() -> None:
+def test_feet_follow_the_new_gait_after_a_change() -> None:
     walk = walked("horse", "{gait: walk}", "{gait: trot}", duration=8)
     walkers = walk.walkers
-    gait = walkers.going.paces.last(0).gait
-    end = walkers.going.paces.changes[0][-1].gaits.end
+    gait = walkers.progress.paces.last(0).gait
+    end = walkers.progress.paces.changes[0][-1].gaits.end
     names = [f"it.{leg}" for leg in walkers.herd.leg_names]
     late = 0
     for contact in walk.take.contacts:
@@ -92,7 +90,7 @@ def test_after_a_change_feet_keep_the_phases_of_the_new_gait() -> None:
 
 
 @pytest.mark.slow
-def test_each_foot_comes_down_once_after_each_going_up() -> None:
+def test_each_foot_lands_once_after_each_lift_off() -> None:
     walk = walked("beetle", "{gait: tripod}", "{gait: wave}", "{gait: tripod}", duration=7)
     swinging = np.array(walk.swinging).astype(int)
     ups = (np.diff(swinging, axis=0) == 1).sum(axis=0)
@@ -102,16 +100,16 @@ def test_each_foot_comes_down_once_after_each_going_up() -> None:
 
 
 @pytest.mark.slow
-def test_a_new_gait_has_its_own_speed_or_the_one_that_is_asked_for() -> None:
+def test_new_gait_has_its_default_or_ordered_speed() -> None:
     walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=8)
     assert speed(walk, 6.2) == pytest.approx(1.4, rel=1e-6)
     own = walked("horse", "{gait: walk}", "{gait: canter}", duration=8)
-    pace = own.walkers.going.paces.last(0)
+    pace = own.walkers.progress.paces.last(0)
     assert speed(own, 6.2) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
 
 
 @pytest.mark.nightly
-def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None:
+def test_distance_does_not_depend_on_frame_rate() -> None:
     ends = []
     for fps in (24, 30, 60):
         words = "script: [{at: 1, who: it, do: {gait: wave}}]\n" + f"fps: {fps}\n"
@@ -125,28 +123,30 @@ def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None
     np.testing.assert_allclose(ends, ends[0], atol=2e-3)
 
 
-def test_a_way_is_the_integral_of_the_stride() -> None:
+def test_distance_is_the_integral_of_the_stride() -> None:
     walk = walked("beetle", "{}", "{gait: wave}", duration=3)
-    paces: PaceSchedule = walk.walkers.going.paces
+    paces: PaceSchedule = walk.walkers.progress.paces
     (change,) = paces.changes[0]
     phase = np.linspace(change.gaits.start - 1.0, change.gaits.end + 1.0, 20001)
     stride = paces.number("stride", 0, phase)
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (stride[1:] + stride[:-1]) * np.diff(phase))])
-    np.testing.assert_allclose(paces.way(0, float(phase[0]), phase), summed, atol=1e-8)
+    np.testing.assert_allclose(
+        paces.distances(np.zeros(1, dtype=np.int64), phase[:1], phase[None])[0], summed, atol=1e-8
+    )
 
 
 @pytest.mark.slow
-def test_a_change_that_is_asked_for_during_another_waits_for_its_end() -> None:
+def test_second_change_waits_for_the_first() -> None:
     words = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
     scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=words)
-    first, second = walk_through(scene).walkers.going.paces.changes[0]
+    first, second = walk_through(scene).walkers.progress.paces.changes[0]
     assert second.gaits.start == first.gaits.end
     assert second.before is first.after
 
 
-def test_a_change_is_smooth_at_both_ends() -> None:
+def test_pace_transition_is_smooth_at_both_ends() -> None:
     walk = walked("beetle", "{}", "{gait: wave}", duration=3)
-    (change,) = walk.walkers.going.paces.changes[0]
+    (change,) = walk.walkers.progress.paces.changes[0]
     assert isinstance(change, PaceTransition)
     edge = np.array([change.gaits.start, change.gaits.end])
     slope = (change.done(edge + 1e-4) - change.done(edge - 1e-4)) / 2e-4
@@ -156,7 +156,7 @@ def test_a_change_is_smooth_at_both_ends() -> None:
 # --- one foot ---------------------------------------------------------------------
 
 
-def test_a_person_hops_around_on_one_foot() -> None:
+def test_person_hops_on_one_foot() -> None:
     walk = walked("person", "{gait: hop, legs: [r1], path: [[2, 0], [2, 2], [0, 2]], repeat: loop}")
     assert walk.take.notes == ()
     assert {contact.part for contact in walk.take.contacts} == {"it.r1"}
@@ -170,7 +170,7 @@ def test_a_person_hops_around_on_one_foot() -> None:
     assert middle < 0.3
 
 
-def test_a_foot_is_taken_up_and_put_down_again_by_the_script() -> None:
+def test_script_holds_a_foot_up_and_puts_it_down() -> None:
     walk = walked("person", "{gait: walk}", "{gait: hop, legs: [r1]}", "{gait: walk}", duration=8)
     assert walk.take.notes == ()
     times = {
@@ -191,7 +191,7 @@ def test_a_foot_is_taken_up_and_put_down_again_by_the_script() -> None:
 # --- moods ------------------------------------------------------------------------
 
 
-def test_a_mood_changes_the_pace_by_its_factors_and_half_of_it_by_their_roots() -> None:
+def test_mood_factors_scale_with_the_weight_as_powers() -> None:
     def pace(mood: str) -> Pace:
         member = f"{{figure: beetle, walk: {{}}, mood: {mood}}}"
         more = "moods: {heavy: {stride: 0.64, cycle: 1.21, body_bob: 0.25, step_height: 1.44}}\n"
@@ -228,7 +228,7 @@ def test_a_mood_changes_the_pace_by_its_factors_and_half_of_it_by_their_roots() 
         pytest.param("tripod", marks=pytest.mark.nightly),
     ],
 )
-def test_legs_follow_every_mood_of_the_library(figure: str) -> None:
+def test_legs_can_follow_every_mood(figure: str) -> None:
 
     for mood in MOODS:
         for weight in (1.0, 2.0):
@@ -237,10 +237,10 @@ def test_legs_follow_every_mood_of_the_library(figure: str) -> None:
             assert isinstance(troupe, Walkers)
             pace = troupe.herd.paces[0]
             assert 0.0 < pace.stride <= pace.longest + 1e-12
-            assert pace.body_height <= troupe.herd.spreads[0].tallest() + 1e-12
+            assert pace.body_height <= troupe.herd.leg_layouts[0].tallest() + 1e-12
 
 
-def test_moods_of_the_script_change_how_it_walks_and_back() -> None:
+def test_moods_of_a_script_change_the_walk_and_back() -> None:
     walk = walked("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=12)
     assert walk.take.notes == ()
     before, sneaking, after = (speed(walk, t) for t in (0.5, 3.8, 10.8))
@@ -264,7 +264,7 @@ def test_moods_of_the_script_change_how_it_walks_and_back() -> None:
         ("{mood: {sad: 5}}", "script[0].do.mood.sad: must be at most 2"),
     ],
 )
-def test_what_legs_cannot_do_is_refused_before_anything_moves(do: str, message: str) -> None:
+def test_refuses_impossible_gaits_before_the_start(do: str, message: str) -> None:
     member, script = (
         "{name: it, figure: beetle, walk: {}}",
         f"script: [{{at: 1, who: it, do: {do}}}]",

@@ -1,4 +1,4 @@
-"""Pronking: closed forms of flight, landing and pushing; what holds at every step."""
+"""Hopping: closed forms of flight, landing and pushing, and invariants of every step."""
 
 from __future__ import annotations
 
@@ -8,21 +8,14 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.errors import SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import hop_phases, hop_simulation
-from pipeline.simulation.locomotion.pronking.jump_parameters import (
-    Jump,
-    jump_heights,
-    resolve_jump,
-)
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
-from pipeline.spec.creature import Pronk
 
 from .conftest import SHIPPED, scene_of
-from .hops import Hops, hop_through
+from .hop_recorder import Hops, hop_through
 
 G = np.array([0.0, -GRAVITY, 0.0])
 
@@ -39,69 +32,19 @@ HOPPERS = {
 HILLS = "{preset: hills, size: [80, 80], cells: [320, 320]}"
 
 
-def hopper(figure: str, words: str, more: str = "") -> str:
-    return f"{{figure: {figure}, pronk: {words}{more}}}"
+def member(figure: str, config: str, more: str = "") -> str:
+    return f"{{figure: {figure}, pronk: {config}{more}}}"
 
 
 @pytest.fixture(scope="module", params=HOPPERS)
 def level_hops(request) -> Hops:
-    return hop_through(scene_of(hopper(request.param, HOPPERS[request.param]), duration=4))
-
-
-# --- parameters ---------------------------------------------------------------------
-
-
-def test_speed_distance_and_height_agree_with_the_flight_of_a_mass():
-    jump = Jump(1.6, 0.8)
-    assert jump.speed**2 == pytest.approx(GRAVITY * 1.6**2 / (8 * 0.8) + 2 * GRAVITY * 0.8)
-    time = 2 * jump.up / GRAVITY
-    assert jump.forward * time == pytest.approx(1.6)
-    assert jump.up**2 / (2 * GRAVITY) == pytest.approx(0.8)
-
-
-@pytest.mark.parametrize(("distance", "speed"), [(1.0, 3.2), (1.6, 4.4), (0.3, 7.0)])
-def test_height_follows_from_distance_and_speed_twice(distance, speed):
-    for height in jump_heights(distance, speed):
-        assert Jump(distance, height).speed == pytest.approx(speed, rel=1e-12)
-
-
-def test_words_that_say_all_three_right_are_taken():
-    jump = Jump(1.6, 0.8)
-    words = Pronk(distance=1.6, height=0.8, speed=jump.speed)
-    assert resolve_jump("", words, 1.0) == jump
-
-
-@pytest.mark.parametrize(
-    ("words", "remedies"),
-    [
-        (
-            Pronk(distance=1.6, height=0.8, speed=6.0),
-            ("speed: 4.429", "distance: 3.639", "height: 1.743"),
-        ),
-        (Pronk(distance=4.0, speed=3.0), ("speed: 6.265", "distance: 0.9174")),
-        (Pronk(height=2.0, speed=3.0), ("speed: 6.265", "height: 0.4587")),
-    ],
-)
-def test_contradictory_words_get_the_formula_and_values_that_work(words, remedies):
-    with pytest.raises(SceneError) as caught:
-        resolve_jump("cast[0].pronk", words, 1.0)
-    message = caught.value.problems[0].message
-    assert "speed² = g distance² / (8 height) + 2 g height" in message
-    for remedy in remedies:
-        assert remedy in message
-
-
-def test_values_that_a_message_names_work():
-    resolve_jump("", Pronk(distance=4.0, speed=6.265), 1.0)
-    resolve_jump("", Pronk(distance=0.9174, speed=3.0), 1.0)
-    resolve_jump("", Pronk(height=2.0, speed=6.265), 1.0)
-    resolve_jump("", Pronk(height=0.4587, speed=3.0), 1.0)
+    return hop_through(scene_of(member(request.param, HOPPERS[request.param]), duration=4))
 
 
 # --- forces ---------------------------------------------------------------------------
 
 
-def test_a_drive_comes_to_its_velocity_at_its_height():
+def test_phase_force_reaches_its_velocity_at_its_height():
     v0, v1, rise = (1.0, -4.0, 0.2), (0.5, 0.0, -0.1), -0.6
     one = phase_force(80.0, 1e6, v0, v1, rise)
     a = np.array(one.acceleration)
@@ -110,7 +53,7 @@ def test_a_drive_comes_to_its_velocity_at_its_height():
     np.testing.assert_allclose(np.array(one.force), 80.0 * (a - G), rtol=1e-12)
 
 
-def test_a_saturated_drive_gives_all_there_is_and_takes_longer():
+def test_saturated_phase_force_is_bounded_and_takes_longer():
     free = phase_force(80.0, 1e6, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
     held = phase_force(80.0, 2000.0, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
     assert held.saturated
@@ -119,7 +62,7 @@ def test_a_saturated_drive_gives_all_there_is_and_takes_longer():
     assert held.time > free.time
 
 
-def test_shares_add_up_give_their_moment_and_never_more_than_the_most():
+def test_leg_forces_add_up_within_their_bound():
     rng = np.random.default_rng(4)
     for _ in range(100):
         n = int(rng.integers(1, 7))
@@ -133,7 +76,7 @@ def test_shares_add_up_give_their_moment_and_never_more_than_the_most():
         assert (np.linalg.norm(shares, axis=-1) <= most * (1 + 1e-9)).all()
 
 
-def test_four_hips_around_the_centre_give_the_whole_moment():
+def test_four_legs_give_the_whole_moment():
     levers = np.array([[0.5, 0.1, -0.2], [-0.5, 0.1, -0.2], [0.5, 0.1, 0.2], [-0.5, 0.1, 0.2]])
     shares = distribute_force(
         np.array([0.0, 4000.0, 0.0]), np.array([60.0, 0.0, 200.0]), levers, 1e5
@@ -146,20 +89,20 @@ def test_four_hips_around_the_centre_give_the_whole_moment():
 
 
 @pytest.mark.slow
-def test_apex_and_travel_are_those_asked_for(level_hops):
-    of, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
+def test_apex_and_distance_are_as_requested(level_hops):
+    hopper, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
     flights = level_hops.lifts
     assert len(flights) >= 3
     for _, v in flights:
-        assert v[1] ** 2 / (2 * GRAVITY) == pytest.approx(of.jump.height, rel=0.01)
+        assert v[1] ** 2 / (2 * GRAVITY) == pytest.approx(hopper.jump.height, rel=0.01)
         assert 2 * v[1] / GRAVITY * math.hypot(v[0], v[2]) == pytest.approx(
-            of.jump.distance, rel=0.01
+            hopper.jump.distance, rel=0.01
         )
     # The flight lasts until it is back at the height of its lift-off.
     for (_, a), (__, b) in itertools.pairwise(enumerate(seen)):
         if a.phase == "flight" and b.phase == "landing":
             p, _ = flights[b.jumps - 1]
-            assert b.p[1] <= p[1] + 0.02 * of.leg_length
+            assert b.p[1] <= p[1] + 0.02 * hopper.leg_length
 
 
 def test_flights_are_parabolas(level_hops):
@@ -178,42 +121,42 @@ LIBRARY = (
 """Figures with legs that the library has."""
 
 
-def test_the_library_has_these_figures_with_legs(library):
+def test_library_lists_all_legged_figures(library):
     legged = {name for name in SHIPPED if library(name).skeleton.legs}
     assert legged == set(LIBRARY)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("figure", "words"), [(figure, "{}") for figure in LIBRARY] + list(HOPPERS.items())
+    ("figure", "config"), [(figure, "{}") for figure in LIBRARY] + list(HOPPERS.items())
 )
-def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
+def test_landings_end_at_rest_at_the_crouch(monkeypatch, figure, config):
     ends, begins = [], []
     begin, push = hop_phases.begin_landing, hop_phases.begin_push
 
-    def landing(of, ground, state, events):
+    def landing(hopper, ground, state, events):
         # That before the first jump comes from standing, not from the air.
         if state.jump_count:
             begins.append((state.p[1], state.v[1]))
-        begin(of, ground, state, events)
+        begin(hopper, ground, state, events)
 
-    def pushing(of, ground, state, events):
+    def pushing(hopper, ground, state, events):
         if state.jump_count:
-            ends.append((state.p[1] - of.mass.centre[1], of.crouch_height))
-        push(of, ground, state, events)
+            ends.append((state.p[1] - hopper.mass.centre[1], hopper.crouch_height))
+        push(hopper, ground, state, events)
 
     monkeypatch.setattr(hop_phases, "begin_landing", landing)
     monkeypatch.setattr(hop_phases, "begin_push", pushing)
     ended = hop_simulation.finish_phase
     speeds = []
 
-    def before_it_is_set_to_nothing(of, ground, state, events):
+    def recorded_end(hopper, ground, state, events):
         if state.phase == "landing" and state.jump_count:
             speeds.append(float(state.v[1]))
-        ended(of, ground, state, events)
+        ended(hopper, ground, state, events)
 
-    monkeypatch.setattr(hop_simulation, "finish_phase", before_it_is_set_to_nothing)
-    hops = hop_through(scene_of(hopper(figure, words), duration=8), until=3)
+    monkeypatch.setattr(hop_simulation, "finish_phase", recorded_end)
+    hops = hop_through(scene_of(member(figure, config), duration=8), until=3)
     centre = hops.troupe.hoppers[0].mass.centre[1]
     assert len(ends) == len(begins) == len(speeds) >= 3
     for (height, crouch), (top, fall), speed in zip(ends, begins, speeds, strict=True):
@@ -221,12 +164,12 @@ def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
         assert abs(speed) < 0.01 * abs(fall)
 
 
-def test_forces_of_legs_are_what_accelerates_the_mass(level_hops):
-    of, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
+def test_leg_forces_accelerate_the_mass(level_hops):
+    hopper, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
     for a, b in itertools.pairwise(seen):
         if a.phase == b.phase and a.phase in ("landing", "pushing") and a.jumps == b.jumps:
             found = (b.v - a.v) / (b.time - a.time)
-            want = a.forces.sum(axis=0) / of.mass.mass + G
+            want = a.forces.sum(axis=0) / hopper.mass.mass + G
             np.testing.assert_allclose(found, want, atol=1e-6)
 
 
@@ -234,12 +177,12 @@ SMOOTH = "{kind: hills, size: [12, 12], cells: [1200, 1200], height: 0.12, spaci
 """Low hills whose triangles are 1 cm wide, a hundredth of a jump."""
 
 
-def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]:
+def landing_errors(figure: str, config: str, terrain: str) -> tuple[float, float]:
     """Return how far the first landings of a step and of half of it are off [m]."""
     points = []
     for steps in (4, 8, 64):
         scene = scene_of(
-            hopper(figure, words),
+            member(figure, config),
             terrain=terrain,
             duration=5,
             more=f"steps: {steps}\nrows_per_frame: 4",
@@ -249,7 +192,9 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     return tuple(float(np.abs(p - points[-1]).max()) for p in points[:2])
 
 
-@pytest.mark.parametrize("words", [pytest.param("{}", marks=pytest.mark.nightly), "{turn_deg: 20}"])
+@pytest.mark.parametrize(
+    "config", [pytest.param("{}", marks=pytest.mark.nightly), "{turn_deg: 20}"]
+)
 @pytest.mark.parametrize(
     "figure",
     [
@@ -259,9 +204,9 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     ],
 )
 @pytest.mark.nightly
-def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
+def test_landing_points_on_smooth_hills_converge_with_the_step(figure, config):
     # What is left is the attitude's, which Runge and Kutta turn: of fourth order, 16 times.
-    coarse, fine = landing_errors(figure, words, SMOOTH)
+    coarse, fine = landing_errors(figure, config, SMOOTH)
     assert 1e-9 < coarse < 1e-4
     assert coarse > 8.0 * fine
 
@@ -309,24 +254,24 @@ CASES = [
 def long_hops(request) -> Hops:
     figure, terrain = request.param
     at = ", at: [-30, 0]" if terrain != "flat" else ""
-    scene = scene_of(hopper(figure, "{}", at), terrain=terrain, duration=40)
+    scene = scene_of(member(figure, "{}", at), terrain=terrain, duration=40)
     return hop_through(scene, until=20)
 
 
-def test_twenty_jumps_without_a_fall(long_hops):
+def test_twenty_jumps_without_toppling(long_hops):
     assert long_hops.seen[0][-1].jumps >= 20
     assert all(s.phase != "fallen" for s in long_hops.seen[0])
     if np.ptp(long_hops.simulation.world.ground.field.heights) == 0.0:
         assert max(s.tilt for s in long_hops.seen[0]) < math.radians(15.0)
 
 
-def kept(hops: Hops) -> int:
-    """Return how many rows are written."""
+def written_rows(hops: Hops) -> int:
+    """Return the number of rows that are written."""
     return hops.simulation.scheduler.written
 
 
-def test_feet_stay_where_they_are_put_and_above_the_ground(long_hops):
-    rows = kept(long_hops)
+def test_planted_feet_do_not_slip_or_sink(long_hops):
+    rows = written_rows(long_hops)
     tips, herd = long_hops.tips()[:rows], long_hops.troupe.herd
     down = np.array([s.down for s in long_hops.seen[0]][:rows])
     both = down[1:] & down[:-1]
@@ -338,8 +283,8 @@ def test_feet_stay_where_they_are_put_and_above_the_ground(long_hops):
     assert over.min() > -1e-3
 
 
-def test_knees_keep_their_limits(long_hops):
-    rows = kept(long_hops)
+def test_leg_joints_are_within_limits(long_hops):
+    rows = written_rows(long_hops)
     skeleton = long_hops.troupe.herd.figures[0].skeleton
     joints = [j for limb in skeleton.legs for j in limb.joints]
     q = long_hops.simulation.recorder.values[:rows, 2 : 2 + len(joints)]
@@ -350,8 +295,8 @@ def test_knees_keep_their_limits(long_hops):
 # --- falling ------------------------------------------------------------------------------------
 
 
-def test_without_balance_it_falls_and_says_so():
-    scene = scene_of(hopper("kangaroo", "{balance: 0}"), duration=5)
+def test_hopper_without_balance_topples():
+    scene = scene_of(member("kangaroo", "{balance: 0}"), duration=5)
     hops = hop_through(scene)
     assert hops.seen[0][-1].phase == "fallen"
     take = hops.take
@@ -361,14 +306,14 @@ def test_without_balance_it_falls_and_says_so():
 
 
 @pytest.mark.slow
-def test_a_fall_is_the_same_bytes_twice():
-    scene = scene_of(hopper("kangaroo", "{balance: 0}"), duration=4)
+def test_falls_are_reproducible():
+    scene = scene_of(member("kangaroo", "{balance: 0}"), duration=4)
     one, two = (simulate(scene) for _ in range(2))
     assert one.digest == two.digest
 
 
 @pytest.mark.slow
-def test_the_tripping_scene_trips_falls_and_is_the_same_bytes_twice():
+def test_tripping_scene_is_reproducible():
     scene = load_scene(find_scene("tripping"))
     one, two = (simulate(scene) for _ in range(2))
     assert one.digest == two.digest
@@ -378,23 +323,23 @@ def test_the_tripping_scene_trips_falls_and_is_the_same_bytes_twice():
     assert steps["tripped"][0] <= steps["toppled"][0]
 
 
-def test_legs_that_are_too_weak_let_the_body_strike_the_ground():
+def test_weak_legs_let_the_body_strike_the_ground():
     scene = scene_of(
         "{figure: antelope, at: [0, 4, 0], pronk: {max_force: 0.7, height: 0.2, distance: 0.4}}",
         duration=3,
     )
     hops = hop_through(scene)
-    of = hops.troupe.hoppers[0]
+    hopper = hops.troupe.hoppers[0]
     assert any(h.kind == "body" for h in hops.happened[0])
     assert any(h.kind == "saturated" for h in hops.happened[0])
     sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.seen[0]]
-    assert max(sizes) == pytest.approx(of.max_leg_force, rel=1e-9)
+    assert max(sizes) == pytest.approx(hopper.max_leg_force, rel=1e-9)
 
 
 # --- events -----------------------------------------------------------------------------------
 
 
-def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(level_hops):
+def test_sound_events_of_take_off_and_landing(level_hops):
     take, n = level_hops.take, len(level_hops.troupe.hoppers[0].hips)
     jumps = level_hops.seen[0][-1].jumps
     lifts = [c for c in take.contacts if c.kind == "lift"]
@@ -419,8 +364,8 @@ def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(
 
 
 @pytest.mark.slow
-def test_who_falls_is_heard_a_few_times_and_ever_softer_at_the_end():
-    hops = hop_through(scene_of(hopper("kangaroo", "{balance: 0}"), duration=7))
+def test_impacts_of_a_fall_are_few_and_decay():
+    hops = hop_through(scene_of(member("kangaroo", "{balance: 0}"), duration=7))
     take = hops.take
     hits = [e for e in take.events if e.cause == "collision"]
     fell = next(n.step for n in take.notes if n.kind == "toppled")
@@ -436,10 +381,10 @@ def test_who_falls_is_heard_a_few_times_and_ever_softer_at_the_end():
 
 
 @pytest.mark.parametrize("figure", ["hopper", "kangaroo", "antelope"])
-def test_jumps_land_at_their_spots(figure):
+def test_jumps_land_on_their_targets(figure):
     spots = [(1.3, 0.2), (2.4, -0.3), (3.2, 0.6), (3.3, 1.7)]
-    words = f"{{land_at: {[list(s) for s in spots]}}}"
-    hops = hop_through(scene_of(hopper(figure, words), duration=8))
+    config = f"{{land_at: {[list(s) for s in spots]}}}"
+    hops = hop_through(scene_of(member(figure, config), duration=8))
     found = landing_points(hops)[:, [0, 2]]
     assert len(found) == len(spots)
     assert np.abs(found - spots).max() < 0.015
@@ -451,11 +396,11 @@ DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4,
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", ["hopper", "kangaroo"])
-def test_landings_are_chosen_outside_of_forbidden_zones(figure):
+def test_landings_avoid_forbidden_zones(figure):
     at = ", at: [-9, 0], scale: 0.7"
     heedless, careful = (
-        hop_through(scene_of(hopper(figure, words, at), terrain=DITCHES, duration=9))
-        for words in ("{}", "{avoid: true}")
+        hop_through(scene_of(member(figure, config, at), terrain=DITCHES, duration=9))
+        for config in ("{}", "{avoid: true}")
     )
     assert any(n.kind == "misplaced" for n in heedless.take.notes)
     assert all(n.kind != "misplaced" for n in careful.take.notes)

@@ -26,7 +26,7 @@ from pipeline.simulation.take import Take
 from pipeline.simulation.terrain.heightfield import HeightField
 
 from .conftest import scene_of
-from .hops import hop_through
+from .hop_recorder import hop_through
 
 DT = 1.0 / 96.0
 LEVEL = HeightField(np.zeros((2, 2)), (20.0, 20.0))
@@ -135,9 +135,9 @@ def throw(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen
     member = f"{{figure: {name}, scale: {scale}, pronk: {{}}}}"
     hops = Simulation(scene_of(member, terrain=terrain))
     troupe = next(iter(hops.troupes))
-    figure, hopping, field = troupe.herd.figures[0], troupe.hoppings[0], hops.world.ground.field
-    leg = hopping.of.leg
-    now = hopping.state.now(hopping.of)
+    figure, hopping, field = troupe.herd.figures[0], troupe.simulations[0], hops.world.ground.field
+    leg = hopping.hopper.leg_length
+    now = hopping.state.body(hopping.hopper)
     R = now.R @ rotation(np.array([1.0, 0.0, 0.0]), 0.6)
     own = build_bones(figure)
     begin = RagdollState(

@@ -72,7 +72,7 @@ def _feet_keep_to_the_ground(walk: Walk) -> None:
     p = walk.tips[:, :, None] + herd.sole[:, None, None] * BALL
     assert (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min() > -MILLIMETRE
     places = np.array([contact.place for contact in _touches(walk)]).reshape(-1, 3)
-    holds = np.array([hold.place for hold in walk.walkers.feet.holds])
+    holds = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
     for x, _, z in (places.T, holds.T):
         assert ground.steppable(x, z).all()
 

@@ -28,7 +28,7 @@ def fine(route: Route) -> Array:
 
 
 @given(WAYPOINTS, st.booleans())
-def test_goes_through_every_waypoint_at_unit_speed(points: list[Array], closed: bool) -> None:
+def test_spline_passes_every_waypoint_at_unit_speed(points: list[Array], closed: bool) -> None:
     closed = closed and len(points) > 2
     assume(not sharp_corners([points[-1], *points, points[0]] if closed else points))
     route = spline_route(points, None, closed)
@@ -45,14 +45,14 @@ def test_goes_through_every_waypoint_at_unit_speed(points: list[Array], closed: 
         np.testing.assert_allclose(xz[-1], xz[0], atol=1e-9)
 
 
-def test_begins_with_the_heading_that_it_is_given() -> None:
+def test_spline_starts_with_the_given_heading() -> None:
     route = spline_route([np.zeros(2), np.array([4.0, 1.0])], 0.7)
     xz, turned = route.at(np.array([0.0, 0.05]))
     assert turned[0] == pytest.approx(0.7, abs=0.05)
     np.testing.assert_allclose((xz[1] - xz[0]) / 0.05, heading_vector(0.7), atol=0.06)
 
 
-def test_a_straight_way_never_ends_and_one_that_stands_never_begins() -> None:
+def test_straight_and_standing_routes() -> None:
     s = np.array([-1.0, 0.0, 2.5, 1e6])
     xz, turned = straight_route(np.array([1.0, 2.0]), 0.3).at(s)
     np.testing.assert_allclose(xz, [1.0, 2.0] + s[:, None] * heading_vector(0.3))
@@ -62,7 +62,7 @@ def test_a_straight_way_never_ends_and_one_that_stands_never_begins() -> None:
     np.testing.assert_array_equal(xz, np.tile([1.0, 2.0], (3, 1)))
 
 
-def test_turns_on_the_spot() -> None:
+def test_turn_in_place() -> None:
     route = turn_in_place(np.array([1.0, -1.0]), 0.5, -2.0, 0.4)
     assert route.length == pytest.approx(0.8)
     xz, turned = route.at(fine(route))
@@ -71,7 +71,7 @@ def test_turns_on_the_spot() -> None:
     assert not route.curvature(fine(route)).any()
 
 
-def test_routes_are_cut_and_joined_without_a_jump() -> None:
+def test_routes_are_cut_and_joined_continuously() -> None:
     first = spline_route([np.zeros(2), np.array([2.0, 1.0]), np.array([3.0, 4.0])], None)
     cut = first.upto(1.3)
     assert cut.length == pytest.approx(1.3)
@@ -84,7 +84,7 @@ def test_routes_are_cut_and_joined_without_a_jump() -> None:
     assert np.abs(np.diff(headings)).max() < 0.02
 
 
-def test_a_circle_bends_as_a_circle_does() -> None:
+def test_curvature_of_a_circle() -> None:
     angles = np.linspace(0.0, 2.0 * np.pi, 17)[:-1]
     route = spline_route([3.0 * heading_vector(-a) for a in angles], None, closed=True)
     assert route.length == pytest.approx(6.0 * np.pi, rel=5e-3)

@@ -36,12 +36,12 @@ def walked(name: str) -> bool:
 def left_alone(walk: Walk) -> Array:
     """Return (K, L) which feet are left to their walk, not moved by an author."""
     times = np.arange(len(walk.phases)) * walk.simulation.world.clock.dt
-    return walk.walkers.postures.free(times) > 0.999
+    return walk.walkers.authored.free_fraction(times) > 0.999
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in shipped_scenes() if walked(name)])
-def test_walkers_of_shipped_scenes_keep_what_walking_promises(name: str) -> None:
+def test_shipped_scenes_keep_the_invariants_of_walking(name: str) -> None:
     walk = walk_through(load_scene(find_scene(name)))
     take, herd, ground = walk.take, walk.walkers.herd, walk.simulation.world.ground
     dt, free = walk.simulation.world.clock.dt, left_alone(walk)
@@ -71,13 +71,13 @@ def test_walkers_of_shipped_scenes_keep_what_walking_promises(name: str) -> None
     _keeps_its_phases(walk)
     for c in np.flatnonzero(herd.walks):
         own, pace = herd.owner == c, herd.paces[c]
-        if pace.flight is None and c not in walk.walkers.going.paces.changes:
+        if pace.flight is None and c not in walk.walkers.progress.paces.changes:
             assert walk.standing[:, own].sum(axis=1).min() >= 1, "nobody flies"
 
 
 def _keeps_its_phases(walk: Walk) -> None:
     """Feet come down when their gaits say so."""
-    herd, paces = walk.walkers.herd, walk.walkers.going.paces
+    herd, paces = walk.walkers.herd, walk.walkers.progress.paces
     names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
     # Who hops has no phases.
     touches = [c for c in walk.take.contacts if c.kind == "touch" and c.part in names]

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.swing import swing_planner as swing_plans
-from pipeline.simulation.locomotion.swing.passive_swing import fall
+from pipeline.simulation.locomotion.swing import swing_planner
+from pipeline.simulation.locomotion.swing.passive_swing import simulate_fall
 from pipeline.simulation.locomotion.swing.swing_dynamics import ROWS, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_planner import PLANNERS
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
+    PIECES,
     POINTS,
-    SPANS,
+    bend_at,
     clearance_height,
-    fit_offset,
-    offset_at,
+    fit_bend,
 )
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 HILLS = "{kind: hills, height: 0.8, spacing: 5, size: [40, 40]}"
 
 
-def test_every_kind_of_the_language_has_a_planner() -> None:
+def test_every_swing_kind_has_a_planner() -> None:
     kinds = set(get_args(Words.model_fields["swing"].annotation))
     assert kinds == {"spline", *PLANNERS}
 
@@ -42,27 +42,27 @@ def test_every_kind_of_the_language_has_a_planner() -> None:
 # --- bends --------------------------------------------------------------------------
 
 
-def test_bends_begin_and_end_at_rest_and_are_smooth() -> None:
+def test_bends_start_and_end_at_rest_and_are_smooth() -> None:
     bend = np.random.default_rng(1).normal(size=(POINTS, 3))
     s = np.linspace(0.0, 1.0, 4001)
-    p = offset_at(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
+    p = bend_at(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
     h = s[1]
     speed, change = np.diff(p, axis=0) / h, np.diff(p, 2, axis=0) / h**2
     assert not p[[0, -1]].any()
     assert np.abs(speed[[0, -1]]).max() < 1e-3
     assert np.abs(change[[0, -1]]).max() < 0.05 * np.abs(change).max()
     # No corner in the acceleration: it changes by its slope times the step.
-    assert np.abs(np.diff(change, axis=0)).max() < 1.5 * SPANS**3 * np.abs(np.diff(
+    assert np.abs(np.diff(change, axis=0)).max() < 1.5 * PIECES**3 * np.abs(np.diff(
         bend, 3, axis=0)).max() * h + 1e-4 * np.abs(change).max()  # fmt: skip
 
 
-def test_bends_follow_values_to_fourth_order() -> None:
+def test_fitted_bends_converge_to_fourth_order() -> None:
     """In the middle, where no end is near."""
 
     def error(waves: float) -> float:
         values = np.sin(waves * KNOTS)[:, None] * np.ones(3)
         s = np.linspace(0.3, 0.7, 101)
-        p = offset_at(np.broadcast_to(fit_offset(values), (len(s), POINTS, 3)), s)
+        p = bend_at(np.broadcast_to(fit_bend(values), (len(s), POINTS, 3)), s)
         return float(np.abs(p - np.sin(waves * s)[:, None]).max())
 
     assert error(3.0) < 1e-4
@@ -98,7 +98,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
     def run(scene: Scene) -> list[Planned]:
         found = list[Planned]()
 
-        def recording(kind: str) -> swing_plans.Planner:
+        def recording(kind: str) -> swing_planner.Planner:
             def planner(
                 trial: SwingTrial, ground: Ground, sole: float, least: float
             ) -> tuple[float, Array]:
@@ -110,7 +110,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
             return planner
 
         planners = {kind: recording(kind) for kind in PLANNERS}
-        monkeypatch.setattr(swing_plans, "PLANNERS", planners)
+        monkeypatch.setattr(swing_planner, "PLANNERS", planners)
         simulation = Simulation(scene)
         while not simulation.finished:
             simulation.step()
@@ -125,7 +125,7 @@ def walking(figure: str, swing: str) -> str:
 
 
 @pytest.mark.slow
-def test_least_effort_takes_less_than_the_spline(
+def test_least_effort_needs_less_work_than_the_spline(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
 ) -> None:
     if not shipped.skeleton.legs:
@@ -142,7 +142,7 @@ UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
 
 
 @pytest.mark.slow
-def test_a_free_leg_takes_less_than_a_led_one(
+def test_free_leg_needs_less_work_than_a_led_one(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
 ) -> None:
     """While it falls; to catch up afterwards takes more."""
@@ -152,7 +152,7 @@ def test_a_free_leg_takes_less_than_a_led_one(
     free = [one for one in swings if one.bend.any()]
     works = np.zeros((1, 2))
     for one in free:
-        last = fall(one.trial, one.plain)[1]
+        last = simulate_fall(one.trial, one.plain)[1]
         assert last >= 1
         power = one.trial.powers(one.both)[0][: last + 1]
         assert power[:, 0].sum() < power[:, 1].sum()
@@ -163,12 +163,12 @@ def test_a_free_leg_takes_less_than_a_led_one(
         assert by_itself < 0.55 * led
 
 
-def test_nothing_turns_a_free_leg_about_its_hip(
+def test_no_torque_about_the_hip_of_a_free_leg(
     scene_of: Callable[..., Scene], record: Record
 ) -> None:
-    """The push on the foot that would replace the muscles points along the leg: see `fall`."""
+    """The push on the foot that would replace the muscles points along the leg."""
     for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
-        trial, last = one.trial, fall(one.trial, one.plain)[1]
+        trial, last = one.trial, simulate_fall(one.trial, one.plain)[1]
         assert last > ROWS // 2
         motion, _ = trial.motion(one.both)
         torques = trial.load(motion).torques
@@ -215,7 +215,7 @@ def test_feet_stand_still_on_their_footholds(upright: Walk) -> None:
     assert not upright.take.notes
 
 
-def test_they_touch_at_their_foot_down_phases(upright: Walk) -> None:
+def test_touchdowns_are_at_foot_down_phases(upright: Walk) -> None:
     herd = upright.walkers.herd
     names = [f"{herd.names[0]}.{leg}" for leg in herd.leg_names]
     assert len(upright.take.contacts) > 4
@@ -226,13 +226,13 @@ def test_they_touch_at_their_foot_down_phases(upright: Walk) -> None:
         assert abs(off - round(off)) < 1e-9
 
 
-def test_soles_keep_above_the_ground(upright: Walk) -> None:
+def test_soles_stay_above_the_ground(upright: Walk) -> None:
     ground, herd = upright.simulation.world.ground, upright.walkers.herd
     x, y, z = np.moveaxis(upright.tips, -1, 0)
     assert (y - ground.height(x, z) - herd.sole / ground.normal(x, z)[..., 1]).min() > -1e-3
 
 
-def test_joints_keep_their_limits_and_knees_their_sides(upright: Walk) -> None:
+def test_joint_limits_hold_and_knees_do_not_flip(upright: Walk) -> None:
     legs, q = upright.walkers.herd.legs, upright.q
     assert (q >= legs.lower).all()
     assert (q <= legs.upper).all()
@@ -250,7 +250,7 @@ def test_joints_do_not_jump(upright: Walk) -> None:
     assert np.abs(np.diff(upright.q, 2, axis=0)).max() < 400.0 * dt**2
 
 
-def test_who_swings_plainly_is_not_changed_by_those_beside_who_do_not(
+def test_plain_swings_do_not_depend_on_planned_ones(
     scene_of: Callable[..., Scene], walk_through: Callable[[Scene], Walk]
 ) -> None:
     plain = "{name: a, figure: beetle, walk: {}}"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 
 if TYPE_CHECKING:
     from tests.simulation.conftest import Walk
@@ -17,20 +17,20 @@ MILLIMETRE = 1e-3
 
 
 @pytest.mark.slow
-def test_feet_that_stand_do_not_slip(walk: Walk) -> None:
+def test_standing_feet_do_not_slip(walk: Walk) -> None:
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max() < 0.1 * MILLIMETRE
 
 
 @pytest.mark.slow
-def test_feet_are_where_they_are_to_be(walk: Walk) -> None:
+def test_standing_feet_are_on_their_footholds(walk: Walk) -> None:
     ends = np.array(walk.ends)[walk.standing]
     assert np.abs(walk.tips[walk.standing] - ends).max() < 0.1 * MILLIMETRE
     assert not [note for note in walk.take.notes if note.kind == "clamped"]
 
 
-def test_no_sole_is_ever_below_the_surface(walk: Walk) -> None:
+def test_no_sole_is_below_the_ground(walk: Walk) -> None:
     ground, herd = walk.simulation.world.ground, walk.walkers.herd
     x, y, z = np.moveaxis(walk.tips, -1, 0)
     chance = np.random.default_rng(0).normal(size=(40, 3))
@@ -54,12 +54,12 @@ def test_feet_clear_the_ground_between_footholds(walk: Walk) -> None:
     assert (clear >= 0.3 * herd.step_height)[middle].all()
 
 
-def test_no_foot_is_put_into_a_forbidden_zone(walk: Walk) -> None:
+def test_no_foothold_is_in_a_forbidden_zone(walk: Walk) -> None:
     ground = walk.simulation.world.ground
     places = np.array([contact.place for contact in walk.take.contacts])
     assert ground.steppable(places[:, 0], places[:, 2]).all()
     assert np.allclose(places[:, 1], ground.height(places[:, 0], places[:, 2]), atol=1e-12)
-    holds = np.array([hold.place for hold in walk.walkers.feet.holds])
+    holds = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
     assert ground.steppable(holds[:, 0], holds[:, 2]).all()
 
 
@@ -81,27 +81,27 @@ def test_knees_never_flip(walk: Walk) -> None:
     assert np.max(knees) < 0.0
 
 
-def test_joints_move_without_jumps(walk: Walk) -> None:
+def test_joint_speeds_are_bounded(walk: Walk) -> None:
     """No joint goes faster than 20 radians a second, an insect's twitch."""
     dt = walk.simulation.world.clock.dt
     assert np.abs(np.diff(np.array(walk.q), axis=0)).max() < 20.0 * dt
 
 
 @pytest.mark.slow
-def test_a_body_moves_without_jumps(walk: Walk) -> None:
+def test_body_acceleration_is_bounded(walk: Walk) -> None:
     body = walk.take.positions[:, 0]
     dt = walk.simulation.world.clock.dt
     acceleration = np.diff(body, 2, axis=0) / dt**2
     assert np.abs(acceleration).max() < 40.0
 
 
-def test_a_tripod_always_stands_on_three_feet(walk: Walk) -> None:
+def test_tripod_gait_always_has_three_feet_down(walk: Walk) -> None:
     herd = walk.walkers.herd
     fewest = walk.standing.sum(axis=1).min()
     assert fewest >= (3 if herd.beats[0] == 2 and len(herd.up) == 6 else 1)
 
 
-def test_contacts_keep_the_phases_of_the_gait(walk: Walk) -> None:
+def test_contacts_are_at_foot_down_phases(walk: Walk) -> None:
     herd = walk.walkers.herd
     names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
     assert walk.take.contacts
@@ -113,7 +113,7 @@ def test_contacts_keep_the_phases_of_the_gait(walk: Walk) -> None:
         assert abs(off - round(off)) < 1e-9
 
 
-def test_every_footfall_is_heard_once(walk: Walk) -> None:
+def test_every_footfall_sounds_once(walk: Walk) -> None:
     """The poses alone say when a foot came to rest."""
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1) > 5e-6
     stopped = (moved[:-1] & ~moved[1:]).sum()
@@ -126,7 +126,7 @@ def test_every_footfall_is_heard_once(walk: Walk) -> None:
     assert len(loud) == sum(contact.speed >= 0.005 for contact in walk.take.contacts)
 
 
-def test_a_belly_does_not_sink_into_the_ground(walk: Walk) -> None:
+def test_belly_stays_near_or_above_the_ground(walk: Walk) -> None:
     """Rough ground is felt through a blunted surface, so a corner of it may graze."""
     ground, figure = walk.simulation.world.ground, walk.walkers.herd.figures[0]
     recorder = walk.simulation.recorder
@@ -155,7 +155,7 @@ def test_no_leg_is_overstretched(walk: Walk) -> None:
     assert stretch.max() < MAX_REACH + 0.005
 
 
-def test_all_is_finite_and_turns_are_turns(walk: Walk) -> None:
+def test_take_is_finite_and_rotations_are_unit_quaternions(walk: Walk) -> None:
     take = walk.take
     for _, values in take.arrays():
         assert np.isfinite(values).all()
@@ -175,7 +175,7 @@ def test_links_keep_their_lengths(walk: Walk) -> None:
             assert np.allclose(end, recorder.positions[:, b], atol=1e-9)
 
 
-def test_nodes_name_their_parents(walk: Walk) -> None:
+def test_nodes_have_their_parents(walk: Walk) -> None:
     nodes = walk.take.nodes
     assert [n.parent for n in nodes].count(-1) == 1
     assert nodes[0].parent == -1

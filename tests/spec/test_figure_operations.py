@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from pipeline.errors import SceneError
 from pipeline.spec import Figure, figure_schema, read_scene
-from pipeline.spec.operations import OPERATIONS, AnyOperation, Mirror, mirror
-from pipeline.spec.operations.copies import copied_names, mirrored_name
+from pipeline.spec.operations import OPERATIONS, Mirror
+from pipeline.spec.operations.drawing_edits import copied_names, mirrored_name
 from pipeline.spec.operations.node_selection import encloses
 
 NODES = {"hip": [0, 0], "knee1_l": [-1, 0.2], "foot1_l": [-2, 0.5], "nose": [0, -1]}
@@ -55,10 +55,9 @@ def places(sheet):
     return {name: pytest.approx(mark.at, abs=1e-9) for name, mark in sheet.marks.items()}
 
 
-def test_every_operation_has_a_form_here_and_a_function():
-    assert {kind.word for kind in OPERATIONS} == set(FORMS)
-    assert {kind.model for kind in OPERATIONS} == set(AnyOperation.__args__)
-    assert len({kind.do for kind in OPERATIONS}) == len(OPERATIONS)
+def test_every_operation_has_a_form_here_and_a_method():
+    assert OPERATIONS.keys() == FORMS.keys()
+    assert all("apply" in vars(model) for model in OPERATIONS.values())
 
 
 @pytest.mark.parametrize("form", [form for forms in FORMS.values() for form in forms])
@@ -66,8 +65,8 @@ def test_every_form_loads_and_fits_the_schema_and_its_operation(form):
     words = words_of(form)
     assert jsonschema.Draft7Validator(figure_schema()).is_valid({"pronk": 1, "figure": words})
     figure = Figure.model_validate(words)
-    (kind,) = [kind for kind in OPERATIONS if type(figure.then[0]) is kind.model]
-    assert form in FORMS[kind.word]
+    (key,) = [key for key, model in OPERATIONS.items() if type(figure.then[0]) is model]
+    assert form in FORMS[key]
     written = figure.model_dump(exclude_none=True)
     assert Figure.model_validate(written) == figure
 
@@ -223,10 +222,10 @@ def test_mirroring_twice_is_nothing(nodes, axis):
 @given(points, st.sampled_from("xy"))
 def test_a_mirror_of_a_mirror_lies_on_the_original(at, axis):
     sheet = sheet_of(nodes={"a_l": [3 + abs(at[0]), 3 + abs(at[1])]}, chains=[])
-    once, faults = mirror(Mirror(mirror=axis), sheet)
+    once, faults = Mirror(mirror=axis).apply(sheet)
     assert not faults
     alone = once.__class__({"a_r": once.marks["a_r"]})
-    twice, _ = mirror(Mirror(mirror=axis), alone)
+    twice, _ = Mirror(mirror=axis).apply(alone)
     assert twice.marks["a_l"].at == sheet.marks["a_l"].at
 
 
@@ -363,7 +362,7 @@ MISTAKES = [
     ("{copy: [hip], §trnslate: [0, 1]}", ".trnslate", "unknown key, did you mean 'translate'?"),
     ("{copy: [hip], translate: §[0]}", ".translate", "must hold 2 values, holds 1"),
     ("{copy: [hip], rotate_deg: §a}", ".rotate_deg", "should be a number, is the text 'a'"),
-    ("§{copy: [hip]}", "", "says not where to; give one of mirror, scale, scale_xy, rotate_deg, "
+    ("§{copy: [hip]}", "", "moves nothing; give one of mirror, scale, scale_xy, rotate_deg, "
      "rotate_abs_deg, translate"),
     ("{copy: [foot_l], rotate_deg: 4, about: §hipp}", ".about", "no node is called 'hipp', did "
      "you mean 'hip'?"),
@@ -378,8 +377,8 @@ MISTAKES = [
      "10000 m, or be too small or too large"),
     ("§{move: [knee_l], translate: [1, 0]}", "", "nodes 'hip' and 'knee_l' are at the same place, "
      "so the link has no length"),
-    ("{move: §selected, translate: [1, 0]}", ".move", "no node is selected here; say which with "
-     "select before it"),
+    ("{move: §selected, translate: [1, 0]}", ".move", "no node is selected here; write a select "
+     "before it"),
     ("{select: §previous}", ".select", "nothing was selected before"),
     ("{select: §[[9, 9], [8, 9], [8, 8]]}", ".select", "there is no node inside this outline"),
     ("{select: §[[9, 9], [8, 9]]}", ".select", "must hold at least 3 values, holds 2"),
@@ -390,7 +389,7 @@ MISTAKES = [
      "'foot_r'?"),
     ("{connect: §[hip]}", ".connect", "a chain connects at least 2 nodes"),
     ("{connect: [hip, §hip]}", ".connect[1]", "node 'hip' is connected to itself"),
-    ("{mirror: x, nodes: §selected}", ".nodes", "no node is selected here; say which with select "
+    ("{mirror: x, nodes: §selected}", ".nodes", "no node is selected here; write a select "
      "before it"),
     ("{mirror: x, §node: [hip]}", ".node", "unknown key, did you mean 'nodes'?"),
 ]  # fmt: skip

@@ -46,8 +46,8 @@ def test_a_picture_is_found_beside_the_scene_and_is_none_of_what_is_simulated(
         (".", "is no file in"),
         ('"a\\0b.exr"', "is no file in"),
         ("square.exr", "8 by 8 pixels"),
-        ("torn.exr", "cannot be read as a picture"),
-        ("torn.hdr", "cannot be read as a picture"),
+        ("torn.exr", "cannot be read as an image"),
+        ("torn.hdr", "cannot be read as an image"),
         ("a.png", "is no .exr or .hdr file"),
     ],
 )

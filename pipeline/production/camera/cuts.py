@@ -93,7 +93,7 @@ def first_frames(cuts: Sequence[Camera], rate: Fraction) -> list[int]:
 
 def _poses(cut: _Cut) -> list[CameraPose]:
     words = cut.words
-    if words.moved:
+    if words.is_animated:
         seen, place = _moved(cut)
     elif words.at is not None:
         seen, place = _standing(cut)

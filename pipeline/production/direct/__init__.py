@@ -1,1 +1,1 @@
-"""Direct: a scene that is stepped, asked and told what to do by another program."""
+"""Direct: a simulation that another program steps, queries and commands, by JSON-RPC."""

@@ -1,76 +1,71 @@
-"""News: what has happened since it was last asked for, as messages tell it."""
+"""Notifications: events of a simulation since the last call, as plain values."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pipeline.production.direct.numbers import number, numbers
+from pipeline.production.direct.queries import finite_number, finite_numbers
 from pipeline.simulation.signals import SIGNAL_KINDS
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.take import Note, SoundEvent
 from pipeline.spec.name_references import CAUSES
 
-NOTE, TOLD = "note", "told"
+NOTE_KIND, ORDER_KIND = "note", "told"
 
-ALL_KINDS = tuple(dict.fromkeys((*SIGNAL_KINDS, *CAUSES, NOTE, TOLD)))
-"""What is told of: happenings, sounds, notes to the author, and instructions when given."""
+EVENT_KINDS = tuple(dict.fromkeys((*SIGNAL_KINDS, *CAUSES, NOTE_KIND, ORDER_KIND)))
+"""Kinds of events: signals, sounds, notes, and orders that were given."""
 
-Item = dict[str, object]
+Notification = dict[str, object]
 
 
-class News:
-    """What one simulation has to tell after each step."""
+class NotificationQueue:
+    """Events of a simulation that were not returned yet."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._sounds = self._told = 0
+        self._sounds = self._orders = 0
         self._notes = set[tuple[str, str]]()
 
-    def since(self) -> list[Item]:
-        """Return what has happened since the last call; to be called after every step."""
-        return [*self._happenings(), *self._new_sounds(), *self._new_notes(), *self._new_orders()]
+    def since_last_call(self) -> list[Notification]:
+        """Return the events since the last call; call it after every step."""
+        return [*self._signals(), *self._new_sounds(), *self._new_notes(), *self._new_orders()]
 
-    def _happenings(self) -> Iterator[Item]:
+    def _signals(self) -> Iterator[Notification]:
         at = self._moment(self._simulation.step_number)
-        for one in self._simulation.signals:
-            yield {"kind": one.kind, "who": one.who, "other": one.other, **at}
+        for signal in self._simulation.signals:
+            yield {"kind": signal.kind, "who": signal.who, "other": signal.other, **at}
 
-    def _new_sounds(self) -> Iterator[Item]:
+    def _new_sounds(self) -> Iterator[Notification]:
         events = self._simulation.recorder.events
         new, self._sounds = events[self._sounds :], len(events)
-        # Of what is a happening too that is told.
-        return (self._sound(event) for event in new if event.cause not in SIGNAL_KINDS)
+        # Others are reported as signals.
+        for event in new:
+            if event.cause not in SIGNAL_KINDS:
+                yield {
+                    "kind": event.cause,
+                    "who": event.who,
+                    "other": event.other,
+                    **self._moment(event.step, event.fraction),
+                    "part": event.part,
+                    "place": finite_numbers(event.place),
+                    "strength": finite_number(event.strength),
+                }
 
-    def _sound(self, event: SoundEvent) -> Item:
-        return {
-            "kind": event.cause,
-            "who": event.who,
-            "other": event.other,
-            **self._moment(event.step, event.fraction),
-            "part": event.part,
-            "place": numbers(event.place),
-            "strength": number(event.strength),
-        }
-
-    def _new_notes(self) -> Iterator[Item]:
+    def _new_notes(self) -> Iterator[Notification]:
         for note in self._simulation.recorder.notes:
-            if (of := (note.kind, note.part)) not in self._notes:
-                self._notes.add(of)
-                yield self._note(note)
+            if (key := (note.kind, note.part)) not in self._notes:
+                self._notes.add(key)
+                who, moment = note.part.partition(".")[0], self._moment(note.step)
+                text = {"part": note.part, "text": f"{note.kind}: {note.text}"}
+                yield {"kind": NOTE_KIND, "who": who, "other": "", **moment, **text}
 
-    def _note(self, note: Note) -> Item:
-        who = note.part.partition(".")[0]
-        words = {"part": note.part, "text": f"{note.kind}: {note.text}"}
-        return {"kind": NOTE, "who": who, "other": "", **self._moment(note.step), **words}
+    def _new_orders(self) -> Iterator[Notification]:
+        orders = self._simulation.recorder.orders
+        new, self._orders = orders[self._orders :], len(orders)
+        for order in new:
+            moment = self._moment(order.step)
+            yield {"kind": ORDER_KIND, "who": order.who, "other": "", **moment, "text": order.text}
 
-    def _new_orders(self) -> Iterator[Item]:
-        told = self._simulation.recorder.orders
-        new, self._told = told[self._told :], len(told)
-        for one in new:
-            moment = self._moment(one.step)
-            yield {"kind": TOLD, "who": one.who, "other": "", **moment, "text": one.text}
-
-    def _moment(self, step: int, fraction: float = 0.0) -> Item:
+    def _moment(self, step: int, fraction: float = 0.0) -> Notification:
         clock = self._simulation.world.clock
         return {
             "step": step,

@@ -1,9 +1,8 @@
 """Protocol: JSON-RPC 2.0, by pjrpc.
 
-Of the libraries there are, pjrpc has no transport of its own to fit in, needs nothing else and
-is kept well. What it does otherwise than the specification stands here: a batch is answered
-request by request, so that one that is none harms no other, and only if there is anything to
-answer.
+pjrpc brings no transport, needs no other library and is maintained. One thing is done here
+because it deviates from the specification: a batch is answered request by request, so that an
+invalid one affects no other, and only if there is anything to answer.
 
 Source: JSON-RPC 2.0 Specification, 2013.
 """
@@ -29,16 +28,16 @@ from pjrpc.server.validators.base import (
 )
 
 from pipeline.errors import PronkError, SceneError
-from pipeline.production.direct.framing import MOST_BYTES, TooLong
+from pipeline.production.direct.transport import MAX_MESSAGE_BYTES, OversizedMessage
 
-DEEPEST = 48
-"""Levels of lists and mappings in each other."""
+MAX_DEPTH = 48
+"""Deepest nesting of lists and mappings in a message."""
 
-MOST_IN_BATCH = 1000
-"""Requests of one message."""
+MAX_BATCH = 1000
+"""Most requests of one message."""
 
 Method = Callable[[Mapping[str, Any]], object]
-"""Returns what a request asks for, given its parameters."""
+"""Returns the result of a request with these parameters."""
 
 
 class OutOfOrder(TypedError):
@@ -48,7 +47,7 @@ class OutOfOrder(TypedError):
     MESSAGE: ClassVar[str] = "Out of order"
 
 
-class Failed(TypedError):
+class SimulationFailed(TypedError):
     """The simulation failed, or the take cannot be written."""
 
     CODE: ClassVar[int] = -32002
@@ -56,51 +55,53 @@ class Failed(TypedError):
 
 
 class Protocol:
-    """Answers to messages.
+    """The answers to messages.
 
     Args:
-        methods: by the names that requests call them.
+        methods: by name.
     """
 
     def __init__(self, methods: Mapping[str, Method]) -> None:
-        registry = MethodRegistry(_Named())
+        registry = MethodRegistry(_NamedParams())
         for name, method in methods.items():
-            registry.add_method(_telling(method), name)
+            registry.add_method(_with_rpc_errors(method), name)
         self._dispatcher: Dispatcher[None] = Dispatcher()
         self._dispatcher.add_methods(registry)
 
-    def answer(self, message: bytes | TooLong) -> str | None:
-        """Return the answer to a message, None if it wants none."""
-        if isinstance(message, TooLong):
-            return _error(InvalidRequestError(data=f"a message has at most {MOST_BYTES} bytes"))
+    def answer(self, message: bytes | OversizedMessage) -> str | None:
+        """Return the answer to a message, None for notifications."""
+        if isinstance(message, OversizedMessage):
+            return _error(
+                InvalidRequestError(data=f"a message has at most {MAX_MESSAGE_BYTES} bytes")
+            )
         try:
-            words = _decoded(message)
+            content = _decoded(message)
         except ValueError as error:
             return _error(ParseError(data=str(error)))
-        if not isinstance(words, list):
-            return self._one(words)
-        if not words or len(words) > MOST_IN_BATCH:
-            data = f"a batch has 1 to {MOST_IN_BATCH} requests"
+        if not isinstance(content, list):
+            return self._answer_one(content)
+        if not content or len(content) > MAX_BATCH:
+            data = f"a batch has 1 to {MAX_BATCH} requests"
             return _error(InvalidRequestError(data=data))
-        answers = [answer for one in words if (answer := self._one(one)) is not None]
+        answers = [a for request in content if (a := self._answer_one(request)) is not None]
         return f"[{', '.join(answers)}]" if answers else None
 
-    def _one(self, words: object) -> str | None:
-        if not isinstance(words, dict):
+    def _answer_one(self, request: object) -> str | None:
+        if not isinstance(request, dict):
             return _error(InvalidRequestError(data="a request should be a mapping"))
-        if "id" in words and (words["id"] is None or isinstance(words["id"], bool)):
+        if "id" in request and (request["id"] is None or isinstance(request["id"], bool)):
             return _error(InvalidRequestError(data="id should be a whole number or text"))
-        found = self._dispatcher.dispatch(json.dumps(words), None)
-        return None if found is None else found[0]
+        answer = self._dispatcher.dispatch(json.dumps(request), None)
+        return None if answer is None else answer[0]
 
 
 def notification(method: str, params: Mapping[str, object]) -> str:
-    """Return the text of a message that wants no answer."""
+    """Return the text of a notification."""
     return json.dumps({"jsonrpc": "2.0", "method": method, "params": params})
 
 
-class _Named(BaseValidatorFactory):
-    """Gives methods their parameters as one mapping, which they check themselves."""
+class _NamedParams(BaseValidatorFactory):
+    """Passes parameters as one mapping, which methods validate themselves."""
 
     def build(self, method: MethodType) -> BaseValidator:
         return _Mapping(method)
@@ -113,57 +114,55 @@ class _Mapping(BaseValidator):
         return {"params": params or {}}
 
 
-def _telling(method: Method) -> Method:
-    """Let a method tell what went wrong as the protocol wants it."""
+def _with_rpc_errors(method: Method) -> Method:
+    """Return a method that raises the errors of the protocol."""
 
     def called(params: Mapping[str, Any]) -> object:
         try:
             return method(params)
         except SceneError as error:
-            problems = [{"path": one.path, "message": one.message} for one in error.problems]
-            text = "; ".join(": ".join(filter(None, one.values())) for one in problems)
+            problems = [{"path": p.path, "message": p.message} for p in error.problems]
+            text = "; ".join(": ".join(filter(None, p.values())) for p in problems)
             raise InvalidParamsError(text, data=problems) from None
         except PronkError as error:
-            raise Failed(str(error)) from None
+            raise SimulationFailed(str(error)) from None
 
     return called
 
 
 def _error(error: JsonRpcError) -> str:
-    """Return the answer to what is no request, of which not even the id is known."""
+    """Return the answer to an invalid request, whose id is unknown."""
     return json.dumps({"jsonrpc": "2.0", "id": None, "error": error.to_json()})
 
 
 def _decoded(message: bytes) -> object:
-    """Return what a message holds.
+    """Return the content of a message.
 
     Raises:
-        ValueError: it is no JSON.
+        ValueError: it is not valid JSON.
     """
     try:
-        words = json.loads(message.decode("utf-8"), parse_constant=_refuse_constant)
+        content: object = json.loads(message.decode("utf-8"), parse_constant=_refuse_constant)
+        is_too_deep = _is_too_deep(content)
     except RecursionError:
-        words = None
-        deep = True
-    else:
-        deep = _is_deep(words)
-    if deep:
-        raise ValueError(f"lists and mappings go deeper than {DEEPEST} levels")
-    return words
+        is_too_deep = True
+    if is_too_deep:
+        raise ValueError(f"lists and mappings go deeper than {MAX_DEPTH} levels")
+    return content
 
 
 def _refuse_constant(name: str) -> Any:
     raise ValueError(f"{name} is no number of JSON")
 
 
-def _is_deep(words: object) -> bool:
-    level: list[object] = [words]
-    for _ in range(DEEPEST):
+def _is_too_deep(content: object) -> bool:
+    level: list[object] = [content]
+    for _ in range(MAX_DEPTH):
         level = [
-            below
-            for one in level
-            if isinstance(one, dict | list)
-            for below in (one.values() if isinstance(one, dict) else one)
+            inner
+            for outer in level
+            if isinstance(outer, dict | list)
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
         ]
         if not level:
             return False

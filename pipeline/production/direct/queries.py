@@ -1,18 +1,29 @@
-"""Answers: what a simulation is asked about itself, as plain values."""
+"""Queries: the state of a simulation as plain values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping
 
-from pipeline.production.direct.numbers import number, numbers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene
 
-Answer = dict[str, object]
+
+def finite_number(value: float) -> float | None:
+    """Return a number for JSON, None if it is not finite."""
+    return float(value) if math.isfinite(value) else None
 
 
-class Answers:
-    """What can be told of a scene and of its simulation as it is now."""
+def finite_numbers(values: Iterable[float]) -> list[float | None]:
+    """Return numbers for JSON."""
+    return [finite_number(value) for value in values]
+
+
+State = dict[str, object]
+
+
+class StateQueries:
+    """Queries of a scene and of the present state of its simulation."""
 
     def __init__(self, scene: Scene, simulation: Simulation) -> None:
         self.scene = scene
@@ -23,13 +34,13 @@ class Answers:
         for i, node in enumerate(nodes):
             self._first.setdefault(node.performer, i)
 
-    def about(self, what: Collection[str], who: Collection[str]) -> Answer:
-        """Return what is asked, about some performers or about all."""
+    def state(self, topics: Collection[str], who: Collection[str]) -> State:
+        """Return the state by topic, of some performers or of all."""
         row = self.simulation.last_row()
-        return {topic: TOPICS[topic](self, row, frozenset(who) or self.names) for topic in what}
+        return {topic: TOPICS[topic](self, row, frozenset(who) or self.names) for topic in topics}
 
-    def time(self, row: int = 0, who: Collection[str] = ()) -> Answer:
-        """Return where in the scene the simulation is."""
+    def time(self, row: int = 0, who: Collection[str] = ()) -> State:
+        """Return step, frame and time of the simulation."""
         del row, who
         clock, step = self.simulation.world.clock, self.simulation.step_number
         return {
@@ -42,8 +53,8 @@ class Answers:
             "finished": self.simulation.finished,
         }
 
-    def performers(self, row: int, who: Collection[str]) -> Answer:
-        """Return who is in the cast: what each is, and what it is called."""
+    def performers(self, row: int, who: Collection[str]) -> State:
+        """Return type and name of the cast."""
         del row
         return {
             member.name: {"is": type(member).__name__.lower(), "called": member.kind_name}
@@ -51,33 +62,37 @@ class Answers:
             if member.name in who
         }
 
-    def places(self, row: int, who: Collection[str]) -> Answer:
-        """Return where performers are: their first nodes [m]."""
+    def places(self, row: int, who: Collection[str]) -> State:
+        """Return the positions of the performers' first nodes [m]."""
         positions = self.simulation.recorder.positions[row]
-        return {name: numbers(positions[node]) for name, node in self._first.items() if name in who}
+        return {
+            name: finite_numbers(positions[node])
+            for name, node in self._first.items()
+            if name in who
+        }
 
-    def poses(self, row: int, who: Collection[str]) -> Answer:
-        """Return positions [m] and rotations wxyz of all nodes, by their names."""
+    def poses(self, row: int, who: Collection[str]) -> State:
+        """Return positions [m] and rotations wxyz of all nodes by name."""
         recorder = self.simulation.recorder
         p, q, alive = (x[row] for x in (recorder.positions, recorder.quaternions, recorder.alive))
         return {
-            node.name: {"position": numbers(p[i]), "rotation": numbers(q[i])}
+            node.name: {"position": finite_numbers(p[i]), "rotation": finite_numbers(q[i])}
             for i, node in enumerate(recorder.nodes)
             if node.performer in who and alive[i]
         }
 
-    def channels(self, row: int, who: Collection[str]) -> Answer:
-        """Return the numbers that change, by their names."""
+    def channels(self, row: int, who: Collection[str]) -> State:
+        """Return the values of the channels by name."""
         recorder = self.simulation.recorder
         values = recorder.values[row]
         return {
-            channel.name: number(values[i])
+            channel.name: finite_number(values[i])
             for i, channel in enumerate(recorder.channels)
             if channel.name.partition(".")[0] in who
         }
 
-    def notes(self, row: int, who: Collection[str]) -> list[Answer]:
-        """Return what the author should know so far."""
+    def notes(self, row: int, who: Collection[str]) -> list[State]:
+        """Return the notes so far."""
         del row
         return [
             {"kind": note.kind, "step": note.step, "part": note.part, "text": note.text}
@@ -86,12 +101,12 @@ class Answers:
         ]
 
 
-TOPICS: Mapping[str, Callable[[Answers, int, Collection[str]], object]] = {
-    "time": Answers.time,
-    "performers": Answers.performers,
-    "places": Answers.places,
-    "poses": Answers.poses,
-    "channels": Answers.channels,
-    "notes": Answers.notes,
+TOPICS: Mapping[str, Callable[[StateQueries, int, Collection[str]], object]] = {
+    "time": StateQueries.time,
+    "performers": StateQueries.performers,
+    "places": StateQueries.places,
+    "poses": StateQueries.poses,
+    "channels": StateQueries.channels,
+    "notes": StateQueries.notes,
 }
-"""What can be asked about, see `words.Topic`."""
+"""The method of each `requests.Topic`."""

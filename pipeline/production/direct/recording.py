@@ -1,4 +1,4 @@
-"""Keeping: what a directed scene leaves: one that goes the same way by itself, and its take."""
+"""Recording: the take of a directed scene, and a scene whose script repeats it."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from pipeline.spec import Scene, dump, load_scene
 from pipeline.spec.model_base import NAME_PATTERN
 from pipeline.spec.script import Instruction
 
-ENDING = "_directed"
-"""Ends the name of a directed scene, unless it is given another."""
+NAME_SUFFIX = "_directed"
+"""Default ending of the name of a directed scene."""
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
-    """What was written.
+class RecordedScene:
+    """Files of a directed scene.
 
     Attributes:
-        scene: its file.
-        take: its folder.
+        scene: file.
+        take: folder.
         digest: of the take.
         frames: of the film.
     """
@@ -42,13 +42,13 @@ class Kept:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Where it is kept.
+class SceneRecorder:
+    """Writer of a directed scene.
 
     Attributes:
         name: of the directed scene.
         out: folder that holds the scenes' folders.
-        reporter: where it is said.
+        reporter: of progress.
     """
 
     name: str
@@ -61,40 +61,39 @@ class Place:
         return Outputs(self.out / self.name, self.name)
 
     def check(self) -> None:
-        """Make sure that it can be written to, before there is anything to lose.
+        """Check that the folder can be written to, before there is anything to lose.
 
         Raises:
-            StoreError: if it cannot.
+            StoreError: it cannot.
         """
         with opened(self.outputs):
             pass
 
-    def keep(self, scene: Scene, simulation: Simulation, now: bool) -> Kept:
-        """Write the scene as it was directed, and its take.
+    def record(self, scene: Scene, simulation: Simulation, end_now: bool) -> RecordedScene:
+        """Write the directed scene and its take.
 
         Args:
-            scene: as it was before.
-            simulation: of it, at its end unless it ends `now`. What the film's length decides
-                at its end, such as a breath that is cut off, is then worked out by simulating
-                the shorter scene anew.
-            now: whether the film ends with the frame at which the simulation is.
+            scene: before it was directed.
+            simulation: of it, at its end unless the film ends now. The shorter scene is then
+                simulated again, because its length decides how its sounds end.
+            end_now: whether the film ends with the present frame.
 
         Raises:
-            PronkError: if something cannot be written.
+            PronkError: something cannot be written.
         """
-        file = self.write(scene, simulation, now)
+        file = self.write_scene(scene, simulation, end_now)
         order = Order(load_scene(file), self.name, self.out)
-        if now and not simulation.finished:
+        if end_now and not simulation.finished:
             outputs, take = production.simulate_only(order, self.reporter)
         else:
-            take = _take(simulation, production.take_key(order.scene))
+            take = _take_with_key(simulation, production.take_key(order.scene))
             outputs = production.store_only(order, take, self.reporter)
-        return Kept(file, outputs.take, take.digest, take.header.frames)
+        return RecordedScene(file, outputs.take, take.digest, take.header.frames)
 
-    def write(self, scene: Scene, simulation: Simulation, now: bool) -> Path:
-        """Write the scene as it was directed; return its file."""
+    def write_scene(self, scene: Scene, simulation: Simulation, end_now: bool) -> Path:
+        """Write the directed scene and return its file."""
         file = self.outputs.folder / f"{self.name}.yaml"
-        text = dump(directed(scene, simulation, now), in_full=False)
+        text = dump(recorded_scene(scene, simulation, end_now), in_full=False)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             write_if_changed(file, f"# As it was directed.\n{text}".encode())
@@ -103,40 +102,42 @@ class Place:
         return file
 
 
-def place_of(file: Path, name: str | None, out: Path, quiet: bool, verbose: bool) -> Place:
-    """Return where a scene is kept when it has been directed.
+def recorder_for(
+    file: Path, name: str | None, out: Path, quiet: bool, verbose: bool
+) -> SceneRecorder:
+    """Return the recorder of a directed scene, which reports to standard error.
 
     Args:
         file: of the scene.
-        name: of the directed scene, None for one like that of its file.
+        name: of the directed scene, None for a default.
         out: folder that holds the scenes' folders.
-        quiet: whether nothing is said but errors.
-        verbose: whether more is said. Standard output is for messages alone.
+        quiet: whether only errors are reported.
+        verbose: whether details are reported.
 
     Raises:
-        UsageError: nothing can be called so.
+        UsageError: the name is invalid.
     """
-    name = f"{file.stem}{ENDING}" if name is None else name
+    name = f"{file.stem}{NAME_SUFFIX}" if name is None else name
     if not re.fullmatch(NAME_PATTERN, name):
         raise UsageError(f"--name {name!r} is no name; take letters, digits, _ and -")
-    return Place(name, out, Reporter() if quiet else LogReporter(sys.stderr, verbose))
+    return SceneRecorder(name, out, Reporter() if quiet else LogReporter(sys.stderr, verbose))
 
 
-def directed(scene: Scene, simulation: Simulation, now: bool) -> Scene:
-    """Return a scene whose script holds what it was told from outside, too, at exact times.
+def recorded_scene(scene: Scene, simulation: Simulation, end_now: bool) -> Scene:
+    """Return a scene whose script also has the commands, at exact times.
 
     Args:
-        scene: as it was before.
+        scene: before it was directed.
         simulation: of it.
-        now: whether it ends with the frame at which the simulation is.
+        end_now: whether it ends with the present frame.
     """
     clock = simulation.world.clock
-    told = [
+    commands = [
         Instruction(at=float(clock.time_of(step)), who=who, do=do)
         for step, who, do in simulation.script.told
     ]
-    changed = scene.model_copy(update={"script": (*scene.script, *told)})
-    if not now or simulation.finished:
+    changed = scene.model_copy(update={"script": (*scene.script, *commands)})
+    if not end_now or simulation.finished:
         return changed
     frames = max(-(-simulation.step_number // clock.steps), 1)
     shorter: dict[str, object] = {"frames": frames, "duration": None}
@@ -146,7 +147,7 @@ def directed(scene: Scene, simulation: Simulation, now: bool) -> Scene:
     return changed.model_copy(update=shorter)
 
 
-def _take(simulation: Simulation, key: str) -> Take:
-    """Return the take of a simulation, under the key of the scene that it has become."""
+def _take_with_key(simulation: Simulation, key: str) -> Take:
+    """Return the take of a simulation, with the key of the recorded scene."""
     simulation.recorder.header = replace(simulation.recorder.header, key=key)
     return simulation.take()

@@ -1,4 +1,4 @@
-"""Words: what requests say, typed and checked as scenes are."""
+"""Requests: typed parameters of the methods, validated as scenes are."""
 
 from __future__ import annotations
 
@@ -12,52 +12,52 @@ from pipeline.spec.model_base import ConfigModel, Integer, Number
 from pipeline.spec.source_tree import tree_of
 from pipeline.spec.validation import check
 
-Said = TypeVar("Said", bound=ConfigModel)
+ParamsModel = TypeVar("ParamsModel", bound=ConfigModel)
 
 Count = Annotated[Integer, Field(ge=1, le=10**9)]
 Names = Annotated[tuple[str, ...], Field(max_length=1000)]
 Topic = Literal["time", "performers", "places", "poses", "channels", "notes"]
 
 
-class StepWords(ConfigModel):
-    """How far to go on; the first of several that is reached."""
+class StepParams(ConfigModel):
+    """Limits of a step; the first that is reached ends it."""
 
-    steps: Count | None = Field(None, description="So many steps of the world.")
-    frames: Count | None = Field(None, description="So many frames of the film.")
+    steps: Count | None = Field(None, description="Number of world steps.")
+    frames: Count | None = Field(None, description="Number of frames of the film.")
     until: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
-        None, description="To this time of the scene [s]."
+        None, description="Time of the scene [s]."
     )
-    event: Names = Field((), description="Until one of these kinds of things happens.")
-    who: Names = Field((), description="To whom; anybody if left out.")
+    event: Names = Field((), description="Kinds of events that end the step.")
+    who: Names = Field((), description="Performers of these events; any if left out.")
 
 
-class QueryWords(ConfigModel):
-    """What to tell."""
+class QueryParams(ConfigModel):
+    """Topics and performers of a query."""
 
-    what: tuple[Topic, ...] = Field(("time", "places"), description="About what.")
-    who: Names = Field((), description="About whom; everybody if left out.")
-
-
-class SubscribeWords(ConfigModel):
-    """What to tell of as it happens, from now on, instead of what was asked for before."""
-
-    events: Names = Field(description="Kinds of things that happen; [] for none, ['*'] for all.")
-    who: Names = Field((), description="To whom; anybody if left out.")
+    what: tuple[Topic, ...] = Field(("time", "places"), description="Topics.")
+    who: Names = Field((), description="Performers; all if left out.")
 
 
-class EndWords(ConfigModel):
-    """Where the film ends."""
+class SubscribeParams(ConfigModel):
+    """Events of a subscription, which replaces the one before."""
 
-    at: Literal["end", "now"] = Field("end", description="At the scene's end, or where it is now.")
+    events: Names = Field(description="Kinds of events; [] for none, ['*'] for all.")
+    who: Names = Field((), description="Performers; any if left out.")
 
 
-def read(model: type[Said], params: Mapping[str, Any]) -> Said:
-    """Return what a request says.
+class EndParams(ConfigModel):
+    """End of the film."""
+
+    at: Literal["end", "now"] = Field("end", description="At the scene's end, or at this frame.")
+
+
+def read_params(model: type[ParamsModel], params: Mapping[str, Any]) -> ParamsModel:
+    """Return the validated parameters of a request.
 
     Raises:
-        SceneError: something is wrong with it; holds every problem found.
+        SceneError: with every problem found.
     """
-    said, problems = check(model, tree_of(params))
-    if said is None:
+    values, problems = check(model, tree_of(params))
+    if values is None:
         raise SceneError(problems)
-    return said
+    return values

@@ -1,4 +1,4 @@
-"""Session: one scene that is directed, and the methods by which that is done."""
+"""Session: a directed scene and its RPC methods."""
 
 from __future__ import annotations
 
@@ -6,16 +6,20 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from pipeline.errors import Problem, PronkError, SceneError, SimulationError
-from pipeline.production.direct.notifications import ALL_KINDS, Item, News
+from pipeline.production.direct.notifications import (
+    EVENT_KINDS,
+    Notification,
+    NotificationQueue,
+)
 from pipeline.production.direct.protocol import Method, OutOfOrder
-from pipeline.production.direct.queries import Answers
-from pipeline.production.direct.recording import Kept, Place
+from pipeline.production.direct.queries import StateQueries
+from pipeline.production.direct.recording import RecordedScene, SceneRecorder
 from pipeline.production.direct.requests import (
-    EndWords,
-    QueryWords,
-    StepWords,
-    SubscribeWords,
-    read,
+    EndParams,
+    QueryParams,
+    StepParams,
+    SubscribeParams,
+    read_params,
 )
 from pipeline.production.run.interrupts import held_back
 from pipeline.simulation.simulate import COMMAND, Simulation
@@ -24,35 +28,35 @@ from pipeline.spec.rpc_instruction import instruction_of
 from pipeline.spec.scene import MAX_INSTRUCTIONS
 from pipeline.spec.suggestions import hint
 
-EVERYTHING = "*"
+ALL_EVENTS = "*"
 
 Params = Mapping[str, Any]
-Tell = Callable[[Item], None]
+Notify = Callable[[Notification], None]
 
 
 class Session:
     """A scene while it is directed.
 
     Attributes:
-        kept: what was written, once it has ended.
-        tell: takes what was subscribed to, as it happens.
+        recorded: files of the scene, once it has ended.
+        notify: receives the events of the subscription.
     """
 
-    def __init__(self, scene: Scene, place: Place) -> None:
+    def __init__(self, scene: Scene, recorder: SceneRecorder) -> None:
         self.scene = scene
         self.simulation = Simulation(scene, directed=True)
-        self.kept: Kept | None = None
-        self.tell: Tell = _nobody
-        self._place = place
-        self._news = News(self.simulation)
-        self._answers = Answers(scene, self.simulation)
+        self.recorded: RecordedScene | None = None
+        self.notify: Notify = lambda event: None
+        self._recorder = recorder
+        self._queue = NotificationQueue(self.simulation)
+        self._queries = StateQueries(scene, self.simulation)
         self._events: frozenset[str] = frozenset()
         self._who: frozenset[str] = frozenset()
-        self._broken: PronkError | None = None
+        self._failure: PronkError | None = None
 
     @property
     def methods(self) -> Mapping[str, Method]:
-        """What can be asked of it."""
+        """The RPC methods by name."""
         return {
             "step": self.step,
             "command": self.command,
@@ -64,18 +68,18 @@ class Session:
     # --- methods ------------------------------------------------------------------
 
     def step(self, params: Params) -> object:
-        """Go on; return where it is then, and what it was to go on until."""
-        said = read(StepWords, params)
-        kinds = self._kinds(said.event, "event")
-        who = self._names(said.who)
+        """Step to a limit; return the time and the events that ended the step."""
+        request = read_params(StepParams, params)
+        kinds = self._kinds(request.event, "event")
+        who = self._names(request.who)
         self._refuse_after_end()
-        last, met = self._last(said), list[Item]()
+        last, met = self._last_step(request), list[Notification]()
         while self.simulation.step_number < last and not met:
-            met = [one for one in self._advance() if _is_of(one, kinds, who)]
-        return {**self._answers.time(), "happened": met}
+            met = [event for event in self._advance() if _matches(event, kinds, who)]
+        return {**self._queries.time(), "happened": met}
 
     def command(self, params: Params) -> object:
-        """Let somebody do something, now or when the words say so."""
+        """Give an instruction and return the time."""
         self._refuse_after_end()
         clock, step = self.simulation.world.clock, self.simulation.step_number
         instruction = instruction_of(params, self.scene, float(clock.time_of(step)))
@@ -87,123 +91,120 @@ class Session:
         try:
             self.simulation.add_instruction(instruction)
         except SceneError as error:
-            problems = error.problems
             raise SceneError(
-                [Problem(one.path.removeprefix(f"{COMMAND}."), one.message) for one in problems]
+                [Problem(p.path.removeprefix(f"{COMMAND}."), p.message) for p in error.problems]
             ) from None
-        return self._answers.time()
+        return self._queries.time()
 
     def query(self, params: Params) -> object:
-        """Tell about the scene as it is now."""
-        said = read(QueryWords, params)
-        return self._answers.about(said.what, self._names(said.who))
+        """Return the state of the simulation by topic."""
+        request = read_params(QueryParams, params)
+        return self._queries.state(request.what, self._names(request.who))
 
     def subscribe(self, params: Params) -> object:
-        """Tell of some kinds of things from now on, when they happen."""
-        said = read(SubscribeWords, params)
-        events, who = self._kinds(said.events, "events"), self._names(said.who)
+        """Notify of some kinds of events from now on; return the kinds."""
+        request = read_params(SubscribeParams, params)
+        events, who = self._kinds(request.events, "events"), self._names(request.who)
         self._events, self._who = events, who
         return {"events": sorted(events)}
 
     def end(self, params: Params) -> object:
-        """End the scene, now or when it ends, and write what became of it."""
-        said = read(EndWords, params)
+        """End the scene and return its files."""
+        request = read_params(EndParams, params)
         self._refuse_after_end()
-        kept = self.finish(now=said.at == "now")
+        recorded = self.finish(end_now=request.at == "now")
         return {
-            "scene": str(kept.scene),
-            "take": str(kept.take),
-            "digest": kept.digest,
-            "frames": kept.frames,
+            "scene": str(recorded.scene),
+            "take": str(recorded.take),
+            "digest": recorded.digest,
+            "frames": recorded.frames,
         }
 
-    def finish(self, now: bool = False) -> Kept:
-        """Go on to the end, unless it is `now`, and write what became of the scene.
+    def finish(self, end_now: bool = False) -> RecordedScene:
+        """Simulate to the end, unless it is now, and write scene and take.
 
         Raises:
             PronkError: the simulation failed, or something cannot be written.
         """
-        if not now:
-            # Whatever happens until the end, what was told is not lost.
-            self._place.write(self.scene, self.simulation, now=False)
+        if not end_now:
+            # Early, so that the commands survive whatever happens until the end.
+            self._recorder.write_scene(self.scene, self.simulation, end_now=False)
             while not self.simulation.finished:
                 self._advance()
-        if self._broken is not None:
-            raise self._broken
-        self.kept = self._place.keep(self.scene, self.simulation, now)
-        return self.kept
+        if self._failure is not None:
+            raise self._failure
+        self.recorded = self._recorder.record(self.scene, self.simulation, end_now)
+        return self.recorded
 
-    # --- how ----------------------------------------------------------------------
+    # --- helpers ------------------------------------------------------------------
 
-    def _advance(self) -> list[Item]:
-        """Go on by a step, tell of it, and return what has happened."""
-        if self._broken is not None:
-            raise self._broken
+    def _advance(self) -> list[Notification]:
+        """Take one step, notify of its events, and return them."""
+        if self._failure is not None:
+            raise self._failure
         try:
             with held_back():
                 self.simulation.step()
         except PronkError as error:
-            self._broken = error
+            self._failure = error
             raise
         except Exception as error:
-            # Half a step is no state to go on from.
-            self._broken = SimulationError(f"the simulation failed: {error!r}")
-            raise self._broken from error
-        news = self._news.since()
-        for one in news:
-            if _is_of(one, self._events, self._who):
-                self.tell(one)
-        return news
+            # The simulation cannot go on from half a step.
+            self._failure = SimulationError(f"the simulation failed: {error!r}")
+            raise self._failure from error
+        events = self._queue.since_last_call()
+        for event in events:
+            if _matches(event, self._events, self._who):
+                self.notify(event)
+        return events
 
-    def _last(self, said: StepWords) -> int:
-        """Return the step to go on to at most."""
+    def _last_step(self, request: StepParams) -> int:
+        """Return the last step that a request allows."""
         clock, now = self.simulation.world.clock, self.simulation.step_number
         limits = [clock.last_step]
-        if said.until is not None:
-            limits.append(clock.step_from(said.until))
+        if request.until is not None:
+            limits.append(clock.step_from(request.until))
             if limits[-1] < now:
                 text = f"is over: the scene is at {float(clock.time_of(now)):.4g} s"
                 raise SceneError([Problem("until", text)])
-        if said.frames is not None:
-            limits.append(now + said.frames * clock.steps)
-        if said.steps is not None or (len(limits) == 1 and not said.event):
-            limits.append(now + (said.steps or 1))
+        if request.frames is not None:
+            limits.append(now + request.frames * clock.steps)
+        if request.steps is not None or (len(limits) == 1 and not request.event):
+            limits.append(now + (request.steps or 1))
         return min(limits)
 
     def _refuse_after_end(self) -> None:
-        if self.kept is not None:
+        if self.recorded is not None:
             raise OutOfOrder("the scene has ended, and its take is written")
-        if self._broken is not None:
-            raise self._broken
+        if self._failure is not None:
+            raise self._failure
 
-    def _kinds(self, said: Collection[str], where: str) -> frozenset[str]:
-        if EVERYTHING in said:
-            return frozenset(ALL_KINDS)
-        _refuse_unknown(said, ALL_KINDS, where, "nothing that happens is called")
-        return frozenset(said)
+    def _kinds(self, kinds: Collection[str], path: str) -> frozenset[str]:
+        if ALL_EVENTS in kinds:
+            return frozenset(EVENT_KINDS)
+        _refuse_unknown_names(kinds, EVENT_KINDS, path, "nothing that happens is called")
+        return frozenset(kinds)
 
-    def _names(self, said: Collection[str]) -> frozenset[str]:
-        _refuse_unknown(said, self._answers.names, "who", "nobody in the cast is called")
-        return frozenset(said)
-
-
-def _nobody(item: Item) -> None:
-    """Tell nobody."""
+    def _names(self, names: Collection[str]) -> frozenset[str]:
+        _refuse_unknown_names(names, self._queries.names, "who", "nobody in the cast is called")
+        return frozenset(names)
 
 
-def _is_of(one: Item, kinds: Collection[str], who: Collection[str]) -> bool:
-    return one["kind"] in kinds and (not who or one["who"] in who or one["other"] in who)
+def _matches(event: Notification, kinds: Collection[str], who: Collection[str]) -> bool:
+    return event["kind"] in kinds and (not who or event["who"] in who or event["other"] in who)
 
 
-def _refuse_unknown(said: Iterable[str], known: Collection[str], where: str, message: str) -> None:
-    """Refuse names of what there is none.
+def _refuse_unknown_names(
+    names: Iterable[str], known: Collection[str], path: str, message: str
+) -> None:
+    """Refuse unknown names.
 
     Raises:
-        SceneError: for those that are unknown.
+        SceneError: with a problem for each of them.
     """
     problems = [
-        Problem(f"{where}[{i}]", f"{message} '{name[:60]}', {hint(name, known)}")
-        for i, name in enumerate(said)
+        Problem(f"{path}[{i}]", f"{message} '{name[:60]}', {hint(name, known)}")
+        for i, name in enumerate(names)
         if name not in known
     ]
     if problems:

@@ -1,7 +1,7 @@
-"""Doors: where the other program comes in: standard input and output, or a socket.
+"""Transport: messages over standard input and output, a local socket, or a TCP port.
 
-A socket is open to this machine alone unless its author names another host. It is shut once
-somebody has come in: a scene has one director.
+Each line is a message. A socket is open to this machine alone unless its host is given, and is
+closed once a program has connected, because a scene has one director.
 """
 
 from __future__ import annotations
@@ -20,63 +20,120 @@ from pathlib import Path
 from typing import BinaryIO
 
 from pipeline.errors import StoreError, UsageError
-from pipeline.production.direct.framing import Wire
 
-Say = Callable[[str], None]
-Door = Callable[[Say], AbstractContextManager[Wire]]
-"""Opens a wire, and says how to come in."""
+MAX_MESSAGE_BYTES = 2**20
+"""Longest message that is read [bytes]."""
+
+DISCARD_BYTES = 2**16
+"""Block size when a longer message is discarded [bytes]."""
+
+
+class Disconnected(Exception):
+    """The other program has disconnected."""
+
+
+class OversizedMessage:
+    """Stands for a message that is too long."""
+
+
+class MessageStream:
+    """Two byte streams with one message per line."""
+
+    def __init__(self, reader: BinaryIO, writer: BinaryIO) -> None:
+        self._reader = reader
+        self._writer = writer
+
+    def messages(self) -> Iterator[bytes | OversizedMessage]:
+        """Yield messages until the other end closes; blank lines are skipped."""
+        while line := self._line():
+            if len(line) > MAX_MESSAGE_BYTES:
+                self._skip(line)
+                yield OversizedMessage()
+            elif line.strip():
+                yield line
+
+    def send(self, text: str) -> None:
+        """Send a message.
+
+        Raises:
+            Gone: nobody takes it.
+        """
+        try:
+            self._writer.write(text.encode("ascii") + b"\n")
+            self._writer.flush()
+        except (OSError, ValueError) as error:
+            raise Disconnected from error
+
+    def _line(self) -> bytes:
+        try:
+            return self._reader.readline(MAX_MESSAGE_BYTES + 1)
+        except (OSError, ValueError):
+            return b""
+
+    def _skip(self, line: bytes) -> None:
+        """Discard the rest of a line."""
+        while line and not line.endswith(b"\n"):
+            try:
+                line = self._reader.readline(DISCARD_BYTES)
+            except (OSError, ValueError):
+                return
+
+
+Announce = Callable[[str], None]
+Transport = Callable[[Announce], AbstractContextManager[MessageStream]]
+"""Opens a message stream and announces its address."""
 
 LOOPBACK = "127.0.0.1"
 
-BROWSER = re.compile(rb"[A-Z]+ \S+ HTTP/")
-"""Begins what a browser sends: any page that it shows may have made it do so."""
+HTTP_REQUEST = re.compile(rb"[A-Z]+ \S+ HTTP/")
+"""Start of a browser's request, which any web page can cause."""
 
 
-def door_of(path: Path | None, number: int | None, host: str) -> Door:
-    """Return the door that is asked for: standard input and output if none is.
+def transport_for(path: Path | None, number: int | None, host: str) -> Transport:
+    """Return the transport for these options, by default standard input and output.
 
     Raises:
-        UsageError: there is none such.
+        UsageError: the options contradict each other, or the socket is occupied.
     """
     if path is not None and number is not None:
-        raise UsageError("--socket and --port are two doors; give one of them")
+        raise UsageError("--socket and --port conflict; give one of them")
     if number is None and host != LOOPBACK:
-        raise UsageError("--host is where a port is open to; give --port as well")
+        raise UsageError("--host is the address of a port; give --port as well")
     if path is not None:
-        return local(path)
-    return standard if number is None else port(number, host)
+        return local_socket(path)
+    return standard_streams if number is None else tcp_port(number, host)
 
 
 @contextmanager
-def standard(say: Say) -> Iterator[Wire]:
-    """Open standard input and output; whatever else would be printed goes to standard error."""
-    del say
+def standard_streams(announce: Announce) -> Iterator[MessageStream]:
+    """Open standard input and output; other prints go to standard error."""
+    del announce
     sys.stdout.flush()
     out = os.dup(1)
     os.dup2(2, 1)
     try:
         with (
-            _closed(open(0, "rb", closefd=False)) as reader,
-            _closed(open(out, "wb", closefd=False)) as writer,
+            _closing(open(0, "rb", closefd=False)) as reader,
+            _closing(open(out, "wb", closefd=False)) as writer,
         ):
-            yield Wire(reader, writer)
+            yield MessageStream(reader, writer)
     finally:
         sys.stdout.flush()
         os.dup2(out, 1)
         os.close(out)
 
 
-def local(path: Path) -> Door:
-    """Return the door that is a local socket at `path`, for its owner alone.
+def local_socket(path: Path) -> Transport:
+    """Return the transport over a local socket at `path`, for its owner alone.
 
     Raises:
-        UsageError: there is something else at `path`.
+        UsageError: the path is occupied.
     """
-    _refuse_taken(path)
+    _refuse_occupied(path)
 
     @contextmanager
-    def door(say: Say) -> Iterator[Wire]:
-        with _listening(socket.socket(socket.AF_UNIX)) as listener:
+    def transport(announce: Announce) -> Iterator[MessageStream]:
+        with contextlib.closing(socket.socket(socket.AF_UNIX)) as listener:
             before = os.umask(0o177)
             try:
                 listener.bind(str(path))
@@ -87,22 +144,22 @@ def local(path: Path) -> Door:
                 os.umask(before)
             try:
                 listener.listen(1)
-                say(f"waiting at {path}")
-                with _entered(listener) as wire:
-                    yield wire
+                announce(f"waiting at {path}")
+                with _accepted(listener) as stream:
+                    yield stream
             finally:
                 path.unlink(missing_ok=True)
 
-    return door
+    return transport
 
 
-def port(number: int, host: str) -> Door:
-    """Return the door that is a port of TCP; 0 takes one that is free, and says which."""
+def tcp_port(number: int, host: str) -> Transport:
+    """Return the transport over a TCP port; 0 takes a free one and announces it."""
 
     @contextmanager
-    def door(say: Say) -> Iterator[Wire]:
+    def transport(announce: Announce) -> Iterator[MessageStream]:
         family, address = _address(host, number)
-        with _listening(socket.socket(family)) as listener:
+        with contextlib.closing(socket.socket(family)) as listener:
             try:
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
                 listener.bind(address)
@@ -112,12 +169,12 @@ def port(number: int, host: str) -> Door:
             listener.listen(1)
             place = "{}:{}".format(*listener.getsockname()[:2])
             if not ipaddress.ip_address(listener.getsockname()[0]).is_loopback:
-                say(f"note: whoever can reach {place} can direct this scene")
-            say(f"waiting at {place}")
-            with _entered(listener) as wire:
-                yield wire
+                announce(f"note: whoever can reach {place} can direct this scene")
+            announce(f"waiting at {place}")
+            with _accepted(listener) as stream:
+                yield stream
 
-    return door
+    return transport
 
 
 def _address(host: str, number: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
@@ -128,29 +185,25 @@ def _address(host: str, number: int) -> tuple[socket.AddressFamily, tuple[str, i
     return found[0], (str(found[4][0]), number)
 
 
-def _listening(listener: socket.socket) -> AbstractContextManager[socket.socket]:
-    return contextlib.closing(listener)
-
-
 @contextmanager
-def _entered(listener: socket.socket) -> Iterator[Wire]:
-    """Wait for somebody who comes in, and shut the door; browsers are turned away."""
+def _accepted(listener: socket.socket) -> Iterator[MessageStream]:
+    """Wait for a program to connect and stop listening; browsers are refused."""
     while True:
         connection, _ = listener.accept()
         reader = connection.makefile("rb")
-        first = _peeked(reader)
-        if BROWSER.match(first) is None:
+        first = _first_bytes(reader)
+        if HTTP_REQUEST.match(first) is None:
             break
         reader.close()
         connection.close()
     listener.close()
-    with connection, _closed(reader), _closed(connection.makefile("wb")) as writer:
-        yield Wire(reader, writer)
+    with connection, _closing(reader), _closing(connection.makefile("wb")) as writer:
+        yield MessageStream(reader, writer)
 
 
 @contextmanager
-def _closed(stream: BinaryIO) -> Iterator[BinaryIO]:
-    """Close a stream in the end; what is not sent yet is for somebody who has gone."""
+def _closing(stream: BinaryIO) -> Iterator[BinaryIO]:
+    """Close a stream at the end; unsent data of a lost connection is dropped."""
     try:
         yield stream
     finally:
@@ -158,16 +211,16 @@ def _closed(stream: BinaryIO) -> Iterator[BinaryIO]:
             stream.close()
 
 
-def _peeked(reader: io.BufferedReader) -> bytes:
-    """Return the beginning of what comes first, which stays there to be read."""
+def _first_bytes(reader: io.BufferedReader) -> bytes:
+    """Return the first bytes without consuming them."""
     try:
         return reader.peek(64)[:64]
     except OSError:
         return b""
 
 
-def _refuse_taken(path: Path) -> None:
-    """Clear away the socket of a run that was killed; refuse anything else that is there."""
+def _refuse_occupied(path: Path) -> None:
+    """Remove the socket of a run that was killed; refuse anything else at `path`."""
     if not hasattr(socket, "AF_UNIX"):
         raise UsageError("there are no local sockets on this system; give --port")
     try:

@@ -26,8 +26,7 @@ from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from render.codecs import CODECS
-from render.film_encoder import Picture, write_film
+from render.film_encoder import CODECS, Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 

@@ -21,7 +21,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pipeline.errors import GoldenMissing, StoreError
 from pipeline.production.goldens.verdict import Layer
-from render.comparison import distances, flip, spread_of, tile_means
+from render.comparison.flip_metric import flip
+from render.comparison.image_statistics import seed_spread, tile_deviations, tile_means
 from render.errors import FrameFileError
 from render.image_files import read_png
 
@@ -85,8 +86,8 @@ def noise_level(frames: Sequence[Sequence[NDArray[np.uint8]]]) -> NoiseLevel:
             means.append(float(errors.mean()))
             tiles.append(float(tile_means(errors).max()))
         for k, picture in enumerate(pictures):
-            others = spread_of([*pictures[:k], *pictures[k + 1 :]])
-            zs.append(float(distances(others, picture).max()))
+            others = seed_spread([*pictures[:k], *pictures[k + 1 :]])
+            zs.append(float(tile_deviations(others, picture).max()))
     return NoiseLevel(len(frames[0]), max(means), max(tiles), max(zs))
 
 

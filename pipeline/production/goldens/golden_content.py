@@ -29,7 +29,7 @@ from pipeline.production.goldens.motion_file import read_golden, write_golden
 from pipeline.production.goldens.motion_golden import MotionGolden
 from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.outputs import PARTIAL, replace_folder
-from render.comparison import Spread
+from render.comparison.image_statistics import SeedSpread
 from render.errors import RenderError
 from render.image_files import read_png, write_png
 
@@ -62,7 +62,7 @@ class Content:
     framing: Framing | None = None
     frames: Mapping[int, Picture] = field(default_factory=dict)
     environment: str = ""
-    spreads: Mapping[int, Spread] = field(default_factory=dict)
+    spreads: Mapping[int, SeedSpread] = field(default_factory=dict)
     limits: Limits = Limits()  # noqa: RUF009 (a frozen value)
     calibrated: int = 0
 
@@ -154,13 +154,13 @@ def read_content(place: GoldenFolder, card: Card, layers: tuple[Layer, ...] = LA
     )
 
 
-def _packed(spread: Spread) -> dict[str, Any]:
+def _packed(spread: SeedSpread) -> dict[str, Any]:
     values = np.stack([spread.means, np.sqrt(spread.variances)]).astype("<f4")
     packed = base64.b85encode(zlib.compress(values.tobytes(), 9)).decode("ascii")
     return {"count": spread.count, "tiles": list(values.shape[1:3]), "packed": packed}
 
 
-def _read_spreads(path: Path) -> dict[int, Spread]:
+def _read_spreads(path: Path) -> dict[int, SeedSpread]:
     try:
         members: Any = json.loads(path.read_text(encoding="utf-8"))
         return {int(number): _unpacked(packed) for number, packed in members.items()}
@@ -168,7 +168,7 @@ def _read_spreads(path: Path) -> dict[int, Spread]:
         raise StoreError(f"{path}: the golden is damaged ({error}); {RESTORE_HINT}") from None
 
 
-def _unpacked(members: dict[str, Any]) -> Spread:
+def _unpacked(members: dict[str, Any]) -> SeedSpread:
     data = zlib.decompress(base64.b85decode(members["packed"]))
     values = np.frombuffer(data, "<f4").reshape(2, *members["tiles"], 3).astype(np.float64)
-    return Spread(int(members["count"]), values[0], values[1] ** 2)
+    return SeedSpread(int(members["count"]), values[0], values[1] ** 2)

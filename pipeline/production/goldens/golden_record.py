@@ -25,7 +25,7 @@ from pipeline.production.goldens.golden_content import (
 from pipeline.production.goldens.motion_golden import golden_of
 from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.progress import Reporter, stage
-from render.comparison import spread_of
+from render.comparison.image_statistics import seed_spread
 
 MIN_SEEDS = 2
 """Seeds for a calibration: a picture's distance from the others needs two others."""
@@ -154,7 +154,7 @@ def _with_limits(
             current.advance(seed)
         noise = noise_level(list(pictures.values()))
         current.result = f"worst tile {noise.tile:.4f}"
-    spreads = {number: spread_of(same) for number, same in pictures.items()}
+    spreads = {number: seed_spread(same) for number, same in pictures.items()}
     return replace(content, limits=noise.limits(), calibrated=seeds, spreads=spreads), noise
 
 

@@ -20,7 +20,14 @@ from pipeline.production.goldens.verdict import (
     gravest_outcome,
 )
 from pipeline.simulation.take import Take
-from render.comparison import Spread, distances, flip, judge, psnr, tile_box, tile_means
+from render.comparison.flip_metric import flip, judge
+from render.comparison.image_statistics import (
+    SeedSpread,
+    psnr,
+    tile_box,
+    tile_deviations,
+    tile_means,
+)
 
 MAX_BOXES: Final = 5
 """Number of worst tiles shown."""
@@ -97,7 +104,7 @@ def judge_frame(
     new: Picture,
     limits: Limits,
     same_environment: bool,
-    spread: Spread | None,
+    spread: SeedSpread | None,
 ) -> FrameVerdict:
     """Return the verdict on one frame.
 
@@ -114,7 +121,7 @@ def judge_frame(
         return FrameVerdict(number, Outcome.IDENTICAL, "digest", "equal to the bit")
     errors = flip(golden, new)
     tiles = tile_means(errors)
-    zs = None if spread is None else distances(spread, new)
+    zs = None if spread is None else tile_deviations(spread, new)
     mean, tile, ratio = float(errors.mean()), float(tiles.max()), psnr(golden, new)
     z = None if zs is None else float(zs.max())
     texts = [f"FLIP {mean:.4f} (limit {limits.mean:g}), worst tile {tile:.4f}"]

@@ -25,7 +25,7 @@ from pipeline.production.goldens.verdict import (
     SceneVerdict,
     exit_code,
 )
-from render.comparison import flip
+from render.comparison.flip_metric import flip
 from render.errors import RenderError
 from render.image_files import read_png
 

@@ -15,7 +15,6 @@ from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
-from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.effort import MIN_ROWS, Effort, efforts_of
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene
@@ -70,7 +69,6 @@ def legged_of(scene: Scene) -> list[str]:
 
 def facts(effort: Effort) -> dict[str, Any]:
     """Return the effort of one creature as plain values in SI units."""
-    weight = effort.mass * GRAVITY
     moment = float(np.linalg.norm(effort.unbalanced_moment, axis=-1).mean())
     return {
         "name": effort.name,
@@ -86,7 +84,7 @@ def facts(effort: Effort) -> dict[str, Any]:
             for i, leg in enumerate(effort.legs)
         },
         "mean_unbalanced_moment": moment,
-        "mean_unbalanced_arm": moment / weight,
+        "mean_unbalanced_arm": moment / effort.weight,
         "mean_unborne_force": float(np.linalg.norm(effort.unsupported_force, axis=-1).mean()),
     }
 
@@ -108,7 +106,7 @@ def _row(effort: Effort) -> tuple[str, ...]:
         f"{effort.energy:.4g} J",
         "-" if cost is None else f"{cost:.3f}",
         f"{effort.max_torques[joint]:.4g} {unit} ({effort.joints[joint]})",
-        f"{100.0 * moment / (effort.mass * GRAVITY):.1f} cm",
+        f"{100.0 * moment / effort.weight:.1f} cm",
     )
 
 

@@ -10,11 +10,11 @@ from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
-from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.progress import Reporter, clock, stage
 from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
 from render.config import FullFilm
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +75,16 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
                             _ = picture.srgb8
                     seconds.append(time.perf_counter() - began)
                     if done == 1:
-                        renderer.split = Split()
+                        renderer.timings = Timings()
                     current.advance(done)
-                split, count = renderer.split, order.scene.n_frames
+                split, count = renderer.timings, order.scene.n_frames
                 found.append(_speed(preset, film.resolved(), seconds, split, count))
                 current.result = f"{found[-1].frame:.2f} s a frame"
     return found
 
 
 def _speed(
-    preset: str, film: FullFilm, seconds: Sequence[float], split: Split, count: int
+    preset: str, film: FullFilm, seconds: Sequence[float], split: Timings, count: int
 ) -> Speed:
     # A scene of one frame has only its first.
     later = list(seconds[1:]) or list(seconds)
@@ -126,10 +126,3 @@ def table(speeds: Sequence[Speed]) -> str:
         "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
         for row in rows
     )
-
-
-def clock(seconds: float) -> str:
-    """Return a length of time as hours, minutes and seconds."""
-    whole = round(seconds)
-    hours, minutes = divmod(whole // 60, 60)
-    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

@@ -88,7 +88,7 @@ def _backend(fresh: bool) -> Iterator[Finding]:
     except BackendMissing as error:
         yield Finding("backend", False, str(error))
         return
-    for tried in backend.findings:
+    for tried in backend.probes:
         # A missing GPU is no fault.
         where = f" ({tried.library})" if tried.library else ""
         yield Finding(tried.variant, tried.works, tried.why + where, needed=False)

@@ -49,12 +49,11 @@ from pipeline.simulation.take_store import read_key, read_take, write_take
 from pipeline.simulation.versions import versions
 from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
-from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film_encoder import Picture, film_key, write_film
+from render.film_encoder import CODECS, Picture, film_key, write_film
 from render.image_files import read_exr, read_png
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 
 @dataclass(slots=True)
@@ -296,7 +295,7 @@ def _rendered_on(
     else:
         for done, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
             progress(done)
-        split = renderer.split
+        split = renderer.timings
     estimate.store()
     run.record_time("render", began)
     current.result = _render_summary(split, current.seconds * jobs, kept)
@@ -308,7 +307,7 @@ def _note(run: Production, text: str | None) -> None:
         run.reporter.note(text)
 
 
-def _render_summary(split: Split, seconds: float, kept: int) -> str:
+def _render_summary(split: Timings, seconds: float, kept: int) -> str:
     inside = split.build + split.update + split.trace + split.denoise
     return (
         f"{counted(split.frames)}, {seconds / split.frames:.2f} s each, "

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
 from pipeline.simulation.figure_analysis import analyse, draw
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene
 
@@ -18,8 +19,9 @@ def check_scene(scene: Scene) -> str:
         PronkError: a figure is wrong, or a performer cannot start its part.
     """
     simulation = Simulation(scene)
-    mounts_of(scene, simulation.recorder.nodes)
-    sharp_nodes_of(scene, simulation.recorder.nodes)
+    names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)
+    mounts_of(scene, names)
+    sharp_nodes_of(scene, names)
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"

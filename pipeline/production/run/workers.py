@@ -24,7 +24,7 @@ from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
 from render.backend import Backend, Choice, choose, without_gpu
 from render.errors import DeviceMemoryShort, RenderError
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 FRAMES_PER_PROCESS = 500
 """Frames after which workers are replaced, because Mitsuba does not return all memory."""
@@ -117,7 +117,7 @@ class FrameBatch:
         ]
 
 
-def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], None]) -> Split:
+def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], None]) -> Timings:
     """Render frames in `jobs` processes.
 
     Args:
@@ -132,7 +132,7 @@ def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], N
         FilmingError: a frame cannot be rendered or written, or a process died.
         DeviceMemoryShort: a GPU has too little memory.
     """
-    total = Split()
+    total = Timings()
     death = FilmingError("a process that rendered has died; if memory was short, try fewer --jobs")
     for share in frames.split(jobs * FRAMES_PER_PROCESS):
         size = min(MAX_BATCH, max(1, len(share.keys) // (jobs * BATCHES_PER_PROCESS)))
@@ -182,7 +182,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _film_batch(batch: FrameBatch) -> Split | str | DeviceMemoryShort:
+def _film_batch(batch: FrameBatch) -> Timings | str | DeviceMemoryShort:
     """Render one batch and return its render times; an error is returned as its message."""
     global _equipment
     try:
@@ -190,11 +190,11 @@ def _film_batch(batch: FrameBatch) -> Split | str | DeviceMemoryShort:
             shooting = Shooting(batch.scene, read_take(batch.take))
             _equipment = shooting, Renderer(batch.backend)
         shooting, renderer = _equipment
-        renderer.split = Split()
+        renderer.timings = Timings()
         for _ in film_frames(renderer, shooting, batch.outputs, batch.keys):
             pass
     except DeviceMemoryShort as error:
         return error
     except (FilmingError, RenderError) as error:
         return str(error)
-    return renderer.split
+    return renderer.timings

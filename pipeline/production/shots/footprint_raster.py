@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Take
-from render.footprints import BLOCK, MOST, Prints, packed
+from render.footprints import BLOCK, MAX_FOOTPRINTS, FootprintRaster, pack_texels
 
 DEPTHS: Mapping[str, tuple[float, float]] = {
     "snow": (0.035, 0.16),
@@ -43,7 +43,7 @@ class Footprints:
         rows: (n,) row of the take, with its fraction, at which each is made, ascending.
     """
 
-    prints: Prints
+    prints: FootprintRaster
     rows: Array
 
     def made(self, row: float) -> int:
@@ -67,7 +67,7 @@ def footprints(take: Take, texture: str) -> Footprints | None:
         texture: of the ground.
     """
     treads = [c for c in take.contacts if c.kind == "touch" and c.other == "terrain"]
-    treads = treads[:MOST]
+    treads = treads[:MAX_FOOTPRINTS]
     if not treads or texture not in DEPTHS:
         return None
     radii = _radii(take)
@@ -107,7 +107,7 @@ def _foot(take: Take, contact: Contact, radii: Mapping[str, float]) -> _Foot:
     return _Foot(contact.place[0], contact.place[2], max(WIDER * radius, SMALLEST), heading)
 
 
-def _raster(feet: list[_Foot], depth: float, dark: float) -> Prints:
+def _raster(feet: list[_Foot], depth: float, dark: float) -> FootprintRaster:
     spacing = min(foot.radius for foot in feet) / FINENESS
     spacing = float(np.clip(spacing, FINEST, COARSEST))
     reach = REACH * LONGER * max(foot.radius for foot in feet)
@@ -133,7 +133,7 @@ def _raster(feet: list[_Foot], depth: float, dark: float) -> Prints:
                 block = texels[blocks[j, i]]
                 # Who came first keeps its place: the ground there is pressed already.
                 np.copyto(block, made, where=block == 0)
-    return Prints((float(corner[0]), float(corner[1])), spacing, blocks, np.array(texels))
+    return FootprintRaster((float(corner[0]), float(corner[1])), spacing, blocks, np.array(texels))
 
 
 def _pressed(
@@ -157,5 +157,5 @@ def _pressed(
     inner = (slice(1, -1), slice(1, -1))
     reached = (rho < REACH)[inner]
     shade = soft[1] * hollow[inner]
-    made = packed(np.full(shade.shape, number, np.uint32), shade, slopes[:, 1:-1, 1:-1])
+    made = pack_texels(np.full(shade.shape, number, np.uint32), shade, slopes[:, 1:-1, 1:-1])
     return np.where(reached, made, np.uint32(0)).astype(np.uint32)

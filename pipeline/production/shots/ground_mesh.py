@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
 from pipeline.simulation.terrain.heightfield import surface_of_vertices
-from render.footprints import Prints
+from render.footprints import FootprintRaster
 from render.shot import Mesh
 
 RINGS = 26
@@ -24,7 +24,7 @@ GROWTH = 1.32
 
 
 def ground_meshes(
-    terrain: TerrainRecord, show_forbidden: bool = False, prints: Prints | None = None
+    terrain: TerrainRecord, show_forbidden: bool = False, prints: FootprintRaster | None = None
 ) -> tuple[Mesh, ...]:
     """Return the terrain and its far field, with texture coordinates in metres.
 
@@ -39,8 +39,8 @@ def ground_meshes(
         faces=terrain.faces,
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),
-        tinted=_tinted(terrain) if show_forbidden else None,
-        prints=prints,
+        warned=_tinted(terrain) if show_forbidden else None,
+        footprints=prints,
     )
     vertices, faces = _far_field(terrain)
     far = Mesh(

@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.production.camera.parent_nodes import nodes_of
 from pipeline.production.shots.skinning import poses
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
@@ -38,7 +39,7 @@ class CarriedLamps:
         """
         lamps = scene.light.lamps
         parents = {f"light.lamps[{i}]": lamp.parent for i, lamp in enumerate(lamps)}
-        return CarriedLamps(lamps, tuple(nodes_of(scene, take.nodes, parents)))
+        return CarriedLamps(lamps, tuple(nodes_of(scene, NodeNames.of(take), parents)))
 
     def placed(self, take: Take, at: float) -> tuple[LampPlace, ...]:
         """Return where they are at a row of a take or between two."""

@@ -16,6 +16,7 @@ from pipeline.production.shots.lamp_placement import CarriedLamps
 from pipeline.production.shots.pattern_coordinates import rests
 from pipeline.production.shots.skinning import Skin, seen_parts
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material
@@ -40,7 +41,8 @@ class Shooting:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         aspect = self.film.size[0] / self.film.size[1]
-        mounts, sharp = mounts_of(scene, take.nodes), sharp_nodes_of(scene, take.nodes)
+        names = NodeNames.of(take)
+        mounts, sharp = mounts_of(scene, names), sharp_nodes_of(scene, names)
         self.poses = camera_poses(take, scene.camera, aspect, mounts, sharp)
         self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
@@ -89,8 +91,8 @@ class Shooting:
         """Return the ground with the footprints that have been made by a row of the take."""
         near, *others = self._ground
         made = self._prints.made(row) if self._prints else 0
-        if near.printed != made:
-            self._ground = replace(near, printed=made), *others
+        if near.footprint_count != made:
+            self._ground = replace(near, footprint_count=made), *others
         return self._ground
 
 

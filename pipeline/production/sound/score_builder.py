@@ -95,7 +95,7 @@ def _cut_description(cut: Camera) -> str:
     target = cut.follow if isinstance(cut.follow, str) else ", ".join(cut.follow or ("all",))
     if cut.parent is not None:
         return f"from {cut.parent}"
-    if cut.moved:
+    if cut.is_animated:
         return "moving camera"
     if cut.at is not None:
         return "standing camera" if cut.look_at is not None else f"standing camera, {target}"

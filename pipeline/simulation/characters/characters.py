@@ -37,8 +37,8 @@ from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
+from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.script import Orders
-from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.character import Character
@@ -140,7 +140,7 @@ class Characters(Troupe):
         self.obstacle_circles.set_solids(self.solid_tracker.solids.bodies)
         return self.solid_tracker.obstacles
 
-    def update_obstacles(self, motion: Motion) -> None:
+    def update_obstacles(self, motion: SolidMotion) -> None:
         """Update poses and velocities of the obstacles."""
         spans = self.arrays.owners["nodes"].tolist()
         self.solid_tracker.update(motion, [self.arrays.p[first : first + n] for first, n in spans])

@@ -38,10 +38,9 @@ class RigidPart:
     @cached_property
     def principal_axes(self) -> Array:
         """Axes of the vertices' covariance as columns, the longest last: (3, 3)."""
-        axes: Array = np.linalg.eigh(
-            (self._spread[:, :, None] * self._spread[:, None, :]).sum(axis=0)
-        )[1]
-        return axes
+        spread = self._spread
+        _, axes = np.linalg.eigh((spread[:, :, None] * spread[:, None, :]).sum(axis=0))
+        return np.asarray(axes)
 
     @property
     def thickness(self) -> float:

@@ -1,4 +1,4 @@
-"""Postures: the creatures of a herd of which their authors ask something beside walking."""
+"""Authored poses: creatures of a herd whose bodies, feet or joints their author poses."""
 
 from __future__ import annotations
 
@@ -27,18 +27,21 @@ from pipeline.spec.creature import Creature
 
 
 class AuthoredPoses:
-    """What is asked of the creatures of a herd, by creature."""
+    """The authored poses of a herd.
+
+    Attributes:
+        postures: by creature.
+    """
 
     def __init__(
         self,
         cast: Sequence[tuple[int, Creature, Figure]],
         herd: Herd,
-        idlers: FreeJoints,
+        free_joints: FreeJoints,
         seed: int,
     ) -> None:
-        self.herd = herd
-        self.idlers = idlers
-        self.of: Mapping[int, FigurePosture] = {
+        self.herd, self.free_joints = herd, free_joints
+        self.postures: Mapping[int, FigurePosture] = {
             c: FigurePosture(
                 figure,
                 plan_poses(member.pose, figure, f"cast[{number}].pose"),
@@ -49,39 +52,34 @@ class AuthoredPoses:
         }
         self._legs: dict[int, Array] = {}
 
-    @staticmethod
-    def ground(turned: Array, p_WB: Array, tall: Array) -> tuple[Array, Array]:
-        """Return the frames R_WG (n, 3, 3), p_WG (n, 3) of the ground below a body.
+    def free_fraction(self, times: Array) -> Array:
+        """Return the fraction (n, L) of each leg's motion that is left to the walk."""
+        result = np.ones((len(times), len(self.herd.owner)))
+        for c, posture in self.postures.items():
+            for i, leg in enumerate(np.flatnonzero(self.herd.owner == c)):
+                result[:, leg] = posture.free(i, times)
+        return result
 
-        Args:
-            turned: (n,) its heading [rad].
-            p_WB: (n, 3) where it is [m].
-            tall: (n,) how high it goes [m].
-        """
-        p_WG = p_WB.copy()
-        p_WG[:, 1] -= tall
-        return heading(turned), p_WG
-
-    def move_bodies(self, times: Array, turned: Array, R_WB: Array, p_WB: Array) -> None:
-        """Put bodies (n, C), headed as `turned` (n, C), where they are to be at `times` (n,)."""
-        for c, posture in self.of.items():
+    def move_bodies(self, times: Array, headings: Array, R_WB: Array, p_WB: Array) -> None:
+        """Move bodies (n, C) with headings (n, C) to their authored poses at `times` (n,)."""
+        for c, posture in self.postures.items():
             R, p = posture.body(times)
-            R_WG = heading(turned[:, c])
+            R_WG = heading(headings[:, c])
             R_WB[:, c] = R_WG @ R @ R_WG.transpose(0, 2, 1) @ R_WB[:, c]
             p_WB[:, c] += turn(R_WG, p)
 
-    def keep_feet(self, goals: Array, q: Array, residual: Array) -> None:
-        """Keep the feet of moved bodies where they are, leg by leg from the row before.
+    def track_feet(self, goals: Array, q: Array, residual: Array) -> None:
+        """Keep the feet of moved bodies in place, leg by leg from the row before.
 
-        A body that an author moves goes where no walk would have it, where `settle` may find
-        now one pose of a leg, now another.
+        An authored body goes where no walk would have it, where `settle` may jump between poses of
+        a leg.
 
         Args:
-            goals: (n, L, 3) where the tips are to be, relative to the bodies [m].
+            goals: (n, L, 3) of the tips, relative to the bodies [m].
             q: (n, L, k) joint values of all legs; changed.
-            residual: (n, L) distances that are left [m]; changed.
+            residual: (n, L) misses [m]; changed.
         """
-        for c, posture in self.of.items():
+        for c, posture in self.postures.items():
             legs = np.flatnonzero(self.herd.owner == c)
             if not posture.plan.body or not len(legs):
                 continue
@@ -97,50 +95,42 @@ class AuthoredPoses:
                 residual[row, legs] = pursued.error * batch.lengths
             self._legs[c] = before
 
-    def free(self, times: Array) -> Array:
-        """Return what part of each leg's doing is left to itself (n, L)."""
-        result = np.ones((len(times), len(self.herd.owner)))
-        for c, posture in self.of.items():
-            for i, leg in enumerate(np.flatnonzero(self.herd.owner == c)):
-                result[:, leg] = posture.free(i, times)
-        return result
-
     def move_joints(
         self,
         around: Mapping[int, FigureFrames],
         legs: tuple[Array, Array],
         others: tuple[Array, Array],
     ) -> list[tuple[int, GoalMiss]]:
-        """Set joints as they are asked for.
+        """Set joints to their authored poses.
 
         Args:
-            around: where each of these creatures is.
+            around: surroundings of each creature with authored poses.
             legs: joint values (n, L, k) and frames (n, L, k, 4, 4) of all legs; changed.
-            others: those (n, M) and (n, M, 4, 4) of all other joints; changed.
+            others: values (n, M) and frames (n, M, 4, 4) of all other joints; changed.
 
         Returns:
-            Creature and what it misses.
+            Creatures and their misses.
         """
         misses = list[tuple[int, GoalMiss]]()
-        for c, posture in self.of.items():
+        for c, posture in self.postures.items():
             places = self._places(c)
             q = np.zeros((len(legs[0]), len(posture.figure.skeleton.joint_names)))
-            for joints, which, own in places:
-                q[:, joints] = (legs, others)[which][0][(slice(None), *own)]
+            for joints, kind, own in places:
+                q[:, joints] = (legs, others)[kind][0][(slice(None), *own)]
             q, X, missed = posture.values(q, around[c])
-            for joints, which, own in places:
-                values, frames = (legs, others)[which]
+            for joints, kind, own in places:
+                values, frames = (legs, others)[kind]
                 values[(slice(None), *own)] = q[:, joints]
                 frames[(slice(None), *own)] = X[:, joints]
             misses.extend((c, miss) for miss in missed)
         return misses
 
     def _places(self, c: int) -> list[tuple[list[int], int, tuple[NDArray[np.int64] | int, ...]]]:
-        """Return joints of a creature, whether they are others than legs', and where they stand."""
+        """Return joints of a creature, 0 for legs or 1 for others, and their indices there."""
         places: list[tuple[list[int], int, tuple[NDArray[np.int64] | int, ...]]] = []
         legs = np.flatnonzero(self.herd.owner == c)
         for leg, limb in zip(legs, self.herd.figures[c].skeleton.legs, strict=True):
             places.append((list(limb.joints), 0, (int(leg), np.arange(len(limb.joints)))))
-        own = np.flatnonzero(self.idlers.owner == c)
-        places.append((self.idlers.number[own].tolist(), 1, (own,)))
+        own = np.flatnonzero(self.free_joints.owner == c)
+        places.append((self.free_joints.number[own].tolist(), 1, (own,)))
         return places

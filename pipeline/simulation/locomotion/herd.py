@@ -1,7 +1,4 @@
-"""Herd: all walking creatures as arrays, creature by creature and leg by leg.
-
-These are the constants of walking: what a creature is and how it was asked to walk.
-"""
+"""Herd: the constants of all walking creatures as arrays, creature by creature and leg by leg."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
 from pipeline.simulation.locomotion.gaits.pace import Pace, choose_pace
-from pipeline.simulation.locomotion.gaits.spread import LegLayout
+from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.simulation.spatial import Array
 from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
@@ -28,35 +25,32 @@ class Herd:
     """C creatures with L legs in all.
 
     Attributes:
-        names: of the creatures.
-        figures: of the creatures.
+        names, figures: of the creatures.
         starts: (C, 2) x and z at the start [m].
-        headings: (C,) [rad].
-        spreads: legs of the creatures at rest.
-        plain, paces: that they begin with, without their moods and in them.
-        cycle, stride, longest, body_height, bounciness, aside: (C,) of these, see `Pace`.
-        beats: (C,) times a cycle that feet come down.
-        belly: (C,) how deep the bodies reach below their frames [m].
-        walks: (C,) whether it goes anywhere.
+        headings: (C,) at the start [rad].
+        leg_layouts: legs of the creatures at rest.
+        neutral_paces, paces: at the start, without and with their moods.
+        cycle, stride, body_height, bounciness, aside: (C,) of `paces`, see `Pace`.
+        beats: (C,) different foot-down phases in a cycle.
+        belly: (C,) depth of the bodies below their frames [m].
+        walks: (C,) whether the creature walks at all.
         footprint: (C, 2) half extent of the feet at rest along x and z [m].
         owner: (L,) creature of each leg.
-        leg_names: of the legs.
-        legs: joints of the legs.
+        leg_names, legs: names and joints of the legs.
         rest: (L, 2) x and z of the feet at rest, relative to the body [m].
-        up, down: (L,) phases.
-        step_height, sole: (L,) lift of the foot, and radius of its tip [m].
+        up, down: (L,) foot-up and foot-down phases.
+        step_height, sole: (L,) height of a swing, and radius of the foot [m].
     """
 
     names: tuple[str, ...]
     figures: tuple[Figure, ...]
     starts: Array
     headings: Array
-    spreads: tuple[LegLayout, ...]
-    plain: tuple[Pace, ...]
+    leg_layouts: tuple[LegLayout, ...]
+    neutral_paces: tuple[Pace, ...]
     paces: tuple[Pace, ...]
     cycle: Array
     stride: Array
-    longest: Array
     body_height: Array
     bounciness: Array
     aside: Array
@@ -75,7 +69,7 @@ class Herd:
 
     @cached_property
     def swings(self) -> Array:
-        """(L,) parts of a cycle that the feet are in the air."""
+        """(L,) fractions of a cycle that the feet are in the air."""
         result: Array = np.mod(self.down - self.up, 1.0)
         return result
 
@@ -85,15 +79,15 @@ class Herd:
         return np.searchsorted(self.owner, np.arange(len(self.names)))
 
     @cached_property
-    def tiers(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Creatures and their first legs, those that have more and their second ones, and so on."""
+    def legs_by_rank(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Creatures and their first legs, then those with a second leg and that, and so on."""
         counts = np.bincount(self.owner, minlength=len(self.names))
-        having = (np.flatnonzero(counts > k) for k in range(int(counts.max(initial=0))))
-        return [(owners, self.first_leg[owners] + k) for k, owners in enumerate(having)]
+        owners_of_rank = (np.flatnonzero(counts > k) for k in range(int(counts.max(initial=0))))
+        return [(owners, self.first_leg[owners] + k) for k, owners in enumerate(owners_of_rank)]
 
     @cached_property
     def chains(self) -> list[ChainGroup]:
-        """The legs by their makes."""
+        """The legs, grouped by their kinds of joints."""
         return group_chains(self.legs, self.owner)
 
     @property
@@ -103,14 +97,14 @@ class Herd:
 
 
 def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str, Mood]) -> Herd:
-    """Collect creatures into one herd.
+    """Collect creatures in one herd.
 
     Args:
-        cast: place in the scene's cast, words and figure of each.
-        moods: that they may be in, by name.
+        cast: place in the scene's cast, config and figure of each.
+        moods: all known moods, by name.
 
     Raises:
-        SceneError: if a creature cannot walk as it is asked to.
+        SceneError: if a creature cannot walk as configured.
     """
     owner, limbs = list[int](), []
     for c, (_, _, figure) in enumerate(cast):
@@ -120,13 +114,13 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
     legs = LimbBatch.of(limbs)
     tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
     owners = np.array(owner, dtype=np.int64)
-    spreads, plain, paces = list[LegLayout](), list[Pace](), list[Pace]()
+    layouts, neutral, paces = list[LegLayout](), list[Pace](), list[Pace]()
     for c, (number, member, figure) in enumerate(cast):
         own = owners == c
-        spreads.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own]))
-        plain.append(choose_pace(f"cast[{number}].walk", member.walk, figure, spreads[-1]))
-        feeling = blend_moods(member.mood, moods)
-        paces.append(apply_mood(plain[-1], feeling, figure, spreads[-1]))
+        layouts.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own]))
+        neutral.append(choose_pace(f"cast[{number}].walk", member.walk, figure, layouts[-1]))
+        effect = blend_moods(member.mood, moods)
+        paces.append(apply_mood(neutral[-1], effect, figure, layouts[-1]))
     spans = [
         np.abs(tips[owners == c][:, [0, 2]]).max(axis=0, initial=0.05) for c in range(len(cast))
     ]
@@ -135,12 +129,11 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         figures=tuple(figure for _, _, figure in cast),
         starts=np.array([(member.at[0], member.at[-1]) for _, member, _ in cast], dtype=float),
         headings=np.radians([member.heading_deg for _, member, _ in cast]),
-        spreads=tuple(spreads),
-        plain=tuple(plain),
+        leg_layouts=tuple(layouts),
+        neutral_paces=tuple(neutral),
         paces=tuple(paces),
         cycle=np.array([p.cycle for p in paces]),
         stride=np.array([p.stride for p in paces]),
-        longest=np.array([p.longest for p in paces]),
         body_height=np.array([p.body_height for p in paces]),
         bounciness=np.array([p.bounciness for p in paces]),
         aside=np.array([p.aside for p in paces]),

@@ -1,4 +1,4 @@
-"""Inventory: what a herd adds to a take, and where its nodes' poses come from."""
+"""Inventory: the nodes, channels, meshes and parts that a herd adds to a take."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory
 
 
 @dataclass(frozen=True, eq=False)
 class NodeTable:
-    """For each node of the herd, creature by creature and link by link: what moves it.
+    """The nodes of a herd, creature by creature and link by link, and the frames that move them.
 
     Attributes:
         names: of the nodes.
         owner: (J,) creature.
-        frame: (J,) number of the frame that is its own: the body's, then those of all joints
-            of legs, padding and all, then those of all other joints.
-        rest: (J, 3) place in the creation frame [m].
-        parent: (J,) node it hangs on, -1 for bodies.
+        frame: (J,) number of the node's frame: the body's, then those of all joints of legs with
+            padding, then those of all free joints.
+        rest: (J, 3) position in the creation frame [m].
+        parent: (J,) node that it hangs on, -1 for bodies.
     """
 
     names: tuple[str, ...]
@@ -38,9 +38,9 @@ class NodeTable:
     parent: NDArray[np.int64]
 
     @staticmethod
-    def of(herd: Herd, idlers: FreeJoints) -> NodeTable:
+    def of(herd: Herd, free_joints: FreeJoints) -> NodeTable:
         """Number the nodes of a herd."""
-        frame_of = _frame_numbers(herd, idlers)
+        frame_of = _frame_numbers(herd, free_joints)
         names, owner, frame = list[str](), list[int](), list[int]()
         rest, parent = list[Array](), list[int]()
         for c, figure in enumerate(herd.figures):
@@ -55,16 +55,16 @@ class NodeTable:
             tuple(names), np.array(owner), np.array(frame), np.array(rest), np.array(parent)
         )
 
-    def poses(self, X_legs: Array, X_idle: Array) -> Array:
+    def poses(self, X_legs: Array, X_free: Array) -> Array:
         """Return X_BN (n, J, 4, 4), the poses of all nodes relative to their bodies.
 
         Args:
             X_legs: (n, m, 4, 4) frames of all joints of legs.
-            X_idle: (n, M, 4, 4) frames of all others.
+            X_free: (n, M, 4, 4) frames of all free joints.
         """
-        poses = np.empty((len(X_idle), len(self.frame), 4, 4))
+        poses = np.empty((len(X_free), len(self.frame), 4, 4))
         first = 0
-        for frames in (np.broadcast_to(np.eye(4), (len(X_idle), 1, 4, 4)), X_legs, X_idle):
+        for frames in (np.broadcast_to(np.eye(4), (len(X_free), 1, 4, 4)), X_legs, X_free):
             after = first + frames.shape[1]
             here = np.flatnonzero((self.frame >= first) & (self.frame < after))
             poses[:, here] = frames[:, self.frame[here] - first]
@@ -72,8 +72,8 @@ class NodeTable:
         return poses
 
 
-def _frame_numbers(herd: Herd, idlers: FreeJoints) -> dict[tuple[int, int], int]:
-    """Return creature and joint -> number of the frame; see `NodeTable`."""
+def _frame_numbers(herd: Herd, free_joints: FreeJoints) -> dict[tuple[int, int], int]:
+    """Return the frame numbers of `NodeTable` by creature and joint."""
     numbers = {(c, BODY): 0 for c in range(len(herd.names))}
     width, leg = herd.legs.is_joint.shape[1], 0
     for c, figure in enumerate(herd.figures):
@@ -82,19 +82,19 @@ def _frame_numbers(herd: Herd, idlers: FreeJoints) -> dict[tuple[int, int], int]
                 numbers[c, joint] = 1 + leg * width + column
             leg += 1
     first = 1 + leg * width
-    for i, (c, joint) in enumerate(zip(idlers.owner, idlers.number, strict=True)):
+    for i, (c, joint) in enumerate(zip(free_joints.owner, free_joints.number, strict=True)):
         numbers[int(c), int(joint)] = first + i
     return numbers
 
 
 def parent_links(figure: Figure) -> list[int | None]:
-    """Return for each link the one that it hangs on, None for the body."""
+    """Return the parent of each link, None for the body."""
     skeleton = figure.skeleton
     link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
     above = list[int | None]()
     for link in skeleton.links:
         joint = link.joint
-        # Joints of one ball move no link of their own: go up to one that does.
+        # Joints of a ball joint move no link of their own: go up to one that does.
         while joint != BODY and (joint == link.joint or joint not in link_of):
             joint = int(skeleton.parents[joint])
         above.append(None if link.joint == BODY else link_of[joint])
@@ -102,16 +102,16 @@ def parent_links(figure: Figure) -> list[int | None]:
 
 
 def describe_herd(
-    herd: Herd, idlers: FreeJoints, table: NodeTable, materials: Sequence[str], rows: int
+    herd: Herd, free_joints: FreeJoints, table: NodeTable, materials: Sequence[str], rows: int
 ) -> Inventory:
     """Return nodes, channels, meshes and parts of a herd.
 
     Args:
         herd: the creatures.
-        idlers: their joints that carry nothing.
+        free_joints: of the herd.
         table: their nodes.
-        materials: of each creature, for parts that name none.
-        rows: of the take; parts live through all of them.
+        materials: default of each creature.
+        rows: of the take; parts are alive in all of them.
     """
     nodes = tuple(
         Node(name, herd.names[c], int(parent), (float(x), float(y), float(z)))
@@ -128,7 +128,7 @@ def describe_herd(
     channels = (
         *(Channel(f"{name}.gait_phase", "1") for name in herd.names),
         *(Channel(f"{name}.speed", "m/s") for name in herd.names),
-        *(Channel(name, "rad") for name in (*leg_joints, *idlers.names)),
+        *(Channel(name, "rad") for name in (*leg_joints, *free_joints.names)),
     )
     meshes, parts, looks = list[Mesh](), list[Part](), list[Mesh]()
     for c, figure in enumerate(herd.figures):
@@ -143,15 +143,15 @@ def describe_herd(
 def creature_solids(
     name: str, figure: Figure, first: int, mesh: int, material: str, rows: int
 ) -> tuple[list[Mesh], list[Part]]:
-    """Return the meshes and parts of one creature, each link following its own node.
+    """Return the meshes and parts of one creature; each link follows its own node.
 
     Args:
         name: of the creature.
-        figure: its.
+        figure: of the creature.
         first: number of its first node.
         mesh: number of its first mesh.
-        material: for links that name none.
-        rows: of the take; parts live through all of them.
+        material: default of the links.
+        rows: of the take; parts are alive in all of them.
     """
     meshes, parts = list[Mesh](), list[Part]()
     for piece in figure.pieces:
@@ -164,23 +164,25 @@ def creature_solids(
                 np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
             )
         )
-        of = (mesh + len(meshes) - 1, piece.material or material, piece.size, (0, rows))
-        parts.append(Part(f"{name}.{piece.name}", name, *of))
+        number, life = mesh + len(meshes) - 1, (0, rows)
+        material_name = piece.material or material
+        part = Part(f"{name}.{piece.name}", name, number, material_name, piece.size, life)
+        parts.append(part)
     return meshes, parts
 
 
 def assign_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
-    """Return the parts of a creature with their looks, of which the first has a number."""
+    """Return the parts of a creature with the numbers of their render meshes, `look` the first."""
     numbers = {piece: look + k for k, piece in enumerate(figure.looks.skins)}
     numbers |= dict.fromkeys(figure.looks.covered, UNSEEN)
     return [replace(part, look=numbers.get(i, OWN)) for i, part in enumerate(parts)]
 
 
 def creature_skins(figure: Figure, first: int) -> list[Mesh]:
-    """Return what is seen in place of the meshes of a creature's parts.
+    """Return the render meshes that replace the meshes of a creature's parts.
 
     Args:
-        figure: its.
+        figure: of the creature.
         first: number of its first node.
     """
     return [
@@ -199,7 +201,7 @@ def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
 
     Args:
         herd: the creatures.
-        materials: of each creature, for links that name none.
+        materials: default of each creature.
     """
     return [
         figure.skeleton.links[limb.links[-1]].material or material
@@ -210,8 +212,8 @@ def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
 
 def leg_masses(herd: Herd) -> Array:
     """Return the masses of the legs (L,) [kg]."""
-    of = {
+    masses = {
         figure: [FigureMass(figure).mass_of(limb.links) for limb in figure.skeleton.legs]
         for figure in dict.fromkeys(herd.figures)
     }
-    return np.array([mass for figure in herd.figures for mass in of[figure]])
+    return np.array([mass for figure in herd.figures for mass in masses[figure]])

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.inverse_dynamics import FrameMasses
-from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.spatial import Array

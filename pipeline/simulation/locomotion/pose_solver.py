@@ -1,14 +1,14 @@
-"""Posing: from what a herd does to where all its parts are, for many moments at once.
+"""Pose solver: the poses of all nodes of a herd, for many moments at once.
 
-Bodies follow their path, feet their swings or their footholds, and inverse kinematics
-joins the two. None of it feeds back into the walking, so it is worked out for dozens of
-moments together, which costs a fraction of doing it step by step.
+Bodies follow their trajectories, feet their swings or footholds, and inverse kinematics joins the
+two. Nothing of it feeds back into the walking, so dozens of moments are solved together, at a
+fraction of the cost of single steps.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,82 +18,78 @@ from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.figure_posture import FigureFrames, GoalMiss
 from pipeline.simulation.figures.rest_ik import RestSolution, solve_near_rest
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
+from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
-from pipeline.simulation.locomotion.body_motion.give import BodySuspension
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.body_motion.pelvis_height import (
-    Going,
-    Touches,
-    Yielding,
+    SUPPORT_FRACTION,
+    PelvisHeight,
+    PlannedMotion,
 )
+from pipeline.simulation.locomotion.foot_state import FootState
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.leaping.jump_handover import JumpHandover, JumpingBody
 from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
-from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, Ways
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, RouteSet
 from pipeline.simulation.locomotion.routes.route import Route
+from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,
 )
-from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.spatial import Array, heading, turn, unturn
 from pipeline.simulation.take import Note
 
-SLIP = 1e-4
-"""Distance between foot and foothold that is worth a note [m]."""
+# Distance between foot and foothold that is noted [m].
+NOTED_MISS = 1e-4
 
-YIELDS = 0.25
-"""Part of a swing, at either end, in which bodies come to give way to a foot; in between the
-foot gives way."""
+# Greatest extension of a leg in the air, as a fraction of its length.
+MAX_SWING_REACH = 1.01 * MAX_REACH
 
-REINED = 1.01 * MAX_REACH
-"""How far a leg stretches at most in the air, as a part of its length."""
-
-TUCKED, BACK = 0.3, 0.12
-"""How high a foot is held up, and how far back, as parts of its leg."""
+# Height of a foot that is held up, and how far it is drawn back, in leg lengths.
+HELD_HEIGHT, HELD_BACK = 0.3, 0.12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HerdSnapshot:
-    """The state of a herd at one step; see `Walkers` for its parts, and `BodyMotion`."""
+    """The state of a herd at one step; see `RouteProgress` and `FootState`.
+
+    Attributes:
+        step: number of the step.
+        progress: on the routes.
+        smoothed_fraction: (C,) speed fraction that bodies show.
+        feet: (L,) where they are.
+        style: (C,) of the motion.
+        route_set: routes of the creatures.
+        routes: along which they look.
+        look_targets: by creature.
+        aloft: jumping creatures.
+    """
 
     step: int
-    gone: Array
-    drive: Array
-    vigour: Array
-    start: Array
-    end: Array
-    height: Array
-    lifted: Array
-    span: Array
-    swinging: NDArray[np.bool_]
-    stoop: Array
-    tuck: Array
-    bearing: MotionStyle
-    ways: Ways
+    progress: ProgressSample
+    smoothed_fraction: Array
+    feet: FootState
+    style: MotionStyle
+    route_set: RouteSet
     routes: Sequence[Route]
-    looks: Mapping[int, LookTarget]
-    bend: Array | None = None
-    aloft: Mapping[int, JumpingBody] = field(default_factory=dict)
-
-
-ALONE = ("step", "bearing", "ways", "routes", "looks", "bend", "aloft")
-ARRAYS = tuple(name for name in HerdSnapshot.__slots__ if name not in ALONE)
-"""What of a moment is arrays, to be stacked."""
+    look_targets: Mapping[int, LookTarget]
+    aloft: Mapping[int, JumpingBody]
 
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Where everything is at n moments.
+    """Poses of everything at n moments.
 
     Attributes:
         positions: (n, J, 3) of the nodes [m].
         rotations: (n, J, 3, 3).
         values: (n, K) of the channels.
-        notes: feet that do not come to their places.
+        notes: about feet that miss their places.
     """
 
     positions: Array
@@ -103,202 +99,228 @@ class Poses:
 
 
 class PoseSolver:
-    """Works out the poses of one herd."""
+    """Solves the poses of one herd."""
 
     def __init__(
         self,
         herd: Herd,
-        path: BodyTrajectory,
-        idlers: FreeJoints,
+        trajectory: BodyTrajectory,
+        free_joints: FreeJoints,
         table: NodeTable,
-        postures: AuthoredPoses,
+        authored: AuthoredPoses,
         clock: Clock,
     ) -> None:
-        self.herd = herd
-        self.path = path
-        self.idlers = idlers
-        self.table = table
-        self.postures = postures
+        self.herd, self.trajectory, self.table = herd, trajectory, table
+        self.free_joints, self.authored = free_joints, authored
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
-        self.yielding = Yielding(herd, path)
-        self.give = BodySuspension(herd, self.row_dt)
-        self.carriage = FreeLimbMotion(herd, idlers, path.ground, self.row_dt)
-        self._last = np.zeros(len(idlers.owner))
+        self.pelvis_height = PelvisHeight(herd, trajectory)
+        self.suspension = BodySuspension(herd, self.row_dt)
+        self.free_limbs = FreeLimbMotion(herd, free_joints, trajectory.ground, self.row_dt)
+        self._last_free = np.zeros(len(free_joints.owner))
 
-    def poses(self, moments: Sequence[HerdSnapshot]) -> Poses:
-        """Return where everything is at `moments`, throughout which all have the same ways."""
+    def solve(self, moments: Sequence[HerdSnapshot]) -> Poses:
+        """Return the poses at `moments`, throughout which all keep their routes."""
         herd, n = self.herd, len(moments)
-        steps = np.array([moment.step for moment in moments])
-        gone, drive, vigour, start, end, height, lifted, span, swinging, stoop, tuck = (
-            np.stack([getattr(moment, name) for moment in moments]) for name in ARRAYS
-        )
-        way, phase = gone[:, 0], gone[:, 1]
-        s = _swung(herd, phase, lifted, span, swinging)
-        ends = start.reshape(-1, 3), end.reshape(-1, 3)
-        tips = swing_positions(*ends, height.ravel(), s.ravel(), _bends(moments)).reshape(
-            start.shape
-        )
-        creature = np.tile(np.arange(len(herd.names)), n)
-        bearing = MotionStyle.stacked([moment.bearing for moment in moments])
-        R, p = self.path.pose(
-            creature, way.ravel(), phase.ravel(), vigour.ravel(), bearing.body_pitch.ravel()
-        )
-        R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
-        planned = p_WB[..., 1].copy()
-        p_WB[..., 1] -= _stooped(herd, stoop, s)
-        tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
-        carried = JumpHandover(herd, [moment.aloft for moment in moments])
-        carried.bodies(R_WB, p_WB)
-        self.give.apply(R_WB, p_WB)
-        around = self._posed_bodies(steps * self.dt, way, tall, R_WB, p_WB)
-        free = self.postures.free(steps * self.dt)
-        if tuck.any():
-            up = _between(tuck, s)
-            free = free * (1.0 - up)
-            tips = tips + up[..., None] * (self._tucked(tall, R_WB, p_WB) - tips)
-        aloft = ease(np.clip(np.minimum(s, 1.0 - s) / YIELDS, 0.0, 1.0))
-        grip = free * (1.0 - aloft)
-        going = Going(way, phase, drive, vigour, bearing.body_pitch.reshape(n, -1), planned)
-        touches = Touches(lifted + span, YIELDS * span, end, stoop[:, 1], swinging)
-        self.yielding.give_way(R_WB, p_WB, tips, (grip, free), going, touches)
-        tips = self._reined(tips, R_WB, p_WB, aloft, swinging)
-        carried.bodies(R_WB, p_WB)
-        tips = carried.feet(tips)
+        times = np.array([moment.step for moment in moments]) * self.dt
+        samples = zip(*(moment.progress for moment in moments), strict=True)
+        progress = ProgressSample(*(np.stack(arrays) for arrays in samples))
+        distance, phase, speed_fraction = progress
+        smoothed = np.stack([moment.smoothed_fraction for moment in moments])
+        style = MotionStyle.stacked([moment.style for moment in moments])
+        feet = FootState.stacked([moment.feet for moment in moments])
+        s = _swing_fractions(herd, phase, feet)
+        R_WB, p_WB = self._planned_bodies(distance, phase, smoothed, style)
+        motion = PlannedMotion(progress, smoothed, style.body_pitch, p_WB[..., 1].copy())
+        p_WB[..., 1] -= total_lowering(herd, feet.lowering, s)
+        tall = self._pace_values("body_height", phase)
+        jumps = JumpHandover(herd, [moment.aloft for moment in moments])
+        jumps.bodies(R_WB, p_WB)
+        self.suspension.apply(R_WB, p_WB)
+        around = self._pose_authored_bodies(times, distance, tall, R_WB, p_WB)
+        tips = self._tips(feet, s, tall, motion, times, R_WB, p_WB)
+        jumps.bodies(R_WB, p_WB)
+        tips = jumps.feet(tips)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
-        solution = self._settled(goals, R_WB, p_WB, carried)
-        residual = np.where(carried.down, solution.residual, 0.0)
-        routes, looks = [m.routes for m in moments], [m.looks for m in moments]
-        q_idle = self.carriage.values(
-            BodyMotion(steps * self.dt, way, phase, drive, bearing, routes, looks, R_WB, p_WB)
+        legs = self._solve_legs(goals, R_WB, p_WB, jumps)
+        residual = np.where(jumps.down, legs.residual, 0.0)
+        routes, targets = [m.routes for m in moments], [m.look_targets for m in moments]
+        q_free = self.free_limbs.values(
+            BodyMotion(times, distance, phase, speed_fraction, style, routes, targets, R_WB, p_WB)
         )
-        q_legs, X_legs = solution.q, solution.X_BJ
-        self.postures.keep_feet(goals, q_legs, residual)
-        q_idle = self._held(q_idle, carried.limp)
-        X_idle = self.idlers.tree.pose(q_idle)
-        misses = self.postures.move_joints(around, (q_legs, X_legs), (q_idle, X_idle))
-        X_BN = self.table.poses(X_legs.reshape(n, -1, 4, 4), X_idle)
+        self.authored.track_feet(goals, legs.q, residual)
+        q_free = self._frozen(q_free, jumps.limp)
+        X_free = self.free_joints.tree.pose(q_free)
+        misses = self.authored.move_joints(around, (legs.q, legs.X_BJ), (q_free, X_free))
+        X_BN = self.table.poses(legs.X_BJ.reshape(n, -1, 4, 4), X_free)
         R_own = R_WB[:, self.table.owner]
-        speed = self._speeds(creature, phase) * drive
-        carried.speeds(speed)
+        stride, cycle = (self._pace_values(name, phase) for name in ("stride", "cycle"))
+        speed = stride / cycle * speed_fraction
+        jumps.speeds(speed)
+        q_legs = legs.q[:, herd.legs.is_joint]
         return Poses(
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
-            values=np.concatenate(
-                [np.mod(phase, 1.0), speed, q_legs[:, herd.legs.is_joint], q_idle], axis=1
-            ),
-            notes=[
-                *(self._slipped(steps, residual, *at) for at in np.argwhere(residual > SLIP)),
-                *(self._missed(steps, c, miss) for c, miss in misses),
-            ],
+            values=np.concatenate([np.mod(phase, 1.0), speed, q_legs, q_free], axis=1),
+            notes=self._notes([moment.step for moment in moments], residual, misses),
         )
 
-    def _settled(
-        self, goals: Array, R_WB: Array, p_WB: Array, carried: JumpHandover
-    ) -> RestSolution:
-        """Return legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
-        herd = self.herd
-        if carried.down.all():
-            return solve_near_rest(herd.legs, herd.chains, goals)
-        reaching = LegSolver(herd, self.path.ground, self.yielding.folds)
-        limp = carried.limp[:, herd.owner]
-        return reaching.solve(goals, R_WB, p_WB, carried.down, limp)
+    # --- bodies ---------------------------------------------------------------------
 
-    def _held(self, q: Array, limp: NDArray[np.bool_]) -> Array:
-        """Return joint values (n, M) that stay what they were on those who have fallen."""
-        for row in np.flatnonzero(limp.any(axis=1)).tolist():
-            before, fallen = q[row - 1] if row else self._last, limp[row, self.idlers.owner]
-            q[row, fallen] = before[fallen]
-        self._last = q[-1].copy()
-        return q
+    def _planned_bodies(
+        self, distance: Array, phase: Array, smoothed: Array, style: MotionStyle
+    ) -> tuple[Array, Array]:
+        """Return R_WB (n, C, 3, 3) and p_WB (n, C, 3) of the trajectories [m]."""
+        n, count = distance.shape
+        state = (values.ravel() for values in (distance, phase, smoothed, style.body_pitch))
+        R, p = self.trajectory.pose(np.tile(np.arange(count), n), *state)
+        return R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
 
-    def _reined(
-        self,
-        tips: Array,
-        R_WB: Array,
-        p_WB: Array,
-        aloft: Array,
-        swinging: NDArray[np.bool_],
-    ) -> Array:
-        """Return tips (n, L, 3) of feet in the air so that no leg stretches or folds too far [m].
+    def _pace_values(self, name: str, phase: Array) -> Array:
+        """Return the pace parameter `name` (n, C) at phases (n, C)."""
+        creature = np.tile(np.arange(phase.shape[1]), len(phase))
+        return self.trajectory.paces.value(name, creature, phase.ravel()).reshape(phase.shape)
 
-        Args:
-            tips: (n, L, 3) where they would be [m].
-            R_WB: (n, C, 3, 3) and
-            p_WB: (n, C, 3), poses of the bodies [m].
-            aloft: (n, L) how far feet give way to bodies, 0 to 1.
-            swinging: (n, L) which are in the air.
-        """
-        herd = self.herd
-        way = tips - (p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips))
-        far = np.sqrt((way * way).sum(axis=-1))
-        width = 0.01 * herd.legs.lengths
-        beyond = np.where(swinging, hinge(far - REINED * herd.legs.lengths, width), 0.0)
-        beyond -= np.minimum(aloft / YIELDS, 1.0) * hinge(self.yielding.folds - far, width)
-        shorter = beyond / np.maximum(far, 1e-9)
-        result: Array = tips - shorter[..., None] * way
-        down = result[..., 1] < tips[..., 1]
-        if down.any():
-            # What a folded leg wants away from its hip must not be pressed into the ground.
-            (x, y, z), soles = result[down].T, np.broadcast_to(herd.sole, down.shape)[down]
-            least = lowest_center_height(self.path.ground, x, z, soles)
-            result[down, 1] = np.maximum(y, np.minimum(least, tips[down, 1]))
-        return result
-
-    def _tucked(self, tall: Array, R_WB: Array, p_WB: Array) -> Array:
-        """Return where tips (n, L, 3) are held up [m]."""
-        herd = self.herd
-        x, z = herd.rest.T
-        height = TUCKED * herd.legs.lengths - tall[:, herd.owner]
-        back = np.broadcast_to(x - BACK * herd.legs.lengths, height.shape)
-        held = np.stack([back, height, np.broadcast_to(z, height.shape)], axis=-1)
-        return p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], held)
-
-    def _speeds(self, creature: NDArray[np.int64], phase: Array) -> Array:
-        """Return how fast creatures go at full drive (n, C) [m/s]."""
-        paces, at = self.path.paces, phase.ravel()
-        speeds = paces.value("stride", creature, at) / paces.value("cycle", creature, at)
-        return speeds.reshape(phase.shape)
-
-    def _posed_bodies(
-        self, times: Array, way: Array, tall: Array, R_WB: Array, p_WB: Array
+    def _pose_authored_bodies(
+        self, times: Array, distance: Array, tall: Array, R_WB: Array, p_WB: Array
     ) -> dict[int, FigureFrames]:
-        """Put bodies where they are asked to be; return what that is relative to."""
-        if not self.postures.of:
+        """Move bodies to their authored poses; return the surroundings of their creatures."""
+        if not self.authored.postures:
             return {}
-        creature = np.tile(np.arange(way.shape[1]), len(way))
-        turned = self.path.on_route(creature, way.ravel())[1].reshape(way.shape)
-        grounds = {
-            c: self.postures.ground(turned[:, c], p_WB[:, c], tall[:, c]) for c in self.postures.of
-        }
-        self.postures.move_bodies(times, turned, R_WB, p_WB)
+        creature = np.tile(np.arange(distance.shape[1]), len(distance))
+        headings = self.trajectory.on_route(creature, distance.ravel())[1].reshape(distance.shape)
+        grounds = {}
+        for c in self.authored.postures:
+            p_WG = p_WB[:, c].copy()
+            p_WG[:, 1] -= tall[:, c]
+            grounds[c] = heading(headings[:, c]), p_WG
+        self.authored.move_bodies(times, headings, R_WB, p_WB)
         return {
             c: FigureFrames(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
             for c, ground in grounds.items()
         }
 
-    def _missed(self, steps: NDArray[np.int64], c: int, miss: GoalMiss) -> Note:
-        text = f"{100.0 * miss.gap:.2g} % of its length from what it is asked for"
-        return Note("clamped", int(steps[miss.row]), f"{self.herd.names[c]}.{miss.limb}", text)
+    # --- legs -----------------------------------------------------------------------
 
-    def _slipped(self, steps: NDArray[np.int64], residual: Array, row: int, leg: int) -> Note:
-        name = f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
-        gap = float(residual[row, leg]) * 1000.0
-        return Note("clamped", int(steps[row]), name, f"{gap:.2g} mm from its foothold")
+    def _tips(
+        self,
+        feet: FootState,
+        s: Array,
+        tall: Array,
+        motion: PlannedMotion,
+        times: Array,
+        R_WB: Array,
+        p_WB: Array,
+    ) -> Array:
+        """Return the tips (n, L, 3), and raise and lower the bodies for them [m].
+
+        Args:
+            feet: at n moments.
+            s: (n, L) fractions of the swings.
+            tall: (n, C) heights of the bodies above the ground [m].
+            motion: planned for the bodies.
+            times: (n,) since the start [s].
+            R_WB: (n, C, 3, 3) and
+            p_WB: (n, C, 3), poses of the bodies; positions are changed [m].
+        """
+        ends = feet.start.reshape(-1, 3), feet.end.reshape(-1, 3)
+        bend = None if feet.bend is None else feet.bend.reshape(-1, *feet.bend.shape[2:])
+        tips = swing_positions(*ends, feet.arch.ravel(), s.ravel(), bend).reshape(feet.start.shape)
+        free = self.authored.free_fraction(times)
+        if feet.held_up.any():
+            up = _between(feet.held_up, s)
+            free = free * (1.0 - up)
+            tips = tips + up[..., None] * (self._held_tips(tall, R_WB, p_WB) - tips)
+        airborne = ease(np.clip(np.minimum(s, 1.0 - s) / SUPPORT_FRACTION, 0.0, 1.0))
+        support = free * (1.0 - airborne), free
+        self.pelvis_height.correct(R_WB, p_WB, tips, support, motion, feet)
+        return self._within_reach(tips, R_WB, p_WB, airborne, feet.swinging)
+
+    def _within_reach(
+        self,
+        tips: Array,
+        R_WB: Array,
+        p_WB: Array,
+        airborne: Array,
+        swinging: NDArray[np.bool_],
+    ) -> Array:
+        """Return tips (n, L, 3) of feet in the air so that no leg stretches or folds too far [m].
+
+        Args:
+            tips: (n, L, 3) [m].
+            R_WB: (n, C, 3, 3) and
+            p_WB: (n, C, 3), poses of the bodies [m].
+            airborne: (n, L) how far feet give way to bodies, 0 to 1.
+            swinging: (n, L) feet in the air.
+        """
+        herd = self.herd
+        from_hip = tips - (p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips))
+        far = np.sqrt((from_hip * from_hip).sum(axis=-1))
+        width = 0.01 * herd.legs.lengths
+        beyond = hinge(far - MAX_SWING_REACH * herd.legs.lengths, width)
+        beyond = np.where(swinging, beyond, 0.0)
+        part = np.minimum(airborne / SUPPORT_FRACTION, 1.0)
+        beyond -= part * hinge(self.pelvis_height.shortest - far, width)
+        shorter = beyond / np.maximum(far, 1e-9)
+        result: Array = tips - shorter[..., None] * from_hip
+        down = result[..., 1] < tips[..., 1]
+        if down.any():
+            # A folded leg must not press its foot into the ground, away from its hip.
+            (x, y, z), soles = result[down].T, np.broadcast_to(herd.sole, down.shape)[down]
+            least = lowest_center_height(self.trajectory.ground, x, z, soles)
+            result[down, 1] = np.maximum(y, np.minimum(least, tips[down, 1]))
+        return result
+
+    def _held_tips(self, tall: Array, R_WB: Array, p_WB: Array) -> Array:
+        """Return the tips (n, L, 3) of feet that are held up [m]."""
+        herd = self.herd
+        x, z = herd.rest.T
+        height = HELD_HEIGHT * herd.legs.lengths - tall[:, herd.owner]
+        back = np.broadcast_to(x - HELD_BACK * herd.legs.lengths, height.shape)
+        held = np.stack([back, height, np.broadcast_to(z, height.shape)], axis=-1)
+        return p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], held)
+
+    def _solve_legs(
+        self, goals: Array, R_WB: Array, p_WB: Array, jumps: JumpHandover
+    ) -> RestSolution:
+        """Return the legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
+        herd = self.herd
+        if jumps.down.all():
+            return solve_near_rest(herd.legs, herd.chains, goals)
+        reaching = LegSolver(herd, self.trajectory.ground, self.pelvis_height.shortest)
+        limp = jumps.limp[:, herd.owner]
+        return reaching.solve(goals, R_WB, p_WB, jumps.down, limp)
+
+    # --- joints and channels ----------------------------------------------------------
+
+    def _frozen(self, q: Array, limp: NDArray[np.bool_]) -> Array:
+        """Return values of free joints (n, M) that stay as they were on fallen creatures."""
+        for row in np.flatnonzero(limp.any(axis=1)).tolist():
+            before = q[row - 1] if row else self._last_free
+            fallen = limp[row, self.free_joints.owner]
+            q[row, fallen] = before[fallen]
+        self._last_free = q[-1].copy()
+        return q
+
+    def _notes(
+        self, steps: Sequence[int], residual: Array, misses: Sequence[tuple[int, GoalMiss]]
+    ) -> list[Note]:
+        """Return notes about feet (n, L) that miss their footholds [m], and about posed limbs."""
+        herd, notes = self.herd, list[Note]()
+        for row, leg in np.argwhere(residual > NOTED_MISS):
+            name = f"{herd.names[herd.owner[leg]]}.{herd.leg_names[leg]}"
+            text = f"misses its foothold by {1000.0 * float(residual[row, leg]):.2g} mm"
+            notes.append(Note("clamped", steps[row], name, text))
+        for c, miss in misses:
+            text = f"misses its authored place by {100.0 * miss.gap:.2g} % of its length"
+            notes.append(Note("clamped", steps[miss.row], f"{herd.names[c]}.{miss.limb}", text))
+        return notes
 
 
-def _bends(moments: Sequence[HerdSnapshot]) -> Array | None:
-    """Return the bends of all swings of all moments, one after the other, if there are any."""
-    bends = [moment.bend for moment in moments if moment.bend is not None]
-    return np.concatenate(bends) if bends else None
-
-
-def _swung(
-    herd: Herd, phase: Array, lifted: Array, span: Array, swinging: NDArray[np.bool_]
-) -> Array:
-    """Return the part of its swing that each foot has done (n, L); 1 where it stands."""
-    s = (phase[:, herd.owner] - lifted) / span
-    return np.where(swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
+def _swing_fractions(herd: Herd, phase: Array, feet: FootState) -> Array:
+    """Return the fraction of its swing that each foot has done (n, L); 1 where it stands."""
+    s = (phase[:, herd.owner] - feet.lift_phase) / feet.swing_length
+    return np.where(feet.swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
 
 
 def _between(values: Array, s: Array) -> Array:
@@ -307,15 +329,16 @@ def _between(values: Array, s: Array) -> Array:
     return before + ease(s) * (after - before)
 
 
-def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
+def total_lowering(herd: Herd, lowering: Array, s: Array) -> Array:
     """Return how far the bodies are lowered (n, C) for their feet's footholds [m].
 
-    It comes and goes within the swings before and after; the norm of order 4 is never
-    less than the greatest and changes smoothly where another becomes the greatest.
+    The lowering (n, 2, L) of each foothold comes and goes within the swings before and after it.
+    The norm of order 4 is never less than the greatest and has no corner where another one becomes
+    that.
     """
-    wanted = _between(stoop, s) ** 4
+    wanted = _between(lowering, s) ** 4
     sums = np.zeros((len(s), len(herd.names)))
-    for owners, legs in herd.tiers:
+    for owners, legs in herd.legs_by_rank:
         sums[:, owners] += wanted[:, legs]
     result: Array = np.sqrt(np.sqrt(sums))
     return result

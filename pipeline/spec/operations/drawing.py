@@ -1,22 +1,23 @@
-"""Sheet: nodes and connections as they lie between two operations, and which are selected."""
+"""The drawing between two operations: its nodes, connections and selection."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from pipeline.spec.model_base import WORLD_LIMIT, Fault, Step
+from pipeline.spec.model_base import WORLD_LIMIT, ConfigModel, Fault, Step
 from pipeline.spec.suggestions import hint
 
-MOST_NODES = 1000
+MAX_NODES = 1000
 """Nodes of a drawing, copies included."""
 
-LEAST_LENGTH = 1e-6
-"""Length of a link that still is one, as a part of the drawing's size."""
+MIN_LINK_LENGTH = 1e-6
+"""Shortest link, as a fraction of the drawing's size."""
 
-FINEST, COARSEST = 1e-6, 1e6
-"""Least and greatest factor on the size of a node after all its scalings."""
+MIN_SCALE, MAX_SCALE = 1e-6, 1e6
+"""Factors on the size of a node after all scalings."""
 
 At = tuple[float, float]
 """A place on the drawing, x to the right and y towards the tail [m]."""
@@ -30,10 +31,10 @@ class Mark:
     """A node on the sheet.
 
     Attributes:
-        at: where it lies [m].
-        drawn: the node of the drawing that it is, or is a copy of.
-        size: factor on that node's radius.
-        made_by: the operation that made or moved it last, -1 for what lies as it was drawn.
+        at: its position [m].
+        drawn: the drawn node that it is, or is a copy of.
+        size: factor on the radius of that node.
+        made_by: index of the operation that made or moved it last, -1 if none did.
     """
 
     at: At
@@ -44,14 +45,14 @@ class Mark:
 
 @dataclass(frozen=True)
 class Sheet:
-    """The dissection table between two operations.
+    """The dissection table of Sims between two operations.
 
     Attributes:
-        marks: nodes by name, in the order of their making.
+        marks: nodes by name, in the order in which they were made.
         connections: pairs of their names.
-        sticky: how near an axis a node lands on it [m].
-        sets: the sets that were selected, first to last.
-        present: which of them is selected now, -1 if none is.
+        sticky: distance from an axis within which a node snaps to it [m].
+        sets: earlier selections, first to last.
+        present: index of the present selection, -1 for none.
         extent: length of the longer side of what was drawn [m].
     """
 
@@ -64,51 +65,46 @@ class Sheet:
 
     @property
     def selected(self) -> tuple[str, ...]:
-        """Names of the selected nodes that there still are."""
+        """Names of the selected nodes that still exist."""
         names = self.sets[self.present] if self.present >= 0 else ()
         return tuple(name for name in names if name in self.marks)
 
-    @property
-    def places(self) -> dict[str, At]:
-        """Where the nodes lie [m]."""
-        return {name: mark.at for name, mark in self.marks.items()}
-
     def with_marks(self, marks: Mapping[str, Mark]) -> Sheet:
-        """Return the sheet with more nodes, or with nodes elsewhere; near an axis they stick."""
-        stuck = {name: replace(mark, at=self._stuck(mark.at)) for name, mark in marks.items()}
-        return replace(self, marks={**self.marks, **stuck})
+        """Return the sheet with more or moved nodes, which snap to a near axis."""
+        snapped = {name: replace(mark, at=self._snapped(mark.at)) for name, mark in marks.items()}
+        return replace(self, marks={**self.marks, **snapped})
 
     def with_connections(self, pairs: Iterable[tuple[str, str]]) -> Sheet:
         """Return the sheet with more connections."""
         return replace(self, connections=self.connections | {pair_of(a, b) for a, b in pairs})
 
     def made_by(self, number: int, names: Iterable[str]) -> Sheet:
-        """Return the sheet with the operation that made or moved nodes kept with them."""
-        noted = {name: replace(self.marks[name], made_by=number) for name in names}
-        return replace(self, marks={**self.marks, **noted})
+        """Return the sheet in which nodes know the operation that made or moved them."""
+        marks = {name: replace(self.marks[name], made_by=number) for name in names}
+        return replace(self, marks={**self.marks, **marks})
 
-    def _stuck(self, at: At) -> At:
+    def _snapped(self, at: At) -> At:
         x, y = (0.0 if abs(value) <= self.sticky else value for value in at)
         return x, y
 
 
 def pair_of(a: str, b: str) -> Pair:
-    """Return two names as a connection."""
+    """Return the connection of two nodes."""
     return (a, b) if a <= b else (b, a)
 
 
 def copied_connections(
     connections: Iterable[Pair], twin: Mapping[str, str], ties: bool
 ) -> Iterator[Pair]:
-    """Give the connections of copies.
+    """Yield the connections of copies.
 
-    One between two copied nodes is copied whole; one that leads out of them ties the copy to
-    the node that the original is connected to, so that a mirrored leg keeps its hip.
+    A connection between two copied nodes is copied whole; one to another node ties the copy
+    to that node too, so that a mirrored leg keeps its hip.
 
     Args:
-        connections: those that there are.
-        twin: the copies by their originals.
-        ties: whether those that lead out are copied.
+        connections: the present ones.
+        twin: names of the copies by their originals.
+        ties: whether connections to other nodes are copied.
     """
     for a, b in connections:
         copied = (a in twin) + (b in twin)
@@ -116,15 +112,15 @@ def copied_connections(
             yield pair_of(twin.get(a, a), twin.get(b, b))
 
 
-def unknown(
+def unknown_nodes(
     names: Iterable[str], known: Mapping[str, object], path: tuple[Step, ...]
 ) -> Iterator[Fault]:
-    """Find names that no node has.
+    """Find names of nodes that do not exist.
 
     Args:
         names: as the operation lists them.
-        known: the nodes that there are.
-        path: where the list stands below the operation.
+        known: the nodes.
+        path: of the list below the operation.
     """
     for k, name in enumerate(names):
         if name not in known:
@@ -134,16 +130,16 @@ def unknown(
 def faults_of_chain(
     chain: tuple[str, ...], sheet: Sheet, path: tuple[Step, ...]
 ) -> Iterator[Fault]:
-    """Find what is wrong with nodes that are connected each to the next.
+    """Find what is wrong with a chain of nodes.
 
     Args:
         chain: their names.
-        sheet: the nodes that there are.
-        path: where the chain stands.
+        sheet: the drawing.
+        path: of the chain.
     """
     if len(chain) < 2:
         yield Fault(path, "a chain connects at least 2 nodes")
-    yield from unknown(chain, sheet.marks, path)
+    yield from unknown_nodes(chain, sheet.marks, path)
     for k in range(1, len(chain)):
         before, name = chain[k - 1], chain[k]
         if before not in sheet.marks or name not in sheet.marks:
@@ -154,19 +150,19 @@ def faults_of_chain(
             yield Fault((*path, k), no_length(before, name))
 
 
-def changed(before: Sheet, after: Sheet) -> list[str]:
-    """Return the nodes that an operation has made or moved."""
+def changed_nodes(before: Sheet, after: Sheet) -> list[str]:
+    """Return the names of the nodes that an operation made or moved."""
     return [name for name, mark in after.marks.items() if before.marks.get(name) != mark]
 
 
 def faults_of_result(before: Sheet, after: Sheet) -> Iterator[Fault]:
-    """Find what an operation has made that no figure can have.
+    """Find nodes and links made by an operation that no figure can have.
 
     Args:
         before: the sheet before the operation.
         after: the sheet after it.
     """
-    new = set(changed(before, after))
+    new = set(changed_nodes(before, after))
     for name in after.marks:
         if name in new and not _is_within(after.marks[name]):
             message = (
@@ -182,26 +178,32 @@ def faults_of_result(before: Sheet, after: Sheet) -> Iterator[Fault]:
 
 
 def fault_of_room(sheet: Sheet, more: int, *path: Step) -> Fault | None:
-    """Find whether a sheet has no room for more nodes."""
+    """Return the fault of a drawing with too many nodes, None if there is room for `more`."""
     total = len(sheet.marks) + more
-    if total <= MOST_NODES:
+    if total <= MAX_NODES:
         return None
-    return Fault(path, f"would make {total} nodes; a drawing has at most {MOST_NODES}")
+    return Fault(path, f"would make {total} nodes; a drawing has at most {MAX_NODES}")
 
 
 def _is_within(mark: Mark) -> bool:
-    return all(abs(value) <= WORLD_LIMIT for value in mark.at) and FINEST <= mark.size <= COARSEST
+    return (
+        all(abs(value) <= WORLD_LIMIT for value in mark.at) and MIN_SCALE <= mark.size <= MAX_SCALE
+    )
 
 
 def is_short(a: str, b: str, sheet: Sheet) -> bool:
-    """Tell whether two nodes lie so near each other that a link between them is none."""
-    return math.dist(sheet.marks[a].at, sheet.marks[b].at) <= LEAST_LENGTH * sheet.extent
+    """Return whether two nodes are too close for a link."""
+    return math.dist(sheet.marks[a].at, sheet.marks[b].at) <= MIN_LINK_LENGTH * sheet.extent
 
 
 def no_length(a: str, b: str) -> str:
-    """Return what is wrong where two connected nodes coincide."""
+    """Return the message about two connected nodes that coincide."""
     return f"nodes '{a}' and '{b}' are at the same place, so the link has no length"
 
 
-Doing = Callable[..., tuple[Sheet, list[Fault]]]
-"""Carries out an operation, as far as it can, and says what is wrong with it."""
+class DrawingOperation(ConfigModel):
+    """An operation on the drawing."""
+
+    @abstractmethod
+    def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
+        """Return the drawing after the operation as far as possible, and what is wrong."""

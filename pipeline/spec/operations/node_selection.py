@@ -1,4 +1,7 @@
-"""Chosen: the nodes that an operation works on, by name or by the present selection."""
+"""Node selection: the nodes that operations work on, by name, by selection or by an outline.
+
+Source: Sims 1987, A.1 (select all, unselect all, a previously selected set, a circled set).
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from pipeline.spec.model_base import ConfigModel, Fault, Name, Point, Step
-from pipeline.spec.operations.drawing import At, Sheet, unknown
+from pipeline.spec.model_base import Fault, Name, Point, Step
+from pipeline.spec.operations.drawing import At, DrawingOperation, Sheet, unknown_nodes
 
 Names = Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
-def _nodes_form(words: Any) -> str:
-    return "by a word" if isinstance(words, str) else "by name"
+def _nodes_form(value: Any) -> str:
+    return "by a word" if isinstance(value, str) else "by name"
 
 
 Chosen = Annotated[
@@ -27,24 +30,24 @@ Chosen = Annotated[
 """A list of names; `selected`, what the last `select` chose; or `all`."""
 
 Picked = tuple[str, tuple[Step, ...]]
-"""A node, and where the operation names it."""
+"""A node, and the path at which the operation names it."""
 
 
 def chosen(
     nodes: tuple[str, ...] | str, sheet: Sheet, path: tuple[Step, ...]
 ) -> tuple[list[Picked], list[Fault]]:
-    """Return the chosen nodes that there are, each once, and what is wrong with the choice.
+    """Return the chosen nodes that exist, each once, and what is wrong with the choice.
 
     Args:
-        nodes: as the author chooses them.
-        sheet: the nodes that there are, and which are selected.
-        path: where the choice stands below the operation.
+        nodes: names, or a word.
+        sheet: the drawing.
+        path: of the choice below the operation.
     """
     if isinstance(nodes, str):
         names = tuple(sheet.marks) if nodes == "all" else sheet.selected
-        empty = "no node is selected here; say which with select before it"
+        empty = "no node is selected here; write a select before it"
         return [(name, path) for name in names], ([] if names else [Fault(path, empty)])
-    faults = [*unknown(nodes, sheet.marks, path), *_repeated(nodes, path)]
+    faults = [*unknown_nodes(nodes, sheet.marks, path), *_repeated(nodes, path)]
     first = {name: k for k, name in reversed(list(enumerate(nodes))) if name in sheet.marks}
     return [(name, (*path, first[name])) for name in dict.fromkeys(nodes) if name in first], faults
 
@@ -58,15 +61,15 @@ def _repeated(nodes: tuple[str, ...], path: tuple[Step, ...]) -> Iterator[Fault]
 Outline = Annotated[tuple[Point, ...], Field(min_length=3, max_length=1000)]
 
 
-def _selection_form(words: Any) -> str:
-    if isinstance(words, str):
+def _selection_form(value: Any) -> str:
+    if isinstance(value, str):
         return "by a word"
-    is_outline = isinstance(words, Sequence) and words and not isinstance(words[0], str)
+    is_outline = isinstance(value, Sequence) and value and not isinstance(value[0], str)
     return "by an outline" if is_outline else "by name"
 
 
-class Select(ConfigModel):
-    """Chooses the nodes that later operations call `selected`."""
+class Select(DrawingOperation):
+    """Selects nodes, which later operations call `selected`."""
 
     select: Annotated[
         Annotated[Names, Tag("by name")]
@@ -78,31 +81,30 @@ class Select(ConfigModel):
         "the set that was selected before the present one."
     )
 
-
-def select(words: Select, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-    """Return the sheet with another selection, and what is wrong with the words."""
-    match words.select:
-        case "none":
-            return replace(sheet, present=-1), []
-        case "previous":
-            return _previous(sheet)
-        case str():
-            return _selected(sheet, tuple(sheet.marks)), []
-        case (str(), *_):
-            names = tuple(name for name in words.select if isinstance(name, str))
-            picked, faults = chosen(names, sheet, ("select",))
-            return _selected(sheet, tuple(name for name, _ in picked)), faults
-    outline: list[At] = [at for at in words.select if not isinstance(at, str)]
-    inside = tuple(name for name, mark in sheet.marks.items() if encloses(outline, mark.at))
-    faults = [] if inside else [Fault(("select",), "there is no node inside this outline")]
-    return _selected(sheet, inside), faults
+    def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
+        """Return the drawing with another selection, and what is wrong."""
+        match self.select:
+            case "none":
+                return replace(sheet, present=-1), []
+            case "previous":
+                return _previous(sheet)
+            case str():
+                return _selected(sheet, tuple(sheet.marks)), []
+            case (str(), *_):
+                names = tuple(name for name in self.select if isinstance(name, str))
+                picked, faults = chosen(names, sheet, ("select",))
+                return _selected(sheet, tuple(name for name, _ in picked)), faults
+        outline: list[At] = [at for at in self.select if not isinstance(at, str)]
+        inside = tuple(name for name, mark in sheet.marks.items() if encloses(outline, mark.at))
+        faults = [] if inside else [Fault(("select",), "there is no node inside this outline")]
+        return _selected(sheet, inside), faults
 
 
 def _previous(sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-    """Go back by one in the ring of the sets that were selected."""
+    """Return the drawing with the selection before the present one, in a ring."""
     if not sheet.sets:
         return sheet, [Fault(("select",), "nothing was selected before")]
-    # What was unselected is the latest of them.
+    # After `none` the previous selection is the latest.
     before = sheet.present - 1 if sheet.present >= 0 else len(sheet.sets) - 1
     return replace(sheet, present=before % len(sheet.sets)), []
 
@@ -113,7 +115,7 @@ def _selected(sheet: Sheet, names: tuple[str, ...]) -> Sheet:
 
 
 def encloses(outline: Sequence[At], point: At) -> bool:
-    """Tell whether an outline winds around a point; points on the outline belong to it.
+    """Return whether an outline winds around a point; points on the outline belong to it.
 
     The angles under which the point sees the outline's corners add up to a whole number of
     turns: none outside. The outline may be concave and may run either way. Where it winds

@@ -1,6 +1,4 @@
-"""Transformation: how a set of nodes is moved, or where its copies go.
-
-What one operation says is done in this order: mirror, scale, rotate, translate.
+"""Transformation of a set of nodes or of their copies: mirror, scale, rotate, translate, in order.
 
 Source: Sims 1987, A.1.
 """
@@ -14,8 +12,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from pipeline.spec.model_base import ConfigModel, Fault, Name, Number, Point
-from pipeline.spec.operations.drawing import At, Mark, Sheet
+from pipeline.spec.model_base import Fault, Name, Number, Point
+from pipeline.spec.operations.drawing import At, DrawingOperation, Mark, Sheet
 from pipeline.spec.suggestions import hint
 
 Axis = Literal["x", "y"]
@@ -23,8 +21,8 @@ Factor = Annotated[Number, Field(ge=1e-3, le=1e3)]
 Degrees = Annotated[Number, Field(ge=-3600, le=3600)]
 
 
-def _form(words: Any) -> str:
-    return "a node" if isinstance(words, str) else "a place"
+def _form(value: Any) -> str:
+    return "a node" if isinstance(value, str) else "a place"
 
 
 Centre = Annotated[
@@ -32,8 +30,8 @@ Centre = Annotated[
 ]
 
 
-class Transformation(ConfigModel):
-    """What moves a set of nodes."""
+class Transformation(DrawingOperation):
+    """Keys that move a set of nodes."""
 
     mirror: Axis | None = Field(
         None, description="The coordinate that changes its sign, x or y, from the drawing's axis."
@@ -62,50 +60,54 @@ class Transformation(ConfigModel):
     )
 
 
-MOVES = ("mirror", "scale", "scale_xy", "rotate_deg", "rotate_abs_deg", "translate")
+MOTION_KEYS = ("mirror", "scale", "scale_xy", "rotate_deg", "rotate_abs_deg", "translate")
 
 
-def faults_of_transformation(words: Transformation, sheet: Sheet) -> list[Fault]:
-    """Find what keeps a transformation from being one."""
-    if all(getattr(words, word) is None for word in MOVES):
-        return [Fault((), f"says not where to; give one of {', '.join(MOVES)}")]
-    if isinstance(words.about, str) and words.about not in sheet.marks:
-        message = f"no node is called '{words.about}', {hint(words.about, sheet.marks)}"
+def faults_of_transformation(transformation: Transformation, sheet: Sheet) -> list[Fault]:
+    """Find that a transformation moves nothing, or about a node that does not exist."""
+    if all(getattr(transformation, key) is None for key in MOTION_KEYS):
+        return [Fault((), f"moves nothing; give one of {', '.join(MOTION_KEYS)}")]
+    if isinstance(transformation.about, str) and transformation.about not in sheet.marks:
+        message = (
+            f"no node is called '{transformation.about}', {hint(transformation.about, sheet.marks)}"
+        )
         return [Fault(("about",), message)]
     return []
 
 
-def transformed(words: Transformation, marks: Collection[Mark], sheet: Sheet) -> list[Mark]:
-    """Return nodes where a transformation puts them.
+def transformed(
+    transformation: Transformation, marks: Collection[Mark], sheet: Sheet
+) -> list[Mark]:
+    """Return nodes at their transformed positions.
 
     Args:
-        words: without faults.
-        marks: the nodes as they lie, at least one.
+        transformation: one without faults.
+        marks: the nodes, at least one.
         sheet: holds the node that `about` may name.
     """
-    centre = _centre(words.about, marks, sheet)
-    sx, sy = words.scale_xy or (1.0, 1.0)
-    even = words.scale or 1.0
+    centre = _centre(transformation.about, marks, sheet)
+    sx, sy = transformation.scale_xy or (1.0, 1.0)
+    even = transformation.scale or 1.0
     moved = []
     for mark in marks:
-        at = mirrored_point(mark.at, words.mirror) if words.mirror else mark.at
+        at = mirrored_point(mark.at, transformation.mirror) if transformation.mirror else mark.at
         x, y = at[0] - centre[0], at[1] - centre[1]
-        x, y = turned((x * even * sx, y * even * sy), words.rotate_deg or 0.0)
-        x, y = turned((x + centre[0], y + centre[1]), words.rotate_abs_deg or 0.0)
-        dx, dy = words.translate or (0.0, 0.0)
+        x, y = turned((x * even * sx, y * even * sy), transformation.rotate_deg or 0.0)
+        x, y = turned((x + centre[0], y + centre[1]), transformation.rotate_abs_deg or 0.0)
+        dx, dy = transformation.translate or (0.0, 0.0)
         size = mark.size * even * math.sqrt(sx * sy)
         moved.append(replace(mark, at=(x + dx, y + dy), size=size))
     return moved
 
 
 def mirrored_point(at: At, axis: Axis) -> At:
-    """Return the place of a copy [m]."""
+    """Return the mirrored position [m]."""
     x, y = at
     return (-x, y) if axis == "x" else (x, -y)
 
 
 def turned(at: At, degrees: float) -> At:
-    """Return a place turned about the origin, from the right by the head to the left."""
+    """Return a position turned about the origin, from the right by the head to the left."""
     quarter, rest = divmod(degrees, 90.0)
     # Quarter turns are exact, so that what lies on an axis comes to lie on an axis.
     x, y = at

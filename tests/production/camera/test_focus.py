@@ -10,6 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.production.camera.cuts import camera_poses
 from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -40,9 +41,9 @@ def take() -> Take:
 
 def filmed(take: Take, camera: str) -> tuple[CameraPose, ...]:
     scene = scene_of(camera)
-    nodes = take.nodes
+    names = NodeNames.of(take)
     return camera_poses(
-        take, scene.camera, 1.5, mounts_of(scene, nodes), sharp_nodes_of(scene, nodes)
+        take, scene.camera, 1.5, mounts_of(scene, names), sharp_nodes_of(scene, names)
     )
 
 
@@ -79,8 +80,8 @@ def test_it_is_sharp_where_it_is_told(take: Take, word: str, expected: Array) ->
 
 
 def test_it_is_sharp_on_a_link(take: Take) -> None:
-    (node,) = sharp_nodes_of(scene_of(f"{{{STANDS}, aperture: 2, focus: arm.hand}}"), take.nodes
-                             ).values()  # fmt: skip
+    scene = scene_of(f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
+    (node,) = sharp_nodes_of(scene, NodeNames.of(take)).values()
     poses = filmed(take, f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
     rows = np.arange(48) * take.header.samples
     np.testing.assert_allclose(focus(poses), take.positions[rows, node, 0], atol=2e-6)
@@ -126,7 +127,7 @@ def test_a_changed_lens_does_not_simulate() -> None:
 @pytest.mark.parametrize(
     ("camera", "message"),
     [
-        (f"{{{STANDS}, focus: near}}", "focus needs an aperture"),
+        (f"{{{STANDS}, focus: near}}", "needs an `aperture`"),
         (f"{{{STANDS}, aperture: 2, focus: naer}}", "called 'naer', did you mean 'near'"),
         (f"{{{STANDS}, aperture: 2, focus: arm.hnd}}", "no part 'hnd', did you mean 'hand'"),
         (f"{{{STANDS}, aperture: 2, keyframes: [{{at: 0, focus: fra}}]}}", "did you mean 'far'"),
@@ -134,30 +135,33 @@ def test_a_changed_lens_does_not_simulate() -> None:
         (f"{{{STANDS}, aperture: 2, focus: -1}}", "focus"),
         (
             f"{{{STANDS}, aperture: 2, focus: 1, keyframes: [{{at: 0, focus: 2}}]}}",
-            "one of focus and focus in keyframes",
+            "conflicts with `focus` in keyframes",
         ),
-        ("{at: [0, 1, 0], rotation_deg: [0, 9, 0], aperture: 2}", "needs a focus"),
-        ("{parent: near, at: [0, 1, 0], aperture: 2}", "needs a focus"),
-        (f"{{{STANDS}, orbit: 20}}", "no orbit"),
-        (f"{{{STANDS}, dolly: 1, crane: 1}}", "no dolly and no crane"),
-        (f"{{{STANDS}, lead: 0.2}}", "looks at a point has no lead"),
-        ("{parent: near, at: [0, 1, 0], lead: 0.2}", "is moved by its author has no lead"),
-        ("{orbit: {speed_deg: 2, to_deg: 3}}", "give speed_deg, or from_deg and to_deg"),
-        ("{orbit: {to_deg: 3}}", "to_deg needs from_deg"),
-        ("{dolly: {}}", "say how fast it goes"),
-        ("{dolly: [0, 3]}", "distances must be greater than 0"),
+        ("{at: [0, 1, 0], rotation_deg: [0, 9, 0], aperture: 2}", "needs a `focus`"),
+        ("{parent: near, at: [0, 1, 0], aperture: 2}", "needs a `focus`"),
+        (f"{{{STANDS}, orbit: 20}}", "`at` conflicts with `orbit`"),
+        (f"{{{STANDS}, dolly: 1, crane: 1}}", "conflicts with `dolly` and `crane`"),
+        (f"{{{STANDS}, lead: 0.2}}", "`lead` conflicts with `look_at`"),
+        ("{parent: near, at: [0, 1, 0], lead: 0.2}", "`lead` conflicts with an animated camera"),
+        ("{orbit: {speed_deg: 2, to_deg: 3}}", "`speed_deg` conflicts with `from_deg`"),
+        ("{orbit: {to_deg: 3}}", "`to_deg` needs `from_deg`"),
+        ("{dolly: {}}", "give a speed"),
+        ("{dolly: [0, 3]}", "must be greater than 0"),
         ("{dolly: {frm: 1, to: 3}}", "frm"),
-        ("{dolly: [4, 3], distance: 3}", "distance is said by distance and by dolly"),
-        ("{crane: [1, 3], elevation_deg: 3}", "height is said by elevation_deg and by crane"),
-        ("{view: top, orbit: 3}", "view from the top has no orbit"),
-        ("{parent: near, at: [0, 1, 0], orbit: 3}", "has no orbit"),
-        ("{look_at: [0, 1, 0], lead: 0.2}", "has no lead"),
-        ("{dolly: {from: 2, to: 3, zoom: true}, keyframes: [{at: 0, fov_deg: 9}]}", "one of zoom"),
+        ("{dolly: [4, 3], distance: 3}", "`distance` conflicts with the distances of `dolly`"),
+        ("{crane: [1, 3], elevation_deg: 3}", "conflicts with the heights of `crane`"),
+        ("{view: top, orbit: 3}", "`view: top` conflicts with `orbit`"),
+        ("{parent: near, at: [0, 1, 0], orbit: 3}", "conflicts with `orbit`"),
+        ("{look_at: [0, 1, 0], lead: 0.2}", "`lead` conflicts with"),
+        (
+            "{dolly: {from: 2, to: 3, zoom: true}, keyframes: [{at: 0, fov_deg: 9}]}",
+            "dolly.zoom",
+        ),
         ("{truck: fast}", "truck"),
     ],
 )
 def test_refuses(take: Take, camera: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
-        sharp_nodes_of(scene_of(camera), take.nodes)
+        sharp_nodes_of(scene_of(camera), NodeNames.of(take))
     for problem in caught.value.problems:
         assert problem.line > 0

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.production.shots.footprint_raster import DEPTHS, SMALLEST, footprints
 from pipeline.simulation.take import Take
-from render.footprints import BLOCK, MOST, Prints
+from render.footprints import BLOCK, MAX_FOOTPRINTS, FootprintRaster
 
 
 @pytest.fixture(scope="session")
@@ -15,7 +15,7 @@ def first_steps(hills: tuple[object, Take]) -> Take:
     return hills[1]
 
 
-def texel(prints: Prints, x: float, z: float) -> int:
+def texel(prints: FootprintRaster, x: float, z: float) -> int:
     """Return the packed texel nearest to a place, 0 where there is no block."""
     i, j = (round((at - c) / prints.spacing) for at, c in zip((x, z), prints.corner, strict=True))
     rows, columns = prints.blocks.shape
@@ -43,9 +43,9 @@ def test_every_foot_leaves_a_print_where_it_touched(first_steps: Take) -> None:
     for number, (_, x, z) in enumerate(expected, start=1):
         word = texel(found.prints, x, z)
         # Who trod there before keeps the place.
-        assert 1 <= word & MOST <= number
+        assert 1 <= word & MAX_FOOTPRINTS <= number
         assert (word >> 13) & 31 > 0
-    seen = {int(n) for n in np.unique(found.prints.texels & MOST)} - {0}
+    seen = {int(n) for n in np.unique(found.prints.texels & MAX_FOOTPRINTS)} - {0}
     assert seen <= set(range(1, len(expected) + 1))
     assert len(seen) > 0.8 * len(expected)
 

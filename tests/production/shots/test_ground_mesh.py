@@ -96,14 +96,14 @@ def test_the_far_field_goes_with_the_terrain() -> None:
 def test_forbidden_zones_are_tinted_and_nothing_else(terrain: Terrain) -> None:
     ground = record(terrain)
     plain, marked = ground_meshes(ground), ground_meshes(ground, show_forbidden=True)
-    assert all(mesh.tinted is None for mesh in plain)
+    assert all(mesh.warned is None for mesh in plain)
     assert plain[0].digest != marked[0].digest
     assert plain[1].digest == marked[1].digest
     near = marked[0]
     field = build_ground(terrain, seed=5)
     middles = near.vertices[near.faces.astype(int)].astype(float).mean(axis=1)
-    assert near.tinted is not None
-    assert (near.tinted == ~field.steppable(middles[:, 0], middles[:, 2])).all()
+    assert near.warned is not None
+    assert (near.warned == ~field.steppable(middles[:, 0], middles[:, 2])).all()
 
 
 @pytest.mark.parametrize(
@@ -125,13 +125,15 @@ def test_rays_hit_the_drawn_ground_where_feet_stand(words: dict[str, object]) ->
     import drjit as dr
     import mitsuba as mi
 
-    from render.meshes import built, groups
+    from render.meshes import build_mesh, group_meshes
 
     made = TypeAdapter(Terrain).validate_python(words)
     ground = build_ground(made, seed=5)
     (near, _) = ground_meshes(record(made), show_forbidden=True)
-    (group,) = groups([near], MATERIALS)
-    scene = mi.load_dict({"type": "scene", "ground": built(group, [near], MATERIALS["dry soil"])})
+    (group,) = group_meshes([near], MATERIALS)
+    scene = mi.load_dict(
+        {"type": "scene", "ground": build_mesh(group, [near], MATERIALS["dry soil"])}
+    )
     half = 0.49 * np.array(made.size)
     local = np.random.default_rng(3).uniform(-half, half, (4000, 2))
     x, z = ground.field.to_world(*local.T)

@@ -11,8 +11,8 @@ from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
 from pipeline.simulation.characters.solid_arrays import Solids, solids_of
 from pipeline.simulation.characters.solid_kinematics import signed_distance
 from pipeline.simulation.dynamics.compiled import entry
+from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 

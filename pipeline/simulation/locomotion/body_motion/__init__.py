@@ -1,1 +1,1 @@
-"""What creatures do beside their legs: heads, tails, feelers, trunks."""
+"""Motion of bodies, heads and free limbs that follows from the walk."""

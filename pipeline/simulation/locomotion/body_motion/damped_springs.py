@@ -1,34 +1,50 @@
-"""Springs: what hangs on something that moves, follows it late and swings on after it.
+"""Damped springs: points that follow moving goals late and swing on after them.
 
-A point on a damped spring follows a goal. Between two rows the goal goes straight, and with
-e the place of the point relative to it, w its speed relative to it,
+Between two rows the goal moves straight, and with e the position of the point relative to it, w its
+speed relative to it,
 
     ë + 2ζω ė + ω² e = 0,
 
-which is solved exactly, from row to row: where the goal goes evenly the point has no lag, and
-where its speed changes, w changes by as much. So a finer grid of rows shows the same motion
-more closely, and no spring however stiff blows up.
+which is solved exactly from row to row: where the goal moves evenly the point has no lag, and where
+its speed changes, w changes by as much. So a finer grid of rows shows the same motion more closely,
+and no spring however stiff diverges.
 
 Source: Lasseter 1987 for overlapping action and follow-through.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from pipeline.simulation.curves import bounded
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.routes.body_trajectory import pitched_and_rolled
 from pipeline.simulation.spatial import Array
+
+# Frequency of a body on its legs, in frequencies of a pendulum as long as the body is high, and
+# damping ratio.
+SUSPENSION_FREQUENCY, SUSPENSION_DAMPING = 2.5, 0.55
+
+# Pitch for an acceleration of 1 g, and greatest pitch [rad].
+PITCH_PER_G, MAX_PITCH = 0.25, math.radians(3.5)
+
+# Part of the springs' deflection that the height takes on, and greatest change of it in body
+# heights.
+SINK_FRACTION, MAX_SINK = 0.15, 0.02
 
 
 @dataclass(frozen=True, eq=False)
 class Oscillators:
-    """Damped oscillators, and how they swing in a certain time.
+    """M damped oscillators over a fixed time.
 
     Attributes:
         frequency: (M,) ω without damping [rad/s].
-        damping: (M,) ratio ζ of each to the critical damping, less than 1.
+        damping: (M,) ratios ζ to the critical damping, less than 1.
         dt: the time [s].
     """
 
@@ -38,30 +54,30 @@ class Oscillators:
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array, Array]:
-        """How place and speed follow from both before: (M,) each."""
+        """Position and speed after `dt` by both before: (M,) each."""
         fall = self.damping * self.frequency
         swing = self.frequency * np.sqrt(1.0 - self.damping**2)
         left = np.exp(-fall * self.dt)
         c, s = left * np.cos(swing * self.dt), left * np.sin(swing * self.dt) / swing
         return c + fall * s, s, -(self.frequency**2) * s, c - fall * s
 
-    def swung(self, e: Array, w: Array) -> tuple[Array, Array]:
-        """Return places and speeds (M, ...) after the time, of those that are left alone."""
-        by_place, by_speed = self.by(e.ndim)
-        place, speed = by_place * e + by_speed * w
-        return place, speed
+    def step(self, e: Array, w: Array) -> tuple[Array, Array]:
+        """Return positions and speeds (M, ...) after `dt`, without forces."""
+        by_position, by_speed = self.matrices(e.ndim)
+        position, speed = by_position * e + by_speed * w
+        return position, speed
 
-    def by(self, axes: int) -> tuple[Array, Array]:
-        """Return what place and speed (2, M, ...) are after the time, by place and by speed."""
+    def matrices(self, axes: int) -> tuple[Array, Array]:
+        """Return how position and speed (2, M, ...) depend on position and on speed before."""
         a, b, c, d = (term.reshape(-1, *(1,) * (axes - 1)) for term in self._terms)
         return np.stack([a, c]), np.stack([b, d])
 
 
 @dataclass(slots=True, eq=False)
-class Trailing:
-    """Points on springs, each behind its own goal.
+class SpringFollower:
+    """Points on springs, each behind its own goal; remembers the row before.
 
-    Rows may be given in any portions, which are one after the other in time.
+    Rows may be given in any portions, one after the other in time.
 
     Attributes:
         springs: M of them, over the time between two rows.
@@ -73,11 +89,7 @@ class Trailing:
     _state: Array | None = field(default=None, init=False)
 
     def follow(self, goals: Array) -> Array:
-        """Return where the points are relative to their goals; at rest in the first row of all.
-
-        Args:
-            goals: (n, M, ...) at n rows.
-        """
+        """Return the points relative to their goals (n, M, ...); at rest in the very first row."""
         found = np.zeros_like(goals)
         if not len(goals):
             return found
@@ -86,15 +98,52 @@ class Trailing:
         speeds = np.diff(known, axis=0) / self.springs.dt
         if not len(speeds):
             return found
-        # How fast the goals went before the first row nobody knows: as after it.
+        # The goals' speed before the first row is unknown: as after it.
         before = speeds[0] if self._speed is None else self._speed
         changes = np.diff(speeds, axis=0, prepend=before[None])
-        by_place, by_speed = self.springs.by(goals.ndim - 1)
+        by_position, by_speed = self.springs.matrices(goals.ndim - 1)
         state = np.zeros((2, *goals.shape[1:])) if self._state is None else self._state
-        # What rests while its goal goes evenly goes on resting.
+        # A point at rest behind an evenly moving goal stays at rest.
         moves = bool(state.any() or changes.any())
         for row, change in enumerate(changes if moves else (), len(goals) - len(changes)):
-            state = by_place * state[0] + by_speed * (state[1] - change)
+            state = by_position * state[0] + by_speed * (state[1] - change)
             found[row] = state[0]
         self._state, self._speed = state, speeds[-1].copy()
         return found
+
+
+class BodySuspension:
+    """The bodies of a herd on their legs as on springs; remembers the row before.
+
+    A body dips its nose when it brakes, lifts it when it speeds up, and sinks in after a step down.
+    No step is planned for that, so it is small, and overstretched legs take it back.
+
+    Attributes:
+        tall: (C,) heights of the bodies [m].
+        springs: under them.
+    """
+
+    def __init__(self, herd: Herd, dt: float) -> None:
+        self.tall = herd.body_height
+        frequency = SUSPENSION_FREQUENCY * np.sqrt(GRAVITY / np.maximum(self.tall, 1e-3))
+        damping = np.full_like(frequency, SUSPENSION_DAMPING)
+        self.springs = Oscillators(frequency, damping, dt)
+        self._follower = SpringFollower(self.springs)
+        # A body that flies between its steps falls freely.
+        self._sink = np.array([SINK_FRACTION if p.flight is None else 0.0 for p in herd.paces])
+
+    def apply(self, R_WB: Array, p_WB: Array) -> None:
+        """Move bodies on their springs.
+
+        Args:
+            R_WB: (n, C, 3, 3) at n rows; changed.
+            p_WB: (n, C, 3) [m]; changed.
+        """
+        late = self._follower.follow(p_WB)
+        behind = -(late * R_WB[..., :, 0]).sum(axis=-1)
+        pull = behind * self.springs.frequency**2 / GRAVITY
+        pitch = MAX_PITCH * bounded(PITCH_PER_G * pull / MAX_PITCH)
+        turned = pitched_and_rolled(pitch.ravel(), np.zeros(pitch.size))
+        R_WB[:] = R_WB @ turned.reshape(R_WB.shape)
+        most = MAX_SINK * self.tall
+        p_WB[..., 1] += most * bounded(self._sink * late[..., 1] / np.maximum(most, 1e-9))

@@ -1,16 +1,16 @@
-"""Overlap: tails, feelers, heads and arms that follow what they hang on, and swing on after it.
+"""Follow-through: tails, feelers, heads and arms that swing on after what they hang on.
 
-Where the tip of such a limb would be, were it stiff, goes with what the limb hangs on. A
-point on a spring trails behind it for each of the joints, and turns its joint as far as
-it lies off. The farther out a joint is, the softer is its spring and the later it comes. A
-limb that hangs on another one follows that one's swinging too.
+The tip of such a limb, were it stiff, would move with what the limb hangs on. For each of its
+joints a point on a spring trails behind that tip, and turns the joint as far as it lies off.
+Springs get softer towards the tip. A limb that hangs on another one follows that one's swinging
+too.
 
 Source: Lasseter 1987.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,19 +18,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
-from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, Trailing
+from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
 from pipeline.simulation.spatial import Array, cross, turn, unturn
 
-LEAST = 1e-6
-"""Room of a joint that rests on its limit [rad or m]."""
+# Least room of a joint that rests at its limit [rad or m].
+MIN_JOINT_ROOM = 1e-6
+
+# Frequencies of the springs, in that of a hanging rod as long as the limb, and damping ratios:
+# muscles hold heads, and hardly tails.
+FREQUENCY = {TAIL: 1.6, FEELER: 2.2, ARM: 2.0, HEAD: 4.5}
+DAMPING = {TAIL: 0.30, FEELER: 0.25, ARM: 0.45, HEAD: 0.60}
+
+# Frequency of a joint's spring, in that of the joint before.
+FREQUENCY_RATIO = 0.85
+
+# How far all joints of a limb turn together for its tip to be on its spring: a little more, because
+# the joints far out come later than the others.
+TOTAL_TURN = 1.3
 
 
 @dataclass(frozen=True, eq=False)
 class SoftJointLimits:
-    """Joints between their limits.
+    """Joints whose limits are approached ever more slowly and never reached.
 
     Attributes:
         lower, preferred, upper: (...) [rad or m].
@@ -41,40 +54,20 @@ class SoftJointLimits:
     upper: Array
 
     def at(self, wish: Array) -> Array:
-        """Return joint values for wishes (..., relative to rest) of any size.
-
-        Small wishes are met; a limit is come to ever more slowly and is never reached.
-        """
-        room = self._towards(wish)
+        """Return joint values for wishes (...) relative to rest, of any size."""
+        room = self._room(wish)
         result: Array = self.preferred + room * bounded(wish / room)
         return result
 
     def slope(self, wish: Array) -> Array:
-        """Return how much joint values change with their wishes, 0 to 1."""
-        x = wish / self._towards(wish)
+        """Return the derivatives of joint values by their wishes, 0 to 1."""
+        x = wish / self._room(wish)
         result: Array = (1.0 + (x * x) * (x * x)) ** -1.25
         return result
 
-    def _towards(self, wish: Array) -> Array:
+    def _room(self, wish: Array) -> Array:
         rooms = np.where(wish < 0.0, self.preferred - self.lower, self.upper - self.preferred)
-        return np.maximum(rooms, LEAST)
-
-
-STIFF = {TAIL: 1.6, FEELER: 2.2, ARM: 2.0, HEAD: 4.5}
-"""Frequencies of the springs, in that of a rod as long as the limb that hangs: muscles hold
-heads, and hardly tails."""
-
-DAMPING = {TAIL: 0.30, FEELER: 0.25, ARM: 0.45, HEAD: 0.60}
-"""Ratios to the critical damping."""
-
-SOFTER = 0.85
-"""Frequency of a joint's spring, in that of the joint before."""
-
-FOLLOWS = 1.3
-"""How far all joints of a limb together turn, for its tip to be where its spring has it: a
-little more, because the joints far out come later than the others."""
-
-GRAVITY = 9.81
+        return np.maximum(rooms, MIN_JOINT_ROOM)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +76,8 @@ class FreeLimb:
 
     Attributes:
         kind: head, tail, feeler or arm.
-        joints: its joints, by their numbers in the tree, from base to tip.
-        turns: what each of them does: yaw, pitch, roll or bend.
+        joints: numbers of its joints in the tree, from base to tip.
+        turns: yaw, pitch, roll or bend, of each joint.
         tip: (3,) in the creation frame [m].
         length: [m].
         tip_radius: of the solid around the tip [m].
@@ -98,12 +91,17 @@ class FreeLimb:
     tip_radius: float
 
 
+def joint_turns(skeleton: Skeleton, limb: Limb) -> list[str]:
+    """Return yaw, pitch, roll or bend, for each joint of a limb."""
+    return [skeleton.joint_names[j].rsplit("_", 1)[1] for j in limb.joints]
+
+
 class FollowThrough:
-    """How the joints of a herd that carry nothing trail; remembers the row before.
+    """The follow-through of a herd's free joints; remembers the row before.
 
     Attributes:
-        tree: these joints, M of them.
-        room: (M,) what they may do.
+        tree: the joints, M of them.
+        limits: (M,) of the joints.
         owner: (M,) creature of each.
         springs: (M,) of each.
     """
@@ -111,36 +109,41 @@ class FollowThrough:
     def __init__(
         self,
         tree: JointTree,
-        room: SoftJointLimits,
+        limits: SoftJointLimits,
         owner: NDArray[np.int64],
         limbs: Sequence[FreeLimb],
         dt: float,
     ) -> None:
-        self.tree, self.room, self.owner = tree, room, owner
+        self.tree, self.limits, self.owner = tree, limits, owner
         count = len(owner)
         self._tip, self._lever = np.zeros((2, count, 3))
         self._carrier = np.full(count, BODY, dtype=np.int64)
         frequency, damping = np.ones(count), np.zeros(count)
-        rest = tree.pose(room.preferred)
+        rest = tree.pose(limits.preferred)
         for limb in limbs:
-            own, steps = list(limb.joints), np.arange(len(limb.joints))
+            own, ranks = list(limb.joints), np.arange(len(limb.joints))
             self._carrier[own] = tree.parents[own[0]]
-            slow = np.sqrt(1.5 * GRAVITY / limb.length)
-            frequency[own] = STIFF[limb.kind] * slow * SOFTER**steps
+            rod = np.sqrt(1.5 * GRAVITY / limb.length)
+            frequency[own] = FREQUENCY[limb.kind] * rod * FREQUENCY_RATIO**ranks
             damping[own] = DAMPING[limb.kind]
             self._tip[own], self._lever[own] = self._levers(limb, rest)
         self.springs = Oscillators(frequency, damping, dt)
-        self._trailing = [Trailing(self._springs_of(tier)) for tier in self._tiers]
+        self._followers = [
+            SpringFollower(Oscillators(frequency[tier], damping[tier], dt)) for tier in self._tiers
+        ]
 
     def _levers(self, limb: FreeLimb, rest: Array) -> tuple[Array, Array]:
-        """Return the tip (3,) and how the joints follow it (k, 3) [rad/m], by what it hangs on."""
+        """Return the tip (3,), and the turns of the joints per offset (k, 3) [rad/m].
+
+        Both relative to what the limb hangs on.
+        """
         own = list(limb.joints)
         X, carrier = rest[own], int(self.tree.parents[own[0]])
         tip = X[-1, :3, 3] + X[-1, :3, :3] @ (limb.tip - self.tree.places[own[-1]])
         along = tip - X[:, :3, 3]
         along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-9)
         lever = cross(turn(X[:, :3, :3], self.tree.axes[own]), along) / limb.length
-        lever = _shares(limb, self.tree.prismatic[own])[:, None] * lever
+        lever = _turn_shares(limb, self.tree.prismatic[own])[:, None] * lever
         if carrier == BODY:
             return tip, lever
         R, p = rest[carrier, :3, :3], rest[carrier, :3, 3]
@@ -158,64 +161,59 @@ class FollowThrough:
 
     @cached_property
     def _carriers(self) -> tuple[NDArray[np.int64], JointTree, NDArray[np.int64]]:
-        """Joints that something hangs on, with all before them, their tree, and their places."""
-        carry, above = np.zeros(len(self.owner), dtype=bool), np.unique(self._carrier)
+        """Joints that carry limbs, with all before them, their tree, and their numbers in it."""
+        carries, above = np.zeros(len(self.owner), dtype=bool), np.unique(self._carrier)
         while (above := above[above != BODY]).size:
-            carry[above] = True
+            carries[above] = True
             above = self.tree.parents[above]
-        chosen = np.flatnonzero(carry)
-        place = np.full(len(carry) + 1, BODY, dtype=np.int64)
-        place[chosen] = np.arange(len(chosen))
+        chosen = np.flatnonzero(carries)
+        number = np.full(len(carries) + 1, BODY, dtype=np.int64)
+        number[chosen] = np.arange(len(chosen))
         t = self.tree
-        # Place -1, the last entry, stands for the body.
+        # Number -1, the last entry, stands for the body.
         tree = JointTree(
-            place[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen]
+            number[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen]
         )
-        return chosen, tree, place
+        return chosen, tree, number
 
-    def _springs_of(self, tier: NDArray[np.int64]) -> Oscillators:
-        s = self.springs
-        return Oscillators(s.frequency[tier], s.damping[tier], s.dt)
-
-    def trail(self, wishes: Array, R_WB: Array, p_WB: Array, looseness: Array) -> Array:
-        """Return what the joints (n, M) do, trailing, as `SoftJointLimits` takes it [rad].
+    def apply(self, wishes: Array, R_WB: Array, p_WB: Array, looseness: Array) -> Array:
+        """Return the wishes of the joints (n, M) with follow-through, see `SoftJointLimits` [rad].
 
         Args:
-            wishes: (n, M) what they would do otherwise [rad].
+            wishes: (n, M) without it [rad].
             R_WB: (n, C, 3, 3) and
             p_WB: (n, C, 3) of the bodies [m].
             looseness: (n, C) factor.
         """
         wishes = wishes.copy()
-        frames = self._frames(wishes, R_WB, p_WB)
-        for trailing, (tier, R, p) in zip(self._trailing, frames, strict=True):
-            late = trailing.follow(p + turn(R, self._tip[tier]))
+        frames = self._carrier_frames(wishes, R_WB, p_WB)
+        for follower, (tier, R, p) in zip(self._followers, frames, strict=True):
+            late = follower.follow(p + turn(R, self._tip[tier]))
             turned = (unturn(R, late) * self._lever[tier]).sum(axis=-1)
             wishes[:, tier] += looseness[:, self.owner[tier]] * turned
         return wishes
 
-    def _frames(
+    def _carrier_frames(
         self, wishes: Array, R_WB: Array, p_WB: Array
     ) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
         """Yield each tier and the frames (n, T, 3, 3), (n, T, 3) of what its limbs hang on.
 
-        Wishes may be changed between tiers, which moves what the next one hangs on.
+        Changes of the wishes between tiers move what the next tier hangs on.
         """
         for depth, tier in enumerate(self._tiers):
             R, p = R_WB[:, self.owner[tier]], p_WB[:, self.owner[tier]]
             if depth:
-                chosen, tree, place = self._carriers
-                X = tree.pose(self.room.at(wishes)[:, chosen])[:, place[self._carrier[tier]]]
+                chosen, tree, number = self._carriers
+                X = tree.pose(self.limits.at(wishes)[:, chosen])[:, number[self._carrier[tier]]]
                 R, p = R @ X[..., :3, :3], p + turn(R, X[..., :3, 3])
             yield tier, R, p
 
 
-def _shares(limb: FreeLimb, prismatic: NDArray[np.bool_]) -> Array:
-    """Return by which part of what the limb does each joint (k,) turns; none that slides does."""
+def _turn_shares(limb: FreeLimb, prismatic: NDArray[np.bool_]) -> Array:
+    """Return each joint's share (k,) of the limb's turn; none for joints that slide."""
     shares = np.zeros(len(limb.joints))
-    groups: Mapping[str, tuple[str, ...]] = {"yaw": ("yaw",), "roll": ("roll",)}
-    for turns in (*groups.values(), ("pitch", "bend")):
+    for turns in (("yaw",), ("roll",), ("pitch", "bend")):
         own = np.flatnonzero(np.isin(np.array(limb.turns), turns) & ~prismatic)
         weights = 1.0 + np.arange(len(own))
-        shares[own] = (FOLLOWS if len(own) > 1 else 1.0) * weights / max(weights.sum(), 1.0)
+        shares[own] = (TOTAL_TURN if len(own) > 1 else 1.0) * weights / max(weights.sum(), 1.0)
     return shares

@@ -1,9 +1,9 @@
-"""Yielding: how bodies give way to legs that would be folded or stretched too far.
+"""Pelvis height: raises and lowers bodies so that no leg is folded or stretched too far.
 
-That is what no plan foresaw: a body is raised where a leg would fold up too far, and lowered
-where one would be overstretched. One that falls is caught as a foot touches: while it is in
-the air a foot that reaches ahead does not draw it down, for it comes down by itself; by as
-much as the leg is stretched at the touch the body is low, a while before and a while after.
+This covers what no plan foresaw: a body rises where a leg would fold too far, and sinks where one
+would be overstretched. A body in flight is caught at touchdown: a foot in the air that reaches
+ahead does not pull it down, because it comes down by itself; it is lowered by as much as the leg is
+stretched at touchdown, from a while before to a while after.
 """
 
 from __future__ import annotations
@@ -15,133 +15,130 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.foot_state import FootState
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
 from pipeline.simulation.spatial import Array, turn
 
-ROUNDED = 0.02
-"""Stretch or fold over which bodies begin to give way, in leg lengths."""
+# Stretch or fold over which the correction sets in, in leg lengths.
+ROUNDING = 0.02
+
+
+# Part of a swing, at either end, in which bodies begin to give way to a foot; in between the foot
+# gives way to them. Bodies in flight are low for a touchdown as long before and after it.
+SUPPORT_FRACTION = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Going:
-    """How bodies go at n moments, all (n, C); see `BodyPath.pose`.
+class PlannedMotion:
+    """The planned motion of bodies at n moments; see `BodyTrajectory.pose`.
 
     Attributes:
-        way: gone [m].
-        phase: of the gait, whole cycles counted.
-        drive, vigour: parts of their speed.
-        nose_up: [rad].
-        planned: heights that their path gives them [m].
+        progress: (n, C) on the routes.
+        smoothed_fraction: (n, C) speed fraction that bodies show.
+        style_pitch: (n, C) of the motion style [rad].
+        height: (n, C) of the trajectory [m].
     """
 
-    way: Array
-    phase: Array
-    drive: Array
-    vigour: Array
-    nose_up: Array
-    planned: Array
+    progress: ProgressSample
+    smoothed_fraction: Array
+    style_pitch: Array
+    height: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Touches:
-    """The last foot-down of each leg, or the next one of a foot in the air, all (n, L).
+class PelvisHeight:
+    """Corrects the heights of the bodies of a herd.
 
     Attributes:
-        at: phase, whole cycles counted.
-        around: how long before and after it the body is low for it, in cycles.
-        place: (n, L, 3) tip then [m].
-        stoop: how far the body was planned to be lowered then [m].
-        swinging: which feet are in the air.
+        shortest: (L,) least hip-to-foot distances [m].
     """
 
-    at: Array
-    around: Array
-    place: Array
-    stoop: Array
-    swinging: NDArray[np.bool_]
+    def __init__(self, herd: Herd, trajectory: BodyTrajectory) -> None:
+        self.herd, self.trajectory = herd, trajectory
+        self.shortest = shortest_reaches(herd)
 
-
-class Yielding:
-    """The giving way of the bodies of a herd.
-
-    Attributes:
-        folds: (L,) how near to its hip each leg can draw its foot [m].
-    """
-
-    def __init__(self, herd: Herd, path: BodyTrajectory) -> None:
-        self.herd = herd
-        self.path = path
-        self.folds = shortest_reaches(herd)
-
-    def give_way(
+    def correct(
         self,
         R_WB: Array,
         p_WB: Array,
         tips: Array,
-        grips: tuple[Array, Array],
-        going: Going,
-        touches: Touches,
+        support: tuple[Array, Array],
+        motion: PlannedMotion,
+        feet: FootState,
     ) -> None:
         """Raise and lower bodies as their legs need it.
 
         Args:
             R_WB: (n, C, 3, 3) and
-            p_WB: (n, C, 3), poses of the bodies; places are changed [m].
+            p_WB: (n, C, 3), poses of the bodies; positions are changed [m].
             tips: (n, L, 3) of the legs [m].
-            grips: (n, L) how far feet count as being on the ground, 0 to 1, and how far they
-                would if they were.
-            going: how bodies go.
-            touches: of the feet.
+            support: (n, L) how far feet count as standing, 0 to 1, and how far they would if they
+                were down.
+            motion: of the bodies.
+            feet: (n, L) where they are.
         """
-        herd, (grip, free) = self.herd, grips
+        herd, (standing, free) = self.herd, support
         lengths = herd.legs.lengths
         hips = p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips)
-        raised = _greatest(herd, grip * self._overfold(hips, tips))
+        raised = _greatest(herd, standing * self._overfold(hips, tips))
         p_WB[..., 1] += raised
         hips[..., 1] += raised[:, herd.owner]
-        stretch = grip * _overstretch(hips, tips, lengths)
-        flies = self.path.paces.flies(herd.owner, going.phase[:, herd.owner])
+        stretch = standing * _overstretch(hips, tips, lengths)
+        phase = motion.progress.phase[:, herd.owner]
+        flies = self.trajectory.paces.flies(herd.owner, phase)
         if flies.any():
-            near = flies & (np.abs(going.phase[:, herd.owner] - touches.at) < touches.around)
-            down = np.where(touches.swinging[near], 0.0, stretch[near])
-            lowered = np.maximum(going.planned - p_WB[..., 1], 0.0)
-            catch = free[near] * self._caught(near, going, touches, lowered)
+            # The last touchdown, or the next one of a foot in the air.
+            off = phase - (feet.lift_phase + feet.swing_length)
+            near = flies & (np.abs(off) < SUPPORT_FRACTION * feet.swing_length)
+            down = np.where(feet.swinging[near], 0.0, stretch[near])
+            lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
+            catch = free[near] * self._catch(near, motion, feet, lowered)
             stretch[near] = np.maximum(down, catch)
         p_WB[..., 1] -= _greatest(herd, stretch)
 
     def _overfold(self, hips: Array, tips: Array) -> Array:
         """Return how much too low hips (n, L, 3) are for tips (n, L, 3) [m]."""
-        across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1) / self.folds**2
+        across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1) / self.shortest**2
         # Less towards the rim, so that nothing jumps where a foot comes under the hip.
         below = np.maximum(1.0 - across, 0.0) ** 2
-        least = tips[..., 1] + self.folds * np.sqrt(below)
-        result: Array = below * hinge(least - hips[..., 1], ROUNDED * self.herd.legs.lengths)
+        least = tips[..., 1] + self.shortest * np.sqrt(below)
+        result: Array = below * hinge(least - hips[..., 1], ROUNDING * self.herd.legs.lengths)
         return result
 
-    def _caught(
-        self, near: NDArray[np.bool_], going: Going, touches: Touches, lowered: Array
+    def _catch(
+        self,
+        near: NDArray[np.bool_],
+        motion: PlannedMotion,
+        feet: FootState,
+        lowered: Array,
     ) -> Array:
-        """Return by how much bodies have to be low for legs that touch (N,) [m].
+        """Return by how much bodies must be lowered around touchdowns (N,) [m].
 
         Args:
-            near: (n, L) which legs are looked at, N in all.
-            going: how their bodies go; they are taken to go so at the touch.
-            touches: of the legs.
-            lowered: (n, C) how far the bodies are below their path [m].
+            near: (n, L) legs near their touchdown, N in all.
+            motion: of the bodies, which continues to the touchdown.
+            feet: (n, L) where they are.
+            lowered: (n, C) how far the bodies are below their trajectories [m].
         """
-        herd = self.herd
+        herd, trajectory = self.herd, self.trajectory
         row, leg = np.nonzero(near)
-        c, at = herd.owner[leg], touches.at[near]
-        here = going.phase[row, c]
-        stride = self.path.paces.value("stride", c, here)
-        way = going.way[row, c] + (at - here) * stride * np.sqrt(going.drive[row, c])
-        R_WB, p_WB = self.path.pose(c, way, at, going.vigour[row, c], going.nose_up[row, c])
+        c, at = herd.owner[leg], (feet.lift_phase + feet.swing_length)[near]
+        here = motion.progress.phase[row, c]
+        stride = trajectory.paces.value("stride", c, here)
+        ahead = (at - here) * stride * np.sqrt(motion.progress.speed_fraction[row, c])
+        R_WB, p_WB = trajectory.pose(
+            c,
+            motion.progress.distance[row, c] + ahead,
+            at,
+            motion.smoothed_fraction[row, c],
+            motion.style_pitch[row, c],
+        )
         hips = p_WB + turn(R_WB, herd.hips[leg])
-        hips[:, 1] -= np.maximum(lowered[row, c], touches.stoop[near])
-        stretch = _overstretch(hips, touches.place[near], herd.legs.lengths[leg])
-        apart = np.abs(here - at) / touches.around[near]
+        hips[:, 1] -= np.maximum(lowered[row, c], feet.lowering[:, 1][near])
+        stretch = _overstretch(hips, feet.end[near], herd.legs.lengths[leg])
+        apart = np.abs(here - at) / (SUPPORT_FRACTION * feet.swing_length[near])
         result: Array = stretch * (1.0 - ease(apart))
         return result
 
@@ -150,12 +147,12 @@ def _overstretch(hips: Array, tips: Array, lengths: Array) -> Array:
     """Return how much too high hips (..., 3) are for tips (..., 3) of legs this long [m]."""
     across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
     highest = tips[..., 1] + np.sqrt(np.maximum((MAX_REACH * lengths) ** 2 - across, 0.0))
-    return hinge(hips[..., 1] - highest, ROUNDED * lengths)
+    return hinge(hips[..., 1] - highest, ROUNDING * lengths)
 
 
 def _greatest(herd: Herd, values: Array) -> Array:
     """Return the greatest (n, C) of the values (n, L) of each creature's legs."""
     result = np.zeros((len(values), len(herd.names)))
-    for owners, legs in herd.tiers:
+    for owners, legs in herd.legs_by_rank:
         result[:, owners] = np.maximum(result[:, owners], values[:, legs])
     return result

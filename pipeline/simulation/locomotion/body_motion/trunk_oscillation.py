@@ -1,19 +1,18 @@
-"""Trunk: how bodies pitch and roll under the forces of their own legs.
+"""Trunk oscillation: how bodies pitch and roll under the forces of their own legs.
 
-Each foot that stands bears the body for its stance, all feet alike over a cycle. A force
-in front of the centre of mass lifts the nose, one beside it rolls the body; legs that
-stand together on either side, as in a trot, leave it level, and those that stand one after
-the other, as in a gallop, rock it. The angle is what two integrations over a cycle make of
-the torque. While three feet are down they hold the body as legs do a table.
+Each standing foot bears the body, all feet alike over a cycle. A force in front of the centre of
+mass lifts the nose, one beside it rolls the body; legs that stand together on either side, as in a
+trot, leave it level, and legs that stand one after the other, as in a gallop, rock it. The angle is
+the torque integrated twice over a cycle. While three feet are down they hold the body like a table.
 
-With m g / n the mean force of each of n legs and d the part of a cycle that its foot is
-down, the force is a half-sine, and its coefficient at k times the cycle's frequency is
+With m g / n the mean force of each of n legs and d its duty factor, the force is a half-sine, and
+its coefficient at k times the cycle's frequency is
 
     c_k = m g / n  cos(π k d) / (1 - (2 k d)²)  e^(-2πik φ),
 
 φ being the phase in the middle of the stance.
 
-Source: Sims 1987, 10.1, for what a body does with the gait; Alexander 1989 for the half-sine.
+Source: Sims 1987, 10.1, for bodies that move with the gait; Alexander 1989 for the half-sine.
 """
 
 from __future__ import annotations
@@ -29,36 +28,36 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
 from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.spatial import Array
 
+# Harmonics of the cycle; faster ones move a body by less than a tenth of a degree.
 HARMONICS = np.arange(1, 7)
-"""Of the cycle, which count; what is faster moves a body by less than a tenth of a degree."""
 
-MOST_PITCH, MOST_ROLL = math.radians(8.0), math.radians(4.0)
-"""A muscled body holds itself: it does not rock farther."""
+# Greatest pitch and roll: a muscled body holds itself [rad].
+MAX_PITCH, MAX_ROLL = math.radians(8.0), math.radians(4.0)
 
-PITCHES, ROLLS = 0.5, 0.2
-"""Parts of the torques that move the body: legs push towards the centre of mass rather than
-straight up, and more so from the sides."""
+# Parts of the torques that move the body: legs push towards the centre of mass rather than straight
+# up, and more so from the sides.
+PITCH_FRACTION, ROLL_FRACTION = 0.5, 0.2
 
-HOLD = 3
-"""Feet that hold a body."""
+# Number of feet that hold a body like a table.
+HOLDING_FEET = 3
 
-MOMENTS = 256
-"""Of a cycle, at which it is looked at."""
+# Samples of a cycle.
+SAMPLES = 256
 
 Wave = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
 class TrunkOscillation:
-    """How one body rocks over a cycle, or several do.
+    """The oscillation of one body, or several, over a cycle.
 
     Attributes:
-        pitch: (..., K) coefficients of its pitch, nose up, at the harmonics [rad].
-        roll: (..., K) those of its roll about its X, which points ahead [rad].
+        pitch: (..., K) coefficients of the pitch, nose up, at the harmonics [rad].
+        roll: (..., K) coefficients of the roll about X, which points ahead [rad].
     """
 
     pitch: Wave
@@ -66,10 +65,10 @@ class TrunkOscillation:
 
     @staticmethod
     def of(gait: Gait, hips: Array, mass: MassProperties, cycle: float) -> TrunkOscillation:
-        """Return how a body rocks in a gait.
+        """Return the oscillation of a body in a gait.
 
         Args:
-            gait: phases of its legs.
+            gait: of its legs.
             hips: (n, 3) bases of its legs [m].
             mass: of the whole figure, in the same frame.
             cycle: duration [s].
@@ -83,79 +82,67 @@ class TrunkOscillation:
         # Up at x turns about +Z by x F, up at z about -X by z F.
         about_z = (forces * arms[:, 0]).sum(axis=-1) / mass.moment(np.array([0.0, 0.0, 1.0]))
         about_x = -(forces * arms[:, 2]).sum(axis=-1) / mass.moment(np.array([1.0, 0.0, 0.0]))
-        moments = (np.arange(MOMENTS) + 0.5) / MOMENTS
-        free = float((gait.standing(moments).sum(axis=-1) < HOLD).mean())
+        samples = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        free = float((gait.standing(samples).sum(axis=-1) < HOLDING_FEET).mean())
         return TrunkOscillation(
-            _within(MOST_PITCH, -free * PITCHES * about_z / speed**2),
-            _within(MOST_ROLL, -free * ROLLS * about_x / speed**2),
+            _limited(MAX_PITCH, -free * PITCH_FRACTION * about_z / speed**2),
+            _limited(MAX_ROLL, -free * ROLL_FRACTION * about_x / speed**2),
         )
 
     @staticmethod
-    def still(*shape: int) -> TrunkOscillation:
-        """Return the trunk, or several, that does not rock."""
-        none = np.zeros((*shape, len(HARMONICS)), dtype=complex)
-        return TrunkOscillation(none, none.copy())
+    def none(*shape: int) -> TrunkOscillation:
+        """Return no oscillation, of one body or several."""
+        zero = np.zeros((*shape, len(HARMONICS)), dtype=complex)
+        return TrunkOscillation(zero, zero.copy())
 
-    def at(self, phase: Array, which: NDArray[np.int64] | None = None) -> tuple[Array, Array]:
+    def at(self, phase: Array, number: NDArray[np.int64] | None = None) -> tuple[Array, Array]:
         """Return pitch and roll (N,) [rad] at phases (N,).
 
         Args:
             phase: of the gait.
-            which: (N,) of several trunks; leave it out for one.
+            number: (N,) of several bodies; None for one.
         """
         angle = 2.0 * np.pi * HARMONICS * np.mod(phase, 1.0)[:, None]
         cosine, sine = np.cos(angle), np.sin(angle)
-        pitch, roll = (
-            2.0 * (wave.real * cosine - wave.imag * sine).sum(axis=-1)
-            for wave in (
-                (self.pitch, self.roll) if which is None else (self.pitch[which], self.roll[which])
-            )
-        )
+        waves = self.pitch, self.roll
+        if number is not None:
+            waves = self.pitch[number], self.roll[number]
+        pitch, roll = (2.0 * (wave.real * cosine - wave.imag * sine).sum(axis=-1) for wave in waves)
         return pitch, roll
-
-    def put(self, c: int, other: TrunkOscillation) -> None:
-        """Let the trunk number `c` of several rock as `other` does from now on."""
-        self.pitch[c], self.roll[c] = other.pitch, other.roll
 
 
 class HerdTrunks:
-    """How the bodies of a herd rock, also while they go over into other gaits.
-
-    Attributes:
-        paces: how they go.
-    """
+    """The oscillations of the bodies of a herd, also while they change their gaits."""
 
     def __init__(self, paces: PaceSchedule) -> None:
         self.paces = paces
         herd = paces.herd
         self._masses: dict[tuple[str, float], MassProperties] = {}
-        self._first = TrunkOscillation.still(len(herd.names))
+        self._first = TrunkOscillation.none(len(herd.names))
         for c in np.flatnonzero(herd.walks):
-            self._first.put(int(c), self._of(int(c), herd.paces[c]))
-        self._later: dict[int, list[tuple[TrunkOscillation, TrunkOscillation]]] = {}
+            own = self._oscillation(int(c), herd.paces[c])
+            self._first.pitch[c], self._first.roll[c] = own.pitch, own.roll
+        self._transitions: dict[int, list[tuple[TrunkOscillation, TrunkOscillation]]] = {}
 
     def at(self, phase: Array, creature: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return pitch and roll (N,) of creatures (N,) [rad] at phases (N,) of their gaits."""
         pitch, roll = self._first.at(phase, creature)
         for c, changes in self.paces.changes.items():
             own = creature == c
-            for change, (before, after) in zip(changes, self._changes(c), strict=True):
+            known = self._transitions.setdefault(c, [])
+            for change in changes[len(known) :]:
+                both = change.before, change.after
+                before, after = (self._oscillation(c, pace) for pace in both)
+                known.append((before, after))
+            for change, (before, after) in zip(changes, known, strict=True):
                 done = change.done(phase[own])
                 (p0, r0), (p1, r1) = before.at(phase[own]), after.at(phase[own])
                 pitch[own] += done * (p1 - p0)
                 roll[own] += done * (r1 - r0)
         return pitch, roll
 
-    def _changes(self, c: int) -> list[tuple[TrunkOscillation, TrunkOscillation]]:
-        """Return how a body rocks before and after each of its changes of pace."""
-        known = self._later.setdefault(c, [])
-        for change in self.paces.changes[c][len(known) :]:
-            known.append((self._of(c, change.before), self._of(c, change.after)))
-        return known
-
-    def _of(self, c: int, pace: Pace) -> TrunkOscillation:
+    def _oscillation(self, c: int, pace: Pace) -> TrunkOscillation:
         herd = self.paces.herd
-        # One figure at one scale is the same for all who share it.
         figure = herd.figures[c]
         key = figure.name, figure.scale
         if key not in self._masses:
@@ -171,10 +158,10 @@ def _half_sine(kd: Array) -> Array:
     return np.where(at_pole, np.pi / 4.0, np.cos(np.pi * safe) / (1.0 - (2.0 * safe) ** 2))
 
 
-def _within(most: float, wave: Wave) -> Wave:
-    """Return the wave made smaller, as a whole, so that it stays within ±`most` [rad]."""
-    none = np.zeros_like(wave)
-    highest = float(np.abs(TrunkOscillation(wave, none).at(np.arange(MOMENTS) / MOMENTS)[0]).max())
+def _limited(most: float, wave: Wave) -> Wave:
+    """Return the wave scaled so that it stays within ±`most` [rad]."""
+    oscillation = TrunkOscillation(wave, np.zeros_like(wave))
+    highest = float(np.abs(oscillation.at(np.arange(SAMPLES) / SAMPLES)[0]).max())
     if highest == 0.0:
         return wave
     result: Wave = wave * float(most * bounded(np.array(highest / most)) / highest)

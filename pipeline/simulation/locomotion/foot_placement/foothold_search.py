@@ -1,373 +1,270 @@
-"""Footholds: where a foot is put next.
+"""Foothold search: finds where one foot comes down next.
 
-    1. The place where the foot would rest in the middle of its next stance.
-    2. If that is forbidden or out of reach, the farthest good place that is nearer.
-    3. If there is none, the good place nearest to the wished one on any side of it.
-    4. If there is none, the same again with the body as low as it may be.
+    1. The foot's neutral position in the middle of its next stance.
+    2. If that is forbidden or out of reach: the farthest good place between it and the present
+       foothold.
+    3. Otherwise: the good place nearest to it on any side.
+    4. Otherwise: the same candidates, with the body lowered as far as it may be.
 
-Sims 1987, 10.2, steps 1 and 2. The thesis leaves reach to chance; here it is checked
-from the foot's coming down until it has left the ground again, and how far the body
-has to stoop is known a whole swing before.
+Reach is checked from touchdown until the foot has left the ground again, which the thesis does not
+do, and the body's lowering is known a whole swing ahead.
+
+Source: Sims 1987, 10.2, steps 1 and 2.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import LegReachability
-from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import (
+    EASY_ARCH,
+    LegReachability,
+)
+from pipeline.simulation.locomotion.foot_placement.step_batch import (
+    STANCE_FRACTIONS,
+    Stances,
+    StepBatch,
+    StepRequest,
+    neutral_positions,
+)
+from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
-from pipeline.simulation.locomotion.routes.braking import braked
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     clearance_height,
     lowest_center_height,
     swing_positions,
 )
-from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.spatial import UP, Array, unturn
 from pipeline.simulation.terrain import Ground
 
-NEARER = np.linspace(1.0, 0.0, 49)
-"""Places looked at between the wished foothold and the present one."""
+# Candidates between the neutral and the present place: fractions of the way back.
+RETREAT_FRACTIONS = np.linspace(1.0, 0.0, 49)
 
-RINGS, SPOKES = 24, 16
-"""Places looked at around a wished foothold."""
+# Candidates around the neutral place: rings, spokes, and radius of the outer ring in leg lengths.
+RINGS, SPOKES, RING_RADIUS = 24, 16, 0.4
 
-AROUND = 0.4
-"""How far around it, as a part of the leg's length."""
+# Greatest lowering of a body for a foothold: fraction of the belly's height, and leg lengths, since
+# legs under a lower body would fold too far.
+MAX_LOWERING_OF_CLEARANCE, MAX_LOWERING_OF_LEG = 0.9, 0.25
 
-STOOP = 0.9
-"""How far a body may be lowered so that its feet reach, as a part of the room that its
-belly has over level ground."""
+# Candidates checked by inverse kinematics: chunk boundaries (the first is mostly good), and
+# greatest number of one kind.
+IK_CHUNKS, MAX_IK_CANDIDATES = np.array([1, 9]), 41
 
-CROUCH = 0.25
-"""How far at most, in leg lengths: legs under a lower body would fold too far."""
+# Fractions of a swing at which reach is checked.
+SWING_FRACTIONS = np.linspace(0.08, 0.92, 12)
 
-BELOW = {"insect": -0.5, "mammal": 0.4}
-"""How far below its hip a foot stands at least, as a part of how far it does on level ground.
-Legs that sprawl reach above their hips as well."""
+# Highest arch of a swing, in leg lengths: a leg that clears more folds up.
+MAX_ARCH = 0.4
 
-PLANNED_REACH = 0.98 * MAX_REACH
-"""How far a leg is planned to stretch, as a part of its length; the rest is kept for
-what the plan does not know."""
+# Step heights tried in turn where a leg cannot lift its foot higher, as fractions of the usual one.
+STEP_HEIGHT_FRACTIONS = 1.0, 0.6, 0.3
 
-STANCE = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-"""Parts of a stance at which reach is checked."""
-
-AT_ONCE = np.array([1, 9])
-"""After how many places the next ones are tried together: the first are mostly good."""
-
-MOST = 41
-"""How many places of one kind are tried."""
-
-SWUNG = np.linspace(0.08, 0.92, 12)
-"""Parts of a swing at which reach is checked."""
-
-MOST_ARCH = 0.4
-"""Highest arch of a swing, in leg lengths: a leg that goes over more folds up."""
-
-LIFTS = 1.0, 0.6, 0.3
-"""Parts of the height of its step that a foot is lifted in turn, if it cannot be more."""
-
-EASY_WAY = 1.25
-EASY_ARCH = 1.5
-"""Way and arch of swings that legs can do anyway, in those on level ground."""
-
-UP = np.array([0.0, 1.0, 0.0])
-
-LAGS = 0.25
-"""Part of the swing after it in which the foot has hardly left its place, see `ease`."""
+# Length of swings that need no check, in strides.
+EASY_LENGTH = 1.25
 
 
 @dataclass(frozen=True, eq=False)
 class Foothold:
-    """Where a foot stands.
+    """A place where a foot stands.
 
     Attributes:
-        place: (3,) where the sole touches the ground [m].
-        normal: (3,) of the ground there.
-        tip: (3,) place of the leg's tip [m].
-        stoop: how far the body has to be lowered for it [m].
-        arch: how high the swing to it has to arch [m].
+        place: (3,) contact of the sole with the ground [m].
+        normal: (3,) of the ground.
+        tip: (3,) centre of the leg's tip [m].
+        lowering: how far the body has to be lowered for it [m].
+        arch: height of the swing's arch that leads to it [m].
     """
 
     place: Array
     normal: Array
     tip: Array
-    stoop: float
+    lowering: float
     arch: float = 0.0
 
 
-class Footholds:
-    """Plans footholds for the legs of a herd."""
+class FootholdSearch:
+    """Searches footholds for single legs of a herd, and holds the geometry that planning shares."""
 
-    def __init__(self, herd: Herd, ground: Ground, path: BodyTrajectory) -> None:
-        self.herd = herd
-        self.ground = ground
-        self.path = path
-        self.grasp = LegReachability(herd)
-        self._lifted: dict[tuple[int, float], bool] = {}
+    def __init__(self, herd: Herd, ground: Ground, trajectory: BodyTrajectory) -> None:
+        self.herd, self.ground, self.trajectory = herd, ground, trajectory
+        self.reachability = LegReachability(herd, trajectory.surface)
 
-    def next(
-        self,
-        leg: int,
-        present: Array,
-        travelled: float,
-        step: StepTiming,
-        drive: float = 1.0,
-        brakes: float = 0.0,
-        low: tuple[float, float] = (0.0, 0.0),
-    ) -> Foothold | None:
-        """Return where `leg`, about to lift, is to come down.
+    # --- searches -----------------------------------------------------------------
 
-        Args:
-            leg: which.
-            present: (3,) where its tip is [m].
-            travelled: way that the body has gone at lifting [m].
-            step: when it swings and stands.
-            drive: part of its speed at which the body goes.
-            brakes: on which it comes to rest from that, if it has to [m].
-            low: how far the body stoops for where the foot is, and for the other feet [m].
-
-        Returns:
-            None if there is no foothold within reach.
-        """
-        R, p, wished, lift = self._stance(leg, travelled, step.up, step, drive, brakes)
-        here = present[[0, 2]]
-        beside = self.grasp.beside(leg, lift[0].T @ (present - lift[1]))
+    def find(self, request: StepRequest) -> Foothold | None:
+        """Return where a foot that lifts comes down, None if no foothold is within reach."""
+        assert request.present is not None
+        leg, present = np.array([request.leg]), request.present
+        batch, stance = self._stance(request)
+        R, p = stance.R[0], stance.p[0]
+        lift = unturn(stance.lift_R, present - stance.lift_p)
+        starts_near = bool(self.reachability.near_neutral(leg, lift).all())
 
         @cache
-        def on_way() -> tuple[Array, Array]:
-            moments = step.up + step.swing * SWUNG
-            return self._bodies(leg, travelled, step.up, moments, drive, brakes)
+        def swing_bodies() -> tuple[Array, Array]:
+            phases = request.timing.up + request.timing.swing * SWING_FRACTIONS
+            R, p = batch.body_poses(self.trajectory, phases[None])
+            return R[0], p[0]
 
-        # On level ground a leg that folds too far on a long way is above it all the same.
-        level = self.path.footing.is_level(int(self.herd.owner[leg]))
-        for far in (EASY_WAY, np.inf) if level else (EASY_WAY,):
+        # On level ground a leg that folds too far on a long swing stays above the ground anyway.
+        is_level = self.trajectory.surface.of(int(self.herd.owner[request.leg])).is_level
+        for limit in (EASY_LENGTH, np.inf) if is_level else (EASY_LENGTH,):
 
-            def swung(place: Foothold, far: float = far) -> Foothold | None:
-                rests = beside and self.grasp.beside(leg, unturn(R[:1], place.tip - p[:1]))
-                easy = far if rests or far == np.inf else 0.0
-                return self._swung(leg, present, place, step.up, on_way, easy, low)
+            def with_swing(hold: Foothold, limit: float = limit) -> Foothold | None:
+                landing = unturn(R[:1], hold.tip - p[:1])
+                near = starts_near and bool(self.reachability.near_neutral(leg, landing).all())
+                easy = limit if near or limit == np.inf else 0.0
+                return self._with_swing(request, hold, swing_bodies, easy)
 
-            best = self._best(leg, self._choices(leg, wished, here), R, p, swung)
+            candidates = self._candidates(request.leg, stance.neutral[0], present[[0, 2]])
+            best = self._best(request.leg, candidates, R, p, with_swing)
             if best is not None:
                 return best
         return None
 
-    def _swung(
-        self,
-        leg: int,
-        present: Array,
-        place: Foothold,
-        phase: float,
-        bodies: Callable[[], tuple[Array, Array]],
-        far: float,
-        low: tuple[float, float],
-    ) -> Foothold | None:
-        """Return a foothold with the arch that leads to it, None if the leg cannot swing so."""
-        sole, owner = float(self.herd.sole[leg]), int(self.herd.owner[leg])
-        least, stride = (
-            float(self.path.paces.number(name, owner, np.array(phase)))
-            for name in ("step_height", "stride")
-        )
-        arch = clearance_height(self.ground, present, place.tip, sole, least)
-        if arch > MOST_ARCH * float(self.herd.legs.lengths[leg]):
-            return None
-        across = place.tip - present
-        plain = arch < EASY_ARCH * least and abs(across[1]) < least and self.lifts(leg, least)
-        if plain and np.hypot(across[0], across[2]) <= far * stride:
-            return replace(place, arch=arch)
-        n, (R, p) = len(SWUNG), bodies()
-        lower = np.zeros((1, n))
-        if max(place.stoop, *low) > 0.0:
-            # The others may cease to need a low body before it has swung, or after it.
-            own = low[0] + ease(SWUNG) * (place.stoop - low[0])
-            lower = np.stack([own, np.sqrt(np.hypot(own**2, low[1] ** 2))])
-        ends = np.tile(present, (n, 1)), np.tile(place.tip, (n, 1))
-        for lift in LIFTS:
-            # No higher than it has to be, if a leg cannot lift its foot as high as it would.
-            if lift < 1.0:
-                low_arch = clearance_height(self.ground, present, place.tip, sole, lift * least)
-                if low_arch > 0.99 * arch:
-                    break
-                arch = low_arch
-            way = swing_positions(*ends, np.full(n, arch), SWUNG)
-            ways = unturn(R, way - (p - np.multiply.outer(lower, UP)))
-            if self.grasp.follows(leg, ways):
-                return replace(place, arch=arch)
-        return replace(place, arch=arch) if far == np.inf else None
+    def find_initial(self, request: StepRequest) -> Foothold | None:
+        """Return where a foot stands at the start: the good place nearest to its neutral one."""
+        _, stance = self._stance(request)
+        candidates = self._candidates(request.leg, stance.neutral[0])
+        return self._best(request.leg, candidates, stance.R[0], stance.p[0])
 
-    def lifts(self, leg: int, high: float) -> bool:
-        """Tell whether a leg lifts its foot as high as it would where it rests [m]."""
-        if high == self.herd.step_height[leg]:
-            return bool(self.lifting[leg])
-        key = leg, high
-        if key not in self._lifted:
-            self._lifted[key] = bool(self._can_lift(np.array([leg]), np.array([high]))[0])
-        return self._lifted[key]
+    def find_ahead(self, request: StepRequest) -> Foothold | None:
+        """Return where a foot of a body farther ahead can come down, wherever it lifts."""
+        _, stance = self._stance(request)
+        owner, up = self.herd.owner[request.leg], np.array(request.timing.up)
+        stride = float(self.trajectory.paces.number("stride", owner, up))
+        R, p, neutral = stance.R[0], stance.p[0], stance.neutral[0]
+        # It lifts about a stride behind.
+        behind = neutral - stride * R[len(STANCE_FRACTIONS) // 2, [0, 2], 0]
+        return self._best(request.leg, self._candidates(request.leg, neutral, behind), R, p)
 
-    @cached_property
-    def highest(self) -> Array:
-        """(L,) how high above their hips feet stand at most [m]."""
-        herd, owner = self.herd, self.herd.owner
-        below = np.array([BELOW[figure.style] for figure in herd.figures])[owner]
-        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.sole
-        # On level ground bodies that crouch and bounce are as low as they were asked to be.
-        level = np.array([self.path.footing.is_level(c) for c in range(len(herd.names))])[owner]
-        return np.where(level, np.inf, -below * tall)
-
-    @cached_property
-    def lifting(self) -> NDArray[np.bool_]:
-        """(L,) which legs lift their feet as high as they would where they rest."""
-        return self._can_lift(np.arange(len(self.herd.owner)), self.herd.step_height)
-
-    def _can_lift(self, legs: NDArray[np.int64], high: Array) -> NDArray[np.bool_]:
-        herd, owner = self.herd, self.herd.owner[legs]
-        x, z = herd.rest[legs].T
-        top = herd.sole[legs] - herd.body_height[owner] + EASY_ARCH * high
-        ahead = 0.25 * herd.stride[owner]
-        goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
-        return np.asarray(self.grasp.holds_each(legs, np.stack(goals, axis=1)).all(axis=-1))
-
-    def first(self, leg: int, phase: float, moves: bool = True) -> Foothold | None:
-        """Return where `leg` stands at the start: the good place nearest to where it would.
+    def can_stand_neutral(self, leg: int, distance: float) -> bool:
+        """Return whether a foot can stand at its neutral place below a body at rest.
 
         Args:
-            leg: which.
-            phase: its gait's phase from which its foot has been down, at most 0.
-            moves: whether its body comes walking.
+            leg: its number.
+            distance: that the body has gone [m].
         """
         swing = float(self.herd.swings[leg])
-        step = StepTiming(phase - swing, swing, 1.0 - swing)
-        R, p, wished, _ = self._stance(leg, 0.0, 0.0, step, 1.0 if moves else 0.0)
-        return self._best(leg, self._choices(leg, wished), R, p)
+        timing = StepTiming(0.0, swing, 1.0 - swing)
+        _, stance = self._stance(StepRequest(leg, distance, 0.0, timing, 0.0))
+        return self._best(leg, [stance.neutral], stance.R[0], stance.p[0]) is not None
 
-    def later(self, leg: int, travelled: float, step: StepTiming) -> Foothold | None:
-        """Return where `leg` can come down from wherever it will be.
+    # --- geometry -----------------------------------------------------------------
 
-        Args:
-            leg: which.
-            travelled: way that the body will have gone when it lifts [m].
-            step: when it is to swing and stand.
-        """
-        R, p, wished, _ = self._stance(leg, travelled, step.up, step)
-        # It will stand about a stride behind.
-        stride = float(self.path.paces.number("stride", self.herd.owner[leg], np.array(step.up)))
-        behind = wished - stride * R[len(STANCE) // 2, [0, 2], 0]
-        return self._best(leg, self._choices(leg, wished, behind), R, p)
+    def neutral_place(self, leg: int, distance: float, phase: float) -> Array:
+        """Return the neutral place (2,) of a foot below a body that has gone `distance` [m]."""
+        legs, now = np.array([leg]), np.array([phase])
+        R, p = self.trajectory.pose(self.herd.owner[legs], np.array([distance]), now)
+        place: Array = neutral_positions(self.trajectory, legs, now, R, p)[0]
+        return place
 
-    def rests(self, leg: int, travelled: float) -> bool:
-        """Tell whether a foot has ground where it rests below a body that rests there.
+    def tip_positions(self, legs: NDArray[np.int64], xz: Array) -> Array:
+        """Return the tips (N, k, 3) of legs (N,) with their soles on the ground at (N, k, 2)."""
+        x, z = xz[..., 0], xz[..., 1]
+        heights, normals = self.ground.surface(x, z)
+        radii = self.herd.sole[legs, None, None]
+        tips: Array = np.stack([x, heights, z], axis=-1) + radii * normals
+        return tips
 
-        Args:
-            leg: which.
-            travelled: way that its body has gone [m].
-        """
-        step = StepTiming(0.0, float(self.herd.swings[leg]), 1.0 - float(self.herd.swings[leg]))
-        R, p, wished, _ = self._stance(leg, travelled, 0.0, step, 0.0)
-        return self._best(leg, [wished[None]], R, p) is not None
+    def _stance(self, request: StepRequest) -> tuple[StepBatch, Stances]:
+        batch = StepBatch.of(self.herd, [request])
+        return batch, batch.stances(self.trajectory)
 
-    def _choices(self, leg: int, wished: Array, present: Array | None = None) -> Iterator[Array]:
-        """Yield places (n, 2) to be looked at, the best first [m]."""
-        # Alone, because it is good most times, and the others need not be looked at then.
-        yield wished[None]
+    # --- candidates ---------------------------------------------------------------
+
+    def _candidates(
+        self, leg: int, neutral: Array, present: Array | None = None
+    ) -> Iterator[Array]:
+        """Yield candidate places (n, 2) [m], the best first."""
+        # Mostly the first is good and the others are not looked at.
+        yield neutral[None]
         if present is not None:
-            yield self.nearer(wished, present)
-        yield self.around(leg, wished)
-
-    def rest(self, leg: int, travelled: float, phase: float) -> Array:
-        """Return where a foot rests (2,) below a body that has gone `travelled` [m]."""
-        owner, now = np.array([self.herd.owner[leg]]), np.array([phase])
-        R, p = self.path.pose(owner, np.array([travelled]), now)
-        result: Array = (p + turn(R, self.path.below(owner, now, self._rest(leg, phase))))[
-            0, [0, 2]
-        ]
-        return result
+            yield self.retreat(neutral, present)
+        yield self.rings(leg, neutral)
 
     @staticmethod
-    def nearer(wished: Array, present: Array) -> Array:
-        """Return places (n, 2) on the way back from `wished` to the present one (2,) [m]."""
-        result: Array = present + NEARER[:, None] * (wished - present)
+    def retreat(neutral: Array, present: Array) -> Array:
+        """Return places (n, 2) [m] from `neutral` back to the present one (2,)."""
+        result: Array = present + RETREAT_FRACTIONS[:, None] * (neutral - present)
         return result
 
-    def around(self, leg: int, middle: Array) -> Array:
-        """Return places (n, 2) on rings around `middle` (2,), the nearest first [m]."""
+    def rings(self, leg: int, middle: Array) -> Array:
+        """Return places (n, 2) [m] on rings around `middle` (2,), the nearest first."""
         angle = np.arange(SPOKES) * (2.0 * np.pi / SPOKES)
         spokes = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        radii = np.linspace(0.0, AROUND * self.herd.legs.lengths[leg], RINGS)
+        radii = np.linspace(0.0, RING_RADIUS * self.herd.legs.lengths[leg], RINGS)
         result: Array = middle + (radii[:, None, None] * spokes).reshape(-1, 2)
         return result
 
     def _best(
         self,
         leg: int,
-        choices: Iterable[Array],
+        candidates: Iterable[Array],
         R: Array,
         p: Array,
-        swung: Callable[[Foothold], Foothold | None] = lambda place: place,
+        with_swing: Callable[[Foothold], Foothold | None] = lambda hold: hold,
     ) -> Foothold | None:
-        """Return the first good foothold, rather a later one than one to stoop for.
+        """Return the first good foothold; any without lowering comes before one with it.
 
         Args:
-            leg: which.
-            choices: places (n, 2) in each, the best first [m].
+            leg: its number.
+            candidates: places (n, 2) each, the best first [m].
             R: (m, 3, 3) and
-            p: (m, 3), poses of the body while the foot is there [m].
-            swung: gives a foothold the swing that leads to it, or None where none does.
+            p: (m, 3), poses of the body during the stance [m].
+            with_swing: adds the swing to a foothold, None where the leg cannot swing there.
         """
-        owner = self.herd.owner[leg]
-        looked_at = []
-        for xz in choices:
-            tips = self.stand(leg, xz)
-            safe = self.path.footing.allows(owner, xz[:, 0], xz[:, 1])
-            stoop = np.where(safe, self._stoop(leg, tips, R, p), np.inf)
-            for best in self._reached(leg, tips, stoop, stoop == 0.0, R, p):
-                place = swung(self._foothold(leg, xz[best], 0.0))
-                if place is not None:
-                    return place
-            looked_at.append((xz, tips, stoop))
-        room = STOOP * self._room(int(owner), p)
-        lowest_at = min(room, CROUCH * float(self.herd.legs.lengths[leg]))
-        for xz, tips, stoop in looked_at:
-            low = (stoop > 0.0) & (stoop <= lowest_at)
-            for best in self._reached(leg, tips, stoop, low, R, p):
-                place = swung(self._foothold(leg, xz[best], float(stoop[best])))
-                if place is not None:
-                    return place
+        legs, owner, seen = np.array([leg]), int(self.herd.owner[leg]), []
+        for xz in candidates:
+            tips = self.tip_positions(legs, xz[None])
+            lowering = self.reachability.required_lowering(legs, tips, R[None], p[None])[0]
+            owners = np.full(len(xz), owner)
+            allowed = self.trajectory.surface.is_allowed(owners, xz[:, 0], xz[:, 1])
+            lowering = np.where(allowed, lowering, np.inf)
+            for i in self._reached(leg, tips[0], lowering, lowering == 0.0, R, p):
+                hold = with_swing(self._foothold(leg, xz[i], 0.0))
+                if hold is not None:
+                    return hold
+            seen.append((xz, tips[0], lowering))
+        clearance = MAX_LOWERING_OF_CLEARANCE * self._belly_clearance(owner, p)
+        most = min(clearance, MAX_LOWERING_OF_LEG * float(self.herd.legs.lengths[leg]))
+        for xz, tips, lowering in seen:
+            usable = (lowering > 0.0) & (lowering <= most)
+            for i in self._reached(leg, tips, lowering, usable, R, p):
+                hold = with_swing(self._foothold(leg, xz[i], float(lowering[i])))
+                if hold is not None:
+                    return hold
         return None
 
-    def _room(self, c: int, p: Array) -> float:
-        """Return how far a body at all of p (m, 3) can be lowered until its belly is down [m]."""
-        level = self.herd.body_height[c]
+    def _belly_clearance(self, c: int, p: Array) -> float:
+        """Return how far a body at all positions p (m, 3) can sink until its belly is down [m]."""
         above = (p[:, 1] - self.ground.height(p[:, 0], p[:, 2])).min()
-        return max(float(max(level, above) - self.herd.belly[c]), 0.0)
+        return max(float(max(self.herd.body_height[c], above) - self.herd.belly[c]), 0.0)
 
     def _reached(
-        self, leg: int, tips: Array, stoop: Array, which: NDArray[np.bool_], R: Array, p: Array
+        self, leg: int, tips: Array, lowering: Array, usable: NDArray[np.bool_], R: Array, p: Array
     ) -> Iterator[int]:
-        """Yield those of tips (n, 3) that the joints bring the leg to, the first first.
+        """Yield the usable tips (n, 3) that the joints reach; of many, a regular sample."""
+        numbers = np.flatnonzero(usable)
+        if len(numbers) > MAX_IK_CANDIDATES:
+            sample = np.linspace(0, len(numbers) - 1, MAX_IK_CANDIDATES).astype(np.int64)
+            numbers = numbers[sample]
+        for chunk in np.split(numbers, IK_CHUNKS[IK_CHUNKS < len(numbers)]):
+            if len(chunk):
+                lowered = p - np.multiply.outer(lowering[chunk], UP)[:, None]
+                goals = unturn(R, tips[chunk, None] - lowered)
+                reached = self.reachability.reaches(np.full(len(chunk), leg), goals)
+                yield from chunk[reached.all(axis=-1)].tolist()
 
-        Of very many, evenly chosen ones.
-        """
-        places = np.flatnonzero(which)
-        if len(places) > MOST:
-            places = places[np.linspace(0, len(places) - 1, MOST).astype(np.int64)]
-        for few in np.split(places, AT_ONCE[AT_ONCE < len(places)]):
-            if len(few):
-                lowered = p - np.multiply.outer(stoop[few], UP)[:, None]
-                goals = unturn(R, tips[few, None] - lowered)
-                yield from few[self.grasp.holds(leg, goals).all(axis=-1)].tolist()
-
-    def _foothold(self, leg: int, xz: Array, stoop: float) -> Foothold:
+    def _foothold(self, leg: int, xz: Array, lowering: float) -> Foothold:
         """Return the foothold at `xz` (2,), its sole clear of the slopes beside it."""
         x, z = xz
         height, normal = self.ground.surface(x, z)
@@ -375,90 +272,66 @@ class Footholds:
         sole = float(self.herd.sole[leg])
         tip = place + sole * normal
         tip[1] = max(tip[1], float(lowest_center_height(self.ground, tip[:1], tip[2:], sole)[0]))
-        return Foothold(place, normal, tip, stoop)
+        return Foothold(place, normal, tip, lowering)
 
-    def stand(self, leg: int, xz: Array) -> Array:
-        """Return the places (n, 3) of a tip whose sole touches the ground at `xz` (n, 2) [m]."""
-        x, z = xz[:, 0], xz[:, 1]
-        height, normal = self.ground.surface(x, z)
-        return np.stack([x, height, z], axis=-1) + float(self.herd.sole[leg]) * normal
+    # --- the swing to a foothold ----------------------------------------------------
 
-    def _rest(self, leg: int, phase: float) -> Array:
-        (x, z), paces = self.herd.rest[leg], self.path.paces
-        own, at = self.herd.owner[leg : leg + 1], np.array([phase])
-        height, aside = (float(paces.value(name, own, at)[0]) for name in ("body_height", "aside"))
-        rest: Array = np.array([float(x), -height, float(z) + aside])
-        return rest
-
-    def _stance(
+    def _with_swing(
         self,
-        leg: int,
-        travelled: float,
-        phase: float,
-        step: StepTiming,
-        drive: float = 1.0,
-        brakes: float = 0.0,
-    ) -> tuple[Array, Array, Array, tuple[Array, Array]]:
-        """Return what a foothold is for, if the creature goes on as it goes.
+        request: StepRequest,
+        hold: Foothold,
+        bodies: Callable[[], tuple[Array, Array]],
+        easy_length: float,
+    ) -> Foothold | None:
+        """Return a foothold with the arch that leads to it, None if the leg cannot swing there.
 
         Args:
-            leg: which.
-            travelled: way that its body has gone [m].
-            phase: of the gait at that, whole cycles counted.
-            step: when the foot swings and stands.
-            drive: part of its speed at which the body goes.
-            brakes: on which it comes to rest from that, if it has to [m].
-
-        Returns:
-            R_WB (m, 3, 3) and p_WB (m, 3) of the body while the foot is there, where the
-            foot would rest in the middle of its stance (2,), and R_WB (3, 3) and p_WB (3,)
-            when it lifts [m].
+            request: the step.
+            hold: where it ends.
+            bodies: returns R_WB (n, 3, 3) and p_WB (n, 3) during the swing [m].
+            easy_length: of swings that need no check, in strides.
         """
-        down, stance = step.up + step.swing, step.stance
-        moments = down + np.append(stance * STANCE, [stance + LAGS * step.swing, -step.swing])
-        R, p = self._bodies(leg, travelled, phase, moments, drive, brakes)
-        middle = slice(len(STANCE) // 2, len(STANCE) // 2 + 1)
-        rest = self._rest(leg, float(moments[middle][0]))
-        rest = self.path.below(self.herd.owner[leg : leg + 1], moments[middle], rest)
-        wished: Array = (p[middle] + turn(R[middle], rest))[0, [0, 2]]
-        return R[:-1], p[:-1], wished, (R[-1], p[-1])
+        leg, present = request.leg, request.present
+        assert present is not None
+        sole, owner = float(self.herd.sole[leg]), int(self.herd.owner[leg])
+        step_height, stride = (
+            float(self.trajectory.paces.number(name, owner, np.array(request.timing.up)))
+            for name in ("step_height", "stride")
+        )
+        arch = clearance_height(self.ground, present, hold.tip, sole, step_height)
+        if arch > MAX_ARCH * float(self.herd.legs.lengths[leg]):
+            return None
+        across = hold.tip - present
+        is_easy = arch < EASY_ARCH * step_height and abs(across[1]) < step_height
+        is_easy = is_easy and self.reachability.can_lift(leg, step_height)
+        if is_easy and np.hypot(across[0], across[2]) <= easy_length * stride:
+            return replace(hold, arch=arch)
+        n, (R, p) = len(SWING_FRACTIONS), bodies()
+        lowering = _swing_lowering(request.lowering, hold.lowering)
+        ends = np.tile(present, (n, 1)), np.tile(hold.tip, (n, 1))
+        for fraction in STEP_HEIGHT_FRACTIONS:
+            if fraction < 1.0:
+                height = fraction * step_height
+                lower = clearance_height(self.ground, present, hold.tip, sole, height)
+                if lower > 0.99 * arch:
+                    break
+                arch = lower
+            path = swing_positions(*ends, np.full(n, arch), SWING_FRACTIONS)
+            paths = unturn(R, path - (p - np.multiply.outer(lowering, UP)))
+            if self.reachability.follows(np.full(len(paths), leg), paths).all():
+                return replace(hold, arch=arch)
+        return replace(hold, arch=arch) if easy_length == np.inf else None
 
-    def _bodies(
-        self,
-        leg: int,
-        travelled: float,
-        phase: float,
-        moments: Array,
-        drive: float,
-        brakes: float = 0.0,
-    ) -> tuple[Array, Array]:
-        """Return R_WB (m, 3, 3) and p_WB (m, 3) of a leg's body at later phases (m,).
 
-        Args:
-            leg: which.
-            travelled: way that its body has gone [m].
-            phase: of the gait at that, whole cycles counted.
-            moments: (m,) phases.
-            drive: part of its speed at which it goes: the stride grows with its root.
-            brakes: on which it comes to rest from that, if it has to [m].
-        """
-        owner = int(self.herd.owner[leg])
-        way = self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
-        left = self.path.routes[owner].length - travelled
-        if brakes and left < math.inf:
-            way = braked(way, left, brakes)
-        return self.path.pose(np.full(len(moments), owner), travelled + way, moments)
+def _swing_lowering(present: tuple[float, float], following: float) -> Array:
+    """Return by how much the body may be lowered during a swing, in every case (k, n) [m].
 
-    def _stoop(self, leg: int, tips: Array, R: Array, p: Array) -> Array:
-        """Return how far (n,) all bodies (m, ...) have to be lowered so that `tips` are reached.
-
-        Zero where they need not, infinite where it does not help [m].
-        """
-        to_tip = tips[:, None] - (p + turn(R, self.herd.hips[leg]))
-        reach = PLANNED_REACH * self.herd.legs.lengths[leg]
-        room = reach**2 - to_tip[..., 0] ** 2 - to_tip[..., 2] ** 2
-        up = np.sqrt(np.maximum(room, 0.0))
-        stoop = np.maximum(-to_tip[..., 1] - up, 0.0).max(axis=1)
-        most = np.minimum(up, self.highest[leg])
-        out_of_reach = (room < 0.0) | (to_tip[..., 1] + stoop[:, None] > most)
-        return np.where(out_of_reach.any(axis=1), np.inf, stoop)
+    Args:
+        present: for the foot's present place, and for the other feet [m].
+        following: for its next place [m].
+    """
+    if max(following, *present) <= 0.0:
+        return np.zeros((1, len(SWING_FRACTIONS)))
+    # The other feet may cease to need a low body before this swing, or after it.
+    own = present[0] + ease(SWING_FRACTIONS) * (following - present[0])
+    return np.stack([own, np.sqrt(np.hypot(own**2, present[1] ** 2))])

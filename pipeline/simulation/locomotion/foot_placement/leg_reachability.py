@@ -1,127 +1,168 @@
-"""Grasp: which places the joints of a leg bring its tip to.
+"""Leg reachability: the tip positions that the joints of each leg can hold.
 
-A leg reaches less than its length says: knees fold only so far, and hips turn only so far
-to the side. Inverse kinematics knows; it is asked only where a place is not beside those
-that the leg comes to on level ground anyway.
+A leg reaches less than its length allows: knees fold and hips turn only so far. Inverse kinematics
+decides, but runs only for positions outside the box that each leg covers on level ground.
 """
 
 from __future__ import annotations
+
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, turn
 
-MISSES = 1e-4
-"""Distance of tip from place that is none, in the leg's length."""
+# Distance between tip and goal that counts as reached, as a fraction of the leg's length.
+REACHED_DISTANCE = 1e-4
 
-JUMP = 0.8
-"""Greatest change of a joint between two of the places along its way that a leg is asked for
-[rad]: there are a dozen of them in a swing, in which no joint turns by more than half a turn
-to and fro."""
+# Greatest change of a joint between two samples of a swing [rad]: of a dozen samples, in which no
+# joint turns by more than half a turn to and fro.
+MAX_JOINT_STEP = 0.8
 
-BESIDE = np.array([0.12, 0.12, 0.1])
-"""How far from its places on level ground a leg is sure to reach, in its length: along,
-upward and across. Downward its length alone is the bound."""
+# Margin around the level-ground tip positions within which every goal is reached, as fractions of
+# the leg's length: along, up and across. Downwards the leg's length is the only bound.
+NEUTRAL_MARGIN = np.array([0.12, 0.12, 0.1])
+
+# Least height of a hip above its foot, as a fraction of that on level ground. Sprawling legs reach
+# above their hips as well.
+MIN_HIP_HEIGHT = {"insect": -0.5, "mammal": 0.4}
+
+# Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
+PLANNED_REACH = 0.98 * MAX_REACH
+
+# Arch of a swing that a leg lifts its foot to without a check, in step heights.
+EASY_ARCH = 1.5
+
+# Hip-to-foot distances at which folding is tested, as fractions of the leg's length.
+FOLD_DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
 
 
 class LegReachability:
-    """Tells which places the legs of a herd reach.
+    """Tests which tip positions the legs of a herd reach; goals are relative to the body."""
 
-    Attributes:
-        herd: whose legs.
-    """
-
-    def __init__(self, herd: Herd) -> None:
-        self.herd = herd
+    def __init__(self, herd: Herd, surface: SupportSurface) -> None:
+        self.herd, self.surface = herd, surface
+        self._squared_reach = np.array([r**2 for r in PLANNED_REACH * herd.legs.lengths])
+        self._can_lift = dict[tuple[int, float], bool]()
         half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
         x, z = herd.rest.T
-        room = BESIDE * herd.legs.lengths[:, None]
+        margin = NEUTRAL_MARGIN * herd.legs.lengths[:, None]
         floor = herd.sole - herd.body_height[herd.owner]
-        self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - room
-        self._high = np.stack([x + half, floor, z], axis=-1) + room
+        self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - margin
+        self._high = np.stack([x + half, floor, z], axis=-1) + margin
 
-    def beside(self, leg: int, goals: Array) -> bool:
-        """Tell whether all `goals` (..., 3) are beside where the leg comes to on level ground."""
-        return bool(((goals >= self._low[leg]) & (goals <= self._high[leg])).all())
-
-    def follows(self, leg: int, ways: Array) -> bool:
-        """Tell whether the leg's tip can go all of `ways` (n, m, 3), see `follows_each`."""
-        return bool(self.follows_each(np.full(len(ways), leg), ways).all())
-
-    def follows_each(self, legs: NDArray[np.int64], ways: Array) -> NDArray[np.bool_]:
-        """Say which tips of legs (N,) can go their `ways` (N, m, 3), relative to bodies.
-
-        At the rim of what it reaches a leg comes to its goals now in one way, now in another;
-        so no joint may jump from one place to the next.
-        """
-        herd, shape = self.herd, ways.shape[:2]
-        rows = np.repeat(legs, shape[1])
-        q, residual = solve_each_near_rest(herd.legs, herd.chains, rows, ways.reshape(-1, 3))
-        reached = (residual <= MISSES * herd.legs.lengths[rows]).reshape(shape).all(axis=1)
-        turned = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
-        return np.asarray(reached & (turned < JUMP).all(axis=(1, 2)))
-
-    def beside_each(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
-        """Say which `goals` (N, 3) are beside where legs (N,) come to on level ground."""
+    def near_neutral(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
+        """Return which goals (N, 3) lie near the tip positions of legs (N,) on level ground."""
         inside: NDArray[np.bool_] = (goals >= self._low[legs]) & (goals <= self._high[legs])
         return np.asarray(inside.all(axis=-1))
 
-    def holds(self, leg: int, goals: Array) -> NDArray[np.bool_]:
-        """Say to which of `goals` (n, m, 3), relative to the body, the leg's tip comes."""
-        return self.holds_each(np.full(len(goals), leg), goals)
-
-    def holds_each(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
-        """Say to which of their `goals` (N, m, 3), relative to bodies, tips of legs (N,) come."""
-        low, high = self._low[legs, None], self._high[legs, None]
-        inside: NDArray[np.bool_] = (goals >= low) & (goals <= high)
-        known: NDArray[np.bool_] = np.asarray(inside.all(axis=-1))
-        row, moment = np.nonzero(~known)
+    def reaches(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
+        """Return which goals (N, m, 3) the legs (N,) reach, (N, m)."""
+        reached = self.near_neutral(legs[:, None], goals)
+        row, sample = np.nonzero(~reached)
         if len(row):
             herd, asked = self.herd, legs[row]
-            _, residual = solve_each_near_rest(herd.legs, herd.chains, asked, goals[row, moment])
-            known[row, moment] = residual <= MISSES * herd.legs.lengths[asked]
-        return known
+            _, residual = solve_each_near_rest(herd.legs, herd.chains, asked, goals[row, sample])
+            reached[row, sample] = residual <= REACHED_DISTANCE * herd.legs.lengths[asked]
+        return reached
 
+    def follows(self, legs: NDArray[np.int64], paths: Array) -> NDArray[np.bool_]:
+        """Return which legs (N,) can move their tips along `paths` (N, m, 3).
 
-DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
-"""At which it is asked, in lengths of the leg."""
+        Near its limits a leg may reach neighbouring goals by different branches of the inverse
+        kinematics; so no joint may jump between samples.
+        """
+        herd, shape = self.herd, paths.shape[:2]
+        rows = np.repeat(legs, shape[1])
+        q, residual = solve_each_near_rest(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
+        within = residual <= REACHED_DISTANCE * herd.legs.lengths[rows]
+        joint_steps = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
+        return np.asarray(
+            within.reshape(shape).all(axis=1) & (joint_steps < MAX_JOINT_STEP).all(axis=(1, 2))
+        )
 
-FOLD_MISSES = 1e-4
-"""Distance of tip from place that is none, in the leg's length."""
+    def required_lowering(self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array) -> Array:
+        """Return how far bodies must be lowered (N, k) [m] for legs to reach `tips` (N, k, 3).
+
+        By leg length alone. Zero where they reach anyway, infinite where lowering does not help.
+
+        Args:
+            legs: (N,) numbers.
+            tips: (N, k, 3) [m].
+            R: (N, m, 3, 3) and
+            p: (N, m, 3), poses of the bodies during the stance [m].
+        """
+        hips = p + turn(R, self.herd.hips[legs, None])
+        x, y, z = np.moveaxis(tips[:, :, None] - hips[:, None], -1, 0)
+        room = self._squared_reach[legs, None, None] - x**2 - z**2
+        drop = np.sqrt(np.maximum(room, 0.0))
+        lowering = np.maximum(-y - drop, 0.0).max(axis=-1)
+        highest = np.minimum(drop, self._highest_tips[legs, None, None])
+        out_of_reach = (room < 0.0) | (y + lowering[..., None] > highest)
+        return np.where(out_of_reach.any(axis=-1), np.inf, lowering)
+
+    @cached_property
+    def _highest_tips(self) -> Array:
+        """(L,) greatest height of a tip above its hip [m]."""
+        herd, owner, surface = self.herd, self.herd.owner, self.surface
+        fraction = np.array([MIN_HIP_HEIGHT[figure.style] for figure in herd.figures])[owner]
+        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.sole
+        # On level ground bodies that crouch or bounce are as low as they were asked to be.
+        level = np.array([surface.of(c).is_level for c in range(len(herd.names))])[owner]
+        return np.where(level, np.inf, -fraction * tall)
+
+    @cached_property
+    def can_lift_usual(self) -> NDArray[np.bool_]:
+        """(L,) whether each leg can lift its foot to its usual step height."""
+        return self._lifts(np.arange(len(self.herd.owner)), self.herd.step_height)
+
+    def can_lift(self, leg: int, height: float) -> bool:
+        """Return whether a leg can lift its foot to a step height [m]."""
+        key = leg, height
+        if key not in self._can_lift:
+            self._can_lift[key] = bool(self._lifts(np.array([leg]), np.array([height]))[0])
+        return self._can_lift[key]
+
+    def _lifts(self, legs: NDArray[np.int64], height: Array) -> NDArray[np.bool_]:
+        herd, owner = self.herd, self.herd.owner[legs]
+        x, z = herd.rest[legs].T
+        top = herd.sole[legs] - herd.body_height[owner] + EASY_ARCH * height
+        ahead = 0.25 * herd.stride[owner]
+        goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
+        return np.asarray(self.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))
 
 
 def shortest_reaches(herd: Herd) -> Array:
-    """Return the least distances (L,) from hips to feet at which all farther ones are reached [m].
+    """Return the hip-to-foot distances (L,) [m] beyond which each leg reaches every foot position.
 
-    Args:
-        herd: whose legs.
+    Tested on the line from the hip to the foot's neutral position.
     """
-    found, known = np.zeros(len(herd.owner)), dict[tuple[str, float, float], Array]()
+    result, known = np.zeros(len(herd.owner)), dict[tuple[str, float, float], Array]()
     for c, figure in enumerate(herd.figures):
         own = np.flatnonzero(herd.owner == c)
         key = figure.name, figure.scale, float(herd.body_height[c])
         if len(own):
-            found[own] = known[key] = known[key] if key in known else _folds(herd, own)
-    return found
+            result[own] = known[key] = known[key] if key in known else _fold_limits(herd, own)
+    return result
 
 
-def _folds(herd: Herd, own: NDArray[np.int64]) -> Array:
-    """Return the folds of some legs (n,) [m]."""
+def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     legs, (x, z) = herd.legs.rows(own), herd.rest[own].T
-    way = np.stack([x, -herd.body_height[herd.owner[own]], z], axis=-1) - herd.hips[own]
-    at_rest = np.linalg.norm(way, axis=-1)
-    way /= np.maximum(at_rest, 1e-9)[:, None]
-    goals = herd.hips[own] + (DISTANCES[:, None] * legs.lengths)[..., None] * way
+    direction = np.stack([x, -herd.body_height[herd.owner[own]], z], axis=-1) - herd.hips[own]
+    at_rest = np.linalg.norm(direction, axis=-1)
+    direction /= np.maximum(at_rest, 1e-9)[:, None]
+    goals = herd.hips[own] + (FOLD_DISTANCES[:, None] * legs.lengths)[..., None] * direction
     residual = solve_near_rest(legs, group_chains(legs, herd.owner[own]), goals).residual
-    # Where a foot rests it is, whatever limits stretched legs come to.
-    nearer = DISTANCES[:, None] * legs.lengths < at_rest
-    missed = nearer & (residual > FOLD_MISSES * legs.lengths)
-    # The last one before the first that is missed; those that miss none fold up wholly.
-    first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(DISTANCES))
-    result: Array = DISTANCES[np.maximum(first - 1, 0)] * legs.lengths
+    # The neutral position is reached by definition, whatever limits stretched legs meet.
+    nearer = FOLD_DISTANCES[:, None] * legs.lengths < at_rest
+    missed = nearer & (residual > REACHED_DISTANCE * legs.lengths)
+    # The last distance before the first miss; legs without a miss fold up completely.
+    first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(FOLD_DISTANCES))
+    result: Array = FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths
     return result

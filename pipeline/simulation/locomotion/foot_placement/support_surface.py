@@ -1,8 +1,7 @@
-"""Footing: the ground that each creature can stand on, and the surface that it makes.
+"""Support surface: the ground that each creature can stand on, smoothed for its body.
 
-Ground counts for a creature if a foot may be put there and its legs lead there from where
-it starts: not the floor of a pit, nor what lies beyond a cliff. Its body follows this
-ground alone, and its feet are put on no other, so the two never part.
+Ground supports a creature if a foot may be placed there and footholds lead there from its start:
+neither the floor of a pit nor what lies beyond a cliff. Body and feet both use this ground only.
 """
 
 from __future__ import annotations
@@ -16,105 +15,76 @@ from pipeline.simulation.terrain import Ground
 from pipeline.simulation.terrain.islands import Islands
 from pipeline.simulation.terrain.support_surface import Support, Supports
 
-RISE, GAP = 0.4, 1.0
-"""Greatest rise and widest gap between two footholds, in leg lengths."""
+# Greatest rise and widest gap between two footholds, in leg lengths.
+MAX_RISE, MAX_GAP = 0.4, 1.0
 
-BLUR = {"across": 0.4, "along": 0.25, "leg": 0.12, "stride": 0.12}
-"""Least standard deviation of the average: in half extents of the feet at rest, in lengths
-of a leg and of a stride. A body as quick as it is wide feels no single stone."""
+# Least standard deviation of the smoothing: in half extents of the feet at rest across and along,
+# in leg lengths and in strides. A body does not follow single stones.
+SMOOTHING = {"across": 0.4, "along": 0.25, "leg": 0.12, "stride": 0.12}
 
-CLEARS = 0.15
-"""How much higher than its body stands a creature can lift its belly, in leg lengths."""
+# Height above its standing height to which a creature can lift its belly, in leg lengths.
+BELLY_LIFT = 0.15
 
-WIDE = 0.4
-"""Half the width of what must pass above the ground, in half the width between feet."""
+# Half the width of the corridor that the belly needs, as a fraction of half the stance width.
+CORRIDOR_WIDTH = 0.4
 
 
 class SupportSurface:
-    """What the creatures of a herd can stand on.
-
-    Attributes:
-        herd: the creatures.
-        ground: what they go over.
-    """
+    """The support surfaces of a herd; creatures with equal needs share one."""
 
     def __init__(self, herd: Herd, ground: Ground) -> None:
-        self.ground = ground
-        self.herd = herd
-        count = len(herd.names)
+        self.herd, self.ground = herd, ground
         islands = Islands(ground)
-        reached = dict[bytes, NDArray[np.bool_]]()
-        made = dict[tuple[bytes, float, float, float], int]()
-        self._counts = list[NDArray[np.bool_]]()
+        masks = dict[bytes, NDArray[np.bool_]]()
+        numbers = dict[tuple[bytes, float, float, float], int]()
+        self._masks = list[NDArray[np.bool_]]()
         self._supports = list[Support]()
-        self._which = np.zeros(count, dtype=np.int64)
-        for c in range(count):
+        self._number = np.zeros(len(herd.names), dtype=np.int64)
+        for c in range(len(herd.names)):
             lengths = herd.legs.lengths[herd.owner == c]
             leg = float(lengths.mean()) if len(lengths) else float(herd.footprint[c].max())
             around = float(np.hypot(*herd.footprint[c]))
-            free = islands.reached(herd.starts[c], around, GAP * leg, RISE * leg)
-            name = free.tobytes()
+            mask = islands.reached(herd.starts[c], around, MAX_GAP * leg, MAX_RISE * leg)
+            name = mask.tobytes()
             blur = max(
-                BLUR["across"] * float(herd.footprint[c, 1]),
-                BLUR["along"] * float(herd.footprint[c, 0]),
-                BLUR["leg"] * leg,
-                BLUR["stride"] * float(herd.stride[c]),
+                SMOOTHING["across"] * float(herd.footprint[c, 1]),
+                SMOOTHING["along"] * float(herd.footprint[c, 0]),
+                SMOOTHING["leg"] * leg,
+                SMOOTHING["stride"] * float(herd.stride[c]),
             )
-            room = float(herd.body_height[c] - herd.belly[c]) + CLEARS * leg
-            key = (name, blur, self.wide(c), room)
-            if key not in made:
-                made[key] = len(self._supports)
-                self._counts.append(reached.setdefault(name, free))
-                self._supports.append(Support.of(ground, self._counts[-1], *key[1:]))
-            self._which[c] = made[key]
-        self._together = Supports(self._supports) if self._supports else None
+            room = float(herd.body_height[c] - herd.belly[c]) + BELLY_LIFT * leg
+            key = (name, blur, CORRIDOR_WIDTH * float(herd.footprint[c, 1]), room)
+            if key not in numbers:
+                numbers[key] = len(self._supports)
+                self._masks.append(masks.setdefault(name, mask))
+                self._supports.append(Support.of(ground, self._masks[-1], *key[1:]))
+            self._number[c] = numbers[key]
+        self._all = Supports(self._supports) if self._supports else None
 
-    def wide(self, c: int) -> float:
-        """Return half the width of what must pass above the ground [m]."""
-        return WIDE * float(self.herd.footprint[c, 1])
+    def of(self, c: int) -> Support:
+        """Return the support surface of creature `c`."""
+        return self._supports[int(self._number[c])]
 
-    def is_level(self, c: int) -> bool:
-        """Tell whether all the ground is level for a creature, and can be stood on."""
-        return self._of(c).is_level
-
-    def barred(self, c: int, x: Array, z: Array) -> NDArray[np.bool_]:
-        """Say where the ground is too high for a creature's belly."""
-        return self._of(c).barred(x, z)
-
-    def has_walls(self, c: int) -> bool:
-        """Tell whether anything on the ground is a wall for a creature."""
-        return self._of(c).has_walls
-
-    def _of(self, c: int) -> Support:
-        return self._supports[int(self._which[c])]
-
-    def allows(self, c: int, x: Array, z: Array) -> NDArray[np.bool_]:
-        """Say where creature `c` may put a foot; outside the grid it may not."""
-        field = self.ground.field
-        counts = self._counts[self._which[c]]
-        result: NDArray[np.bool_] = field.inside(x, z) & counts[field.cell_of(x, z)]
-        return result
-
-    def allows_each(self, creature: NDArray[np.int64], x: Array, z: Array) -> NDArray[np.bool_]:
-        """Say whether each of creatures (N,) may put a foot at its place x, z (N,)."""
-        field, which = self.ground.field, self._which[creature]
+    def is_allowed(self, creature: NDArray[np.int64], x: Array, z: Array) -> NDArray[np.bool_]:
+        """Return whether creatures (N,) may place a foot at x, z (N,); never outside the grid."""
+        field, number = self.ground.field, self._number[creature]
         result, (row, column) = field.inside(x, z), field.cell_of(x, z)
-        for k in set(which.tolist()):
-            own = which == k
-            result[own] &= self._counts[k][row[own], column[own]]
+        for k in set(number.tolist()):
+            own = number == k
+            result[own] &= self._masks[k][row[own], column[own]]
         return result
 
-    def surface(self, creature: NDArray[np.int64], x: Array, z: Array) -> tuple[Array, Array]:
-        """Return the surface that bodies follow, and how far anything rises above it.
+    def heights(self, creature: NDArray[np.int64], x: Array, z: Array) -> tuple[Array, Array]:
+        """Return the smoothed surface under bodies, and how far obstacles rise above it.
 
         Args:
-            creature: (N,) whose body.
+            creature: (N,) numbers of the creatures.
             x: (N, m) and
             z: (N, m) places [m].
 
         Returns:
             Heights and rises, (N, m) each [m].
         """
-        if self._together is None:
+        if self._all is None:
             return np.zeros(x.shape), np.zeros(x.shape)
-        return self._together.at(self._which[creature], x, z)
+        return self._all.at(self._number[creature], x, z)

@@ -1,7 +1,7 @@
-"""Gaits: when each foot goes up and comes down within the cycle.
+"""Gaits: when each foot goes up and comes down within the cycle, and when all feet are in the air.
 
-Phases run from 0 to 1. A foot swings from its foot-up to its foot-down phase and
-stands from there to its next foot-up.
+Phases run from 0 to 1. A foot swings from its foot-up to its foot-down phase and stands from there
+to its next foot-up.
 
 Source: Sims 1987, 9.2.
 """
@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import GaitWords
+from pipeline.spec.walk import GaitPhases
 
+# Difference between phases that count as one, as a fraction of the cycle.
 PHASE_TOLERANCE = 1e-6
-"""Difference between phases that are still one, as a part of the cycle."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gait:
-    """A gait for certain legs.
+    """A gait for n legs.
 
     Attributes:
         up: (n,) foot-up phases, 0 to 1.
@@ -41,30 +41,30 @@ class Gait:
 
     @property
     def swing(self) -> Array:
-        """(n,) part of the cycle that each foot is in the air."""
+        """(n,) fractions of the cycle that the feet are in the air."""
         result: Array = np.mod(self.down - self.up, 1.0)
         return result
 
     @property
     def duty(self) -> Array:
-        """(n,) part of the cycle that each foot is down."""
+        """(n,) duty factors: fractions of the cycle that the feet are down."""
         return 1.0 - self.swing
 
     @property
     def beats(self) -> int:
-        """How many times a cycle feet come down."""
+        """Number of different foot-down phases."""
         return len(np.unique(np.round(self.down, 6)))
 
     def with_duty(self, duty: float) -> Gait:
-        """Return the gait whose feet are down for `duty` of the cycle, each swing's middle kept."""
+        """Return the gait with another duty factor, the middle of each swing kept."""
         middle = self.up + 0.5 * self.swing
         half = 0.5 * (1.0 - duty)
         return Gait(np.mod(middle - half, 1.0), np.mod(middle + half, 1.0))
 
     def among(self, carrying: NDArray[np.bool_]) -> Gait:
-        """Return this gait for the legs `carrying` (m,) of a figure; the others go with the first.
+        """Return this gait for a figure whose `carrying` legs (m,) walk.
 
-        Legs that are held up have no phases of their own.
+        Legs that are held up have no phases of their own and get those of the first leg.
         """
         place = np.where(carrying, np.cumsum(carrying) - 1, 0)
         return Gait(self.up[place], self.down[place])
@@ -76,23 +76,17 @@ class Gait:
         return result
 
     def flights(self) -> Array:
-        """Return when all feet are off the ground.
-
-        Returns:
-            (k, 2) phase at which each flight begins, and how long it lasts, in cycles.
-        """
+        """Return start phase and length in cycles (k, 2) of the times when all feet are up."""
         if not len(self.up):
             return np.zeros((0, 2))
         moments = np.unique(np.concatenate([self.up, self.down]))
         spans = np.diff(moments, append=moments[0] + 1.0)
+        # Between two moments nothing goes up or comes down: one test per span is enough.
         free = ~self.standing(moments + 0.5 * spans).any(axis=-1) & (spans > PHASE_TOLERANCE)
-        # Within a flight nothing goes up or comes down: every foot is in the air already.
         return np.stack([moments[free], spans[free]], axis=-1)
 
-    # --- the course of phases, whole cycles counted ------------------------------
-
     def next_up(self, phase: float) -> Array:
-        """Return the phases (n,) at which feet go up next, at `phase` or after it."""
+        """Return the phases (n,), whole cycles counted, of the next foot-up of every leg."""
         result: Array = phase + np.mod(self.up - phase, 1.0)
         return result
 
@@ -102,20 +96,23 @@ class Gait:
         return result
 
 
-def written(words: GaitWords, names: Sequence[str]) -> Gait:
+def gait_from_config(config: GaitPhases, names: Sequence[str]) -> Gait:
     """Return the gait that the author wrote out for the legs called `names`."""
     return Gait(
-        np.array([words.up[name] for name in names]) % 1.0,
-        np.array([words.down[name] for name in names]) % 1.0,
+        np.array([config.up[name] for name in names]) % 1.0,
+        np.array([config.down[name] for name in names]) % 1.0,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class FlightBounce:
-    """The bounce of a gait with flights.
+    """The bounce of a body whose gait has flights.
+
+    While no foot is down the body falls freely; while one is, it is thrown into the next flight.
+    Heights are in units of g T², T the duration of a cycle, and 0 at lift-off and touchdown.
 
     Attributes:
-        flights: (k, 2) phase of the begin and length of each, in order; at least one.
+        flights: (k, 2) start phase and length of each, in order; at least one.
     """
 
     flights: Array
@@ -127,15 +124,15 @@ class FlightBounce:
         return FlightBounce(flights) if len(flights) else None
 
     def height(self, phase: Array) -> Array:
-        """Return the height at `phase` [g T²]; speed is continuous all around the cycle."""
-        begins, lengths = self.flights.T
-        into = np.mod(np.asarray(phase)[..., None] - begins, 1.0)
+        """Return the height at `phase` [g T²]; its rate is continuous around the cycle."""
+        starts, lengths = self.flights.T
+        into = np.mod(np.asarray(phase)[..., None] - starts, 1.0)
         last = into.argmin(axis=-1)
         s, f = into.min(axis=-1), lengths[last]
-        following = (last + 1) % len(begins)
-        support = np.mod(begins[following] - begins[last] - 1e-12, 1.0) - f
+        following = (last + 1) % len(starts)
+        support = np.mod(starts[following] - starts[last] - 1e-12, 1.0) - f
         falling = 0.5 * s * (f - s)
-        # A cubic that takes over the speed of the fall and gives that of the next flight.
+        # A cubic that takes over the rate of the fall and gives that of the next flight.
         t = np.clip((s - f) / support, 0.0, 1.0)
         given = 0.5 * lengths[following]
         thrown = support * t * (1.0 - t) * (-0.5 * f * (1.0 - t) - given * t)
@@ -144,7 +141,7 @@ class FlightBounce:
 
     @cached_property
     def amplitude(self) -> float:
-        """Half of the whole way up [g T²]."""
+        """Half of the total rise [g T²]."""
         heights = self.height(np.linspace(0.0, 1.0, 1000, endpoint=False))
         return float(0.5 * (heights.max() - heights.min()))
 

@@ -1,12 +1,13 @@
-"""Named gaits: those of animals with one, two, four or six legs, and who has which.
+"""Named gaits: the gaits that legs can have, and the choice of one from its config.
 
-A gait of four legs is told by Hildebrand's numbers: for the symmetrical ones the part
-of the cycle that a foot is down, and by which part of the cycle a forefoot comes down
-after the hind foot of its side; for the asymmetrical ones when each foot comes down.
-He gives ranges; these are values in their middle, as of horses, and of cheetahs for the
-rotary gallop.
+Gaits of four legs follow Hildebrand's numbers: a symmetrical gait has a duty factor and a lag of
+the forefoot behind the hind foot of its side; an asymmetrical one lists all foot-down phases. He
+gives ranges; these are values in their middle, as of horses, and of cheetahs for the rotary gallop.
 
-Source: Hildebrand 1965, 1977, 1989.
+The automatic gaits (trot, wave, ripple) fit any number of legs and any imbalance between left and
+right: the rows are timed independently, each by the legs it has, which makes up for a missing limb.
+
+Source: Sims 1987, 10.3; Hildebrand 1965, 1977, 1989.
 """
 
 from __future__ import annotations
@@ -18,14 +19,57 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.gaits.gait import Gait, written
+from pipeline.simulation.locomotion.gaits.gait import Gait, gait_from_config
 from pipeline.spec.suggestions import hint
-from pipeline.spec.walk import GaitWords, Manner
+from pipeline.spec.walk import GaitPhases, Manner
+
+# Fraction of its turn for which a foot is in the air: feet that come down are firm before the next
+# ones leave.
+SWING_OF_TURN = 0.84
+TROT_SWING = SWING_OF_TURN * 0.5
+
+# Legs of a row that share one wave. Long rows, a centipede's, carry several waves at once;
+# otherwise the feet would have to fly (Manton 1952).
+LEGS_PER_WAVE = 5
+
+# Duty factor, and lag of a forefoot behind the hind foot of its side. Left and right feet of a pair
+# come down half a cycle apart.
+SYMMETRICAL = {"walk": (0.64, 0.22), "amble": (0.42, 0.22), "pace": (0.42, 0.0)}
+
+# Duty factor, and foot-down phases of left hind, right hind, left fore and right fore. The right
+# hind foot leads. The leading forefoot is on the same side in a transverse gallop and in a canter,
+# on the other in a rotary gallop.
+ASYMMETRICAL = {
+    "canter": (0.40, (0.0, 0.28, 0.28, 0.54)),
+    "transverse gallop": (0.26, (0.0, 0.14, 0.34, 0.51)),
+    "rotary gallop": (0.22, (0.0, 0.11, 0.54, 0.43)),
+    "bound": (0.28, (0.0, 0.0, 0.42, 0.42)),
+}
+
+# Duty factor, and lag of the right foot behind the left (Alexander 1989; Minetti 1998 for the skip,
+# whose one foot always leads: a gallop on two legs).
+BIPEDAL = {
+    "walk": (0.62, 0.5),
+    "run": (0.36, 0.5),
+    "hop": (0.40, 0.0),
+    "skip": (0.42, 0.28),
+}
+
+# Legs that a gait needs, for error messages.
+LEG_REQUIREMENTS = {
+    "tripod": "6 legs",
+    "ripple": "more than 4 legs",
+    "walk": "one pair of legs or two",
+    "run": "one pair of legs",
+    "skip": "one pair of legs",
+    "hop": "one leg or one pair",
+    **dict.fromkeys(("amble", "pace", *ASYMMETRICAL), "two pairs of legs"),
+}
 
 
 @dataclass(frozen=True, slots=True)
 class LegRows:
-    """The legs of one creature.
+    """The legs of one creature as a left and a right row.
 
     Attributes:
         left, right: numbers of the legs, front to back.
@@ -38,12 +82,12 @@ class LegRows:
     def of(sides: Sequence[str], forward: Sequence[float]) -> LegRows:
         """Sort legs into rows.
 
-        A leg in the middle joins the shorter row, so that it has a neighbour to take
-        turns with; the left one if they are even.
+        A leg in the middle joins the shorter row, so that it has a neighbour to take turns with;
+        the left one if both are even.
 
         Args:
             sides: "l", "r" or "m" of each leg.
-            forward: how far to the front each one stands [m].
+            forward: position of each leg along the body [m].
         """
         rows: dict[str, list[int]] = {side: [] for side in "lrm"}
         for leg in sorted(range(len(sides)), key=lambda leg: -forward[leg]):
@@ -52,34 +96,25 @@ class LegRows:
         for leg in rows["m"]:
             shorter = left if len(left) <= len(right) else right
             shorter.append(leg)
-        return LegRows(
-            *(tuple(sorted(row, key=lambda leg: -forward[leg])) for row in (left, right))
-        )
+        ordered = (tuple(sorted(row, key=lambda leg: -forward[leg])) for row in (left, right))
+        return LegRows(*ordered)
 
     @property
     def count(self) -> int:
-        """How many legs there are."""
+        """Number of legs."""
         return len(self.left) + len(self.right)
 
     def __iter__(self) -> Iterator[tuple[int, ...]]:
-        """Give the left row, then the right one."""
+        """Yield the left row, then the right one."""
         return iter((self.left, self.right))
 
     def __str__(self) -> str:
-        """Return how many legs stand where."""
+        """Return the numbers of legs as text."""
         number = f"{self.count} leg" + ("s" if self.count != 1 else "")
         return f"{number} ({len(self.left)} left, {len(self.right)} right)"
 
 
-FIRM = 0.84
-"""Part of its turn for which a foot is in the air: feet that come down are firm before
-the next ones leave."""
-
-TROT_SWING = FIRM * 0.5
-
-LEGS_A_WAVE = 5
-"""About how many legs of a row share one wave. Long rows, a centipede's, carry several
-waves at once, otherwise the feet would have to fly (Manton 1952)."""
+# --- automatic gaits ----------------------------------------------------------------
 
 
 def trot(rows: LegRows) -> Gait:
@@ -94,55 +129,27 @@ def trot(rows: LegRows) -> Gait:
     return Gait(up, np.mod(up + TROT_SWING, 1.0))
 
 
-def wave(rows: LegRows) -> Gait:
+def wave(rows: LegRows, lag: float = 0.0) -> Gait:
     """Return the gait in which each row lifts its feet in turn, from back to front.
 
-    Both rows move together: a bound for four legs, a hop for two.
+    Without a lag of the right row both move together: a bound for four legs, a hop for two.
     """
-    return _waves(rows, 0.0)
-
-
-def ripple(rows: LegRows) -> Gait:
-    """Return the wave whose right row goes half a cycle after the left, an insect's.
-
-    Source: Wilson 1966.
-    """
-    return _waves(rows, 0.5)
-
-
-def _waves(rows: LegRows, lag: float) -> Gait:
     up, swing = np.zeros(rows.count), np.zeros(rows.count)
     for first, row in enumerate(rows):
         n = len(row)
-        turn = max(1, round(n / LEGS_A_WAVE)) / max(n, 1)
+        turn = max(1, round(n / LEGS_PER_WAVE)) / max(n, 1)
         for rank, leg in enumerate(row):
             up[leg] = (n - 1 - rank) * turn + first * lag
-            swing[leg] = FIRM * min(turn, 0.5)
+            swing[leg] = SWING_OF_TURN * min(turn, 0.5)
     return Gait(np.mod(up, 1.0), np.mod(up + swing, 1.0))
 
 
-SYMMETRICAL = {"walk": (0.64, 0.22), "amble": (0.42, 0.22), "pace": (0.42, 0.0)}
-"""Duty, and by how much a forefoot follows the hind foot of its side. The left and the
-right of a pair come down half a cycle apart."""
+def ripple(rows: LegRows) -> Gait:
+    """Return the wave whose right row lags half a cycle, an insect's (Wilson 1966)."""
+    return wave(rows, 0.5)
 
-ASYMMETRICAL = {
-    "canter": (0.40, (0.0, 0.28, 0.28, 0.54)),
-    "transverse gallop": (0.26, (0.0, 0.14, 0.34, 0.51)),
-    "rotary gallop": (0.22, (0.0, 0.11, 0.54, 0.43)),
-    "bound": (0.28, (0.0, 0.0, 0.42, 0.42)),
-}
-"""Duty, and when left hind, right hind, left fore and right fore come down. The right
-hind foot leads. The leading forefoot is on the same side in a transverse gallop and in
-a canter, on the other in a rotary gallop."""
 
-BIPEDAL = {
-    "walk": (0.62, 0.5),
-    "run": (0.36, 0.5),
-    "hop": (0.40, 0.0),
-    "skip": (0.42, 0.28),
-}
-"""Duty, and by how much the right foot follows the left (Alexander 1989; Minetti 1998 for
-the skip, whose one foot always leads: a gallop on two legs)."""
+# --- gaits of one, two and four legs ------------------------------------------------
 
 
 def _symmetrical(name: str, rows: LegRows) -> Gait:
@@ -168,18 +175,14 @@ def _bipedal(name: str, rows: LegRows) -> Gait:
     return Gait.of(down, duty)
 
 
-def _hop_on_one(_name: str, _rows: LegRows) -> Gait:
-    return Gait.of(np.zeros(1), BIPEDAL["hop"][0])
-
-
 def _special(rows: LegRows) -> Mapping[str, Callable[[str, LegRows], Gait]]:
     """Return the gaits that only such legs have."""
-    pairs = len(rows.left) == len(rows.right)
+    is_paired = len(rows.left) == len(rows.right)
     if rows.count == 1:
-        return {"hop": _hop_on_one}
-    if rows.count == 2 and pairs:
+        return {"hop": lambda name, _: Gait.of(np.zeros(1), BIPEDAL[name][0])}
+    if rows.count == 2 and is_paired:
         return dict.fromkeys(BIPEDAL, _bipedal)
-    if rows.count == 4 and pairs:
+    if rows.count == 4 and is_paired:
         return dict.fromkeys(SYMMETRICAL, _symmetrical) | dict.fromkeys(ASYMMETRICAL, _asymmetrical)
     if rows.count == 6:
         return {"tripod": lambda _, rows: trot(rows), "ripple": lambda _, rows: ripple(rows)}
@@ -187,93 +190,81 @@ def _special(rows: LegRows) -> Mapping[str, Callable[[str, LegRows], Gait]]:
 
 
 def available_gaits(rows: LegRows) -> dict[str, Gait]:
-    """Return the gaits that exist for such legs, by name, the general ones first."""
-    special = _special(rows)
-    return {"trot": trot(rows), "wave": wave(rows)} | {
-        name: make(name, rows) for name, make in special.items()
-    }
+    """Return all gaits of such legs by name, the general ones first."""
+    special = {name: make(name, rows) for name, make in _special(rows).items()}
+    return {"trot": trot(rows), "wave": wave(rows)} | special
 
 
-LEG_REQUIREMENTS = {
-    "tripod": "6 legs",
-    "ripple": "more than 4 legs",
-    "walk": "one pair of legs or two",
-    "run": "one pair of legs",
-    "skip": "one pair of legs",
-    "hop": "one leg or one pair",
-    **dict.fromkeys(("amble", "pace", *ASYMMETRICAL), "two pairs of legs"),
-}
-"""What legs a gait is for, in words."""
+# --- choice from a config -----------------------------------------------------------
 
 
-def walking_legs(where: str, words: Manner, figure: Figure) -> list[int]:
-    """Return the legs that a creature was asked to walk on.
+def walking_legs(where: str, walk: Manner, figure: Figure) -> list[int]:
+    """Return the numbers of the legs that a creature walks on.
 
     Args:
-        where: path of the words in the scene.
-        words: how it walks.
+        where: path of `walk` in the scene.
+        walk: its config.
         figure: its figure.
 
     Raises:
         SceneError: if it has no such legs.
     """
     names = [leg.name for leg in figure.skeleton.legs]
-    if words.legs is None:
+    if walk.legs is None:
         return list(range(len(names)))
     problems = [
         Problem(f"{where}.legs[{i}]", f"'{figure.name}' has no leg '{leg}', {hint(leg, names)}")
-        for i, leg in enumerate(words.legs)
+        for i, leg in enumerate(walk.legs)
         if leg not in names
     ]
     if problems:
         raise SceneError(problems)
-    return [i for i, name in enumerate(names) if name in words.legs]
+    return [i for i, name in enumerate(names) if name in walk.legs]
 
 
 def choose_gait(
-    where: str, words: Manner, figure: Figure, legs: Sequence[int], forward: Sequence[float]
+    where: str, walk: Manner, figure: Figure, legs: Sequence[int], forward: Sequence[float]
 ) -> Gait:
-    """Return the gait that a creature was asked to have.
+    """Return the gait that a creature is configured to have.
 
     Args:
-        where: path of the words in the scene.
-        words: how it walks.
+        where: path of `walk` in the scene.
+        walk: its config.
         figure: its figure.
-        legs: those that it walks on.
-        forward: how far to the front their hips are [m].
+        legs: numbers of the legs that it walks on.
+        forward: positions of their hips along the body [m].
 
     Raises:
         SceneError: if its legs have no such gait.
     """
-    of = [figure.skeleton.legs[leg] for leg in legs]
-    if isinstance(words.gait, GaitWords):
-        gait = _written(f"{where}.gait", words.gait, figure.name, [leg.name for leg in of])
+    limbs = [figure.skeleton.legs[leg] for leg in legs]
+    if isinstance(walk.gait, GaitPhases):
+        gait = _gait_from_phases(where, walk.gait, figure.name, [limb.name for limb in limbs])
     else:
-        rows = LegRows.of([leg.side for leg in of], forward)
+        rows = LegRows.of([limb.side for limb in limbs], forward)
         gaits = available_gaits(rows)
-        if words.gait not in gaits:
-            verb = "has" if words.legs is None else "walks on"
+        if walk.gait not in gaits:
+            verb = "has" if walk.legs is None else "walks on"
             message = (
-                f"a gait '{words.gait}' needs {LEG_REQUIREMENTS[words.gait]}, "
-                f"'{figure.name}' {verb} {rows}; "
-                f"take {join_choices(list(gaits))}"
+                f"a gait '{walk.gait}' needs {LEG_REQUIREMENTS[walk.gait]}, "
+                f"'{figure.name}' {verb} {rows}; take {join_choices(list(gaits))}"
             )
             raise SceneError([Problem(f"{where}.gait", message)])
-        gait = gaits[words.gait]
-    return gait if words.duty is None else gait.with_duty(words.duty)
+        gait = gaits[walk.gait]
+    return gait if walk.duty is None else gait.with_duty(walk.duty)
 
 
-def _written(path: str, words: GaitWords, figure: str, names: Sequence[str]) -> Gait:
-    wrong = sorted(set(words.up) ^ set(names))
+def _gait_from_phases(where: str, config: GaitPhases, figure: str, names: Sequence[str]) -> Gait:
+    wrong = sorted(set(config.up) ^ set(names))
     if wrong:
         message = (
-            f"has to name every leg that '{figure}' walks on and no other: "
+            f"must name every leg that '{figure}' walks on and no other: "
             f"these are {', '.join(names)}; at fault: {', '.join(wrong)}"
         )
-        raise SceneError([Problem(f"{path}.up", message)])
-    return written(words, names)
+        raise SceneError([Problem(f"{where}.gait.up", message)])
+    return gait_from_config(config, names)
 
 
 def join_choices(names: Sequence[str]) -> str:
-    """Return what there is to choose from, as words."""
+    """Return the choices as text: "a, b or c"."""
     return " or ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)

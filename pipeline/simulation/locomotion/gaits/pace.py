@@ -1,4 +1,4 @@
-"""Pace: how a creature was asked to walk, every parameter known."""
+"""Pace: how a creature walks, with every parameter known."""
 
 from __future__ import annotations
 
@@ -15,61 +15,63 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
 from pipeline.simulation.locomotion.gaits.named_gaits import choose_gait, walking_legs
-from pipeline.simulation.locomotion.gaits.remedies import too_long
-from pipeline.simulation.locomotion.gaits.spread import LegLayout
+from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout, stride_too_long
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import Manner, Walk
 
-CLEARANCE = 1.25
-"""Least height of a body over level ground, as a multiple of the depth of its belly."""
+# Least height of a body over level ground, in depths of its belly.
+MIN_BODY_HEIGHT = 1.25
 
-EASY = 0.85
-"""A stride that nobody asked for, as a part of the longest that the legs can do."""
+# Greatest default body height with flights, without, and standing, as a fraction of the tallest.
+RUN_HEIGHT, WALK_HEIGHT, STAND_HEIGHT = 0.92, 0.94, 0.99
 
-RUNS_AT, WALKS_AT, STANDS_AT = 0.92, 0.94, 0.99
-"""Greatest body height that is chosen by itself, as a part of the tallest possible."""
+# Default stride, as a fraction of the longest that the legs can do.
+STRIDE_OF_LONGEST = 0.85
 
+# Default duration of a cycle without flights, in periods of a pendulum of the legs' length, over
+# 2π.
 PERIODS = {"insect": 2.6, "mammal": 3.1}
-"""Duration of a cycle in the periods of a pendulum of the legs' length, over 2π, of a gait
-that always has a foot down."""
 
-QUICK_PERIODS = 1.5, 1.85
-"""Likewise of gaits with one flight a cycle and with more. A horse gallops and trots about so
-(Heglund and Taylor 1988)."""
+# Likewise with one flight a cycle and with more, as a horse gallops and trots (Heglund and Taylor
+# 1988).
+FLIGHT_PERIODS = 1.5, 1.85
 
-EASY_STRIDE, QUICK_STRIDE = {"insect": 0.55, "mammal": 0.95}, 1.3
-"""Longest stride that nobody asked for in leg lengths, without and with flights. Legs that
-hang down swing farther than those that sprawl."""
+# Longest default stride in leg lengths, without and with flights. Legs that hang down swing farther
+# than legs that sprawl.
+MAX_STRIDE, MAX_FLIGHT_STRIDE = {"insect": 0.55, "mammal": 0.95}, 1.3
 
-TRAILS = 0.2
-"""Part of its swing in which a foot has hardly left its place: a quick gait needs reach
-for it."""
+# Fraction of its swing in which a foot has hardly left its place: a gait with flights needs reach
+# for it.
+TRAILING_FRACTION = 0.2
 
-HIGHEST_BOUNCE = 0.1
-"""Greatest bounce of a gait with flights that nobody asked for, in leg lengths."""
+# Greatest default bounce of a gait with flights, in leg lengths.
+MAX_FLIGHT_BOUNCE = 0.1
 
-BOUNCE = np.array([-1.0, -0.1, 1.0, 0.1])
-"""One bounce, from one coming down of feet to the next: they give, then push."""
+# Default step height, in leg lengths.
+STEP_HEIGHT = 0.13
 
-UNDER = 0.9
-"""How far feet that carry a body alone come under its middle."""
+# One bounce, from one touchdown to the next: the legs give, then push.
+BOUNCE_SHAPE = np.array([-1.0, -0.1, 1.0, 0.1])
+
+# How far feet that carry a body alone stand under its middle, as a fraction of the way.
+CENTERING = 0.9
 
 
 @dataclass(frozen=True, eq=False)
 class Pace:
-    """How one creature walks, every parameter known.
+    """How one creature walks.
 
     Attributes:
-        gait: phases of its legs.
+        gait: of its legs.
         cycle: duration of a cycle [s].
-        stride: length of a cycle over the ground [m]; 0 for one that stands.
+        stride: length of a cycle over the ground [m]; 0 for a creature that stands.
         body_height: of the hips over the ground [m].
         bounciness: amplitude of the bounce [m].
-        step_height: how high feet are lifted [m].
+        step_height: of the swings [m].
         longest: stride that the legs can do from that height [m].
-        flight: how its body bounces if its gait has flights.
-        held: (n,) which legs are held up and carry nothing.
-        aside: how far to the right of its place at rest each foot is set [m].
+        flight: bounce of its body if its gait has flights.
+        held: (n,) legs that are held up and carry nothing.
+        aside: how far to the right of its rest position each foot is placed [m].
     """
 
     gait: Gait
@@ -94,18 +96,19 @@ class Pace:
         return float(self.carrying.down.min(initial=1.0))
 
     def heave(self, phase: Array) -> Array:
-        """Return how far the body is above its height at `phase`, whole cycles counted [m]."""
+        """Return the body's bounce above its height at `phase`, whole cycles counted [m]."""
         if self.flight is not None:
             return self.bounciness * self.flight.beat(phase)
-        return self.bounciness * cyclic(BOUNCE, self.carrying.beats * (phase - self.first_down))
+        turns = self.carrying.beats * (phase - self.first_down)
+        return self.bounciness * cyclic(BOUNCE_SHAPE, turns)
 
 
-def choose_pace(where: str, words: Manner | None, figure: Figure, legs: LegLayout) -> Pace:
-    """Choose what the author left open so that it suits the legs.
+def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout) -> Pace:
+    """Return the pace of a config; what it leaves open suits the legs.
 
     Args:
-        where: path of the words in the scene.
-        words: how it walks; None if it stands.
+        where: path of `walk` in the scene.
+        walk: the config; None for a creature that stands.
         figure: at its scale.
         legs: at rest.
 
@@ -113,35 +116,27 @@ def choose_pace(where: str, words: Manner | None, figure: Figure, legs: LegLayou
         SceneError: if the legs cannot follow the stride or the body height on level ground.
     """
     if not len(legs.lengths):
-        return _legless(where, words, figure)
-    walks, words = words is not None, words or Walk()
-    own = walking_legs(where, words, figure)
+        return _legless_pace(where, walk, figure)
+    walks, walk = walk is not None, walk or Walk()
+    own = walking_legs(where, walk, figure)
     held = np.isin(np.arange(len(legs.lengths)), own, invert=True)
-    aside = -UNDER * float(legs.feet[own, 2].mean()) if held.any() else 0.0
+    aside = -CENTERING * float(legs.feet[own, 2].mean()) if held.any() else 0.0
     legs = legs.only(own, aside)
     leg = float(legs.lengths.mean())
-    gait = choose_gait(where, words, figure, own, legs.hips[:, 0].tolist())
-    height = max(-float(legs.feet[:, 1].mean()), CLEARANCE * figure.belly)
+    gait = choose_gait(where, walk, figure, own, legs.hips[:, 0].tolist())
     flight = FlightBounce.of(gait) if walks else None
-    # Straight legs have no room for a stride: who walks stands a little lower.
-    least = STANDS_AT if not walks else WALKS_AT if flight is None else RUNS_AT
-    height = min(height, least * legs.tallest() - _rise(gait, flight, leg))
-    height = height if words.body_height is None else words.body_height
-    if height >= legs.tallest():
-        message = f"the legs do not reach the ground from {height:g}; "
-        message += f"at this scale less than {legs.tallest():.3g} works"
-        raise SceneError([Problem(f"{where}.body_height", message)])
-    cycle, stride, bounce = _rhythm(words, gait, legs, height, flight, figure.style)
+    height = _body_height(where, walk, walks, figure, gait, flight, legs)
+    cycle, stride, bounce = _rhythm(walk, gait, legs, height, flight, figure.style)
     longest = legs.longest_stride(gait, height)
     if walks and stride > longest:
-        raise SceneError([too_long(where, words, gait, legs, height, (cycle, stride))])
+        raise SceneError([stride_too_long(where, walk, gait, legs, height, (cycle, stride))])
     return Pace(
         gait.among(~held),
         cycle,
         stride if walks else 0.0,
         height,
-        bounce if words.body_bob is None else words.body_bob,
-        0.13 * leg if words.step_height is None else words.step_height,
+        bounce if walk.body_bob is None else walk.body_bob,
+        STEP_HEIGHT * leg if walk.step_height is None else walk.step_height,
         longest,
         flight,
         held,
@@ -149,8 +144,30 @@ def choose_pace(where: str, words: Manner | None, figure: Figure, legs: LegLayou
     )
 
 
+def _body_height(
+    where: str,
+    walk: Manner,
+    walks: bool,
+    figure: Figure,
+    gait: Gait,
+    flight: FlightBounce | None,
+    legs: LegLayout,
+) -> float:
+    height = max(-float(legs.feet[:, 1].mean()), MIN_BODY_HEIGHT * figure.belly)
+    # Straight legs have no room for a stride: a walking creature stands a little lower.
+    most = STAND_HEIGHT if not walks else WALK_HEIGHT if flight is None else RUN_HEIGHT
+    rise = _rise_while_trailing(gait, flight, float(legs.lengths.mean()))
+    height = min(height, most * legs.tallest() - rise)
+    height = height if walk.body_height is None else walk.body_height
+    if height >= legs.tallest():
+        message = f"the legs do not reach the ground from {height:g}; "
+        message += f"at this scale less than {legs.tallest():.3g} works"
+        raise SceneError([Problem(f"{where}.body_height", message)])
+    return height
+
+
 def _rhythm(
-    words: Manner,
+    walk: Manner,
     gait: Gait,
     legs: LegLayout,
     height: float,
@@ -161,52 +178,55 @@ def _rhythm(
     leg = float(legs.lengths.mean())
     pendulum = math.sqrt(leg / GRAVITY)
     if flight is None:
-        most = EASY * legs.longest_stride(gait, height)
+        most = STRIDE_OF_LONGEST * legs.longest_stride(gait, height)
         # The more beats, the smaller: the body is shaken no harder.
         bounce = 0.018 * leg * min((2.0 / gait.beats) ** 2, 1.0)
-        stride = min(EASY_STRIDE[style] * leg, most)
-        return *cycle_and_stride(words, PERIODS[style] * pendulum, stride), bounce
-    most = EASY * legs.longest_stride(gait, height + _rise(gait, flight, leg), TRAILS)
-    cycle, stride = cycle_and_stride(words, _quick(flight, leg), min(QUICK_STRIDE * leg, most))
+        stride = min(MAX_STRIDE[style] * leg, most)
+        return *cycle_and_stride(walk, PERIODS[style] * pendulum, stride), bounce
+    highest = height + _rise_while_trailing(gait, flight, leg)
+    most = STRIDE_OF_LONGEST * legs.longest_stride(gait, highest, TRAILING_FRACTION)
+    stride = min(MAX_FLIGHT_STRIDE * leg, most)
+    cycle, stride = cycle_and_stride(walk, _flight_cycle(flight, leg), stride)
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
-    return cycle, stride, min(flight.amplitude * GRAVITY * cycle * cycle, HIGHEST_BOUNCE * leg)
+    free = flight.amplitude * GRAVITY * cycle * cycle
+    return cycle, stride, min(free, MAX_FLIGHT_BOUNCE * leg)
 
 
-def _quick(flight: FlightBounce, leg: float) -> float:
-    """Return the duration of a cycle with flights that nobody asked for [s]."""
-    return QUICK_PERIODS[min(len(flight.flights), 2) - 1] * math.sqrt(leg / GRAVITY)
+def _flight_cycle(flight: FlightBounce, leg: float) -> float:
+    """Return the default duration of a cycle with flights [s]."""
+    return FLIGHT_PERIODS[min(len(flight.flights), 2) - 1] * math.sqrt(leg / GRAVITY)
 
 
-def _rise(gait: Gait, flight: FlightBounce | None, leg: float) -> float:
-    """Return how far a body has flown up while feet still trail [m]."""
+def _rise_while_trailing(gait: Gait, flight: FlightBounce | None, leg: float) -> float:
+    """Return the rise of a body in flight while feet still trail [m]."""
     if flight is None:
         return 0.0
-    heights = flight.height(gait.up + TRAILS * gait.swing)
-    return max(float(heights.max()), 0.0) * GRAVITY * _quick(flight, leg) ** 2
+    heights = flight.height(gait.up + TRAILING_FRACTION * gait.swing)
+    return max(float(heights.max()), 0.0) * GRAVITY * _flight_cycle(flight, leg) ** 2
 
 
-def cycle_and_stride(words: Manner, cycle: float, stride: float) -> tuple[float, float]:
+def cycle_and_stride(walk: Manner, cycle: float, stride: float) -> tuple[float, float]:
     """Return the duration [s] and the length [m] of a cycle.
 
     Args:
-        words: what the author said of them.
-        cycle: duration if nothing is said [s].
-        stride: length if nothing is said [m].
+        walk: config.
+        cycle: default duration [s].
+        stride: default length [m].
     """
-    if words.stride is not None:
-        stride = words.stride
-    elif words.speed is not None and words.cycle is not None:
-        stride = words.speed * words.cycle
-    if words.cycle is not None:
-        cycle = words.cycle
-    elif words.speed is not None:
-        cycle = stride / words.speed
+    if walk.stride is not None:
+        stride = walk.stride
+    elif walk.speed is not None and walk.cycle is not None:
+        stride = walk.speed * walk.cycle
+    if walk.cycle is not None:
+        cycle = walk.cycle
+    elif walk.speed is not None:
+        cycle = stride / walk.speed
     return cycle, stride
 
 
-def _legless(where: str, words: Manner | None, figure: Figure) -> Pace:
-    if words is not None:
-        message = f"figure '{figure.name}' has no legs to walk on; take `walk` away"
+def _legless_pace(where: str, walk: Manner | None, figure: Figure) -> Pace:
+    if walk is not None:
+        message = f"figure '{figure.name}' has no legs to walk on; remove `walk`"
         raise SceneError([Problem(where, message)])
     lying = figure.skeleton.links[0].radii[0]
     none = np.zeros(0)

@@ -32,7 +32,7 @@ from pipeline.simulation.locomotion.routes.route import (
     heading_vector,
     turn_in_place,
 )
-from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, redirect
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
@@ -67,30 +67,31 @@ def plan_approach(
         ground: that it walks on.
         solids: corners (n, 3) of the hurdle [m].
     """
-    previous = progress.path.routes[c]
+    previous = progress.trajectory.routes[c]
     approach = _plan_approach(progress, c, hopper, ground, solids)
     if isinstance(approach, str):
-        progress.lead(c, previous)
+        redirect(progress, c, previous)
     return approach
 
 
 def _plan_approach(
     progress: RouteProgress, c: int, hopper: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
-    route = progress.path.routes[c]
-    at = _meeting_point(route, float(progress.way[c]), hopper, solids)
+    route = progress.trajectory.routes[c]
+    at = _meeting_point(route, float(progress.distance[c]), hopper, solids)
     if at is None:
         corners = np.concatenate(list(solids))[:, [0, 2]]
         x, z = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
         apply_order(progress, c, GoTo(go_to=(x, z)))
-        route, at = progress.path.routes[c], progress.path.routes[c].length
+        route, at = progress.trajectory.routes[c], progress.trajectory.routes[c].length
     xz, route_heading = (a[0] for a in route.at(np.array([at])))
     hurdle = hurdle_profile(solids, xz, float(route_heading), clearance_half_width(hopper))
     if hurdle is None:
         return "it is not there"
     state = _standing_at(hopper, ground, xz, float(route_heading))
     # It cannot stop before its braking distance.
-    earliest = float(progress.way[c]) + float(progress.braking[c]) * float(progress.drive[c]) ** 2
+    braking = float(progress.braking_distance[c]) * float(progress.speed_fraction[c]) ** 2
+    earliest = float(progress.distance[c]) + braking
     take_off = plan_take_off(hopper, state, ground, hurdle, float(route_heading))
     if isinstance(take_off, str):
         return take_off

@@ -24,6 +24,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.rest_ik import solve_near_rest
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.foot_state import place_foot
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.hurdle_approach import (
     plan_approach,
@@ -46,11 +47,13 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
 )
 from pipeline.simulation.locomotion.routes.route import Route, straight_route
 from pipeline.simulation.locomotion.routes.route_progress import (
-    CLOSING_CYCLES,
     RouteProgress,
+    is_blocked,
+    redirect,
 )
+from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
-from pipeline.simulation.locomotion.stepping import Feet
+from pipeline.simulation.locomotion.stepping import Stepping, is_astray, phase_before_lift
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
@@ -115,10 +118,11 @@ class WalkerJumps:
         cast: Sequence[tuple[int, Creature, Figure]],
         world: World,
         progress: RouteProgress,
-        feet: Feet,
+        stepping: Stepping,
         materials: Sequence[str],
     ) -> None:
-        self.world, self.progress, self.feet = world, progress, feet
+        self.world, self.progress = world, progress
+        self.stepping, self.feet = stepping, stepping.feet
         self.herd: Herd = progress.herd
         self.hoppers: dict[int, Hopper] = {}
         self._cast = cast
@@ -199,7 +203,7 @@ class WalkerJumps:
     def _begin(self, step: int, c: int, order: HopOver | JumpOnce) -> None:
         """Let a creature approach its take-off place."""
         progress, hopper = self.progress, self.hoppers[c]
-        route, distance = progress.path.routes[c], float(progress.way[c])
+        route, distance = progress.trajectory.routes[c], float(progress.distance[c])
         reason = self._reason_against(c)
         if isinstance(order, HopOver) and not reason:
             solids = self._solids.get(order.hop_over, ())
@@ -211,17 +215,17 @@ class WalkerJumps:
             if isinstance(approach, str):
                 reason = f"cannot jump over '{order.hop_over}': {approach}"
             else:
-                progress.lead(c, approach)
+                redirect(progress, c, approach)
         elif not reason:
             apply_order(progress, c, "stop")
             spot = order.jump.land_at if isinstance(order, JumpOnce) else None
             if spot is not None:
                 radius = float(np.hypot(*self.herd.footprint[c]))
                 turned = turn_towards(
-                    progress.path.routes[c], np.array(spot), 0.1 * hopper.leg_length, radius
+                    progress.trajectory.routes[c], np.array(spot), 0.1 * hopper.leg_length, radius
                 )
                 if turned is not None:
-                    progress.lead(c, turned)
+                    redirect(progress, c, turned)
         if reason:
             self._pending_notes.append(Note("stopped", step, self.herd.names[c], reason))
         else:
@@ -231,7 +235,7 @@ class WalkerJumps:
         """Return why a creature cannot jump at all; empty if it can."""
         if self.progress.halted[c]:
             return "cannot jump where it has no foothold to go on"
-        if self.feet.tuck[1, self.herd.owner == c].any():
+        if self.feet.held_up[1, self.herd.owner == c].any():
             return "cannot jump with legs held up"
         return ""
 
@@ -262,13 +266,15 @@ class WalkerJumps:
         progress, own = self.progress, self.herd.owner == c
         if not progress.arrived[c]:
             return False
-        closed = progress.halted[c] or progress.phase[c] >= progress.closed[c]
-        return bool(closed and not self.feet.swinging[own].any() and progress.vigour[c] == 0.0)
+        closed = progress.halted[c] or progress.phase[c] >= progress.closing_phase[c]
+        return bool(
+            closed and not self.feet.swinging[own].any() and progress.smoothed_fraction[c] == 0.0
+        )
 
     def _start_jump(self, c: int, trip: WalkerJump, time: float) -> None:
         """Hand a standing creature over to its jump."""
         hopper, own, trip.is_ready = self.hoppers[c], self.herd.owner == c, False
-        if self.feet.is_barred(c):
+        if is_blocked(self.progress, c):
             text = "what bars its way keeps it from where it would jump"
             self._pending_notes.append(
                 Note("stopped", round(time / self.world.clock.dt), hopper.name, text)
@@ -304,10 +310,10 @@ class WalkerJumps:
     def _standing_pose(self, c: int) -> tuple[Array, Array]:
         """Return the body pose (3, 3), (3,) of a creature at the end of its route [m]."""
         progress = self.progress
-        place = np.array([c]), progress.way[c : c + 1], progress.phase[c : c + 1]
-        R, p = progress.path.pose(*place, progress.vigour[c : c + 1])
-        stoop = (self.feet.stoop[1, self.herd.owner == c] ** 4).sum() ** 0.25
-        return R[0], p[0] - [0.0, stoop, 0.0]
+        place = np.array([c]), progress.distance[c : c + 1], progress.phase[c : c + 1]
+        R, p = progress.trajectory.pose(*place, progress.smoothed_fraction[c : c + 1])
+        lowering = (self.feet.lowering[1, self.herd.owner == c] ** 4).sum() ** 0.25
+        return R[0], p[0] - [0.0, lowering, 0.0]
 
     def _advance_jump(self, step: int, c: int, trip: WalkerJump, time: float) -> None:
         simulation = trip.simulation
@@ -325,22 +331,23 @@ class WalkerJumps:
 
     def _set_down(self, c: int, simulation: HopSimulation) -> None:
         """Let a creature stand, as a walker, where it has landed."""
-        feet, progress = self.feet, self.progress
+        stepping, progress = self.stepping, self.progress
         body, tips = simulation.pose()
         for leg, tip in zip(np.flatnonzero(self.herd.owner == c).tolist(), tips, strict=True):
             normal = self.world.ground.normal(tip[0], tip[2])
-            feet.stand_at(leg, Foothold(tip - self.herd.sole[leg] * normal, normal, tip, 0.0))
-        route = progress.path.routes[c].upto(float(progress.way[c]))
+            hold = Foothold(tip - self.herd.sole[leg] * normal, normal, tip, 0.0)
+            place_foot(self.feet, leg, hold)
+        route = progress.trajectory.routes[c].upto(float(progress.distance[c]))
         place = body.origin[[0, 2]]
         route = route.then(route_to_landing(route, place, body.heading))
-        progress.gone = progress.gone.copy()
-        progress.gone[0, c] = route.length
-        progress.lead(c, route)
-        feet.scout.forget(c)
+        progress.distance = progress.distance.copy()
+        progress.distance[c] = route.length
+        redirect(progress, c, route)
+        stepping.lookahead.forget(c)
         own = np.flatnonzero(self.herd.owner == c)
-        astray = any(feet.is_astray(leg) for leg in own.tolist())
-        progress.closed[c] = feet.about_to_lift(
-            c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
+        astray = any(is_astray(stepping, leg) for leg in own.tolist())
+        progress.closing_phase[c] = phase_before_lift(
+            stepping, c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
         )
 
     def _resume_walking(self, step: int, c: int, trip: WalkerJump) -> None:
@@ -348,14 +355,14 @@ class WalkerJumps:
         progress, simulation = self.progress, trip.simulation
         assert simulation is not None
         del self.trips[c]
-        here = progress.path.routes[c]
+        here = progress.trajectory.routes[c]
         if simulation.state.jump_count:
             landed = here.xz[-1], float(here.heading[-1])
             onward = route_onward(
-                trip.route_before, trip.route_distance, landed, float(progress.full[c])
+                trip.route_before, trip.route_distance, landed, float(progress.stride[c])
             )
             if onward is not None:
-                progress.lead(c, here.then(onward))
+                redirect(progress, c, here.then(onward))
             elif trip.route_before.length > trip.route_distance + 1e-9:
                 self.arrived.append(self.herd.names[c])
         for order in trip.pending_orders:
@@ -386,7 +393,7 @@ class WalkerJumps:
 
     def routes(self) -> Sequence[Route]:
         """Return the routes that creatures look along; a jumping creature looks straight ahead."""
-        routes = self.progress.path.routes
+        routes = self.progress.trajectory.routes
         jumping = tuple(c for c, trip in self.trips.items() if trip.simulation is not None)
         if not jumping:
             return routes

@@ -29,7 +29,16 @@ from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.creature import Pronk
-from pipeline.spec.script import Do, GoTo, HopOver, JumpOnce, JumpWords, SetSpeed, TurnBy, Wait
+from pipeline.spec.script import (
+    Do,
+    GoTo,
+    HopOver,
+    JumpOnce,
+    JumpSettings,
+    SetSpeed,
+    TurnBy,
+    Wait,
+)
 
 STRETCH_LIMIT = 1.15
 """Longest jump that saves an extra one, in usual distances."""
@@ -45,6 +54,10 @@ TURN_JUMP_HEIGHT = 0.35
 
 EXTRA_ATTEMPTS = 12
 """Jumps allowed to reach a place before a hurdle, beyond those of the way."""
+
+
+Solids = Mapping[str, Sequence[Array]]
+"""Corners (n, 3) of the solids of performers, by name, in the world [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,18 +231,13 @@ def heading_towards(hopper: Hopper, solids: Sequence[Array], here: Array, going:
 def _feet_centre(hopper: Hopper, state: HopState) -> Array:
     """Return the mean (x, z) of the feet that are down [m]."""
     tips = state.tips[state.down]
-    result: Array = tips[:, [0, 2]].mean(axis=0) if len(tips) else state.body(hopper).origin[[0, 2]]
-    return result
+    return tips[:, [0, 2]].mean(axis=0) if len(tips) else state.body(hopper).origin[[0, 2]]
 
 
 def _upward_speed(state: HopState, ground: Ground, spot: tuple[float, float], jump: Jump) -> float:
     """Return the speed of a jump that rises as high above its landing as above its start [m/s]."""
     rise = max(float(ground.height(np.array(spot[0]), np.array(spot[1]))) - state.floor_height, 0.0)
     return Jump(0.0, jump.height + rise).up
-
-
-Solids = Mapping[str, Sequence[Array]]
-"""Corners (n, 3) of the solids of performers, by name, in the world [m]."""
 
 
 def apply_order(simulation: HopSimulation, order: Do, solids: Solids) -> None:
@@ -239,7 +247,7 @@ def apply_order(simulation: HopSimulation, order: Do, solids: Solids) -> None:
     wake_if_jumping(simulation.hopper, simulation.state)
 
 
-def scripted_jump(hopper: Hopper, config: JumpWords, where: str) -> Jump:
+def scripted_jump(hopper: Hopper, config: JumpSettings, where: str) -> Jump:
     """Return the parameters of a scripted jump.
 
     Args:
@@ -304,7 +312,7 @@ def _hop_over(simulation: HopSimulation, order: HopOver, solids: Solids) -> None
     simulation.state.queue.orders.append(HurdleJump(order.hop_over, corners))
 
 
-def jump_once(hopper: Hopper, config: JumpWords) -> JumpOrder:
+def jump_once(hopper: Hopper, config: JumpSettings) -> JumpOrder:
     """Return the order of a scripted jump: straight on, or to its `land_at`."""
     jump = scripted_jump(hopper, config, "do.jump")
     return SingleJump(jump) if config.land_at is None else JumpToPoint(config.land_at, jump)

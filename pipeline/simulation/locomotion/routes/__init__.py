@@ -1,1 +1,1 @@
-"""Where creatures go, how fast, and how their bodies follow the ground."""
+"""Routes of walking creatures, their progress, and the trajectories of their bodies."""

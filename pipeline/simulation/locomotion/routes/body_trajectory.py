@@ -1,7 +1,7 @@
-"""Body path: how the body follows its route and the ground, and bounces with the gait.
+"""Body trajectory: the pose of the body as a function of its distance and the phase of its gait.
 
-The body's pose is a function of the way it has gone and of the phase of its gait, so
-a step can be planned for where the body will be.
+The body follows its route and the ground, and bounces with the gait. It depends on distance and
+phase alone, so a step can be planned for where the body will be.
 
 Source: Sims 1987, 10.1.
 """
@@ -20,229 +20,216 @@ from pipeline.simulation.curves import bounded, hinge
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.body_motion.trunk_oscillation import HerdTrunks
 from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
-from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.route import Route, heading_vector
 from pipeline.simulation.spatial import Array, heading, unturn
 from pipeline.simulation.terrain import Ground
 
-PITCH_FOLLOWS, UPRIGHT_FOLLOWS = 0.85, 0.15
-"""How much of the ground's slope along the way the body takes on: one that lies between
-forelegs and hind legs, and one that stands upright above its hips."""
+# Fractions of the ground's slope along the route that a body takes on: one that lies between
+# forelegs and hind legs, and one that stands upright above its hips; and of the slope across it.
+PITCH_LYING, PITCH_UPRIGHT, ROLL_FRACTION = 0.85, 0.15, 0.6
 
-LYING = 0.25
-"""Half the distance along a body between its first and its last hips from which on it lies
-between them, as a part of its height."""
+# Half the distance between first and last hips from which on a body lies between them, in body
+# heights.
+LYING_HALF_LENGTH = 0.25
 
-PACED = 0.25
-"""How far the ground under a body reaches at least, to the front and to the back, in strides:
-so far are the feet from where they rest, in the middle of what they do while they stand."""
+# Least half length of the ground sampled under a body, in strides: feet are that far from where
+# they rest, in the middle of their stance.
+MIN_SAMPLED_STRIDES = 0.25
 
-ROLL_FOLLOWS = 0.6
-"""How much of the slope across it takes on."""
+# Range over which a body feels the ground come near its belly, in body heights.
+BELLY_SOFTNESS = 0.4
 
-CORNER = 0.4
-"""Over how much of its height a body feels the ground come near its belly."""
+# Rounding of the highest ground under a body, in body heights: the body does not follow every
+# corner of the terrain.
+CREST_ROUNDING = 0.06
 
-BLUNT = 0.06
-"""How blunt the highest ground under a body is taken to be, as a part of its height:
-the body does not follow every corner of the terrain."""
+# Fraction of the lean that balances a body on a curve, and greatest lean [rad].
+BANK_FRACTION, MAX_BANK = 0.6, math.radians(14.0)
 
-BANK = 0.6
-"""How much of the lean that balances a body on a curve it takes on."""
-
-MOST_BANK = math.radians(14.0)
-
-MOST_PITCH = math.radians(15.0)
-"""How far a bearing holds a body nose up or down."""
+# Greatest pitch that a motion style holds [rad].
+MAX_STYLE_PITCH = math.radians(15.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
-    """Where a herd goes; whoever is led elsewhere makes another.
+class RouteSet:
+    """The routes of a herd; replaced as a whole when one changes.
 
     Attributes:
-        routes: ways of its creatures over the plane.
-        straight: (C,) which of them go straight from where they started.
+        routes: of the creatures.
+        straight: (C,) which of them are straight and endless.
     """
 
     routes: Sequence[Route]
     straight: NDArray[np.bool_]
 
     @staticmethod
-    def of(routes: Sequence[Route]) -> Ways:
-        """Return ways that have these routes."""
-        return Ways(routes, np.array([route.goes_straight for route in routes], dtype=bool))
+    def of(routes: Sequence[Route]) -> RouteSet:
+        """Collect routes."""
+        return RouteSet(routes, np.array([route.goes_straight for route in routes], dtype=bool))
 
 
 class BodyTrajectory:
-    """Poses of the bodies of a herd on a ground.
+    """The body trajectories of a herd.
 
     Attributes:
         herd: the creatures.
-        ground: what they go over.
-        footing: the ground that they can stand on, and the surface it makes.
-        ways: where they go; a route may be changed where its creature has not been yet.
-        paces: how they go.
-        bearing: (C,) how they carry themselves now.
-        trunks: how their bodies rock with their gaits.
+        ground: under them.
+        surface: the part of the ground that supports them, smoothed.
+        route_set: their routes; a route may change where its creature has not been yet.
+        paces: of their gaits.
+        style: (C,) their present motion style.
+        trunks: oscillation of the bodies with the gaits.
     """
 
     def __init__(
         self, herd: Herd, ground: Ground, routes: Sequence[Route], paces: PaceSchedule
     ) -> None:
-        self.herd = herd
-        self.ground = ground
-        self.paces = paces
-        self.footing = SupportSurface(herd, ground)
-        self.ways = Ways.of(routes)
-        self.bearing = MotionStyle.neutral(len(herd.names))
+        self.herd, self.ground, self.paces = herd, ground, paces
+        self.surface = SupportSurface(herd, ground)
+        self.route_set = RouteSet.of(routes)
+        self.style = MotionStyle.neutral(len(herd.names))
         self.trunks = HerdTrunks(paces)
 
     @property
     def routes(self) -> Sequence[Route]:
-        """Their ways over the plane; the same object as long as nobody is led elsewhere."""
-        return self.ways.routes
+        """The routes; the same object until one changes."""
+        return self.route_set.routes
 
-    def lead(self, c: int, route: Route) -> None:
-        """Give creature `c` another way, which is as before up to where it is."""
-        self.ways = Ways.of([*self.routes[:c], route, *self.routes[c + 1 :]])
+    def set_route(self, c: int, route: Route) -> None:
+        """Give creature `c` another route, the same as before up to where it is."""
+        self.route_set = RouteSet.of([*self.routes[:c], route, *self.routes[c + 1 :]])
 
     @cached_property
     def _samples(self) -> tuple[Array, Array]:
         """Places under a body (C, 7, 2), five along it and one on either side, and weights (5,)."""
-        herd = self.herd
-        half = herd.footprint.copy()
-        half[:, 0] = np.maximum(half[:, 0], PACED * herd.stride)
+        half = self.herd.footprint.copy()
+        half[:, 0] = np.maximum(half[:, 0], MIN_SAMPLED_STRIDES * self.herd.stride)
         u = np.array([[-1, 0], [-0.5, 0], [0, 0], [0.5, 0], [1, 0], [0, -0.5], [0, 0.5]])
         weights = np.exp(-1.2 * u[:5, 0] ** 2)
         return u * half[:, None], weights / weights.sum()
 
     @cached_property
-    def _follows(self) -> Array:
-        """(C,) how much of the slope along its way each body takes on."""
+    def _pitch_fraction(self) -> Array:
+        """(C,) fraction of the slope along its route that each body takes on."""
         herd, spread = self.herd, np.zeros(len(self.herd.names))
         for c in range(len(spread)):
             hips = herd.hips[herd.owner == c, 0]
-            spread[c] = 0.5 * np.ptp(hips) / herd.body_height[c] if len(hips) else LYING
-        lies = np.minimum(spread / LYING, 1.0)
-        return UPRIGHT_FOLLOWS + lies * (PITCH_FOLLOWS - UPRIGHT_FOLLOWS)
+            spread[c] = 0.5 * np.ptp(hips) / herd.body_height[c] if len(hips) else LYING_HALF_LENGTH
+        lying = np.minimum(spread / LYING_HALF_LENGTH, 1.0)
+        return PITCH_UPRIGHT + lying * (PITCH_LYING - PITCH_UPRIGHT)
 
     def pose(
         self,
         creature: NDArray[np.int64],
-        travelled: Array,
+        distance: Array,
         phase: Array,
-        drive: Array | float = 1.0,
-        nose_up: Array | None = None,
+        speed_fraction: Array | float = 1.0,
+        style_pitch: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Return the poses that bodies are to have.
+        """Return the planned poses of bodies.
 
         Args:
-            creature: (N,) which creatures; one may occur more than once.
-            travelled: (N,) way gone since the start [m].
-            phase: (N,) phase of the gait, whole cycles counted.
-            drive: (N,) part of its speed at which it goes: who rests does not bounce.
-            nose_up: (N,) how far its bearing holds it nose up, if that is another than now [rad].
+            creature: (N,) numbers of creatures, possibly repeated.
+            distance: (N,) gone since the start [m].
+            phase: (N,) of the gait, whole cycles counted.
+            speed_fraction: (N,) a body at rest does not bounce.
+            style_pitch: (N,) of the motion style; the present one if None [rad].
 
         Returns:
             R_WB (N, 3, 3) and p_WB (N, 3) [m].
         """
         herd = self.herd
-        xz, turned, lean = self.on_route(creature, travelled)
-        height, slope, crest = self._under(creature, xz, turned)
-        beat = self.paces.heave(creature, phase) * np.minimum(drive, 1.0)
-        # The belly has to clear the ground under it.
+        xz, headings, bank = self.on_route(creature, distance)
+        height, slope, crest = self._ground_plane(creature, xz, headings)
+        bounce = self.paces.heave(creature, phase) * np.minimum(speed_fraction, 1.0)
         tall = self.paces.value("body_height", creature, phase)
-        lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)
-        p = np.stack([xz[:, 0], height + tall + lift + beat, xz[:, 1]], axis=-1)
-        rocks = self._rocks(creature, phase, drive, nose_up)
-        pitch = self._follows[creature] * np.arctan(slope[:, 0]) + rocks[0]
-        roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1]) - lean * drive * drive + rocks[1]
-        return heading(turned) @ pitched_and_rolled(pitch, roll), p
+        lift = hinge(crest + herd.belly[creature] - tall, BELLY_SOFTNESS * tall)
+        p = np.stack([xz[:, 0], height + tall + lift + bounce, xz[:, 1]], axis=-1)
+        rocking = self._rocking(creature, phase, speed_fraction, style_pitch)
+        pitch = self._pitch_fraction[creature] * np.arctan(slope[:, 0]) + rocking[0]
+        roll = -ROLL_FRACTION * np.arctan(slope[:, 1])
+        roll = roll - bank * speed_fraction * speed_fraction + rocking[1]
+        return heading(headings) @ pitched_and_rolled(pitch, roll), p
 
-    def _rocks(
+    def _rocking(
         self,
         creature: NDArray[np.int64],
         phase: Array,
-        drive: Array | float = 1.0,
-        nose_up: Array | None = None,
+        speed_fraction: Array | float = 1.0,
+        style_pitch: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Return by how much bodies pitch and roll (N,), whatever they go over [rad]."""
+        """Return pitch and roll (N,) of bodies by gait and motion style [rad]."""
         pitch, roll = self.trunks.at(phase, creature)
-        part = np.minimum(drive, 1.0)
-        held = self.bearing.body_pitch[creature] if nose_up is None else nose_up
-        return part * pitch + MOST_PITCH * bounded(held / MOST_PITCH), part * roll
+        part = np.minimum(speed_fraction, 1.0)
+        held = self.style.body_pitch[creature] if style_pitch is None else style_pitch
+        return part * pitch + MAX_STYLE_PITCH * bounded(held / MAX_STYLE_PITCH), part * roll
 
-    def below(self, creature: NDArray[np.int64], phase: Array, rest: Array) -> Array:
-        """Return places of feet (N, 3) relative to bodies that rock, as if these did not [m].
+    def without_rocking(self, creature: NDArray[np.int64], phase: Array, rest: Array) -> Array:
+        """Return rest positions of feet (N, 3) below bodies that rock, as if these did not [m].
 
-        A foot is put below its hip: it does not swing out because a body holds its nose up.
+        A foot is placed below its hip: it does not swing out because a body holds its nose up.
 
         Args:
-            creature: (N,) which creatures.
+            creature: (N,) numbers of creatures.
             phase: (N,) of their gaits.
-            rest: (3,) relative to a body that does not rock [m].
+            rest: (N, 3) relative to bodies that do not rock [m].
         """
-        pitch, roll = self._rocks(creature, phase)
-        return unturn(pitched_and_rolled(pitch, roll), np.broadcast_to(rest, (len(phase), 3)))
+        return unturn(pitched_and_rolled(*self._rocking(creature, phase)), rest)
 
-    def on_route(self, creature: NDArray[np.int64], travelled: Array) -> tuple[Array, Array, Array]:
-        """Return places (N, 2) [m], headings (N,) and how far curves make bodies lean (N,) [rad].
+    def on_route(self, creature: NDArray[np.int64], distance: Array) -> tuple[Array, Array, Array]:
+        """Return places (N, 2) [m], headings (N,) and banks on curves (N,) [rad].
 
         Args:
-            creature: (N,) which creatures.
-            travelled: (N,) way gone since the start [m].
+            creature: (N,) numbers of creatures.
+            distance: (N,) gone since the start [m].
         """
         herd = self.herd
-        # Most go straight from where they started: no table is needed.
-        turned = herd.headings[creature]
-        xz = herd.starts[creature] + travelled[:, None] * heading_vector(turned)
-        lean, curved = np.zeros(len(creature)), creature[~self.ways.straight[creature]]
+        # Most routes are straight and need no table.
+        headings = herd.headings[creature]
+        xz = herd.starts[creature] + distance[:, None] * heading_vector(headings)
+        bank, curved = np.zeros(len(creature)), creature[~self.route_set.straight[creature]]
         for c in np.unique(curved) if len(curved) else ():
             own = creature == c
-            route, way = self.routes[c], travelled[own]
-            xz[own], turned[own] = route.at(way)
-            balance = np.arctan(route.curvature(way) * self._speed(c) ** 2 / GRAVITY)
-            lean[own] = np.clip(BANK * balance, -MOST_BANK, MOST_BANK)
-        return xz, turned, lean
+            route, gone, pace = self.routes[c], distance[own], herd.paces[c]
+            xz[own], headings[own] = route.at(gone)
+            speed = pace.stride / pace.cycle
+            balance = np.arctan(route.curvature(gone) * speed**2 / GRAVITY)
+            bank[own] = np.clip(BANK_FRACTION * balance, -MAX_BANK, MAX_BANK)
+        return xz, headings, bank
 
-    def _speed(self, c: int) -> float:
-        """Return the greatest speed of a creature, by which it leans on curves [m/s]."""
-        pace = self.herd.paces[c]
-        return pace.stride / pace.cycle
-
-    def _under(
-        self, creature: NDArray[np.int64], xz: Array, turned: Array
+    def _ground_plane(
+        self, creature: NDArray[np.int64], xz: Array, headings: Array
     ) -> tuple[Array, Array, Array]:
-        """Fit a plane to the ground under bodies at `xz` (N, 2), headings `turned` (N,).
+        """Fit a plane to the ground under bodies at `xz` (N, 2), `headings` (N,).
 
         Returns:
-            Its height (N,) [m], its slopes along and across (N, 2), and how far the ground
-            under the middle rises above the plane that the body lies in (N,) [m].
+            Its height (N,) [m], its slopes along and across (N, 2), and how far the ground under
+            the middle rises above the plane that the body lies in (N,) [m].
         """
         offsets, weights = self._samples
         own = offsets[creature]
-        c, s = (f[:, None] for f in heading_vector(turned).T)
+        c, s = (f[:, None] for f in heading_vector(headings).T)
         # Along the heading and across it, to the right: (c, s) turned by a quarter.
         x = xz[:, 0, None] + own[..., 0] * c - own[..., 1] * s
         z = xz[:, 1, None] + own[..., 0] * s + own[..., 1] * c
-        h, excess = self.footing.surface(creature, x, z)
+        h, excess = self.surface.heights(creature, x, z)
         along, across = own[:, :5, 0], own[:, 6, 1] - own[:, 5, 1]
         middle = h[:, :5] * weights
         # Sums by rows, not by a BLAS, whose last bit depends on how many rows there are.
         height = middle.sum(axis=-1)
         ahead = (middle * along).sum(axis=-1) / (weights * along**2).sum(axis=-1)
         slope = np.stack([ahead, (h[:, 6] - h[:, 5]) / across], axis=-1)
-        follows = self._follows[creature, None]
-        plane = height[:, None] + follows * ahead[:, None] * along
+        fraction = self._pitch_fraction[creature, None]
+        plane = height[:, None] + fraction * ahead[:, None] * along
         rise = (h + excess)[:, :5] - plane
         highest = rise.max(axis=-1, keepdims=True)
-        blunt = BLUNT * self.herd.body_height[creature, None]
+        rounding = CREST_ROUNDING * self.herd.body_height[creature, None]
         # A maximum without corners, by log-mean-exp.
-        crest = highest + blunt * np.log(
-            np.exp((rise - highest) / blunt).mean(axis=-1, keepdims=True)
+        crest = highest + rounding * np.log(
+            np.exp((rise - highest) / rounding).mean(axis=-1, keepdims=True)
         )
         return height, slope, crest[:, 0]
 

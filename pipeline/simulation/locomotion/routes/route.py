@@ -1,9 +1,9 @@
-"""Routes: the ways that bodies go over the plane of the ground.
+"""Routes: the paths of bodies over the ground plane.
 
-A route is a table along its own length: places and headings, between which it is a cubic
-with the headings as its tangents. Turning on the spot has a length too, that of the way
-of the feet. Beyond its end a route that stops stays there, so that the last steps are
-planned for a body that stands; one that does not goes straight on.
+A route is a table along its own length: places and headings, between which it is a cubic with the
+headings as tangents. A turn in place has a length too, that of the path of the feet. Beyond its end
+a route that stops stays there, so that the last steps are planned for a body that stands; any other
+continues straight.
 
 Source: Sims 1987, 10.1 and 3.2.3.
 """
@@ -21,16 +21,23 @@ import numpy as np
 from pipeline.simulation.spatial import Array
 from pipeline.spec.creature import Creature
 
-FINE = 48
-"""Entries of the table between two waypoints."""
+# Table entries between two waypoints.
+ENTRIES = 48
+
+# Corner at a waypoint from which on a creature stops there and turns in place: a spline would come
+# to a point.
+SHARP_CORNER = math.radians(120.0)
+
+# Greatest number of laps of a repeated path; no film is longer.
+MAX_LAPS = 200
 
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """A way over the plane.
+    """A path over the plane.
 
     Attributes:
-        s: (n,) length gone, ascending from 0 [m].
+        s: (n,) distance along it, ascending from 0 [m].
         xz: (n, 2) places [m].
         heading: (n,) continuous, positive about +Y [rad].
         stops: whether it ends with its last entry.
@@ -48,25 +55,25 @@ class Route:
 
     @property
     def length(self) -> float:
-        """From its first to its last entry [m]; infinite if it does not stop."""
+        """Distance from its first to its last entry [m]; infinite if it does not stop."""
         return float(self.s[-1]) if self.stops else math.inf
 
     def at(self, s: Array) -> tuple[Array, Array]:
-        """Return places (n, 2) [m] and headings (n,) [rad] after lengths `s` (n,) [m].
+        """Return places (n, 2) [m] and headings (n,) [rad] at distances `s` (n,) [m].
 
-        What lies before its start goes straight back from there.
+        Before its start the route continues straight back.
         """
         last = len(self.s) - 1
-        xz, turned = np.empty((len(s), 2)), np.empty(len(s))
+        xz, heading = np.empty((len(s), 2)), np.empty(len(s))
         inside = (s >= 0.0) & (s <= self.s[last])
         if inside.any():
-            xz[inside], turned[inside] = self._within(s[inside])
+            xz[inside], heading[inside] = self._within(s[inside])
         on = 0.0 if self.stops else 1.0
         for end, out, part in ((0, s < 0.0, 1.0), (last, s > self.s[last], on)):
-            turned[out] = self.heading[end]
+            heading[out] = self.heading[end]
             beyond = part * (s[out] - self.s[end])[:, None]
             xz[out] = self.xz[end] + beyond * heading_vector(self.heading[end])
-        return xz, turned
+        return xz, heading
 
     def _within(self, s: Array) -> tuple[Array, Array]:
         if len(self.s) == 1:
@@ -74,70 +81,73 @@ class Route:
         i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         u = ((s - self.s[i]) / (self.s[i + 1] - self.s[i]))[:, None]
         a, b = self.xz[i], self.xz[i + 1]
-        # As long as the chord: nothing where it turns on the spot.
+        # Tangents as long as the chord: nothing moves where it turns in place.
         chord = np.linalg.norm(b - a, axis=-1, keepdims=True)
         t_a, t_b = (chord * heading_vector(self.heading[k]) for k in (i, i + 1))
-        xz = a + (b - a) * u * u * (3.0 - 2.0 * u)
-        xz = xz + u * (1.0 - u) * ((1.0 - u) * t_a - u * t_b)
+        xz = _hermite(a, b, t_a, t_b, u)
         return xz, self.heading[i] + (self.heading[i + 1] - self.heading[i]) * u[:, 0]
 
     @cached_property
-    def _corners(self) -> Array:
-        """Lengths at which it begins and ends to turn on the spot, and its end [m]."""
-        moves = np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
-        changes = np.flatnonzero(moves[1:] != moves[:-1]) + 1
-        ends = self.s[changes]
-        return np.append(ends, self.length)
-
-    def free(self, s: float) -> float:
-        """Return how far it is from `s` to where the body has to rest [m]."""
-        corners = self._corners
-        return float(corners[min(int(np.searchsorted(corners, s + 1e-9)), len(corners) - 1)]) - s
+    def _moves(self) -> Array:
+        """(n - 1,) whether the body moves between two entries, or turns in place."""
+        result: Array = np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
+        return result
 
     @cached_property
-    def _bends(self) -> tuple[Array, Array]:
-        """Middles of the pieces of the table, and the curvature there [rad/m]."""
+    def _rests(self) -> Array:
+        """Distances at which a turn in place starts or ends, and the route's end [m]."""
+        changes = np.flatnonzero(self._moves[1:] != self._moves[:-1]) + 1
+        return np.append(self.s[changes], self.length)
+
+    def distance_to_rest(self, s: float) -> float:
+        """Return the distance from `s` to where the body has to rest next [m]."""
+        rests = self._rests
+        following = min(int(np.searchsorted(rests, s + 1e-9)), len(rests) - 1)
+        return float(rests[following]) - s
+
+    @cached_property
+    def _curvatures(self) -> tuple[Array, Array]:
+        """Middles of the pieces of the table [m], and the curvature there [rad/m]."""
         middles = 0.5 * (self.s[1:] + self.s[:-1])
-        moves = np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
         bends = np.diff(self.heading) / np.diff(self.s)
-        return middles, np.where(moves, bends, 0.0)
+        return middles, np.where(self._moves, bends, 0.0)
 
     def curvature(self, s: Array) -> Array:
-        """Return how much the heading changes a metre (n,) [rad/m]; 0 on the spot."""
+        """Return the curvature (n,) at distances (n,) [rad/m]; 0 where it turns in place."""
         if len(self.s) < 2:
             return np.zeros(len(s))
         inside = (s >= 0.0) & (s <= self.s[-1])
-        return np.where(inside, np.interp(s, *self._bends), 0.0)
+        return np.where(inside, np.interp(s, *self._curvatures), 0.0)
 
     def upto(self, s: float) -> Route:
-        """Return what of it lies before `s` [m], ending there."""
-        xz, turned = self.at(np.array([s]))
+        """Return the part before `s` [m], ending there."""
+        xz, heading = self.at(np.array([s]))
         before = self.s < s - 1e-9
         return Route(
             np.append(self.s[before], s),
             np.concatenate([self.xz[before], xz]),
-            np.append(self.heading[before], turned),
+            np.append(self.heading[before], heading),
             stops=True,
         )
 
     def beyond(self, s: float) -> Route:
-        """Return what of it lies after `s` [m], beginning there."""
-        xz, turned = self.at(np.array([s]))
+        """Return the part after `s` [m], starting there."""
+        xz, heading = self.at(np.array([s]))
         after = self.s > s + 1e-9
         return Route(
             np.append(0.0, self.s[after] - s),
             np.concatenate([xz, self.xz[after]]),
-            np.append(turned, self.heading[after]),
+            np.append(heading, self.heading[after]),
             self.stops,
         )
 
     def then(self, other: Route) -> Route:
-        """Return this route and after its last entry another, which begins there."""
-        whole = round((self.heading[-1] - other.heading[0]) / (2.0 * math.pi))
+        """Return this route followed by another that starts at its last entry."""
+        turns = round((self.heading[-1] - other.heading[0]) / (2.0 * math.pi))
         return Route(
             np.concatenate([self.s, self.s[-1] + other.s[1:]]),
             np.concatenate([self.xz, other.xz[1:]]),
-            np.concatenate([self.heading, other.heading[1:] + 2.0 * math.pi * whole]),
+            np.concatenate([self.heading, other.heading[1:] + 2.0 * math.pi * turns]),
             other.stops,
         )
 
@@ -147,19 +157,22 @@ def heading_vector(heading: Array | float) -> Array:
     return np.stack([np.cos(heading), -np.sin(heading)], axis=-1)
 
 
+# --- simple routes ------------------------------------------------------------------
+
+
 def straight_route(start: Array, heading: float) -> Route:
-    """Return the way from `start` (2,) along `heading` [rad] that never ends."""
+    """Return the route from `start` (2,) along `heading` [rad] that never ends."""
     return Route(np.zeros(1), np.array([start], dtype=float), np.array([heading]), stops=False)
 
 
 def standing_route(start: Array, heading: float) -> Route:
-    """Return the way that goes nowhere from `start` (2,)."""
+    """Return the route that stays at `start` (2,)."""
     return Route(np.zeros(1), np.array([start], dtype=float), np.array([heading]), stops=True)
 
 
 def turn_in_place(start: Array, heading: float, angle: float, radius: float) -> Route:
-    """Return the turn by `angle` [rad] on the spot, as long as the way of feet at `radius` [m]."""
-    u = np.linspace(0.0, 1.0, FINE + 1)
+    """Return the turn in place by `angle` [rad], as long as the path of feet at `radius` [m]."""
+    u = np.linspace(0.0, 1.0, ENTRIES + 1)
     return Route(
         u * max(abs(angle) * radius, 1e-6),
         np.tile(np.asarray(start, dtype=float), (len(u), 1)),
@@ -176,8 +189,8 @@ def spline_route(points: Sequence[Array], heading: float | None, closed: bool = 
         heading: at the first [rad]; that of the spline if None.
         closed: whether it comes back to the first, as it left it.
 
-    Source: Catmull and Rom 1974; centripetal after Yuksel, Schaefer and Keyser 2011, which
-    makes no loops between near points.
+    Source: Catmull and Rom 1974; centripetal after Yuksel, Schaefer and Keyser 2011, which makes
+    no loops between near points.
     """
     p = np.array(points, dtype=float)
     if closed:
@@ -188,30 +201,29 @@ def spline_route(points: Sequence[Array], heading: float | None, closed: bool = 
         tangents[0] = heading_vector(heading) * gaps[0]
         if closed:
             tangents[-1] = tangents[0] * gaps[-1] / gaps[0]
-    u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
+    u = np.linspace(0.0, 1.0, 8 * ENTRIES + 1)[:, None]
     pieces = [
         _hermite(p[i], p[i + 1], gaps[i] * tangents[i], gaps[i] * tangents[i + 1], u)
         for i in range(len(gaps))
     ]
     line = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
-    return _measured(line, FINE * len(gaps))
+    return _by_arc_length(line, ENTRIES * len(gaps))
 
 
-def connecting_route(here: tuple[Array, float], there: tuple[Array, float]) -> Route:
+def connecting_route(start: tuple[Array, float], end: tuple[Array, float]) -> Route:
     """Return the curve between two places (2,) [m] that are passed at headings [rad]."""
-    (a, turned_a), (b, turned_b) = here, there
+    (a, heading_a), (b, heading_b) = start, end
     chord = float(np.linalg.norm(b - a))
-    u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
-    line = _hermite(a, b, chord * heading_vector(turned_a), chord * heading_vector(turned_b), u)
-    return _measured(line, FINE)
+    u = np.linspace(0.0, 1.0, 8 * ENTRIES + 1)[:, None]
+    tangents = chord * heading_vector(heading_a), chord * heading_vector(heading_b)
+    return _by_arc_length(_hermite(a, b, *tangents, u), ENTRIES)
 
 
 def _tangents(p: Array, gaps: Array, closed: bool) -> Array:
-    """Return speeds (n, 2) at the waypoints, by the root of the chord's length."""
+    """Return derivatives (n, 2) at the waypoints, by the root of the chord's length."""
     slopes = np.diff(p, axis=0) / gaps[:, None]
-    before, after = slopes, slopes
     a, b = gaps[:-1, None], gaps[1:, None]
-    inner = (b * before[:-1] + a * after[1:]) / (a + b)
+    inner = (b * slopes[:-1] + a * slopes[1:]) / (a + b)
     first, last = slopes[0], slopes[-1]
     if closed:
         a, b = gaps[-1], gaps[0]
@@ -225,7 +237,7 @@ def _hermite(a: Array, b: Array, t_a: Array, t_b: Array, u: Array) -> Array:
     return result
 
 
-def _measured(line: Array, count: int) -> Route:
+def _by_arc_length(line: Array, count: int) -> Route:
     """Return the route along a fine line (m, 2), with `count` pieces of equal length."""
     steps = np.diff(line, axis=0)
     lengths = np.linalg.norm(steps, axis=-1)
@@ -236,21 +248,16 @@ def _measured(line: Array, count: int) -> Route:
     return Route(s, xz, np.interp(s, 0.5 * (along[1:] + along[:-1]), headings), stops=True)
 
 
-SHARP = math.radians(120.0)
-"""Corner at a waypoint from which on a creature halts there and turns on the spot: a spline
-would come to a point."""
-
-ROUNDS = 200
-"""How often a path that is repeated is laid out; no film is longer."""
+# --- routes of configs --------------------------------------------------------------
 
 
-def plan_route(member: Creature, footprint: Array, far: float) -> Route:
-    """Return the way that a creature goes.
+def plan_route(member: Creature, footprint: Array, farthest: float) -> Route:
+    """Return the route of a creature's config.
 
     Args:
-        member: its words.
+        member: config.
         footprint: (2,) half extent of its feet at rest along x and z [m].
-        far: at least as long as it can get in the film [m].
+        farthest: bound on the distance that it goes in the film [m].
     """
     start = np.array([member.at[0], member.at[-1]])
     heading = math.radians(member.heading_deg)
@@ -260,60 +267,61 @@ def plan_route(member: Creature, footprint: Array, far: float) -> Route:
     points = [np.array(point) for point in walk.path if tuple(point) != tuple(start)]
     if not points:
         return straight_route(start, heading)
-    # Who was not told where to look looks where it goes.
+    # Without a heading of its own a creature starts along its path.
     first = heading if "heading_deg" in member.model_fields_set else None
     radius = float(np.hypot(*footprint))
     if walk.repeat == "once":
-        return _along([start, *points], first, radius)
+        return _through_waypoints([start, *points], first, radius)
     if walk.repeat == "loop" and not sharp_corners([points[-1], start, *points, start]):
         once = spline_route([start, *points], None, closed=True)
-        return _repeated(once, once, far)
+        return _repeated(once, once, farthest)
     if walk.repeat == "loop":
-        once = _along([start, *points, start], first, radius)
-        return _repeated(once, _joined(once, once, radius), far)
-    there = _along([start, *points], first, radius)
-    back = _joined(there, _along([*points[::-1], start], None, radius), radius)
-    return _repeated(there.then(back), _joined(back, there, radius).then(back), far)
+        once = _through_waypoints([start, *points, start], first, radius)
+        return _repeated(once, _after_turn(once, once, radius), farthest)
+    there = _through_waypoints([start, *points], first, radius)
+    back = _through_waypoints([*points[::-1], start], None, radius)
+    back = _after_turn(there, back, radius)
+    return _repeated(there.then(back), _after_turn(back, there, radius).then(back), farthest)
 
 
-def _along(points: Sequence[Array], heading: float | None, radius: float) -> Route:
-    """Return the way through waypoints, with a turn on the spot at sharp corners.
+def _through_waypoints(points: Sequence[Array], heading: float | None, radius: float) -> Route:
+    """Return the route through waypoints, with turns in place at sharp corners.
 
     Args:
         points: two or more (2,) [m].
-        heading: at the first [rad]; that of the way if None.
-        radius: of the feet, for turns on the spot [m].
+        heading: at the first [rad]; that of the spline if None.
+        radius: of the feet, for turns in place [m].
     """
     cuts = [0, *sharp_corners(points), len(points) - 1]
     route = spline_route(points[: cuts[1] + 1], heading)
     for a, b in itertools.pairwise(cuts[1:]):
-        route = route.then(_joined(route, spline_route(points[a : b + 1], None), radius))
+        route = route.then(_after_turn(route, spline_route(points[a : b + 1], None), radius))
     return route
 
 
 def sharp_corners(points: Sequence[Array]) -> list[int]:
-    """Return which of the inner waypoints are sharp corners."""
+    """Return the numbers of the inner waypoints that are sharp corners."""
     found = []
     for i in range(1, len(points) - 1):
         a, b = points[i] - points[i - 1], points[i + 1] - points[i]
         angle = math.atan2(a[0] * b[1] - a[1] * b[0], float(a @ b))
-        if abs(angle) > SHARP:
+        if abs(angle) > SHARP_CORNER:
             found.append(i)
     return found
 
 
-def _joined(before: Route, after: Route, radius: float) -> Route:
-    """Return the turn on the spot from the end of one route to another, and that one."""
+def _after_turn(before: Route, after: Route, radius: float) -> Route:
+    """Return the turn in place from the end of one route into another, and that route."""
     heading = float(before.heading[-1])
     angle = math.remainder(float(after.heading[0]) - heading, 2.0 * math.pi)
     return turn_in_place(before.xz[-1], heading, angle, radius).then(after)
 
 
-def _repeated(first: Route, again: Route, far: float) -> Route:
-    """Return `first`, and `again` after it until that is longer than `far` [m]."""
+def _repeated(first: Route, lap: Route, farthest: float) -> Route:
+    """Return `first` followed by laps until it is longer than `farthest` [m]."""
     result = first
-    for _ in range(ROUNDS):
-        if result.s[-1] > far:
+    for _ in range(MAX_LAPS):
+        if result.s[-1] > farthest:
             break
-        result = result.then(again)
+        result = result.then(lap)
     return result

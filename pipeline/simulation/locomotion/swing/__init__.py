@@ -1,1 +1,1 @@
-"""How feet go from one foothold to the next."""
+"""The swings of feet between footholds, and their contacts with the ground."""

@@ -1,7 +1,7 @@
-"""Swing trial: what it would take a leg to bring its foot along a way, worked out in advance.
+"""Swing dynamics: the joint torques of a leg along a candidate path of its foot, known in advance.
 
-The body goes its path; the leg hangs on it, and its joint values are those that posing will
-give it. So the trial has the torques that the take will have, but for what no plan foresees.
+The body follows its trajectory; the leg hangs on it, with the joint values that posing will give
+it. So a trial has the torques that the take will have, but for what no plan foresees.
 
 Source: Sims 1987, 7.3.1.
 """
@@ -28,14 +28,13 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import swing_positions
 from pipeline.simulation.spatial import Array, unturn
 
+# Pieces of a swing.
 ROWS = 32
-"""Pieces that a swing is looked at in."""
 
-PARTS: Array = np.arange(-1.0, ROWS + 2.0) / ROWS
-"""Parts of the swing of the rows: one before it and one after it, for the derivatives."""
-
-DURING: Array = np.clip(PARTS, 0.0, 1.0)
-"""The same, the foot standing before and after."""
+# Fractions of the swing of the rows: one before it and one after it, for the derivatives; and the
+# same with the foot standing before and after.
+FRACTIONS: Array = np.arange(-1.0, ROWS + 2.0) / ROWS
+FOOT_FRACTIONS: Array = np.clip(FRACTIONS, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +44,8 @@ class LegModel:
     Attributes:
         batch: the leg alone.
         chains: the same, prepared for inverse kinematics.
-        tree: its joints, padding as well, one after the other.
-        masses: of what they move.
+        tree: its joints with padding, one after the other.
+        masses: of the links that they move.
     """
 
     batch: LimbBatch
@@ -60,7 +59,7 @@ class LegModel:
 
         Args:
             herd: the creatures.
-            leg: which.
+            leg: number of the leg.
             inertia: of its figure.
         """
         skeleton = inertia.figure.skeleton
@@ -72,8 +71,8 @@ class LegModel:
         chains = group_chains(batch, np.zeros(1, dtype=np.int64))
         return LegModel(batch, chains, tree, whole.limb(joints, count))
 
-    def settled(self, goals: Array) -> tuple[Array, Array]:
-        """Return joint values (..., n) and what is left of goals (..., 3) of the tip [m]."""
+    def solve(self, goals: Array) -> tuple[Array, Array]:
+        """Return joint values (..., n) for goals (..., 3) of the tip, and their misses [m]."""
         found = solve_near_rest(self.batch, self.chains, goals.reshape(-1, 1, 3))
         return found.q.reshape(*goals.shape[:-1], -1), found.residual.reshape(goals.shape[:-1])
 
@@ -86,7 +85,7 @@ class SwingTrial:
         model: of the leg.
         start, end: (3,) tips [m].
         time: duration of the swing [s].
-        R_WB: (rows, 3, 3) of the body at the `PARTS`.
+        R_WB: (rows, 3, 3) of the body at the `FRACTIONS`.
         p_WB: (rows, 3) [m].
     """
 
@@ -103,36 +102,36 @@ class SwingTrial:
         return self.time / ROWS
 
     def motion(self, tips: Array) -> tuple[FigureMotion, Array]:
-        """Return the motions of the leg with its tip at `tips` (rows, K, 3), and what they miss.
+        """Return the leg's motions (rows of the swing) with its tip at `tips` (rows, K, 3).
 
-        The rows of the motion are those of the swing itself; what is missed is (K,) [m].
+        Returns:
+            The motions, and their greatest misses (K,) [m].
         """
         R = np.broadcast_to(self.R_WB[:, None], (*tips.shape, 3))
         p = np.broadcast_to(self.p_WB[:, None], tips.shape)
-        q, left = self.model.settled(unturn(R, tips - p))
-        return finite_difference_motion(q, R, p, self.dt), left.max(axis=0)
+        q, missed = self.model.solve(unturn(R, tips - p))
+        return finite_difference_motion(q, R, p, self.dt), missed.max(axis=0)
 
     def load(self, motion: FigureMotion) -> JointLoad:
-        """Return what a motion of the leg needs, its foot in the air."""
+        """Return the load of a motion of the leg, its foot in the air."""
         return inverse_dynamics(self.model.tree, self.model.masses, motion)
 
     def tips(self, height: float, bend: Array) -> Array:
-        """Return the places of the tip (rows, 3) on a way with an arch and a bend [m]."""
-        n = len(DURING)
+        """Return the tips (rows, 3) on a path with an arch and a bend [m]."""
+        n = len(FOOT_FRACTIONS)
         ends = np.tile(self.start, (n, 1)), np.tile(self.end, (n, 1))
-        return swing_positions(
-            *ends, np.full(n, height), DURING, np.broadcast_to(bend, (n, *bend.shape))
-        )
+        bends = np.broadcast_to(bend, (n, *bend.shape))
+        return swing_positions(*ends, np.full(n, height), FOOT_FRACTIONS, bends)
 
     def powers(self, tips: Array) -> tuple[Array, Array]:
-        """Return Σ |τ q̇| (`ROWS` + 1, K) [W] on ways (rows, K, 3), and what they miss (K,) [m]."""
-        motion, left = self.motion(tips)
+        """Return Σ |τ q̇| (`ROWS` + 1, K) [W] on paths (rows, K, 3), and their misses (K,) [m]."""
+        motion, missed = self.motion(tips)
         power: Array = np.abs(self.load(motion).torques * motion.speeds).sum(axis=-1)
-        return power, left
+        return power, missed
 
     def works(self, tips: Array) -> tuple[Array, Array]:
-        """Return ∫ Σ |τ q̇| dt (K,) [J] of ways (rows, K, 3), and what they miss (K,) [m]."""
-        power, left = self.powers(tips)
-        # By trapezoids.
+        """Return ∫ Σ |τ q̇| dt (K,) [J] of paths (rows, K, 3), and their misses (K,) [m]."""
+        power, missed = self.powers(tips)
+        # Trapezoidal rule.
         work: Array = (power.sum(axis=0) - 0.5 * (power[0] + power[-1])) * self.dt
-        return work, left
+        return work, missed

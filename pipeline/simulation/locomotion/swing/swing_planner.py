@@ -1,9 +1,15 @@
-"""Swing plans: how feet swing whose creatures do not take the plain spline.
+"""Swing planner: swings that are not plain arches, of least effort or passive.
 
-A swing is planned when its foot lifts, for the way that the body will go, and is then a
-height and a bend, as the plain one is a height alone.
+A swing is planned at lift-off, for the trajectory that the body will have. It is an arch and a
+bend, as the plain one is an arch alone.
 
-Source: Sims 1987, 7.3.2, 7.4 and 9.3.
+The swing of least effort varies the height of the arch, where along the swing it is highest, and
+whether the foot hurries early or late; ends, duration and ground clearance stay. A coarse grid is
+tried as one batch, then the best is refined, each time by half the step. The plain swing is among
+the candidates, so the best is never worse.
+
+Source: Sims 1987, 7.3.2, 7.4 and 9.3. His effort is the integral of force over time, which is not a
+work; here it is ∫ Σ |τ q̇| dt.
 """
 
 from __future__ import annotations
@@ -19,111 +25,117 @@ import numpy as np
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
-from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
+from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
-from pipeline.simulation.locomotion.swing.passive_swing import passive
-from pipeline.simulation.locomotion.swing.swing_dynamics import PARTS, LegModel, SwingTrial
+from pipeline.simulation.locomotion.swing.passive_swing import plan_passive_swing
+from pipeline.simulation.locomotion.swing.swing_dynamics import FRACTIONS, LegModel, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    CLEARANCE,
     KNOTS,
     POINTS,
     clearance_height,
-    fit_offset,
+    fit_bend,
 )
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.creature import Creature
 
+# Parameters of the plain swing: height in step heights, how early the arch is highest, how early
+# the foot hurries; and their bounds. From 1 on a part of the swing would run backward.
 PLAIN = np.array([1.0, 0.0, 0.0])
-"""Height as a part of the step height, how early the arch is highest, how early the foot
-hurries: the plain swing's."""
+LOWER_BOUNDS, UPPER_BOUNDS = np.array([0.5, -0.6, -0.5]), np.array([1.4, 0.6, 0.5])
 
-LOWEST, HIGHEST = np.array([0.5, -0.6, -0.5]), np.array([1.4, 0.6, 0.5])
-"""Bounds of them. From 1 on a part of the swing would run backward."""
-
+# Coarse grid, and first step and number of the refinements.
 GRID = [0.6, 1.0], [-0.35, 0.0, 0.35], [-0.25, 0.0, 0.25]
-STEPS = np.array([0.2, 0.18, 0.13])
-"""Of the first refinement."""
+FIRST_STEP, REFINEMENTS = np.array([0.2, 0.18, 0.13]), 3
 
-REFINEMENTS = 3
+# Miss of a leg that is allowed beyond the plain swing's, in leg lengths.
+EXTRA_MISS = 1e-3
 
-REACHED = 1e-3
-"""Distance that a leg may lack of a way, in its lengths, where the plain swing lacks less."""
+Planner = Callable[[SwingTrial, Ground, float, float], tuple[float, Array]]
 
 
-def least_effort(
+# --- least effort -------------------------------------------------------------------
+
+
+def plan_least_effort_swing(
     trial: SwingTrial, ground: Ground, sole: float, step_height: float
 ) -> tuple[float, Array]:
     """Return height [m] and bend of the swing that takes the least work.
 
     Args:
         trial: the swing.
-        ground: that is to be cleared.
+        ground: under it.
         sole: radius of the foot [m].
         step_height: of the plain swing on level ground [m].
     """
-    asked = _Asked(trial, ground, sole, step_height)
-    grid = [PLAIN, *(np.array(row) for row in itertools.product(*GRID))]
-    best, cost = asked.best(grid)
-    step = STEPS
+    candidates = _Candidates(trial, ground, sole, step_height)
+    best, work = candidates.best([PLAIN, *(np.array(row) for row in itertools.product(*GRID))])
+    step = FIRST_STEP
     for _ in range(REFINEMENTS):
         moved = [best[0] + sign * step * axis for axis in np.eye(3) for sign in (-1.0, 1.0)]
-        near, less = asked.best([np.clip(row, LOWEST, HIGHEST) for row in moved])
-        if less < cost:
-            best, cost = near, less
+        bounded = [np.clip(row, LOWER_BOUNDS, UPPER_BOUNDS) for row in moved]
+        near, less = candidates.best(bounded)
+        if less < work:
+            best, work = near, less
         step = 0.5 * step
     return best[1], best[2]
 
 
-class _Asked:
-    """What the ways of one swing are measured by."""
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """The candidate paths of one swing."""
 
-    def __init__(self, trial: SwingTrial, ground: Ground, sole: float, least: float) -> None:
-        self.trial = trial
-        self.ground = ground
-        self.sole = sole
-        self.least = least
+    trial: SwingTrial
+    ground: Ground
+    sole: float
+    step_height: float
 
     def best(self, rows: list[Array]) -> tuple[tuple[Array, float, Array], float]:
-        """Return parameters, height and bend of the best of some ways, and its work [J]."""
+        """Return parameters, height [m] and bend of the best of some paths, and its work [J]."""
         trial = self.trial
-        ways = [(row, *self._way(row)) for row in rows]
-        tips = np.stack([trial.tips(height, bend) for _, height, bend in ways], axis=1)
-        work, left = trial.works(tips)
-        worst = REACHED * float(trial.model.batch.lengths[0]) + left[0]
-        work = np.where(left <= worst, work, np.inf)
+        paths = [(row, *self._path(row)) for row in rows]
+        tips = np.stack([trial.tips(height, bend) for _, height, bend in paths], axis=1)
+        work, missed = trial.works(tips)
+        allowed = EXTRA_MISS * float(trial.model.batch.lengths[0]) + missed[0]
+        work = np.where(missed <= allowed, work, np.inf)
         number = int(np.argmin(work))
-        return ways[number], float(work[number])
+        return paths[number], float(work[number])
 
-    def _way(self, row: Array) -> tuple[float, Array]:
-        """Return height and bend of the way with parameters `row` (3,)."""
+    def _path(self, row: Array) -> tuple[float, Array]:
+        """Return height and bend of the path with parameters `row` (3,)."""
         trial, (part, early, hurry) = self.trial, row
-        least = float(part) * self.least
+        least = float(part) * self.step_height
         if not (early or hurry):
             bend = np.zeros((POINTS, 3))
-            return self._lift(least, bend), bend
+            return self._clearance(least, bend), bend
         along = ease(_warped(KNOTS, hurry)) - ease(KNOTS)
         level = along[:, None] * (trial.end - trial.start)
-        height = self._lift(least, fit_offset(level))
+        height = self._clearance(least, fit_bend(level))
         arch = bump(_warped(KNOTS, early)) - bump(KNOTS)
-        bend = fit_offset(level + height * arch[:, None] * UP)
-        return max(height, self._lift(least, bend)), bend
+        bend = fit_bend(level + height * arch[:, None] * UP)
+        return max(height, self._clearance(least, bend)), bend
 
-    def _lift(self, least: float, bend: Array) -> float:
+    def _clearance(self, least: float, bend: Array) -> float:
         ends = self.trial.start, self.trial.end
-        # A lower arch is to clear the ground by no less than the plain one.
-        return clearance_height(self.ground, *ends, self.sole, least, bend, 0.4 * self.least)
+        # A lower arch clears the ground by no less than the plain one.
+        margin = CLEARANCE * self.step_height
+        return clearance_height(self.ground, *ends, self.sole, least, bend, margin)
 
 
 def _warped(s: Array, early: float) -> Array:
-    """Map 0..1 to itself, what is at the middle coming sooner with `early` above 0."""
+    """Map 0..1 to itself, the middle coming sooner with `early` above 0."""
     result: Array = s + early * s * (1.0 - s)
     return result
 
 
-Planner = Callable[[SwingTrial, Ground, float, float], tuple[float, Array]]
+# --- planning -----------------------------------------------------------------------
 
-PLANNERS: Mapping[str, Planner] = {"least-effort": least_effort, "passive": passive}
-"""By the words of the language; `spline` needs none."""
+# Planners by their names in the scene; `spline` needs none.
+PLANNERS: Mapping[str, Planner] = {
+    "least-effort": plan_least_effort_swing,
+    "passive": plan_passive_swing,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,50 +143,48 @@ class SwingRequest:
     """A swing that is about to begin.
 
     Attributes:
-        step: when it swings.
+        timing: of the step.
         start, end: (3,) tips [m].
-        way: that the body has gone at its begin [m].
-        drive: part of its speed at which the body goes.
-        step_height: height of the arch on level ground [m].
+        distance: that the body has gone at lift-off [m].
+        speed_fraction: of the body.
+        step_height: on level ground [m].
     """
 
-    step: StepTiming
+    timing: StepTiming
     start: Array
     end: Array
-    way: float
-    drive: float
+    distance: float
+    speed_fraction: float
     step_height: float
 
 
 class SwingPlanner:
-    """Plans swings for a herd of whom some ask for it."""
+    """Plans the swings of a herd, some of whose creatures do not take plain arches."""
 
-    def __init__(self, kinds: Mapping[int, str], going: RouteProgress, ground: Ground) -> None:
-        self.kinds = kinds
-        self.going = going
-        self.herd = going.herd
-        self.ground = ground
+    def __init__(self, kinds: Mapping[int, str], progress: RouteProgress, ground: Ground) -> None:
+        self.kinds, self.progress, self.ground = kinds, progress, ground
+        self.herd = progress.herd
 
     @staticmethod
     def of(
-        cast: Sequence[tuple[int, Creature, Figure]], going: RouteProgress, ground: Ground
+        cast: Sequence[tuple[int, Creature, Figure]], progress: RouteProgress, ground: Ground
     ) -> SwingPlanner | None:
-        """Return the plans of a herd, None if all swing plainly."""
+        """Return the planner of a herd, None if all take plain arches."""
         kinds = {
             c: member.walk.swing
             for c, (_, member, _) in enumerate(cast)
             if member.walk is not None and member.walk.swing in PLANNERS
         }
-        return SwingPlanner(kinds, going, ground) if kinds else None
+        return SwingPlanner(kinds, progress, ground) if kinds else None
 
     @property
-    def none(self) -> Array:
-        """(L, m, 3) bends of swings that have none."""
+    def no_bends(self) -> Array:
+        """(L, m, 3) bends of plain arches."""
         return np.zeros((len(self.herd.owner), POINTS, 3))
 
     @cached_property
     def _models(self) -> Mapping[int, LegModel]:
-        """Of the legs whose swings are planned."""
+        """Models of the legs whose swings are planned."""
         inertias = {c: FigureMass(self.herd.figures[c]) for c in self.kinds}
         return {
             leg: LegModel.of(self.herd, leg, inertias[int(c)])
@@ -183,32 +193,33 @@ class SwingPlanner:
         }
 
     def plan(
-        self, leg: int, asked: SwingRequest, height: float, stoop: Array
+        self, leg: int, request: SwingRequest, height: float, lowering: Array
     ) -> tuple[float, Array]:
         """Return height [m] and bend (m, 3) of a swing.
 
         Args:
-            leg: which.
-            asked: its swing.
-            height: of the plain swing [m].
-            stoop: (L,) how far bodies are lowered for the footholds of their legs [m].
+            leg: its number.
+            request: the swing.
+            height: of the plain arch [m].
+            lowering: (L,) of the bodies for the footholds of their legs [m].
         """
         herd, owner = self.herd, int(self.herd.owner[leg])
         if owner not in self.kinds:
             return height, np.zeros((POINTS, 3))
-        # All legs of a body stoop together as in posing, where each comes and goes.
-        low = float((stoop[herd.owner == owner] ** 4).sum() ** 0.25)
-        trial, sole = self.trial(leg, asked, low), float(herd.sole[leg])
-        return PLANNERS[self.kinds[owner]](trial, self.ground, sole, asked.step_height)
+        # As in `pose_solver.total_lowering`, where each comes and goes.
+        low = float((lowering[herd.owner == owner] ** 4).sum() ** 0.25)
+        trial, sole = self.trial(leg, request, low), float(herd.sole[leg])
+        return PLANNERS[self.kinds[owner]](trial, self.ground, sole, request.step_height)
 
-    def trial(self, leg: int, asked: SwingRequest, stoop: float) -> SwingTrial:
-        """Return a swing as it can be tried beforehand, the body `stoop` lower [m]."""
-        owner, step, going = int(self.herd.owner[leg]), asked.step, self.going
-        moments, creature = step.up + PARTS * step.swing, np.full(len(PARTS), owner)
-        ahead = going.paces.way(owner, step.up, moments) * math.sqrt(asked.drive)
-        R, p = going.path.pose(creature, asked.way + ahead, moments, asked.drive)
-        p[:, 1] -= stoop
-        # Who has come to rest brings its feet down at their full pace.
-        pace = math.sqrt(asked.drive) if asked.drive > 0.0 else 1.0
-        time = step.swing * float(going.cycle[owner]) / pace
-        return SwingTrial(self._models[leg], asked.start, asked.end, time, R, p)
+    def trial(self, leg: int, request: SwingRequest, lowering: float) -> SwingTrial:
+        """Return the trial of a swing below a body that is lowered [m]."""
+        owner, timing, progress = int(self.herd.owner[leg]), request.timing, self.progress
+        phases, creature = timing.up + FRACTIONS * timing.swing, np.full(len(FRACTIONS), owner)
+        up, fraction = np.array([timing.up]), request.speed_fraction
+        ahead = progress.paces.distances(creature[:1], up, phases[None])[0] * math.sqrt(fraction)
+        R, p = progress.trajectory.pose(creature, request.distance + ahead, phases, fraction)
+        p[:, 1] -= lowering
+        # A creature that has come to rest brings its feet down at full pace.
+        rate = math.sqrt(fraction) if fraction > 0.0 else 1.0
+        time = timing.swing * float(progress.cycle[owner]) / rate
+        return SwingTrial(self._models[leg], request.start, request.end, time, R, p)

@@ -1,9 +1,12 @@
-"""Swing: the way of a foot from one foothold to the next.
+"""Swing trajectory: the path of a foot from one foothold to the next.
 
-    3. Find how far the ground rises above the straight way between them.
-    4. Follow a spline that clears it, along its whole length.
+    3. Find how far the ground rises above the straight line between them.
+    4. Follow a spline that clears it along its whole length.
 
-Source: Sims 1987, 10.2, steps 3 and 4, and figure 10.1.
+A bend is a deviation from that path: a uniform cubic B-spline over the swing whose first and last
+three control points are zero, so that it changes no place, speed or acceleration at either end.
+
+Source: Sims 1987, 10.2, steps 3 and 4, and figure 10.1; de Boor 1978 for B-splines.
 """
 
 from __future__ import annotations
@@ -14,28 +17,64 @@ from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
-SPANS = 16
-"""Pieces that a swing is divided into."""
+# Samples of the ground along a swing, and finer ones where it has walls.
+SAMPLES, FINE_SAMPLES = np.linspace(0.0, 1.0, 42)[1:-1], np.linspace(0.0, 1.0, 162)[1:-1]
+_EASE, _BUMP = ease(SAMPLES)[:, None], bump(SAMPLES)
 
-POINTS = SPANS - 3
-"""Control points that are free."""
+# Clearance under the top of an arch, in step heights.
+CLEARANCE = 0.4
 
-KNOTS: Array = np.linspace(0.0, 1.0, SPANS + 1)
-"""Parts of the swing between the pieces; the free points belong to all but two at each end."""
+# Samples of the last tenth of a swing, in which the touchdown speed is measured.
+LAST_TENTH = np.linspace(0.9, 1.0, 9)
+
+# Rings of samples around the lowest point of the spherical foot, so that it clears what rises
+# beside it; radii in that of the foot. The last one feels walls.
+RING_RADII = np.array([0.55, 0.92, 1.0])
+_ANGLES = np.arange(8) * (np.pi / 4.0)
+_OUT = np.concatenate(
+    [np.zeros((1, 2)), *(r * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1) for r in RING_RADII)]
+)
+_OUT_X, _OUT_Z = np.ascontiguousarray(_OUT.T)
+_DOWN = np.sqrt(1.0 - (_OUT**2).sum(axis=-1))
+
+# Pieces of a bend, its free control points, and its knots; the free points belong to all knots but
+# two at each end.
+PIECES = 16
+POINTS = PIECES - 3
+KNOTS: Array = np.linspace(0.0, 1.0, PIECES + 1)
 
 
-def offset_at(bend: Array, s: Array) -> Array:
-    """Return bends (L, 3) at parts `s` (L,) of swings [m].
+# --- the path -----------------------------------------------------------------------
 
-    Args:
-        bend: (L, `POINTS`, 3) free control points [m].
-        s: in 0..1.
+
+def swing_positions(
+    start: Array, end: Array, height: Array | float, s: Array, bend: Array | None = None
+) -> Array:
+    """Return the tips (L, 3) of feet at fractions `s` (L,) of their swings [m].
+
+    Horizontal motion, height and bends (L, m, 3) all begin and end at rest. One foot at many
+    fractions of a swing is given by one start and end (3,) and one height.
     """
-    piece = np.minimum((s * SPANS).astype(np.int64), SPANS - 1)
-    t = s * SPANS - piece
+    along = ease(s)[:, None]
+    p = start + along * (end - start)
+    p[:, 1] += height * bump(s)
+    return p if bend is None else p + bend_at(bend, s)
+
+
+def bend_at(bend: Array, s: Array) -> Array:
+    """Return the values (L, 3) of bends (L, `POINTS`, 3) at fractions `s` (L,) of swings [m]."""
+    piece = np.minimum((s * PIECES).astype(np.int64), PIECES - 1)
+    t = s * PIECES - piece
+    u = 1.0 - t
+    weights = (
+        u * u * u / 6.0,
+        (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
+        (4.0 + u * u * (3.0 * u - 6.0)) / 6.0,
+        t * t * t / 6.0,
+    )
     result = np.zeros((len(s), 3))
     rows = np.arange(len(s))
-    for k, weight in enumerate(_weights(t)):
+    for k, weight in enumerate(weights):
         point = piece + k - 3
         free = (point >= 0) & (point < POINTS)
         held = bend[rows, np.where(free, point, 0)]
@@ -43,65 +82,43 @@ def offset_at(bend: Array, s: Array) -> Array:
     return result
 
 
-def _weights(t: Array) -> tuple[Array, Array, Array, Array]:
-    """Return the weights of the four points around parts `t` of their pieces."""
-    u = 1.0 - t
-    return (
-        u * u * u / 6.0,
-        (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
-        (4.0 + u * u * (3.0 * u - 6.0)) / 6.0,
-        t * t * t / 6.0,
-    )
+def fit_bend(values: Array) -> Array:
+    """Return the bends (..., `POINTS`, 3) through values (..., `PIECES` + 1, 3) at the knots [m].
 
-
-def fit_offset(values: Array) -> Array:
-    """Return the bends (..., `POINTS`, 3) that follow values at the `KNOTS`.
-
-    Exact for cubics; otherwise of fourth order, and within the two pieces at each end what
-    the fixed points leave.
-
-    Args:
-        values: (..., `SPANS` + 1, 3) [m].
+    Exact for cubics; otherwise of fourth order, except in the two pieces at each end, whose fixed
+    control points leave less freedom.
     """
     curved = values[..., :-2, :] - 2.0 * values[..., 1:-1, :] + values[..., 2:, :]
     result: Array = values[..., 2:-2, :] - curved[..., 1:-1, :] / 6.0
     return result
 
 
-RINGS = np.array([0.55, 0.92, 1.0])
-"""Radii of the rings, in that of the ball; the last one feels walls."""
+def touchdown_speed(
+    start: Array, end: Array, height: float, normal: Array, time: float, bend: Array | None = None
+) -> float:
+    """Return the speed at which a foot comes down [m/s].
 
-_ANGLES = np.arange(8) * (np.pi / 4.0)
-_OUT = np.concatenate(
-    [np.zeros((1, 2)), *(r * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1) for r in RINGS)]
-)
-_OUT_X, _OUT_Z = np.ascontiguousarray(_OUT.T)
-_DOWN = np.sqrt(1.0 - (_OUT**2).sum(axis=-1))
-
-
-def lowest_center_height(ground: Ground, x: Array, z: Array, sole: Array | float) -> Array:
-    """Return the least heights (...) of a ball's middle at places x, z (...) [m].
+    A planned foot comes to rest as it touches, as an animal's does; what is heard is the speed that
+    it loses within the last tenth of its swing.
 
     Args:
-        ground: what it is not to sink into.
-        x: places of its middle along x and
-        z: along z, of equal shapes [m].
-        sole: its radius, or those of all places [m].
+        start: (3,) tip at lift-off [m].
+        end: (3,) tip at touchdown [m].
+        height: of the arch [m].
+        normal: (3,) of the ground.
+        time: duration of the swing [s].
+        bend: of the swing (m, 3).
     """
-    radius = np.asarray(sole)[..., None]
-    around = ground.height(x[..., None] + radius * _OUT_X, z[..., None] + radius * _OUT_Z)
-    result: Array = (around + radius * _DOWN).max(axis=-1)
-    return result
+    path = swing_positions(start, end, height, LAST_TENTH, _repeated(bend, LAST_TENTH))
+    speeds = -np.diff(path @ normal) / np.diff(LAST_TENTH) / time
+    return float(max(speeds.max(), 0.0))
 
 
-SAMPLES = np.linspace(0.0, 1.0, 42)[1:-1]
-"""Places along the way at which the ground is looked at."""
-
-FINE = np.linspace(0.0, 1.0, 162)[1:-1]
-"""Places where it has walls."""
+def _repeated(bend: Array | None, s: Array) -> Array | None:
+    return None if bend is None else np.broadcast_to(bend, (len(s), *bend.shape))
 
 
-_EASE, _BUMP = ease(SAMPLES)[:, None], bump(SAMPLES)
+# --- clearance ----------------------------------------------------------------------
 
 
 def clearance_height(
@@ -113,71 +130,62 @@ def clearance_height(
     bend: Array | None = None,
     margin: float | None = None,
 ) -> float:
-    """Return how high a swing must arch to clear the ground [m].
+    """Return the height of the arch with which a swing clears the ground [m].
 
     Args:
-        ground: what is to be cleared.
-        start: (3,) tip at lifting [m].
-        end: (3,) tip at coming down [m].
-        sole: radius of the tip [m].
-        least: height of the arch on level ground [m].
-        bend: what the way has beside the arch, see `bend`.
-        margin: by how much the top of an arch is to clear the ground; 0.4 of `least` if left
-            out [m].
+        ground: under the swing.
+        start: (3,) tip at lift-off [m].
+        end: (3,) tip at touchdown [m].
+        sole: radius of the foot [m].
+        least: step height on level ground [m].
+        bend: of the swing (m, 3).
+        margin: clearance under the top of the arch; `CLEARANCE` of `least` if None [m].
     """
-    margin = 0.4 * least if margin is None else margin
+    margin = CLEARANCE * least if margin is None else margin
     rise, wall = _rise(ground, start, end, sole, bend, SAMPLES)
     highest = max(float((rise / bump(SAMPLES)).max()), wall)
     if wall > 0.0:
         # Between walls there may be more of them, and narrow ones.
-        rise, _ = _rise(ground, start, end, sole, bend, FINE)
-        highest = max(highest, float((rise / bump(FINE)).max()))
+        rise, _ = _rise(ground, start, end, sole, bend, FINE_SAMPLES)
+        highest = max(highest, float((rise / bump(FINE_SAMPLES)).max()))
     return max(highest + margin, least)
 
 
 def clearance_heights(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
-    """Return how high swings without a bend must arch to clear the ground (N,) [m].
+    """Return the heights of the arches (N,) with which plain swings clear the ground [m].
 
-    Infinite where there are walls, which want a closer look.
+    Infinite where there are walls, which need `clearance_height`.
 
     Args:
-        ground: what is to be cleared.
-        start: (N, 3) tips at lifting [m].
-        end: (N, 3) tips at coming down [m].
-        sole: (N,) radii of the tips [m].
-        least: (N,) heights of the arches on level ground [m].
+        ground: under the swings.
+        start: (N, 3) tips at lift-off [m].
+        end: (N, 3) tips at touchdown [m].
+        sole: (N,) radii of the feet [m].
+        least: (N,) step heights on level ground [m].
     """
-    way = start[:, None] + _EASE * (end - start)[:, None]
-    rise = lowest_center_height(ground, way[..., 0], way[..., 2], sole[:, None]) - way[..., 1]
-    arch = np.maximum((rise / _BUMP).max(axis=-1) + 0.4 * least, least)
-    walls = (np.abs(np.diff(rise, axis=1)) > sole[:, None]).any(axis=1)
-    return np.where(walls, np.inf, arch)
+    path = start[:, None] + _EASE * (end - start)[:, None]
+    rise = lowest_center_height(ground, path[..., 0], path[..., 2], sole[:, None]) - path[..., 1]
+    arch = np.maximum((rise / _BUMP).max(axis=-1) + CLEARANCE * least, least)
+    has_walls = (np.abs(np.diff(rise, axis=1)) > sole[:, None]).any(axis=1)
+    return np.where(has_walls, np.inf, arch)
 
 
 def _rise(
     ground: Ground, start: Array, end: Array, sole: float, bend: Array | None, s: Array
 ) -> tuple[Array, float]:
-    """Return how far the ground rises above a way without arch (n,), and what walls ask for.
+    """Return how far the ground rises above a path without arch, and the arch that clears walls.
 
-    Beside the footholds the arch grows with the square of the time and the ground can rise
-    with its cube only, so rise / bump stays bounded there. A wall between two of the places
-    is come to with the lower of their arches.
-
-    Args:
-        ground: what is to be cleared.
-        start: (3,) tip at lifting [m].
-        end: (3,) tip at coming down [m].
-        sole: radius of the tip [m].
-        bend: what the way has beside the arch.
-        s: (n,) parts of the swing that are looked at.
+    Beside the footholds the arch grows with the square of the time and the ground can rise with its
+    cube only, so rise / bump stays bounded there. A wall between two samples must be cleared with
+    the lower of their arches.
 
     Returns:
-        Rises (n,), and the arch that clears all walls, 0 if there are none [m].
+        Rises (n,) at the samples `s`, and the arch that clears all walls, 0 without walls [m].
     """
     n = len(s)
-    bends = None if bend is None else _for_all(bend, s)
-    way = swing_positions(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.zeros(n), s, bends)
-    rise = lowest_center_height(ground, way[:, 0], way[:, 2], sole) - way[:, 1]
+    ends = np.tile(start, (n, 1)), np.tile(end, (n, 1))
+    path = swing_positions(*ends, np.zeros(n), s, _repeated(bend, s))
+    rise = lowest_center_height(ground, path[:, 0], path[:, 2], sole) - path[:, 1]
     walls = np.abs(rise[1:] - rise[:-1]) > sole
     if not walls.any():
         return rise, 0.0
@@ -185,50 +193,16 @@ def _rise(
     return rise, max(float((high / np.minimum(arch[1:], arch[:-1]))[walls].max()), 0.0)
 
 
-def swing_positions(
-    start: Array, end: Array, height: Array | float, s: Array, bend: Array | None = None
-) -> Array:
-    """Return the tips (L, 3) of feet at parts `s` (L,) of their swings [m].
-
-    Horizontal way and height both begin and end at rest; see `bump`. What swings have beside
-    that, their `bend` (L, m, 3), does so too. One foot at many parts of a swing is given by one
-    start and end (3,) and one height.
-    """
-    along = ease(s)[:, None]
-    p = start + along * (end - start)
-    p[:, 1] += height * bump(s)
-    return p if bend is None else p + offset_at(bend, s)
-
-
-LAST = np.linspace(0.9, 1.0, 9)
-_LAST_PARTS = np.diff(LAST)
-
-
-def _for_all(bend: Array, parts: Array) -> Array:
-    return np.broadcast_to(bend, (len(parts), *bend.shape))
-
-
-def touchdown_speed(
-    start: Array,
-    end: Array,
-    height: float,
-    normal: Array,
-    time: float,
-    bend: Array | None = None,
-) -> float:
-    """Return the speed at which a foot comes down [m/s].
-
-    A planned foot comes to rest as it touches, as an animal's does; what is heard is
-    the speed that it loses within the last tenth of its swing.
+def lowest_center_height(ground: Ground, x: Array, z: Array, sole: Array | float) -> Array:
+    """Return the least heights (...) of a spherical foot's centre at x, z (...) [m].
 
     Args:
-        start: (3,) tip at lifting [m].
-        end: (3,) tip at coming down [m].
-        height: of the arch [m].
-        normal: (3,) of the ground.
-        time: of the whole swing [s].
-        bend: of the swing.
+        ground: that the foot must not sink into.
+        x: of the centre [m].
+        z: of the centre [m].
+        sole: radius of the foot, or radii at all places [m].
     """
-    way = swing_positions(start, end, height, LAST, None if bend is None else _for_all(bend, LAST))
-    speeds = -np.diff(way @ normal) / _LAST_PARTS / time
-    return float(max(speeds.max(), 0.0))
+    radius = np.asarray(sole)[..., None]
+    around = ground.height(x[..., None] + radius * _OUT_X, z[..., None] + radius * _OUT_Z)
+    result: Array = (around + radius * _DOWN).max(axis=-1)
+    return result

@@ -1,0 +1,122 @@
+"""Commands that simulate and measure: takes, plots and reports. No logic; imports when they run."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.options import (
+    BackendName,
+    BackendOption,
+    RunOptions,
+    SceneName,
+    SceneOptions,
+    with_options,
+)
+
+plots = typer.Typer(no_args_is_help=True, help="Draw what a scene's creatures do, over time.")
+reports = typer.Typer(no_args_is_help=True, help="Say what is measured of a scene.")
+
+
+@with_options
+def simulate(scene: SceneName, options: RunOptions) -> None:
+    """Simulate a scene and keep its take, rendering nothing."""
+    from pipeline.production.run import production
+
+    reporter = options.reporter()
+    outputs, take = production.simulate_only(options.order(scene), reporter)
+    reporter.result(f"{outputs.take}: digest {take.digest}")
+
+
+@with_options
+def effort(
+    scene: SceneName,
+    options: RunOptions,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write the torques of all joints over time as well.")
+    ] = False,
+) -> None:
+    """Say what walking takes: power, energy, cost of transport, torques of the joints."""
+    from pipeline.production.reports.effort_report import report_effort
+
+    reporter = options.reporter()
+    report = report_effort(options.order(scene), reporter, csv)
+    reporter.result(report.text, effort=report.facts)
+
+
+@with_options
+def jumps(scene: SceneName, options: SceneOptions) -> None:
+    """Say how creatures hop: what was asked for, what was resolved, and what a jump takes."""
+    from pipeline.production.reports.jump_report import report_jumps
+
+    reporter = options.reporter()
+    report = report_jumps(options.scene(scene))
+    reporter.result(report.text, jumps=report.facts)
+
+
+@with_options
+def fit(scene: SceneName, options: SceneOptions) -> None:
+    """Find gains with which the first dancer of a scene moves its hands more smoothly."""
+    from pipeline.production.reports.jerk_fit import fit_jerk
+
+    reporter = options.reporter()
+    fitted = fit_jerk(options.scene(scene), reporter)
+    reporter.result(fitted.text, fit=fitted.facts[0])
+
+
+@plots.command("events")
+@with_options
+def plot_events(
+    scene: SceneName,
+    options: RunOptions,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Show frames of the film, or none.")
+    ] = True,
+    backend: BackendOption = BackendName.auto,
+) -> None:
+    """Draw what is heard: a piano roll by causes, frames of the film, the waveform."""
+    from pipeline.production.reports import event_plot
+
+    reporter = options.reporter()
+    order = options.order(scene, backend=backend)
+    svg, png = event_plot.plot_events(order, reporter, pictures)
+    reporter.result(f"{svg}, {png}")
+
+
+@plots.command("gait")
+@with_options
+def plot_gait(scene: SceneName, options: RunOptions) -> None:
+    """Draw when the feet of all walkers are down, as planned and as they were."""
+    from pipeline.production.reports import gait_plot
+
+    reporter = options.reporter()
+    svg, png = gait_plot.plot_gait(options.order(scene), reporter)
+    reporter.result(f"{svg}, {png}")
+
+
+@plots.command("mind")
+@with_options
+def plot_mind(scene: SceneName, options: RunOptions) -> None:
+    """Draw anxiety, distance, focus and behaviour of all characters that act by themselves."""
+    from pipeline.production.reports import mind_plot
+
+    reporter = options.reporter()
+    svg, png = mind_plot.plot_mind(options.order(scene), reporter)
+    reporter.result(f"{svg}, {png}")
+
+
+@reports.callback()
+def about() -> None:
+    """Say what is measured of a scene."""
+
+
+@reports.command()
+@with_options
+def jerk(scene: SceneName, options: RunOptions) -> None:
+    """Say how smoothly the first dancer moves its hands, by both controllers."""
+    from pipeline.production.reports.jerk_report import report_jerk
+
+    reporter = options.reporter()
+    report = report_jerk(options.order(scene), reporter)
+    reporter.result(report.text, jerk=report.facts)

@@ -1,0 +1,108 @@
+"""Commands on files that authors write, and on the machine. No logic; imports when they run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.options import Reporting, SceneNames, SceneOptions, with_options
+from pipeline.errors import Problem, SceneError, UsageError
+
+
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the scene.")],
+) -> None:
+    """Write a commented starter scene, NAME.yaml, into this folder."""
+    import shlex
+
+    from pipeline.production.run.starter_scene import write_starter
+
+    path = write_starter(name, Path())
+    typer.echo(f"{path}: written; try: pronk render {shlex.quote(str(path))} --preset draft")
+
+
+@with_options
+def check(scenes: SceneNames, options: SceneOptions) -> None:
+    """Say whether scenes are right; every mistake at once, with its line."""
+    from pipeline.production.run.scene_check import check_scene, figure_remarks
+
+    reporter = options.reporter()
+    problems: list[Problem] = []
+    missing: list[UsageError] = []
+    for name in scenes:
+        try:
+            scene = options.scene(name)
+            reporter.result(f"{name}: {check_scene(scene)}")
+            for remark in figure_remarks(scene):
+                reporter.note(f"note: {remark}", detail=True)
+        except SceneError as error:
+            problems.extend(error.problems)
+        except UsageError as error:
+            missing.append(error)
+    if problems:
+        raise SceneError([*problems, *(Problem("", str(error)) for error in missing)])
+    if missing:
+        raise missing[0]
+
+
+@with_options
+def figure(
+    names: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FIGURE...",
+            help="Figure files, names of shipped figures, scenes, or SCENE:FIGURE.",
+        ),
+    ],
+    options: Reporting,
+    out: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path("out"),
+    denavit: Annotated[
+        bool, typer.Option("--dh", help="Say the Denavit-Hartenberg parameters of all limbs.")
+    ] = False,
+) -> None:
+    """Say which parts a figure's drawing has and what they weigh, and picture it as it stands."""
+    from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
+
+    reporter = options.reporter()
+    for drawing in (drawing for name in names for drawing in figures_of(name)):
+        sheet = figure_sheet(drawing, out, denavit)
+        files = ", ".join(str(file) for file in sheet.files)
+        reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}", figure=sheet.facts)
+
+
+def schema(
+    figure: Annotated[bool, typer.Option("--figure", help="Of figure files instead.")] = False,
+) -> None:
+    """Print the JSON Schema (draft-07) of the scene language, for editors."""
+    import json
+
+    from pipeline.spec import figure_schema
+    from pipeline.spec import schema as scene_schema
+
+    result = figure_schema() if figure else scene_schema()
+    typer.echo(json.dumps(result, indent=2, ensure_ascii=False))
+
+
+def doctor(
+    fresh: Annotated[bool, typer.Option("--fresh", help="Probe backends again.")] = False,
+    json_lines: Annotated[
+        bool, typer.Option("--json", help="Say everything as lines of JSON.")
+    ] = False,
+) -> None:
+    """Say what is found on this machine, what will be used, and what is missing."""
+    import json
+    from dataclasses import asdict
+
+    from pipeline.production.run.doctor import examine
+
+    findings = examine(fresh)
+    for finding in findings:
+        if json_lines:
+            typer.echo(json.dumps(asdict(finding), ensure_ascii=False))
+        else:
+            mark = "ok " if finding.ok else "!! " if finding.needed else "-  "
+            typer.echo(f"{mark} {finding.what:<13} {finding.text}")
+    if any(not finding.ok and finding.needed for finding in findings):
+        raise typer.Exit(1)

@@ -1,0 +1,142 @@
+"""Step batch: planned steps as arrays, and where their bodies will be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.speed_control import braked_distance
+from pipeline.simulation.spatial import Array, turn
+
+# Fractions of a stance at which reach is checked.
+STANCE_FRACTIONS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+
+# Part of the swing after the stance in which the foot has hardly left its place, see `ease`.
+LIFT_LAG = 0.25
+
+MID_STANCE = len(STANCE_FRACTIONS) // 2
+
+
+@dataclass(frozen=True, eq=False)
+class StepRequest:
+    """A foot that needs a foothold.
+
+    Attributes:
+        leg: its number.
+        distance: that its body has gone at `phase` [m].
+        phase: of the gait, whole cycles counted.
+        timing: of the swing and the stance.
+        speed_fraction: of the body.
+        present: (3,) its tip; None for a foot that is placed at the start [m].
+        braking_distance: on which its body comes to rest, if it has to [m].
+        lowering: of the body for the foot's present place, and for the other feet [m].
+    """
+
+    leg: int
+    distance: float
+    phase: float
+    timing: StepTiming
+    speed_fraction: float = 1.0
+    present: Array | None = None
+    braking_distance: float = 0.0
+    lowering: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def key(self) -> tuple[float, ...]:
+        """All that decides where a step without braking or lowering comes down."""
+        present = () if self.present is None else self.present.tolist()
+        timing = self.timing.swing, self.timing.stance
+        return (self.distance, self.phase, self.speed_fraction, *timing, *present)
+
+
+@dataclass(frozen=True, eq=False)
+class Stances:
+    """Where N bodies are during the stances of planned steps.
+
+    Attributes:
+        R: (N, m, 3, 3) and
+        p: (N, m, 3), from touchdown until the foot has left the ground again [m].
+        lift_R: (N, 3, 3) and
+        lift_p: (N, 3), at lift-off [m].
+        neutral: (N, 2) neutral places of the feet in the middle of their stances [m].
+    """
+
+    R: Array
+    p: Array
+    lift_R: Array
+    lift_p: Array
+    neutral: Array
+
+
+@dataclass(frozen=True, eq=False)
+class StepBatch:
+    """N step requests as arrays (N,); see `StepRequest` and `StepTiming`."""
+
+    legs: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    distance: Array
+    phase: Array
+    speed_fraction: Array
+    braking_distance: Array
+    up: Array
+    swing: Array
+    stance: Array
+
+    @staticmethod
+    def of(herd: Herd, requests: Sequence[StepRequest]) -> StepBatch:
+        """Collect requests of legs of a herd."""
+        legs = np.array([r.leg for r in requests])
+        rows = [
+            (r.distance, r.phase, r.speed_fraction, r.braking_distance, t.up, t.swing, t.stance)
+            for r, t in ((r, r.timing) for r in requests)
+        ]
+        return StepBatch(legs, herd.owner[legs], *np.array(rows).T)
+
+    def rows(self, rows: NDArray[np.int64]) -> StepBatch:
+        """Return the steps in some rows."""
+        return StepBatch(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
+
+    def body_poses(self, trajectory: BodyTrajectory, phases: Array) -> tuple[Array, Array]:
+        """Return R_WB (N, m, 3, 3) and p_WB (N, m, 3) [m] at later phases (N, m)."""
+        gone = trajectory.paces.distances(self.owner, self.phase, phases)
+        gone = gone * np.sqrt(self.speed_fraction)[:, None]
+        for i in np.flatnonzero(self.braking_distance).tolist():
+            left = trajectory.routes[self.owner[i]].length - float(self.distance[i])
+            if left < math.inf:
+                gone[i] = braked_distance(gone[i], left, float(self.braking_distance[i]))
+        distances = self.distance[:, None] + gone
+        creature = np.repeat(self.owner, phases.shape[1])
+        R, p = trajectory.pose(creature, distances.ravel(), phases.ravel())
+        return R.reshape(*phases.shape, 3, 3), p.reshape(*phases.shape, 3)
+
+    def stances(self, trajectory: BodyTrajectory) -> Stances:
+        """Return where the bodies are during the stances, if they go on as they go."""
+        stance = self.stance[:, None]
+        end = stance + LIFT_LAG * self.swing[:, None]
+        parts = np.concatenate([stance * STANCE_FRACTIONS, end], axis=1)
+        phases = (self.up + self.swing)[:, None] + parts
+        R, p = self.body_poses(trajectory, np.concatenate([phases, self.up[:, None]], axis=1))
+        middle = R[:, MID_STANCE], p[:, MID_STANCE]
+        neutral = neutral_positions(trajectory, self.legs, phases[:, MID_STANCE], *middle)
+        return Stances(R[:, :-1], p[:, :-1], R[:, -1], p[:, -1], neutral)
+
+
+def neutral_positions(
+    trajectory: BodyTrajectory, legs: NDArray[np.int64], phase: Array, R: Array, p: Array
+) -> Array:
+    """Return the neutral places (N, 2) [m] of feet below bodies at R (N, 3, 3), p (N, 3)."""
+    herd, owner = trajectory.herd, trajectory.herd.owner[legs]
+    height, aside = (
+        trajectory.paces.value(name, owner, phase) for name in ("body_height", "aside")
+    )
+    x, z = herd.rest[legs].T
+    rest = trajectory.without_rocking(owner, phase, np.stack([x, -height, z + aside], axis=-1))
+    result: Array = (p + turn(R, rest))[:, [0, 2]]
+    return result

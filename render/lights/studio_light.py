@@ -1,0 +1,45 @@
+"""Studio light: a softbox as key light, fill and rim lights, in front of a paper backdrop."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from render.color import linear
+from render.config import Studio
+from render.lights.environment_map import (
+    Map,
+    Vector,
+    direction_of,
+    pixel_directions,
+    soft_disc,
+    solid_angles,
+)
+from render.lights.key_light import KeyLight
+
+_KEY_IRRADIANCE = 4.2
+"""Irradiance of the key light; the backdrop has a radiance of about 0.3."""
+
+
+def studio_light(studio: Studio) -> tuple[Map, KeyLight]:
+    """Return the map of a studio, and its key light."""
+    heading, height = math.radians(studio.heading_deg), math.radians(studio.elevation_deg)
+    up = pixel_directions()[..., 1:2]
+    # Paper is brightest a little above the horizon, darker overhead and below.
+    paper = linear(studio.backdrop) * (0.45 + 0.55 * np.exp(-((up - 0.1) ** 2) / 0.25))
+    fill = _softbox(direction_of(heading + 2.0, 0.35), 70.0, np.array([0.85, 0.93, 1.0]))
+    rim = _softbox(direction_of(heading + 3.6, 0.6), 24.0, np.array([1.0, 0.98, 0.95]))
+    image = paper + _KEY_IRRADIANCE * (0.45 * studio.fill * fill + 0.4 * studio.rim * rim)
+    key = KeyLight(
+        direction_of(heading, height),
+        studio.softness_deg,
+        _KEY_IRRADIANCE * np.array([1.0, 0.95, 0.88]),
+    )
+    return image, key
+
+
+def _softbox(direction: Vector, diameter_deg: float, color: Vector) -> Map:
+    """Return a soft light of unit irradiance on a plane that faces it."""
+    shape = soft_disc(direction, diameter_deg / 2, feather_deg=diameter_deg / 8)
+    return np.asarray(shape[..., None] * color / (shape * solid_angles()).sum())

@@ -9,11 +9,11 @@ from functools import cache
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walking import Walkers
-from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many

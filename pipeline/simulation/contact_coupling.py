@@ -11,12 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.attachment import Attachment, split_attachments
 from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
+from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.recorder import Recorder
-from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import matrix, turn
 from pipeline.simulation.troupe import Troupe, node_range, pushed_troupe
 from pipeline.spec.creature import Creature
@@ -64,13 +63,13 @@ class ContactCoupling:
         first, self._row = self._row < 0, row
         recorder, nodes = self.recorder, self.nodes
         if self.owner is not None and not len(nodes):
-            self.troupe.update_obstacles(_selected(self.owner.solid_motion(), self._movable))
+            self.troupe.update_obstacles(self.owner.solid_motion().selected(self._movable))
             return
         here = Poses(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
         if first:
             self._motion.put(here)
         speeds = self._motion.motion(here)
-        motion = Motion(
+        motion = SolidMotion(
             here.p,
             here.R,
             speeds[:, :3],
@@ -79,7 +78,7 @@ class ContactCoupling:
             np.ones(len(nodes), dtype=bool),
         )
         if self.owner is not None:
-            motion = _joined(motion, _selected(self.owner.solid_motion(), self._movable))
+            motion = motion.joined(self.owner.solid_motion().selected(self._movable))
         self.troupe.update_obstacles(motion)
 
     def push_solids(self) -> None:
@@ -133,21 +132,3 @@ def coupling_of(
 def _is_still(prop: Prop) -> bool:
     moved = prop.keyframes, prop.velocity, prop.spin_deg, prop.force, prop.held, prop.parent
     return not any(moved)
-
-
-def _selected(motion: Motion, mask: NDArray[np.bool_]) -> Motion:
-    return Motion(
-        *(motion.p[mask], motion.R[mask], motion.v[mask], motion.w[mask]),
-        *(motion.here[mask], motion.borne[mask]),
-    )
-
-
-def _joined(first: Motion, second: Motion) -> Motion:
-    return Motion(
-        np.concatenate([first.p, second.p]),
-        np.concatenate([first.R, second.R]),
-        np.concatenate([first.v, second.v]),
-        np.concatenate([first.w, second.w]),
-        np.concatenate([first.here, second.here]),
-        np.concatenate([first.borne, second.borne]),
-    )

@@ -1,64 +1,110 @@
-"""Obstacles: the solids that troupes show one another.
+"""Obstacles: convex solids that troupes show one another, and their motion.
 
-Every visible part that follows one node is a solid: the convex hull of what is seen of it. Who is
-seen as a skin over many nodes gives solids of its own.
-How fast it moves follows from its node's poses. Those who show solids push and are not
-pushed, but for bodies that meet whatever there is, which say what they weigh.
+Every visible part that follows one node is an obstacle: its convex hull. A skin over many nodes
+gives solids of its own. The velocity follows from the poses of the node. Obstacles push and are not
+pushed, except bodies with an `ObstacleMass`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Mesh, Part
-from pipeline.simulation.troupe import Inventory
 
-DIRECTIONS = 96
-"""A solid keeps the corners that are farthest in one of so many directions."""
-
-FLAT = 1e-4
-"""Extent below which there is no solid [m]."""
+HULL_DIRECTIONS = 96
+"""A solid keeps its farthest corner in each of so many directions."""
 
 
-def obstacles_of(inventories: Sequence[Inventory]) -> list[Obstacle]:
-    """Return the solids of troupes, whose nodes stand in the take in this order."""
-    found, first = list[Obstacle](), 0
-    for inventory in inventories:
-        found += [replace(one, node=first + one.node) for one in inventory.solids]
-        given = {first + one.node for one in inventory.solids}
-        for part in inventory.parts:
-            obstacle = _obstacle(inventory, part, inventory.meshes[part.mesh], first)
-            if obstacle is not None and obstacle.node not in given:
-                found.append(obstacle)
-        first += len(inventory.nodes)
-    return found
+@dataclass(frozen=True, eq=False)
+class ObstacleMass:
+    """Mass and contact properties of an obstacle that gives way, about its centre of mass.
+
+    Attributes:
+        mass: [kg].
+        inverse_inertia: (3, 3) in its own frame [1/(kg m²)].
+        friction: Coulomb's coefficient.
+        bounciness: speed after / before an impact.
+    """
+
+    mass: float
+    inverse_inertia: Array
+    friction: float
+    bounciness: float
 
 
-def _obstacle(inventory: Inventory, part: Part, mesh: Mesh, first: int) -> Obstacle | None:
-    node = int(mesh.nodes[0, 0])
-    if not (mesh.nodes == node).all():
-        return None
-    corners = outermost(mesh.vertices.astype(float) - inventory.nodes[node].rest)
-    if float(np.ptp(corners, axis=0).min()) < FLAT:
-        return None
-    return Obstacle(first + node, part.name, part.performer, part.material, corners)
+@dataclass(frozen=True, eq=False)
+class Obstacle:
+    """A convex solid that follows a node.
+
+    Attributes:
+        node: its number in the take.
+        name: of the part.
+        performer: name of the performer.
+        material: by name.
+        corners: (V, 3) in the frame of the node [m].
+        weight: None if it pushes and is not pushed.
+    """
+
+    node: int
+    name: str
+    performer: str
+    material: str
+    corners: Array
+    weight: ObstacleMass | None = None
 
 
-def outermost(points: Array, count: int = DIRECTIONS) -> Array:
-    """Return those of points (n, 3) that are farthest in one of `count` directions."""
+@dataclass(frozen=True, eq=False)
+class SolidMotion:
+    """Pose and velocity of S solids.
+
+    Attributes:
+        p: (S, 3) positions of their nodes [m].
+        R: (S, 3, 3).
+        v: (S, 3) [m/s].
+        w: (S, 3) in the world [rad/s].
+        here: (S,) whether a solid exists now.
+        borne: (S,) whether a solid is supported by something other than those who push it.
+    """
+
+    p: Array
+    R: Array
+    v: Array
+    w: Array
+    here: NDArray[np.bool_]
+    borne: NDArray[np.bool_]
+
+    def selected(self, mask: NDArray[np.bool_]) -> SolidMotion:
+        """Returns the motion of some of the solids."""
+        return SolidMotion(
+            *(self.p[mask], self.R[mask], self.v[mask], self.w[mask]),
+            *(self.here[mask], self.borne[mask]),
+        )
+
+    def joined(self, other: SolidMotion) -> SolidMotion:
+        """Returns the motion of these solids followed by that of others."""
+        return SolidMotion(
+            np.concatenate([self.p, other.p]),
+            np.concatenate([self.R, other.R]),
+            np.concatenate([self.v, other.v]),
+            np.concatenate([self.w, other.w]),
+            np.concatenate([self.here, other.here]),
+            np.concatenate([self.borne, other.borne]),
+        )
+
+
+def outermost(points: Array, count: int = HULL_DIRECTIONS) -> Array:
+    """Returns those of points (n, 3) that are farthest in one of `count` directions."""
     along = (points[:, None, :] * directions(count)).sum(axis=-1)
     result: Array = points[np.unique(np.argmax(along, axis=0))]
     return result
 
 
-def directions(count: int = DIRECTIONS) -> Array:
-    """Return directions (count, 3) that are about as far from one another everywhere."""
+def directions(count: int = HULL_DIRECTIONS) -> Array:
+    """Returns unit vectors (count, 3), spread evenly over the sphere (Fibonacci lattice)."""
     i = np.arange(count) + 0.5
     y = 1.0 - 2.0 * i / count
     turn = i * (math.pi * (3.0 - math.sqrt(5.0)))

@@ -1,9 +1,8 @@
-"""Recorder: collects rows and facts until they are a take.
+"""Recorder: collects rows, contacts and events until they are a take.
 
-Rows come in batches. A batch is written as positions and matrices, in which performers can
-be hung on one another; once whole it is kept as the take has it, in reels that lie on disk
-where they are long. What grows in memory with the length of a film is the list of contacts
-and sound events alone.
+Rows come in batches. A batch is written as positions and matrices, in which performers can be
+attached to one another; a finished batch is stored as the take has it, in arrays that lie on disk
+where they are long. Only the lists of contacts and sound events grow in memory.
 """
 
 from __future__ import annotations
@@ -16,29 +15,27 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.inventory import Inventory, join_inventories, shifted_look
+from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.row_storage import allocate_rows, release_rows
 from pipeline.simulation.script import Orders
-from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,
     Header,
-    Mesh,
-    Node,
     Note,
-    Part,
     SoundEvent,
     Take,
     TerrainRecord,
     Told,
 )
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.troupe import Inventory, Rows
-from pipeline.spec.script import said
+from pipeline.simulation.troupe import Rows
+from pipeline.spec.script import order_text
 
 
 class Recorder:
-    """The take while it grows."""
+    """The take under construction."""
 
     def __init__(
         self, header: Header, clock: Clock, ground: Ground, inventories: Sequence[Inventory]
@@ -46,17 +43,17 @@ class Recorder:
         self.header = header
         self.clock = clock
         self.ground = ground
-        self.nodes, self.meshes, self.parts = _joined(inventories)
-        self._looks = _looks(inventories)
-        self.channels = tuple(c for inventory in inventories for c in inventory.channels)
+        own = join_inventories(inventories)
+        self.nodes, self.meshes, self.parts = own.nodes, own.meshes, own.parts
+        self.channels, self.scaled, self._looks = own.channels, own.scaled, own.looks
         self._slices = _slices(inventories)
-        self.scaled = _scaled(inventories)
         rows, nodes = clock.rows, len(self.nodes)
         self.positions = allocate_rows((rows, nodes, 3), float)
         self.quaternions = allocate_rows((rows, nodes, 4), float)
         self.alive = allocate_rows((rows, nodes), bool)
         self.values = allocate_rows((rows, len(self.channels)), float)
         self.scales = allocate_rows((rows, len(self.scaled), 3), float)
+        # Matrices of the rows that are not stored yet, from row `_first` on.
         self._R = np.zeros((0, nodes, 3, 3))
         self._first = 0
         self.contacts: list[Contact] = []
@@ -64,39 +61,35 @@ class Recorder:
         self._notes: dict[tuple[str, str], Note] = {}
         self.orders: list[Told] = []
 
-    def attach(self, bonds: Iterable[Attachment]) -> None:
-        """Let performers hang on the nodes that they go along with."""
+    def attach(self, attachments: Iterable[Attachment]) -> None:
+        """Sets the parents of attached nodes that have none."""
         nodes = list(self.nodes)
-        for bond in bonds:
-            for i in bond.nodes:
+        for attachment in attachments:
+            for i in attachment.nodes:
                 if nodes[i].parent < 0:
-                    nodes[i] = replace(nodes[i], parent=bond.parent)
+                    nodes[i] = replace(nodes[i], parent=attachment.parent)
         self.nodes = tuple(nodes)
 
     @property
     def rotations(self) -> Array:
-        """Matrices (K, J, 3, 3) of the nodes in all rows, worked out anew."""
+        """Matrices (K, J, 3, 3) of the nodes in all rows, computed anew."""
         return matrix(self.quaternions)
 
     def rows(self, which: slice, first: int = -1) -> list[Rows]:
-        """Return each troupe's slice of the rows `which`, to be written into.
+        """Returns each troupe's writable slice of some rows.
 
         Args:
             which: the rows.
-            first: of those that are kept together with them, which may be written one after the
-                other; of `which` unless told.
+            first: first row of the batch that they are stored with; their own first by default.
         """
-        if first < 0:
-            self._first = which.start
+        if first < 0 or first != self._first:
+            self._first = which.start if first < 0 else first
             self._R[:] = 0.0
-        elif first != self._first:
-            self._first = first
-            self._R[:] = 0.0
-        room = which.stop - self._first
-        if len(self._R) < room:
-            more = np.zeros((room - len(self._R), *self._R.shape[1:]))
+        count = which.stop - self._first
+        if len(self._R) < count:
+            more = np.zeros((count - len(self._R), *self._R.shape[1:]))
             self._R = np.concatenate([self._R, more])
-        R = self._turned(which)
+        R = self._matrices(which)
         return [
             Rows(
                 self.positions[which, nodes],
@@ -108,41 +101,41 @@ class Recorder:
             for nodes, channels, scales in self._slices
         ]
 
-    def _turned(self, which: slice) -> Array:
-        """Return the rotations (n, J, 3, 3) of rows that are not kept yet."""
+    def _matrices(self, which: slice) -> Array:
+        """Returns the rotations (n, J, 3, 3) of rows that are not stored yet."""
         R: Array = self._R[which.start - self._first : which.stop - self._first]
         return R
 
     def show(self, which: slice, nodes: NDArray[np.int64]) -> None:
-        """Let nodes be seen in rows that are not kept yet, but in which they are in the world."""
-        self.quaternions[which, nodes] = quaternion(self._turned(which)[:, nodes])
+        """Stores the rotations of nodes in rows that are not stored yet, for `solids` to read."""
+        self.quaternions[which, nodes] = quaternion(self._matrices(which)[:, nodes])
 
-    def attached(self, which: slice, bonds: Iterable[Attachment]) -> tuple[Array, Array]:
-        """Bring all nodes of the rows `which` into the world, all troupes having written theirs.
+    def attached(self, which: slice, attachments: Iterable[Attachment]) -> tuple[Array, Array]:
+        """Transforms attached nodes of some rows to the world.
 
         Args:
-            which: the rows after those that were kept before.
-            bonds: what goes along with what, parents first.
+            which: the rows after those that were stored.
+            attachments: parents first.
 
         Returns:
-            Rotations (n, J, 3, 3) and positions (n, J, 3) [m], which may still be written into.
+            Rotations (n, J, 3, 3) and positions (n, J, 3) of all nodes [m], writable.
         """
-        R, p = self._turned(which), self.positions[which]
-        for bond in bonds:
-            bond.apply(R, p, which.start)
+        R, p = self._matrices(which), self.positions[which]
+        for attachment in attachments:
+            attachment.apply(R, p, which.start)
         return R, p
 
-    def keep(self, which: slice) -> tuple[int, str] | None:
-        """Keep the rows `which`, all nodes being in the world.
+    def store(self, which: slice) -> tuple[int, str] | None:
+        """Stores rows in which all nodes are in the world frame.
 
         Returns:
-            The first row with a pose that is not finite, and its node; None if all are.
+            The first row and node whose pose is not finite, None if all are.
         """
-        R, p = self._turned(which), self.positions[which]
+        R, p = self._matrices(which), self.positions[which]
         if not (np.isfinite(p).all() and np.isfinite(R).all()):
             row, node = np.argwhere(~np.isfinite(p.sum(axis=-1) + R.sum(axis=(-1, -2))))[0]
             return which.start + int(row), self.nodes[int(node)].name
-        # The sign goes on from the last row before.
+        # Signs continue those of the last row before.
         last = self.quaternions[max(which.start - 1, 0) : which.start]
         run = continuous(np.concatenate([last, quaternion(R)]))
         self.quaternions[which] = run[len(last) :]
@@ -153,44 +146,45 @@ class Recorder:
     def solids(
         self, obstacles: Iterable[Obstacle], names: Collection[str], row: int
     ) -> dict[str, list[Array]]:
-        """Return the corners (n, 3) of the solids of performers in a row that is kept [m]."""
+        """Returns the corners (n, 3) of the solids of performers in a stored row [m]."""
         found: dict[str, list[Array]] = {name: [] for name in names}
-        for one in obstacles:
-            if one.performer in found and self.alive[row, one.node]:
-                corners = one.corners
-                if one.node in self.scaled:
-                    corners = corners * self.scales[row, self.scaled.index(one.node)]
-                R = matrix(self.quaternions[row, one.node])
-                found[one.performer].append(self.positions[row, one.node] + corners @ R.T)
+        for obstacle in obstacles:
+            node = obstacle.node
+            if obstacle.performer in found and self.alive[row, node]:
+                corners = obstacle.corners
+                if node in self.scaled:
+                    corners = corners * self.scales[row, self.scaled.index(node)]
+                R = matrix(self.quaternions[row, node])
+                found[obstacle.performer].append(self.positions[row, node] + corners @ R.T)
         return found
 
-    def happened(
+    def add_facts(
         self,
         contacts: Iterable[Contact],
         events: Iterable[SoundEvent],
         notes: Iterable[Note],
     ) -> None:
-        """Keep what happened in one step; of notes of a kind on a part the first is kept."""
+        """Adds facts of one step; of notes of one kind on one part the earliest is kept."""
         self.contacts.extend(contacts)
         self.events.extend(events)
         for note in notes:
-            of = note.kind, note.part
-            # Some are known only when their rows are written.
-            if of not in self._notes or note.step < self._notes[of].step:
-                self._notes[of] = note
+            key = note.kind, note.part
+            # Some notes are known only when their rows are written.
+            if key not in self._notes or note.step < self._notes[key].step:
+                self._notes[key] = note
 
     @property
     def notes(self) -> list[Note]:
-        """What the author should know so far, in the order of time."""
+        """Notes so far, in the order of time."""
         return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
 
-    def told(self, step: int, orders: Orders) -> None:
-        """Keep what the script asks of whom from `step` on."""
-        for who, given in orders.items():
-            self.orders.extend(Told(step, who, said(do)) for do in given)
+    def add_orders(self, step: int, orders: Orders) -> None:
+        """Adds the orders that the script gave at `step`."""
+        for performer, given in orders.items():
+            self.orders.extend(Told(step, performer, order_text(order)) for order in given)
 
     def take(self) -> Take:
-        """Return the finished take."""
+        """Returns the finished take."""
         field = self.ground.field
         return Take(
             header=self.header,
@@ -203,7 +197,10 @@ class Recorder:
             channels=self.channels,
             values=self.values,
             meshes=self.meshes + self._looks,
-            parts=_seen(self.parts, len(self.meshes)),
+            # Looks follow the meshes.
+            parts=tuple(
+                replace(part, look=shifted_look(part, len(self.meshes))) for part in self.parts
+            ),
             terrain=TerrainRecord(
                 field.vertices,
                 field.faces,
@@ -211,7 +208,7 @@ class Recorder:
                 self.ground.forbidden,
                 self.ground.material,
             ),
-            # Some are told of later than they happen: what rolls, when it has ended.
+            # Contacts that last are reported when they end.
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self.notes),
@@ -219,60 +216,8 @@ class Recorder:
         )
 
 
-def _joined(
-    inventories: Sequence[Inventory],
-) -> tuple[tuple[Node, ...], tuple[Mesh, ...], tuple[Part, ...]]:
-    """Put inventories one after the other, their numbers counted on."""
-    nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
-    first_look = 0
-    for inventory in inventories:
-        first_node, first_mesh = len(nodes), len(meshes)
-        for node in inventory.nodes:
-            parent = node.parent + first_node if node.parent >= 0 else -1
-            nodes.append(replace(node, parent=parent))
-        meshes.extend(
-            replace(mesh, nodes=(mesh.nodes + first_node).astype(np.int32))
-            for mesh in inventory.meshes
-        )
-        parts.extend(
-            replace(part, mesh=part.mesh + first_mesh, look=_counted(part.look, first_look))
-            for part in inventory.parts
-        )
-        first_look += len(inventory.looks)
-    return tuple(nodes), tuple(meshes), tuple(parts)
-
-
-def _looks(inventories: Sequence[Inventory]) -> tuple[Mesh, ...]:
-    """Put the looks of inventories one after the other."""
-    looks, first = list[Mesh](), 0
-    for inventory in inventories:
-        looks.extend(
-            replace(mesh, nodes=(mesh.nodes + first).astype(np.int32)) for mesh in inventory.looks
-        )
-        first += len(inventory.nodes)
-    return tuple(looks)
-
-
-def _seen(parts: Sequence[Part], first: int) -> tuple[Part, ...]:
-    """Return parts whose looks stand after the `first` meshes of a take."""
-    return tuple(replace(part, look=_counted(part.look, first)) for part in parts)
-
-
-def _counted(look: int, first: int) -> int:
-    """Return the number of a look that is counted from `first` on."""
-    return look + first if look >= 0 else look
-
-
-def _scaled(inventories: Sequence[Inventory]) -> tuple[int, ...]:
-    scaled, first = list[int](), 0
-    for inventory in inventories:
-        scaled += [first + node for node in inventory.scaled]
-        first += len(inventory.nodes)
-    return tuple(scaled)
-
-
 def _slices(inventories: Sequence[Inventory]) -> list[tuple[slice, slice, slice]]:
-    """Return where each one's nodes, channels and scales are."""
+    """Returns the slices of each troupe's nodes, channels and scales."""
     slices, before = [], (0, 0, 0)
     for inventory in inventories:
         counts = len(inventory.nodes), len(inventory.channels), len(inventory.scaled)

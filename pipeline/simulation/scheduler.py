@@ -154,7 +154,7 @@ class RowScheduler:
                 self._write_troupe(troupe, own, rows)
         R, p = self.recorder.attached(rows, () if self._deferred else self._late)
         contacts = [contact for troupe in self._last for contact in troupe.write_last(R, p)]
-        self._refuse_divergence(self.recorder.keep(rows))
+        self._refuse_divergence(self.recorder.store(rows))
         self._on_batch(Batch(rows, p, R, contacts))
 
     def _write_obstacles(self, row: slice) -> None:

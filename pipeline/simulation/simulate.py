@@ -12,14 +12,14 @@ from pipeline.simulation.casting import figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import coupling_of
 from pipeline.simulation.event_detection import EventDetection
+from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import Leg
-from pipeline.simulation.node_names import node_aliases
-from pipeline.simulation.obstacles import obstacles_of
+from pipeline.simulation.node_names import NodeNames, node_aliases
+from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch, RowScheduler
 from pipeline.simulation.script import Orders, Script
 from pipeline.simulation.signals import Signal
-from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Take
 from pipeline.simulation.terrain import build_ground
 from pipeline.simulation.troupe import Facts, World
@@ -59,7 +59,7 @@ class Simulation:
         except SceneError as error:
             raise scene.source_map.with_locations(error) from None
         self._collect_facts()
-        self.recorder.happened(self._facts.contacts, (), self._facts.notes)
+        self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
 
     def _build(self, scene: Scene, key: str, directed: bool) -> None:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
@@ -72,11 +72,12 @@ class Simulation:
         self.troupes = troupes_of(scene, figures, self.world)
         inventories = [troupe.inventory for troupe in self.troupes]
         self.recorder = recorder = Recorder(header_of(scene, key), clock, ground, inventories)
-        attachments = attachments_of(scene.cast, figures, recorder.nodes, clock)
-        for troupe in self.troupes:
-            troupe.bind(recorder.nodes, recorder.meshes, figures)
-        recorder.attach(attachments)
         self.aliases = node_aliases(figures, recorder.nodes)
+        names = NodeNames.joined(recorder.nodes, self.aliases)
+        attachments = attachments_of(scene.cast, names, recorder.nodes, clock)
+        for troupe in self.troupes:
+            troupe.bind(recorder.nodes, recorder.meshes, names)
+        recorder.attach(attachments)
         self._detection = EventDetection(scene, clock, recorder, figures)
         self.script = Script(scene.script, clock)
         self.coupling = coupling_of(
@@ -136,7 +137,7 @@ class Simulation:
     def _give_orders(self) -> Orders:
         facts, hugged = self._facts, [(s.who, s.other) for s in self.signals if s.kind == "hug"]
         orders = self.script.orders(self.step_number, facts.arrived, facts.touched, hugged)
-        self.recorder.told(self.step_number, orders)
+        self.recorder.add_orders(self.step_number, orders)
         return orders
 
     def _show_solids(self, orders: Orders) -> None:
@@ -162,8 +163,8 @@ class Simulation:
         self.scheduler.buffer_step(self.step_number)
 
     def _record_batch(self, batch: Batch) -> None:
-        self.recorder.happened(batch.contacts, self._detection.of_batch_contacts(batch), ())
-        self.recorder.happened((), self._detection.of_batch_motion(batch), ())
+        self.recorder.add_facts(batch.contacts, self._detection.of_batch_contacts(batch), ())
+        self.recorder.add_facts((), self._detection.of_batch_motion(batch), ())
 
     def _collect_facts(self) -> None:
         self._facts = Facts.merged([troupe.facts() for troupe in self.troupes])
@@ -172,7 +173,7 @@ class Simulation:
     def _record_facts(self) -> None:
         facts = self._facts
         events = self._detection.of_step(facts.contacts, facts.signals, self.step_number)
-        self.recorder.happened(facts.contacts, events, facts.notes)
+        self.recorder.add_facts(facts.contacts, events, facts.notes)
 
 
 def simulate(

@@ -1,7 +1,7 @@
-"""Take: what happened, and the only thing that leaves the simulation.
+"""Take: the result of a simulation, and the only thing that leaves it.
 
-Rows are samples, S a frame; row 0 is frame 1, and S rows follow the last frame's.
-The camera is not in it: a take can be filmed again with another look.
+Rows are samples, S per frame; row 0 is frame 1, and S rows follow the last frame's. The camera is
+not in it: a take can be filmed again with another look.
 """
 
 from __future__ import annotations
@@ -51,19 +51,18 @@ OPTIONAL_TABLES = ("told", "mechanisms", "legs", "aliases")
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """What a take is, and by what it was made.
+    """What a take is, and what it was made by.
 
     Attributes:
-        key: digest of all that the simulation read; equal keys mean equal takes on one
-            class of processor with one set of versions.
+        key: digest of all that the simulation read; equal keys mean equal takes on one class of
+            processor with one set of versions.
         title: of the scene.
-        rate: frames a second.
+        rate: frames per second.
         frames: number of frames.
-        samples: rows a frame (S).
-        steps: world steps a frame.
+        samples: rows per frame (S).
+        steps: world steps per frame.
         seed: of the scene.
-        versions: name -> version of what computed it, the language and the class of
-            processor among them.
+        versions: versions of what computed it, of the language and the class of processor, by name.
         format: of the take.
     """
 
@@ -78,26 +77,26 @@ class Header:
     format: int = FORMAT
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the header as plain values."""
+        """Returns the header as plain values."""
         plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "rate"}
         return {**plain, "rate": [self.rate.numerator, self.rate.denominator]}
 
     @staticmethod
     def from_dict(plain: dict[str, Any]) -> Header:
-        """Return the header that `as_dict` wrote."""
-        words = {name: value for name, value in plain.items() if name != "rate"}
-        return Header(rate=Fraction(*plain["rate"]), **words)
+        """Returns the header that `as_dict` wrote."""
+        others = {name: value for name, value in plain.items() if name != "rate"}
+        return Header(rate=Fraction(*plain["rate"]), **others)
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A frame that moves.
+    """A moving frame.
 
     Attributes:
         name: unique, such as "bug.l1.2".
-        performer: whose it is.
-        parent: number of the node it hangs on, -1 for none.
-        rest: its place in the frame that its meshes' vertices are given in [m].
+        performer: name of its performer.
+        parent: number of its parent node, -1 for none.
+        rest: its position in the frame of its meshes' vertices [m].
     """
 
     name: str
@@ -108,7 +107,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A number that changes over the rows, such as a joint value or a gait phase."""
+    """A scalar time series, such as a joint value or a gait phase."""
 
     name: str
     unit: str
@@ -134,23 +133,23 @@ class Mesh:
 
 
 OWN, UNSEEN = -1, -2
-"""Looks of a part: its own mesh, or none, since another part's look covers it."""
+"""Special values of `Part.look`: its own mesh; or no mesh, covered by another part's look."""
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One solid, and what is seen of it.
+    """One solid and its appearance.
 
-    What it weighs, strikes and sounds like follows from its mesh; it may look otherwise.
+    Mass, impacts and sound follow from its mesh; the render mesh may be another.
 
     Attributes:
         name: unique, such as "bug.l1.2".
-        performer: whose it is.
+        performer: name of its performer.
         mesh: number of its mesh.
         material: by name.
         size: characteristic length [m].
-        life: first row in which it is seen, and the first in which it no longer is.
-        look: number of the mesh that is seen in its place; `OWN` or `UNSEEN`.
+        life: first row in which it is visible, and the first in which it no longer is.
+        look: number of its render mesh; `OWN` or `UNSEEN`.
     """
 
     name: str
@@ -163,33 +162,34 @@ class Part:
 
     @property
     def seen(self) -> int:
-        """Number of the mesh that is seen; `UNSEEN` if there is none."""
+        """Number of the visible mesh; `UNSEEN` if there is none."""
         return self.mesh if self.look == OWN else self.look
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The begin of a contact.
+    """The start of a contact.
 
     Attributes:
-        step: the last step before it.
+        step: last step before it.
         fraction: of a step after that, in [0, 1).
-        performer: who touched.
-        part: with what, such as "l1".
-        other: what was touched, such as "terrain".
-        place: where [m].
+        performer: name of the performer.
+        part: its part, such as "l1".
+        other: thing touched, such as "terrain".
+        place: position [m].
         normal: of the surface touched.
-        speed: of approach along the normal; of what rubs along the surface, at most [m/s].
-        energy: of what goes at this speed [J].
+        speed: approach speed along the normal; of rolling or sliding, the greatest tangential
+            speed [m/s].
+        energy: kinetic energy at this speed [J].
         material: of the part.
         surface: material of the other.
         size: characteristic length of the part [m].
-        kind: "touch" if the part comes to rest, "scuff" if it brushes over the other, "hit" if
-            what moves freely strikes it, "roll" and "slide" if it does so over the other, "lift"
-            if it leaves the other, with its body's speed.
-        until: of what rolls or slides, the last step at which it does.
-        speeds: of what rolls or slides, at each row from its step to its last [m/s].
-        places: of what rolls or slides, at each of these rows [m].
+        kind: "touch" if the part comes to rest, "scuff" if it brushes over the other, "hit" if it
+            strikes freely, "roll" and "slide" along the other, "lift" if it leaves the other, with
+            its body's speed.
+        until: last step of rolling or sliding.
+        speeds: of rolling or sliding, at each row [m/s].
+        places: of rolling or sliding, at each row [m].
     """
 
     step: int
@@ -212,25 +212,25 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class SoundEvent:
-    """Something heard.
+    """A sound.
 
     Attributes:
-        step: the last step before it.
+        step: last step before it.
         fraction: of a step after that, in [0, 1).
-        frame: the first that shows it; may lie after the last.
+        frame: first frame that shows it; may lie after the last.
         cause: "footfall", "scuff", ...
         who: performer that sounds.
-        part: the part of it that sounds.
-        other: with whom or what.
-        place: where [m].
-        strength: speed of approach or of the motion [m/s].
+        part: its part that sounds.
+        other: the other performer or thing.
+        place: position [m].
+        strength: speed of the approach or the motion [m/s].
         energy: of the impact [J].
-        size: characteristic length of what sounds [m].
-        material: of what sounds.
+        size: characteristic length of the source [m].
+        material: of the source.
         surface: material of the other.
-        track: rows over which it lasts, (first, last), equal for an onset.
-        strengths: at each of these rows, where it lasts [m/s].
-        places: at each of these rows, where it lasts [m].
+        track: first and last row of a lasting sound, equal for an onset.
+        strengths: of a lasting sound, at each row [m/s].
+        places: of a lasting sound, at each row [m].
     """
 
     step: int
@@ -253,7 +253,7 @@ class SoundEvent:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something the author should know: stopped, toppled, dropped, clamped."""
+    """A message to the author: stopped, toppled, dropped, clamped."""
 
     kind: str
     step: int
@@ -263,7 +263,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """An instruction of the script, when it was given: to `who`, from `step` on."""
+    """An instruction of the script, as given to `who` from `step` on."""
 
     step: int
     who: str
@@ -272,13 +272,13 @@ class Told:
 
 @dataclass(frozen=True, eq=False)
 class TerrainRecord:
-    """The ground as it was stood on.
+    """The ground of a take.
 
     Attributes:
         vertices: (V, 3) [m].
         faces: (F, 3) uint32.
         cells: cells along x and z.
-        forbidden: (n_z, n_x) cells that no foot may be put on.
+        forbidden: (n_z, n_x) cells without footholds.
         material: by name.
     """
 
@@ -294,21 +294,21 @@ class Take:
     """A finished simulation.
 
     Attributes:
-        header: what it is.
-        nodes: J frames that move.
+        header: versions and key.
+        nodes: J moving frames.
         positions: (K, J, 3) of the nodes [m].
         rotations: (K, J, 4) quaternions wxyz with continuous sign.
         alive: (K, J).
-        scales: (K, n, 3) of the few nodes that have one, `scaled` saying which.
-        scaled: numbers of those nodes.
-        channels: C numbers that change.
+        scales: (K, n, 3) of the nodes in `scaled`.
+        scaled: numbers of the nodes that have a scale.
+        channels: C time series.
         values: (K, C) of the channels.
         meshes: surfaces that follow nodes.
-        parts: solids, and what is seen of them.
+        parts: solids and their appearance.
         terrain: the ground.
         contacts: in the order of time.
         events: sound events in the order of time.
-        notes: what the author should know.
+        notes: messages to the author.
         told: instructions given by the script, in the order of time.
         mechanisms: joints and masses of the creatures on legs.
         legs: legs of these creatures, with the stances that their gaits planned.
@@ -336,41 +336,40 @@ class Take:
     aliases: tuple[NodeAlias, ...] = ()
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
-        """Yield the name and the values of every array, in a fixed order."""
+        """Yields the name and the values of every array, in a fixed order."""
         for name in ("positions", "rotations", "alive", "scales", "values"):
             yield name, getattr(self, name)
         for name in ("vertices", "faces", "forbidden"):
             yield f"terrain/{name}", getattr(self.terrain, name)
-        # Meshes one after the other: a handful of arrays, however many there are.
+        # Concatenated meshes: a handful of arrays, however many meshes there are.
         for f in fields(Mesh):
             values = [getattr(mesh, f.name) for mesh in self.meshes]
             yield f"meshes/{f.name}", np.concatenate(values) if values else np.zeros((0, 2))
 
     @property
     def mesh_sizes(self) -> list[list[int]]:
-        """Rows that each mesh has in each of its arrays."""
+        """Lengths of the arrays of each mesh."""
         return [[len(getattr(mesh, f.name)) for f in fields(Mesh)] for mesh in self.meshes]
 
     def tables(self) -> dict[str, list[list[Any]]]:
-        """Return everything that is no array as rows of plain values.
+        """Returns all tables as rows of plain values.
 
-        Last columns that have their defaults are left out, so that what was written before
-        there were such columns has the same digest still.
+        Trailing columns with default values are left out, so that digests of takes written before
+        these columns existed stay the same.
         """
-        return {name: [_plain(row) for row in getattr(self, name)] for name in self._kept()}
+        return {name: [_plain(row) for row in getattr(self, name)] for name in self._table_names()}
 
-    def _kept(self) -> list[str]:
-        """Return the names of the tables that are kept."""
+    def _table_names(self) -> list[str]:
         return [name for name in TABLES if name not in OPTIONAL_TABLES or getattr(self, name)]
 
-    def _words(self) -> Iterator[str]:
-        """Yield, piece by piece, all that is no array as one JSON text with sorted keys."""
+    def _json_pieces(self) -> Iterator[str]:
+        """Yields, piece by piece, all but the arrays as one JSON text with sorted keys."""
         head, scaled, sizes = self.header.as_dict(), self.scaled, self.mesh_sizes
         yield f'{{"header": {_json(head)}, "meshes": {_json(sizes)}, "scaled": {_json(scaled)}, '
         yield '"tables": {'
-        for i, name in enumerate(sorted(self._kept())):
+        for i, name in enumerate(sorted(self._table_names())):
             yield f'{", " if i else ""}"{name}": ['
-            # Row by row: of a long film the whole text would be as much memory as the contacts.
+            # Row by row: for a long film the whole text would take as much memory as the contacts.
             for k, row in enumerate(getattr(self, name)):
                 yield (", " if k else "") + _json(_plain(row))
             yield "]"
@@ -378,14 +377,14 @@ class Take:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of it all, as hexadecimal digits."""
+        """Digest of everything, as hexadecimal digits."""
         state = hashlib.blake2b(digest_size=20)
-        for words in self._words():
-            state.update(words.encode())
+        for piece in self._json_pieces():
+            state.update(piece.encode())
         for name, values in self.arrays():
             state.update(f"{name}{values.dtype.str}{values.shape}".encode())
-            for some in row_chunks(values):
-                state.update(np.ascontiguousarray(values[some]).data)
+            for chunk in row_chunks(values):
+                state.update(np.ascontiguousarray(values[chunk]).data)
         return state.hexdigest()
 
 
@@ -399,5 +398,5 @@ def _plain(row: DataclassInstance) -> list[Any]:
     return values
 
 
-def _json(words: Any) -> str:
-    return json.dumps(words, sort_keys=True)
+def _json(value: Any) -> str:
+    return json.dumps(value, sort_keys=True)

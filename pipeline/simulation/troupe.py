@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
-from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
+from pipeline.simulation.take import Contact, Mesh, Node, Note
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
@@ -49,29 +50,6 @@ class World:
     moods: Mapping[str, Mood] = field(default_factory=dict)
     detect: Detect = field(default_factory=Detect)
     directed: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Inventory:
-    """Nodes, channels, meshes and parts of one troupe; node numbers start at 0 in each troupe.
-
-    Attributes:
-        nodes: moving frames.
-        channels: scalar time series.
-        meshes: collision geometry that follows the nodes.
-        parts: visible solids.
-        scaled: numbers of the nodes that have a scale.
-        looks: render meshes that replace meshes of parts; `Part.look` indexes them.
-        solids: obstacles that replace the convex hulls of parts on the same nodes.
-    """
-
-    nodes: tuple[Node, ...]
-    channels: tuple[Channel, ...]
-    meshes: tuple[Mesh, ...]
-    parts: tuple[Part, ...]
-    scaled: tuple[int, ...] = ()
-    looks: tuple[Mesh, ...] = ()
-    solids: tuple[Obstacle, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,9 +143,7 @@ class Troupe:
             SceneError: if the performer cannot carry it out; the state is unchanged.
         """
 
-    def bind(
-        self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
-    ) -> None:
+    def bind(self, nodes: Sequence[Node], meshes: Sequence[Mesh], names: NodeNames) -> None:
         """Resolves references to the nodes and meshes of all performers.
 
         Raises:
@@ -218,7 +194,7 @@ class Troupe:
         """Returns its solids; node numbers start at its own first node."""
         return []
 
-    def solid_motion(self) -> Motion:
+    def solid_motion(self) -> SolidMotion:
         """Returns pose and velocity of its solids in the last row."""
         raise NotImplementedError
 
@@ -231,7 +207,7 @@ class Troupe:
         """Receives all solids of other troupes; returns those whose motion it has to know."""
         return []
 
-    def update_obstacles(self, motion: Motion) -> None:
+    def update_obstacles(self, motion: SolidMotion) -> None:
         """Receives present pose and velocity of the obstacles it asked for."""
 
     def obstacle_impulses(self) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Body: a rigid thing that falls, bounces and rolls; its shape and what it is made of."""
+"""Bodies: rigid things that fall, bounce and roll, alone or many in a layout."""
 
 from __future__ import annotations
 
@@ -28,24 +28,25 @@ AROUND_IT = "Diameter of the sphere around it [m]."
 
 
 class Matter(ConfigModel):
-    """What every body has, whatever its shape."""
+    """What every body has besides its shape."""
 
     density: Annotated[Number, Field(gt=0, le=30_000)] = Field(600.0, description="[kg/m³].")
     bounciness: Annotated[Number, Field(ge=0, le=1)] = Field(
         0.4,
-        description="Speed after / before an impact: 0 stays down, 1 comes back as high. What "
-        "approaches at less than 0.05 m/s does not bounce.",
+        description="Speed after / before an impact: 0 stays down, 1 comes back as high. Below "
+        "0.05 m/s there is no bounce.",
     )
     friction: Annotated[Number, Field(ge=0, le=10)] = Field(
         0.5, description="Coulomb's coefficient; 0 is ice."
     )
     rolling: Annotated[Number, Field(ge=0, le=1)] = Field(
-        0.01, description="How far before its middle the ground bears what rolls, in its size."
+        0.01,
+        description="Rolling resistance: lever arm of the ground's force, in its size.",
     )
     collide: Literal["terrain", "all"] = Field(
         "terrain",
-        description="What it meets: terrain is the ground alone; all is the ground, creatures, "
-        "props, characters, and other bodies of which this is said.",
+        description="What it collides with: terrain is the ground alone; all is the ground, "
+        "creatures, props, characters, and other bodies with collide: all.",
     )
     inertia: Literal["tensor", "scalar"] = Field(
         "tensor",
@@ -54,14 +55,13 @@ class Matter(ConfigModel):
     )
     soft: Annotated[LengthOrZero, Field(le=1)] = Field(
         0.0,
-        description="How long the ground pushes it back at an impact, while it sinks in [s]; 0 "
-        "is rigid.",
+        description="Duration of an impact on the ground, while it sinks in [s]; 0 is rigid.",
     )
 
     @model_validator(mode="after")
-    def _meets_as_it_can(self) -> Self:
+    def _check_collide(self) -> Self:
         if self.collide == "all" and self.soft > 0.0:
-            message = "goes with collide: terrain; what meets all is rigid, take this away"
+            message = "needs collide: terrain; remove this, bodies that meet all are rigid"
             raise_faults([Fault(("soft",), message, at_key=True)])
         return self
 
@@ -147,7 +147,7 @@ BodyShape = Annotated[
 
 
 MAX_BODIES = 5_000
-"""Bodies of one member of a cast."""
+"""Bodies of one member of the cast."""
 
 Count = Annotated[Integer, Field(ge=1, le=MAX_BODIES)]
 
@@ -166,11 +166,11 @@ ShapeName = Literal[
 ]
 
 
-def _body_from_name(words: Any) -> Any:
-    """Return the words of a body that its shape's name stands for; it meets all others."""
-    if isinstance(words, str):
-        words = {"shape": words}
-    return {"collide": "all", **words} if isinstance(words, Mapping) else words
+def _body_from_name(value: Any) -> Any:
+    """Return a body given by the name of its shape, or in full; it collides with all."""
+    if isinstance(value, str):
+        value = {"shape": value}
+    return {"collide": "all", **value} if isinstance(value, Mapping) else value
 
 
 OfWhat = Annotated[
@@ -182,7 +182,7 @@ class Arrangement(ConfigModel, ABC):
     """What all arrangements have."""
 
     of: OfWhat = Field(
-        description="Shape and matter of each: a shape by its name, or all words of a body."
+        description="Shape and matter of each: a shape by its name, or a body in full."
     )
     materials: tuple[Name, ...] = Field(
         (),
@@ -193,7 +193,7 @@ class Arrangement(ConfigModel, ABC):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if self.of.collide != "all":
-            message = "bodies of `many` meet one another; take this away"
+            message = "bodies of `many` collide with one another; remove this"
             raise_faults([Fault(("of", "collide"), message)])
         if self.total > MAX_BODIES:
             raise_faults([Fault((), f"makes {self.total} bodies, where {MAX_BODIES} are the most")])
@@ -223,7 +223,7 @@ class Wall(Arrangement):
 
 
 class Pyramid(Arrangement):
-    """A wall of which each row is shorter by one."""
+    """A wall whose rows become shorter by one body."""
 
     layout: Literal["pyramid"] = Field(
         description="A wall along its x, each row shorter by one body."
@@ -270,7 +270,7 @@ class Row(Arrangement):
 
 
 class Heap(Arrangement):
-    """Turned anyhow above one another, so that they fall on a heap."""
+    """Turned at random above one another, so that they fall on a heap."""
 
     layout: Literal["heap"] = Field(description="Loose in the air, to fall on a heap.")
     count: Count = Field(40, description="How many there are.")
@@ -283,40 +283,40 @@ class Heap(Arrangement):
         return self.count
 
 
-def _laid_out(words: Any) -> Any:
-    """Return words with their layout: what says none is a wall."""
-    return {"layout": "wall", **words} if isinstance(words, Mapping) else words
+def _with_layout(value: Any) -> Any:
+    """Return bodies with their layout, a wall by default."""
+    return {"layout": "wall", **value} if isinstance(value, Mapping) else value
 
 
 Layout = Annotated[
     Wall | Pyramid | Stack | Row | Heap,
     Field(discriminator="layout"),
-    BeforeValidator(_laid_out),
+    BeforeValidator(_with_layout),
 ]
 
 
 class Body(Performer):
-    """A rigid thing that falls, bounces and rolls by itself."""
+    """A rigid body that falls, bounces and rolls."""
 
-    body: BodyShape = Field(description="Its shape, and what it is made of.")
+    body: BodyShape = Field(description="Its shape and matter.")
     at: At = Field(
         (0.0, 0.0),
-        description="Where its centre of mass begins, [x, y, z]; [x, z] puts it on the ground [m].",
+        description="Centre of mass at the start, [x, y, z]; [x, z] puts it on the ground [m].",
     )
     rotation_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description=f"How it begins turned, before its heading: {TURN_DESCRIPTION}.",
+        description=f"Its rotation at the start, before its heading: {TURN_DESCRIPTION}.",
     )
-    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the start, [x, y, z] [m/s].")
     spin_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description="How it turns at the begin, about x, y and z of the world [degrees/s].",
+        description="Its spin at the start, about x, y and z of the world [degrees/s].",
     )
 
     @model_validator(mode="after")
-    def _moves_by_itself(self) -> Self:
+    def _check_parent(self) -> Self:
         if self.parent is not None:
-            message = "a body moves by itself; take parent away, or make it a prop"
+            message = "a body moves by itself; remove parent, or write a prop"
             raise_faults([Fault(("parent",), message, at_key=True)])
         return self
 
@@ -327,20 +327,20 @@ class Body(Performer):
 
 
 class Many(Performer):
-    """Bodies of one kind that begin in some order and meet whatever there is."""
+    """Bodies of one kind that start in a layout and collide with all."""
 
-    many: Layout = Field(description="Of what, how many, and how they stand.")
+    many: Layout = Field(description="Kind, number and layout of the bodies.")
     at: At = Field(
         (0.0, 0.0),
         description="The middle of the ground that they stand on, or where their row begins, "
         "[x, z]; [x, y, z] with the height that they stand at [m].",
     )
-    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the start, [x, y, z] [m/s].")
 
     @model_validator(mode="after")
-    def _moves_by_itself(self) -> Self:
+    def _check_parent(self) -> Self:
         if self.parent is not None:
-            message = "bodies move by themselves; take parent away"
+            message = "bodies move by themselves; remove parent"
             raise_faults([Fault(("parent",), message, at_key=True)])
         return self
 

@@ -1,4 +1,4 @@
-"""Character: a body of nodes and links, of which some walk, reach and hug (Horswill 2008)."""
+"""Character: a body of nodes and links; people walk, reach and hug (Horswill 2008)."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
 from render.config.base import TURN_DESCRIPTION
 
 PEOPLE = ("child", "adult")
-"""Those who act."""
+"""Kinds that act."""
 
 JOINTED = (*PEOPLE, "ragdoll")
-"""Those who have the joints of people."""
+"""Kinds with the joints of people."""
 
 PARTS = (
     *("pelvis", "spine", "shoulders", "head"),
     *(f"{joint}_{side}" for joint in ("shoulder", "elbow", "hand") for side in "lr"),
     *(f"{joint}_{side}" for joint in ("hip", "knee", "foot") for side in "lr"),
 )
-"""Of these, what can be taken."""
+"""Nodes that can be grabbed."""
 
 HANDS = {"arm_l": 0, "arm_r": 1, "hand_l": 0, "hand_r": 1}
-"""What of people is posed: limbs and nodes."""
+"""Limbs and nodes of people that are posed, and their side."""
 
 Kind = Literal["child", "adult", "ragdoll", "ball", "merry-go-round", "box", "bench"]
-"""What there is."""
+"""Kinds of characters."""
 
 
 class Character(Performer):
-    """A body of nodes and links: a person, or what people play with."""
+    """A body of nodes and links: a person, or a thing that people play with."""
 
     character: Kind = Field(
         description="child and adult stand, walk, reach, hug and sit as the script tells them; "
@@ -43,7 +43,7 @@ class Character(Performer):
     at: At = Field(
         (0.0, 0.0),
         description="Where it begins, [x, z] on the ground; [x, y, z] in the air, with the height "
-        "of its lowest place, if it is none who holds itself [m].",
+        "of its lowest point, if it does not stand by itself [m].",
     )
     scale: Annotated[Number, Field(ge=0.2, le=5)] = Field(
         1.0, description="Factor on all its lengths; its mass goes by the third power."
@@ -58,11 +58,11 @@ class Character(Performer):
     )
     velocity: Velocity = Field(
         (0.0, 0.0, 0.0),
-        description="Of what does not hold itself, at the begin, [x, y, z] [m/s].",
+        description="At the start, of what does not stand by itself, [x, y, z] [m/s].",
     )
     spin_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description="How what does not hold itself turns at the begin, about x, y and z of the "
+        description="Spin at the start, of what does not stand by itself, about x, y and z of the "
         "world [degrees/s].",
     )
 
@@ -71,12 +71,12 @@ class Character(Performer):
     )
     traits: Traits | None = Field(
         None,
-        description="How a child or an adult is minded; who has traits or behaviours acts by "
-        "itself.",
+        description="Disposition of a child or an adult, which acts by itself with traits or "
+        "behaviours.",
     )
     behaviours: Annotated[tuple[Behaviour, ...], Field(max_length=200)] = Field(
         (),
-        description="What it does by itself, the most pressing first; who has traits alone plays "
+        description="What it does by itself, the most pressing first. With traits alone it plays "
         "with the nearest ball and is attached to the nearest adult, or hugs children who come.",
     )
     slapstick: bool = Field(
@@ -85,45 +85,47 @@ class Character(Performer):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        faults = []
-        for word in ("traits", "behaviours", "slapstick"):
-            if getattr(self, word) and not self.acts:
-                message = f"a {self.character} that holds nothing has no mind; take this away"
-                faults.append(Fault((word,), message, at_key=True))
-        if self.parent is not None:
-            message = "a character moves by itself; take parent away, or let it be grabbed"
-            faults.append(Fault(("parent",), message, at_key=True))
-        if self.limp and self.character not in PEOPLE:
-            message = f"a {self.character} never holds itself; take this away"
-            faults.append(Fault(("limp",), message, at_key=True))
-        if self.acts:
-            message = "who stands by itself cannot begin so; take this away, or give limp: true"
-            for word in ("rotation_deg", "spin_deg", "velocity"):
-                if getattr(self, word) != (0.0, 0.0, 0.0):
-                    faults.append(Fault((word,), message, at_key=True))
-            if len(self.at) == 3:
-                message = "who stands by itself stands on the ground: give [x, z], or limp: true"
-                faults.append(Fault(("at",), message))
-        faults += self._faults_of_pose()
-        raise_faults(faults)
+        raise_faults([*self._faults_of_mind(), *self._faults_of_start(), *self._faults_of_pose()])
         return self
+
+    def _faults_of_mind(self) -> Iterator[Fault]:
+        for key in ("traits", "behaviours", "slapstick"):
+            if getattr(self, key) and not self.acts:
+                message = f"a {self.character} that does not stand does not act; remove this"
+                yield Fault((key,), message, at_key=True)
+
+    def _faults_of_start(self) -> Iterator[Fault]:
+        if self.parent is not None:
+            message = "a character moves by itself; remove parent, or let it be grabbed"
+            yield Fault(("parent",), message, at_key=True)
+        if self.limp and self.character not in PEOPLE:
+            message = f"a {self.character} never stands by itself; remove this"
+            yield Fault(("limp",), message, at_key=True)
+        if not self.acts:
+            return
+        for key in ("rotation_deg", "spin_deg", "velocity"):
+            if getattr(self, key) != (0.0, 0.0, 0.0):
+                message = "conflicts with standing; remove this, or write limp: true"
+                yield Fault((key,), message, at_key=True)
+        if len(self.at) == 3:
+            yield Fault(("at",), "stands on the ground; write [x, z], or limp: true")
 
     def _faults_of_pose(self) -> Iterator[Fault]:
         if self.pose and not self.acts:
-            message = "it does not hold itself, and so holds no pose; take this away"
+            message = "only a child or an adult that is not limp is posed; remove this"
             yield Fault(("pose",), message, at_key=True)
-        message = "of a person hands are posed: give limb arm_l or arm_r and reach, or release"
-        for k, key in enumerate(self.pose):
-            for word in ("aim", "turn_deg", "joints", "body"):
-                if getattr(key, word) is not None:
-                    yield Fault(("pose", k, word), message, at_key=True)
-            for word in ("limb", "node", "release"):
-                if getattr(key, word) not in (None, *HANDS):
-                    yield Fault(("pose", k, word), message)
+        hands = "only hands of a person are posed; write limb arm_l or arm_r and reach, or release"
+        for k, pose_key in enumerate(self.pose):
+            for key in ("aim", "turn_deg", "joints", "body"):
+                if getattr(pose_key, key) is not None:
+                    yield Fault(("pose", k, key), hands, at_key=True)
+            for key in ("limb", "node", "release"):
+                if getattr(pose_key, key) not in (None, *HANDS):
+                    yield Fault(("pose", k, key), hands)
 
     @property
     def acts(self) -> bool:
-        """Whether it holds itself, and does what it is told."""
+        """Whether it stands by itself and follows orders."""
         return self.character in PEOPLE and not self.limp
 
     @property

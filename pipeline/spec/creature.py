@@ -84,12 +84,12 @@ class Pronk(ConfigModel):
     @model_validator(mode="after")
     def _aims_or_goes(self) -> Self:
         faults = [
-            Fault((word,), "land_at says how far it jumps; take one of the two away", at_key=True)
+            Fault((word,), "conflicts with land_at; remove one", at_key=True)
             for word in ("distance", "speed", "jumps")
             if self.land_at and getattr(self, word) is not None
         ]
         faults += [
-            Fault((word,), "land_at says where it jumps; take one of the two away", at_key=True)
+            Fault((word,), "conflicts with land_at; remove one", at_key=True)
             for word in ("direction_deg", "turn_deg")
             if self.land_at and getattr(self, word) != 0.0
         ]
@@ -134,25 +134,25 @@ class Creature(Performer):
     def _fits_together(self) -> Self:
         faults = []
         if self.parent is None and len(self.at) == 3 and (self.pronk is None or self.walk):
-            faults.append(Fault(("at",), "a creature stands on the ground: give [x, z]"))
+            faults.append(Fault(("at",), "a creature stands on the ground; write [x, z]"))
         if self.pronk is not None:
             faults += self._faults_of_hopping()
         if self.parent is not None and self.walk is not None:
-            message = "who walks does so on the ground; take parent or walk away"
+            message = "conflicts with parent; remove one"
             faults.append(Fault(("walk",), message, at_key=True))
         raise_faults(faults)
         return self
 
     def _faults_of_hopping(self) -> Iterator[Fault]:
         if self.walk is not None:
-            message = "who walks jumps when a script says so; take it away, or walk"
+            message = "conflicts with walk, which jumps by script; remove one"
             for word in sorted(self.pronk.model_fields_set & ITINERARY if self.pronk else ()):
                 yield Fault(("pronk", word), message, at_key=True)
         if self.parent is not None:
-            message = "who hops does so on the ground; take parent or pronk away"
+            message = "conflicts with parent; remove one"
             yield Fault(("pronk",), message, at_key=True)
         if self.pose:
-            message = "the legs of who hops are not posed; take pose or pronk away"
+            message = "conflicts with pronk; remove one"
             yield Fault(("pose",), message, at_key=True)
 
     @property

@@ -1,9 +1,9 @@
-"""Dance: what hands are to do and when, for either controller.
+"""Dance: subtasks of hands in beats, for either controller.
 
 Source: Matarić, Zordan and Mason 1998, chapter 4.
 
 Each subtask is described once, in angles of joints where that is natural and by a place where
-that is; both controllers read the same words, as far as each can.
+that is; both controllers read the same subtasks, as far as each can.
 """
 
 from __future__ import annotations
@@ -30,20 +30,20 @@ BODY_PLACES = (
     *("nape", "chest", "belly"),
     *("ribs_l", "ribs_r", "low_ribs_l", "low_ribs_r", "hip_l", "hip_r"),
 )
-"""Places on one's own body that a hand can touch."""
+"""Places on the dancer's body that a hand can touch."""
 
 ARM_JOINTS = (
     *("shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow_flexion"),
     *("wrist_pronation", "wrist_flexion", "wrist_deviation"),
 )
-"""Joints of the arm whose hand a subtask is for."""
+"""Joints of the arm of a subtask."""
 
 TRUNK_JOINTS = (
     *("waist_rotation", "waist_flexion", "waist_bend"),
     *("neck_rotation", "neck_flexion", "neck_bend"),
 )
 
-JOINT_WORDS = tuple(f"{joint}_deg" for joint in (*ARM_JOINTS, *TRUNK_JOINTS))
+JOINT_KEYS = tuple(f"{joint}_deg" for joint in (*ARM_JOINTS, *TRUNK_JOINTS))
 
 Angle = Annotated[Number, Field(ge=-200, le=200)]
 Step = Annotated[Number, Field(ge=-3, le=3)]
@@ -55,19 +55,17 @@ Controller = Literal["force-field", "joint-torque"]
 
 
 def _known_joints(angles: dict[str, float]) -> dict[str, float]:
-    for word in angles:
-        if word not in JOINT_WORDS:
-            raise fault_error(
-                f"no joint is called so, {hint(word, JOINT_WORDS)}", word, at_key=True
-            )
+    for key in angles:
+        if key not in JOINT_KEYS:
+            raise fault_error(f"no joint is called so, {hint(key, JOINT_KEYS)}", key, at_key=True)
     return angles
 
 
 Angles = Annotated[dict[str, Angle], AfterValidator(_known_joints)]
 
 
-def _name_or_position(words: object) -> str:
-    return "a name" if isinstance(words, str) else "a position"
+def _name_or_position(value: object) -> str:
+    return "a name" if isinstance(value, str) else "a position"
 
 
 Where = Annotated[
@@ -78,7 +76,7 @@ Where = Annotated[
 
 
 class Drum(ConfigModel):
-    """Something round that stands before the dancer and is struck from above."""
+    """A round drum before the dancer, struck from above."""
 
     at: Position = Field(
         description="The middle of its top, [forward, up, right] of where the dancer stands [m]."
@@ -89,7 +87,7 @@ class Drum(ConfigModel):
 
 
 class Subtask(ConfigModel):
-    """One thing that one hand does."""
+    """A movement of one hand."""
 
     name: str = Field("", max_length=80, description="What it is called in reports.")
     hand: Hand = Field("r", description="Which hand does it: r or l.")
@@ -127,15 +125,15 @@ class Subtask(ConfigModel):
 
     @model_validator(mode="after")
     def _has_one_goal(self) -> Self:
-        given = [word for word in ("touch", "reach", "trace") if getattr(self, word) is not None]
+        given = [key for key in ("touch", "reach", "trace") if getattr(self, key) is not None]
         faults = [
-            Fault((word,), f"it has a goal already, {given[0]}; take one away", at_key=True)
-            for word in given[1:]
+            Fault((key,), f"conflicts with {given[0]}; remove one", at_key=True)
+            for key in given[1:]
         ]
         if not given and not self.joints:
-            faults.append(Fault((), "has no goal: give touch, reach, trace or joints"))
+            faults.append(Fault((), "has no goal; write touch, reach, trace or joints"))
         if self.lift and self.touch is None:
-            faults.append(Fault(("lift",), "only what is touched is lifted off", at_key=True))
+            faults.append(Fault(("lift",), "needs touch; remove this", at_key=True))
         raise_faults(faults)
         return self
 
@@ -146,7 +144,7 @@ class Subtask(ConfigModel):
 
 
 class Dance(ConfigModel):
-    """Subtasks that are done one after the other, and again."""
+    """Subtasks in their order, repeated."""
 
     tempo_bpm: Annotated[Number, Field(ge=10, le=480)] = Field(
         100.0, description="Beats a minute, where the dancer has none of its own."
@@ -181,8 +179,8 @@ class Dance(ConfigModel):
         """Beats of one time through."""
         if self.bar is not None:
             return self.bar
-        own = sum(one.beats for one in self.subtasks if one.on is None)
-        latest = max((beat for one in self.subtasks for beat in one.on or ()), default=0.0)
+        own = sum(task.beats for task in self.subtasks if task.on is None)
+        latest = max((beat for task in self.subtasks for beat in task.on or ()), default=0.0)
         return max(own, latest)
 
     def _faults_of_places(self) -> Iterator[Fault]:
@@ -191,21 +189,21 @@ class Dance(ConfigModel):
             if drum in BODY_PLACES:
                 message = f"'{drum}' is a place on the body; call it otherwise"
                 yield Fault(("drums", drum), message, at_key=True)
-        for i, one in enumerate(self.subtasks):
-            named = [(("touch",), one.touch)]
-            named += [(("via", k), place) for k, place in enumerate(one.via)]  # type: ignore[misc]
+        for i, task in enumerate(self.subtasks):
+            named = [(("touch",), task.touch)]
+            named += [(("via", k), place) for k, place in enumerate(task.via)]  # type: ignore[misc]
             for path, name in named:
                 if isinstance(name, str) and name not in known:
                     message = f"no place is called '{name}', {hint(name, known)}"
                     yield Fault(("subtasks", i, *path), message)
 
     def _faults_of_beats(self) -> Iterator[Fault]:
-        for i, one in enumerate(self.subtasks):
-            for k, beat in enumerate(one.on or ()):
+        for i, task in enumerate(self.subtasks):
+            for k, beat in enumerate(task.on or ()):
                 if not 1.0 <= beat < self.length + 1.0:
                     message = f"the bar has beats 1 to {self.length:g}; {beat:g} is none of them"
                     yield Fault(("subtasks", i, "on", k), message)
-        own = sum(one.beats for one in self.subtasks if one.on is None)
+        own = sum(task.beats for task in self.subtasks if task.on is None)
         if own > self.length + 1e-9:
             message = f"its subtasks take {own:g} beats, and a bar has {self.length:g}"
             yield Fault(("bar",), message)

@@ -33,10 +33,10 @@ PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
 Feet = Literal["plain", "claws", "hooves", "paws", "toes"]
 LinkShape = Literal["round", "straight", "box", "plate", "ball"]
 
-DENSEST = 100_000.0
+MAX_DENSITY = 100_000.0
 """Some four times as dense as any metal [kg/m³]."""
 
-STICKY = 1e-3
+SNAP_FRACTION = 1e-3
 """How near an axis a node lands on it if nothing is said, as a part of the drawing's size."""
 
 
@@ -123,7 +123,7 @@ class Figure(ConfigModel):
         description="Whether its head ends in two jaws, which are seen and weigh nothing; an "
         "insect's does if left out.",
     )
-    density: Annotated[Number, Field(gt=0, le=DENSEST)] = Field(
+    density: Annotated[Number, Field(gt=0, le=MAX_DENSITY)] = Field(
         1000.0, description="Mass of the visible solids by volume [kg/m³]; water's if left out."
     )
 
@@ -141,7 +141,7 @@ def _first_sheet(figure: Figure) -> Sheet:
     """Return the drawing before its operations, as far as its chains can be laid."""
     xs, ys = zip(*(node.at for node in figure.nodes.values()), strict=True)
     extent = max(max(xs) - min(xs), max(ys) - min(ys))
-    sticky = STICKY * extent if figure.sticky is None else figure.sticky
+    sticky = SNAP_FRACTION * extent if figure.sticky is None else figure.sticky
     marks = {name: Mark(node.at, name) for name, node in figure.nodes.items()}
     pairs = (pair for chain in figure.chains for pair in itertools.pairwise(chain))
     drawn = Sheet({}, sticky=sticky, extent=extent).with_marks(marks)
@@ -184,8 +184,8 @@ class JointSettings(ConfigModel):
             if limits is not None and limits[0] >= limits[1]:
                 faults.append(Fault((name,), "the first must be less than the second"))
         if self.slide is not None and (self.rest_deg is not None or self.limits_deg is not None):
-            faults.append(Fault(("slide",), "a joint that slides has rest, not angles"))
+            faults.append(Fault(("slide",), "conflicts with angles; write rest"))
         if self.slide is None and self.rest is not None:
-            faults.append(Fault(("rest",), "a joint that turns rests at rest_deg"))
+            faults.append(Fault(("rest",), "belongs to joints that slide; write rest_deg"))
         raise_faults(faults)
         return self

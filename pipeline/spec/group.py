@@ -168,7 +168,7 @@ class Group(Performer):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if self.parent is not None and not isinstance(self.group, Fire):
-            message = "only a fire goes along with a parent; a flock may follow somebody"
+            message = "only a fire has a parent; remove this, or write follow for a flock"
             raise_faults([Fault(("parent",), message, at_key=True)])
         return self
 

@@ -145,7 +145,7 @@ def faults_of_tangents(keys: Sequence[Eased], name: str) -> Iterator[Fault]:
         after = keys[i + 1].ease if i + 1 < len(keys) else "hold"
         before = key.ease if i else "hold"
         if key.tangent is not None and "spline" not in (before, after):
-            message = "only a spline has a tangent, and none comes here or leaves from here"
+            message = "needs a spline before or after this key; remove this"
             yield Fault((name, i, "tangent"), message, at_key=True)
 
 
@@ -221,13 +221,13 @@ class PoseKey(ConfigModel):
         if len(named) == 2:
             faults.append(Fault(("node",), "give either limb or node, not both", at_key=True))
         if asked and not named:
-            faults.append(Fault((asked[0],), "say of which limb or node", at_key=True))
+            faults.append(Fault((asked[0],), "needs limb or node", at_key=True))
         if named and not asked:
             faults.append(Fault((named[0],), f"say what it is to do: {' or '.join(GOALS)}"))
         if self.aim is not None and self.turn_deg is not None:
             faults.append(Fault(("aim",), "give either aim or turn_deg, not both", at_key=True))
         if self.aim == (0.0, 0.0, 0.0):
-            faults.append(Fault(("aim",), "points nowhere; give a direction such as [0, -1, 0]"))
+            faults.append(Fault(("aim",), "has no direction; write one such as [0, -1, 0]"))
         if not (asked or named or self.joints or self.body or self.release):
             faults.append(Fault((), "should have limb, node, joints, body or release"))
         raise_faults(faults)

@@ -1,4 +1,4 @@
-"""Mood: how somebody feels, as changes to the way that it moves (Sims 1987, 3.2.4)."""
+"""Mood: changes to the motion of a creature (Sims 1987, 3.2.4)."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ MOODS: Mapping[str, Mapping[str, float]] = {
 
 
 class Mood(PresetModel):
-    """A mood: factors on how somebody walks, and how it carries itself.
+    """A mood: factors on the gait of a creature, and its posture.
 
-    What is left out is not changed. A mood of half the weight changes half as much: factors by
-    their roots, angles and parts by halves; of several moods all changes are made.
+    Keys that are left out change nothing. At half its weight a mood changes half as much:
+    factors by their roots, angles and fractions by halves; several moods add up.
     """
 
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MOODS
@@ -64,35 +64,36 @@ class Mood(PresetModel):
     stride: Factor = Field(1.0, description="Factor on the length of a cycle over the ground.")
     cycle: Factor = Field(1.0, description="Factor on the duration of a cycle.")
     duty: Annotated[Number, Field(ge=-0.5, le=0.5)] = Field(
-        0.0, description="Part of the cycle that feet stay down longer, in gaits without flights."
+        0.0,
+        description="Fraction of the cycle that feet stay down longer, in gaits without flights.",
     )
     body_bob: Factor = Field(1.0, description="Factor on the amplitude of the body bob.")
     body_height: Factor = Field(1.0, description="Factor on the height of the body.")
-    step_height: Factor = Field(1.0, description="Factor on how high feet are lifted.")
+    step_height: Factor = Field(1.0, description="Factor on the lift of feet.")
     pitch_deg: Annotated[Number, Field(ge=-30, le=30)] = Field(
-        0.0, description="How far the body lifts its nose [degrees]."
+        0.0, description="Pitch of the body, nose up [degrees]."
     )
-    head_deg: Tilt = Field(0.0, description="How far the head is raised [degrees].")
-    tail_deg: Tilt = Field(0.0, description="How far the tail is raised [degrees].")
-    sway: Factor = Field(1.0, description="Factor on how head and tail sway with the gait.")
-    wander: Factor = Field(1.0, description="Factor on how head and feelers wander about.")
-    looseness: Factor = Field(1.0, description="Factor on how far what hangs on it swings after.")
+    head_deg: Tilt = Field(0.0, description="Raise of the head [degrees].")
+    tail_deg: Tilt = Field(0.0, description="Raise of the tail [degrees].")
+    sway: Factor = Field(1.0, description="Factor on the sway of head and tail with the gait.")
+    wander: Factor = Field(1.0, description="Factor on the wandering of head and feelers.")
+    looseness: Factor = Field(1.0, description="Factor on the follow-through of loose parts.")
 
 
-MOST = 2.0
+MAX_WEIGHT = 2.0
 """Sum of weights beyond which legs would hardly follow."""
 
 Weight = Annotated[Number, Field(ge=0, le=2)]
 
 
-def _weighed(words: object) -> object:
+def _mix_of(value: object) -> object:
     """Let the name of a mood stand for all of it."""
-    return {words: 1.0} if isinstance(words, str) else words
+    return {value: 1.0} if isinstance(value, str) else value
 
 
 def _few(mix: dict[str, float]) -> dict[str, float]:
-    if sum(mix.values()) > MOST:
-        raise fault_error(f"the weights of moods should not sum up to more than {MOST:g}")
+    if sum(mix.values()) > MAX_WEIGHT:
+        raise fault_error(f"the weights of moods should not sum up to more than {MAX_WEIGHT:g}")
     return mix
 
 
@@ -100,6 +101,6 @@ MoodMix = Annotated[
     dict[Name, Weight],
     Field(max_length=32),
     AfterValidator(_few),
-    BeforeValidator(_weighed, json_schema_input_type=Name | dict[Name, Weight]),
+    BeforeValidator(_mix_of, json_schema_input_type=Name | dict[Name, Weight]),
 ]
 """One mood by name, or weights of several by their names."""

@@ -1,4 +1,4 @@
-"""Prop: a thing that moves only as its author says, by keyframes, on a parent, or in a hand."""
+"""Prop: a thing moved by keyframes, velocity, force, a parent or a hand (Sims, ch. 3.1)."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Hold(ConfigModel):
     by: str = Field(
         min_length=1,
         max_length=200,
-        description="Who holds it with what, such as arm.hand: a performer and a node of its "
+        description="The hand that holds it, such as arm.hand: a performer and a node of its "
         "drawing or a link.",
     )
     at: Time = Field(description="When it is taken [s].")
@@ -124,8 +124,8 @@ class VelocityKey(ConfigModel):
         return self
 
 
-def _velocity_form(words: Any) -> str:
-    if isinstance(words, list | tuple) and words and not isinstance(words[0], int | float):
+def _velocity_form(value: Any) -> str:
+    if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):
         return "keys"
     return "one"
 
@@ -156,7 +156,7 @@ class ForceKey(ConfigModel):
 
 
 class ForceMotion(ConfigModel):
-    """What pushes a prop: it meets nothing, and goes as its mass lets it."""
+    """Forces on a prop, which moves by its mass and collides with nothing."""
 
     force: Pushes | None = Field(None, description="At its middle, all the time [N].")
     torque: Pushes | None = Field(None, description="About x, y and z, all the time [N m].")
@@ -174,8 +174,8 @@ class ForceMotion(ConfigModel):
     turning_drag: Annotated[Number, Field(ge=0, le=1e6)] = Field(
         0.0, description="Torque that holds it back, for each radian a second [N m s]."
     )
-    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin [m/s].")
-    spin_deg: Rates = Field((0.0, 0.0, 0.0), description="At the begin [degrees/s].")
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the start [m/s].")
+    spin_deg: Rates = Field((0.0, 0.0, 0.0), description="At the start [degrees/s].")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -184,9 +184,9 @@ class ForceMotion(ConfigModel):
 
     def _faults(self) -> Iterator[Fault]:
         yield from faults_of_order(self.keys, "keys")
-        for word in ("force", "torque"):
-            if self.keys and getattr(self, word) is not None:
-                yield Fault((word,), "give it in the keys, or take the keys away", at_key=True)
+        for key in ("force", "torque"):
+            if self.keys and getattr(self, key) is not None:
+                yield Fault((key,), "conflicts with keys; write it there", at_key=True)
 
 
 def _keyed(velocity: PropVelocity | None) -> TypeGuard[tuple[VelocityKey, ...]]:
@@ -194,9 +194,9 @@ def _keyed(velocity: PropVelocity | None) -> TypeGuard[tuple[VelocityKey, ...]]:
 
 
 class Prop(Performer):
-    """A thing that moves only as its author says."""
+    """A thing that moves only as its keys say."""
 
-    prop: Shape = Field(description="What it looks like.")
+    prop: Shape = Field(description="Its shape.")
     at: At = Field(
         (0.0, 0.0),
         description="Where its middle is, [x, y, z]; [x, z] puts it on the ground, or on the "
@@ -216,7 +216,7 @@ class Prop(Performer):
     )
     velocity: PropVelocity | None = Field(
         None,
-        description="How fast it goes from where it is at the begin, [x, y, z], or a list of "
+        description="Velocity from its position at the start, [x, y, z], or a list of "
         "velocities at certain times; relative to its parent or the world [m/s].",
     )
     spin_deg: Rates | None = Field(
@@ -228,7 +228,7 @@ class Prop(Performer):
         None, description="What pushes and turns it, as its mass lets it."
     )
     held: Annotated[tuple[Hold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
-        (), description="By whom it is held, and when."
+        (), description="Hands that hold it, and when."
     )
 
     @model_validator(mode="after")
@@ -247,23 +247,23 @@ class Prop(Performer):
         return self
 
     def _faults_of_moving(self) -> Iterator[Fault]:
-        ways = [word for word in ("keyframes", "velocity", "force") if getattr(self, word)]
-        for word in ways[1:]:
-            message = f"it is moved by its {ways[0]} already; take one of the two away"
-            yield Fault((word,), message, at_key=True)
+        ways = [key for key in ("keyframes", "velocity", "force") if getattr(self, key)]
+        for key in ways[1:]:
+            message = f"conflicts with {ways[0]}; remove one"
+            yield Fault((key,), message, at_key=True)
         if self.repeat and not (self.keyframes and self.keyframes[-1].at > self.keyframes[0].at):
-            yield Fault(("repeat",), "needs two keyframes to go between", at_key=True)
+            yield Fault(("repeat",), "needs two keyframes at different times", at_key=True)
         if self.spin_deg is not None and ways not in ([], ["velocity"]):
-            message = f"it turns by its {ways[0]}; say there how"
+            message = f"conflicts with {ways[0]}; write the rotation there"
             yield Fault(("spin_deg",), message, at_key=True)
         elif self.spin_deg is not None and _keyed(self.velocity):
-            message = "give it in the keys of its velocity"
+            message = "conflicts with the keys of velocity; write it there"
             yield Fault(("spin_deg",), message, at_key=True)
         if _keyed(self.velocity):
             yield from faults_of_order(self.velocity, "velocity")
         moving = [*ways, *(["spin_deg"] if self.spin_deg is not None else [])]
         if moving and self.held:
-            message = f"what is held does not follow {moving[0]}; take one of the two away"
+            message = f"conflicts with {moving[0]}; remove one"
             yield Fault(("held",), message, at_key=True)
 
     @property

@@ -1,4 +1,4 @@
-"""Script: instructions to performers, at a time or when something has happened (Sims, 3.2.4)."""
+"""Script: orders to performers, at a time or after an event (Sims, 3.2.4)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class GoTo(ConfigModel):
 
 
 class TurnBy(ConfigModel):
-    """Turn: on the spot who stands, along an arc who walks; who hops turns in the air."""
+    """Turns: on the spot when standing, along an arc when walking, in the air when hopping."""
 
     turn_deg: Angle = Field(description="By how much; positive turns to the left [degrees].")
 
@@ -99,9 +99,9 @@ class JumpSettings(ConfigModel):
 
     @model_validator(mode="after")
     def _aims_or_goes(self) -> Self:
-        message = "land_at says how far it jumps; take one of the two away"
-        given = [word for word in ("distance", "speed") if getattr(self, word) is not None]
-        raise_faults([Fault((word,), message, at_key=True) for word in given if self.land_at])
+        message = "conflicts with land_at; remove one"
+        given = [key for key in ("distance", "speed") if getattr(self, key) is not None]
+        raise_faults([Fault((key,), message, at_key=True) for key in given if self.land_at])
         return self
 
 
@@ -203,7 +203,7 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "urge": SetUrges,
     "dance": Perform,
 }
-"""What can be done, by the key that says it."""
+"""Orders by the key that selects them."""
 
 
 if TYPE_CHECKING:
@@ -212,59 +212,59 @@ else:
     Do = keyed_union(FORMS, default="GoTo", word=Plain)
 
 
-def said(do: Do) -> str:
+def order_text(do: Do) -> str:
     """Return an instruction as its author wrote it, such as "go_to [3, 4.5]"."""
     if isinstance(do, str):
         return do
-    words = do.model_dump(mode="json", exclude_unset=True)
-    return ", ".join(f"{key} {_flow(value)}" for key, value in words.items())
+    values = do.model_dump(mode="json", exclude_unset=True)
+    return ", ".join(f"{key} {_flow(value)}" for key, value in values.items())
 
 
 def _flow(value: Any) -> str:
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_flow(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_flow(one) for one in value) + "]"
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 class When(ConfigModel):
-    """Something that happens."""
+    """An event that an instruction waits for."""
 
     arrived: Name | None = Field(
         None,
-        description="Who has come to the end of its way and stands there; a character also when "
-        "it has done what it was told: sits, stands, holds, hugs.",
+        description="A performer that has reached the end of its path and stands; a character "
+        "also when it has done its order: sits, stands, holds, hugs.",
     )
     touch: tuple[Name, Name] | None = Field(
         None,
-        description="Two who begin to touch one another: a character and another, a prop, a "
+        description="Two that start to touch one another: a character and another, a prop, a "
         "creature, a dancer, or a body that collides with all.",
     )
     hug: tuple[Name, Name] | None = Field(
         None,
-        description="Who has closed its arms around whom: a child or an adult, and a child, an "
-        "adult or a ragdoll. Of two who hug each other each has its own time.",
+        description="A child or an adult that has closed its arms around a child, an adult or a "
+        "ragdoll, in this order. Two that hug each other have one time each.",
     )
 
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
-        given = [word for word in ("arrived", "touch", "hug") if getattr(self, word) is not None]
+        given = [key for key in ("arrived", "touch", "hug") if getattr(self, key) is not None]
         if len(given) != 1:
             raise_faults([Fault((), "should have one of arrived, touch and hug")])
         return self
 
 
 class Instruction(ConfigModel):
-    """What somebody is to do, and when."""
+    """An order to a performer, and when it is given."""
 
     at: Time | None = Field(None, description="When, from the start of the film [s].")
     when: When | None = Field(
         None,
-        description="What has to have happened. Instructions to one performer that wait for the "
-        "same are given one after the other, each time that it happens.",
+        description="The event to wait for. Instructions to one performer that wait for the same "
+        "event are given one after the other, each time that it happens.",
     )
-    who: Name = Field(description="Who is to do it.")
+    who: Name = Field(description="The performer that gets the order.")
     do: Do = Field(
         description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
         "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple "

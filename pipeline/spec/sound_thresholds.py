@@ -1,7 +1,7 @@
-"""Detect: what counts as a sound, the author's thresholds for every cause (Sims 1987, ch. 13).
+"""Sound thresholds: what counts as a sound, for every cause (Sims 1987, ch. 13).
 
-Whatever lasts has two thresholds, one to begin and a lower one to end, and two times: how long
-it must last to be heard, and how long a pause it survives. What stays near a threshold is then
+A lasting sound has two thresholds (hysteresis), one to start and a lower one to end, and two
+times: its least duration, and the longest pause within it. A signal near a threshold then makes
 one sound or none, never many.
 """
 
@@ -38,9 +38,9 @@ Factors = Annotated[
 
 
 class Cause(ConfigModel):
-    """What is said of every cause."""
+    """What every cause has."""
 
-    heard: bool = Field(True, description="False if nothing of this kind is to be noticed.")
+    heard: bool = Field(True, description="False for no sounds of this cause.")
     who: Pattern = Field("*", description="Whose, by name; `*` stands for any letters.")
 
 
@@ -106,12 +106,12 @@ class Bending(Lasting):
         return 0.5 * self.above_deg_s if self.below_deg_s is None else self.below_deg_s
 
 
-def _faults_of_ends(below: float, above: float, *words: str) -> Sequence[Fault]:
-    """Find an end that lies over the begin."""
+def _faults_of_ends(below: float, above: float, *keys: str) -> Sequence[Fault]:
+    """Find an end threshold above the start threshold."""
     if below <= above:
         return ()
-    message = f"should not be more than {words[1]}, which is {above:g}; is {below:g}"
-    return (Fault((words[0],), message),)
+    message = f"should not be more than {keys[1]}, which is {above:g}; is {below:g}"
+    return (Fault((keys[0],), message),)
 
 
 class Footfall(Blow):
@@ -201,11 +201,11 @@ class Breath(Cause):
 
 
 class Voiced(Blow):
-    """What somebody is heard of for what it goes through."""
+    """A sound that a person makes."""
 
 
 class Cry(Voiced):
-    """People who cry, for pain or for fear."""
+    """Cries of people, for pain or for fear."""
 
     above: Speed = Field(
         0.0,
@@ -215,7 +215,7 @@ class Cry(Voiced):
 
 
 class Hug(Voiced):
-    """People who close their arms around somebody."""
+    """Hugs, when the arms close around somebody."""
 
     above: Speed = Field(0.0, description="Least speed of the arms that is heard [m/s].")
     pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")

@@ -1,4 +1,4 @@
-"""Walk: how a figure walks (Sims, chapters 9 and 10)."""
+"""Walk: gait, speed and path of a walking figure (Sims, chapters 9 and 10)."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 
-CONTRADICTION = 1e-6
-"""Relative difference between stride and speed * cycle that is still rounding."""
+STRIDE_TOLERANCE = 1e-6
+"""Relative difference between stride and speed * cycle that is rounding."""
 
 
 class GaitPhases(ConfigModel):
@@ -37,13 +37,13 @@ class GaitPhases(ConfigModel):
     @model_validator(mode="after")
     def _same_legs(self) -> Self:
         lacking = [
-            Fault((side,), f"says nothing of leg '{leg}', which {other} names", at_key=True)
+            Fault((side,), f"lacks leg '{leg}', which {other} has", at_key=True)
             for side, other in (("up", "down"), ("down", "up"))
             for leg in getattr(self, other)
             if leg not in getattr(self, side)
         ]
         idle = [
-            Fault(("down", leg), "the foot must come down at another phase than it goes up")
+            Fault(("down", leg), "must differ from the foot-up phase")
             for leg, phase in self.down.items()
             if self.up.get(leg) == phase
         ]
@@ -69,10 +69,10 @@ GaitName = Literal[
 ]
 
 
-def _form_of_gait(words: Any) -> str | None:
-    if isinstance(words, str):
+def _form_of_gait(value: Any) -> str | None:
+    if isinstance(value, str):
         return "a gait by name"
-    return "a gait written out" if isinstance(words, Mapping | GaitPhases) else None
+    return "a gait written out" if isinstance(value, Mapping | GaitPhases) else None
 
 
 Gait = Annotated[
@@ -88,7 +88,7 @@ GAIT = (
 
 
 class Manner(ConfigModel):
-    """How a figure sets its feet; what is left out is chosen to suit its legs."""
+    """Gait and posture of a walking figure; keys left out are chosen to suit its legs."""
 
     gait: Gait = Field("trot", description=GAIT)
     legs: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)] | None = Field(
@@ -127,7 +127,7 @@ class Manner(ConfigModel):
         if self.cycle is None or self.speed is None or self.stride is None:
             return self
         product = self.speed * self.cycle
-        if abs(self.stride - product) > CONTRADICTION * max(self.stride, product):
+        if abs(self.stride - product) > STRIDE_TOLERANCE * max(self.stride, product):
             message = (
                 f"stride = speed * cycle, but {self.speed:g} * {self.cycle:g} = {product:.9g}, "
                 f"not {self.stride:g}; leave one of the three out, or take stride: {product:.9g}, "
@@ -138,7 +138,7 @@ class Manner(ConfigModel):
 
 
 class Walk(Manner):
-    """How a figure walks, and which way."""
+    """Gait and path of a walking figure."""
 
     path: Annotated[tuple[Point, ...], Field(max_length=1000)] = Field(
         (),
@@ -154,7 +154,7 @@ class Walk(Manner):
     @model_validator(mode="after")
     def _path_leads_somewhere(self) -> Self:
         faults = [
-            Fault(("path", i), "is where the one before is; give another place")
+            Fault(("path", i), "repeats the place before it; write another")
             for i in range(1, len(self.path))
             if self.path[i] == self.path[i - 1]
         ]

@@ -38,10 +38,10 @@ from pipeline.spec.source_tree import (
 )
 from pipeline.spec.yaml_scalars import Scalar, scalar_of
 
-MOST_VALUES = 100_000
+MAX_VALUES = 100_000
 """Values of a file after its aliases are written out."""
 
-DEEPEST = 48
+MAX_DEPTH = 48
 """Levels of lists and mappings in each other."""
 
 _CORE = "tag:yaml.org,2002:"
@@ -172,8 +172,8 @@ class _Reader:
             raise self._stop(event, "one file holds one document, and a second one begins here")
 
     def _begin(self, event: SequenceStartEvent | MappingStartEvent) -> None:
-        if len(self._open) >= DEEPEST:
-            raise self._stop(event, f"lists and mappings go deeper than {DEEPEST} levels")
+        if len(self._open) >= MAX_DEPTH:
+            raise self._stop(event, f"lists and mappings go deeper than {MAX_DEPTH} levels")
         is_table = isinstance(event, MappingStartEvent)
         core = "map" if is_table else "seq"
         refused = event.tag not in (None, "!", _CORE + core)
@@ -219,8 +219,8 @@ class _Reader:
         if parent and parent.is_table and parent.key is None and isinstance(tree, ScalarNode):
             self._take_key(parent, event, tree.value)
             return
-        if len(self._open) + tree.height > DEEPEST:
-            raise self._stop(event, f"lists and mappings go deeper than {DEEPEST} levels")
+        if len(self._open) + tree.height > MAX_DEPTH:
+            raise self._stop(event, f"lists and mappings go deeper than {MAX_DEPTH} levels")
         self._attach(tree, None, event)
 
     def _attach(
@@ -231,9 +231,9 @@ class _Reader:
         self._values += 1
         parent = self._open[-1] if self._open else None
         size = tree.size + (parent.size if parent else 0)
-        if max(size, self._values) > MOST_VALUES:
+        if max(size, self._values) > MAX_VALUES:
             place = self._place(alias) if alias else tree.place
-            message = f"holds more than {MOST_VALUES} values"
+            message = f"holds more than {MAX_VALUES} values"
             message += " when its aliases are written out" if alias else ""
             raise _Stop(place.problem(self._path(), message))
         if parent is None:
@@ -342,7 +342,7 @@ def _place(file: str, lines: Sequence[str], line: int, column: int) -> SourceLoc
     return SourceLocation(file, line + 1, column + 1, lines[line] if line < len(lines) else "")
 
 
-MOST_BYTES = 8 * 2**20
+MAX_FILE_BYTES = 8 * 2**20
 _BOM = b"\xef\xbb\xbf"
 
 
@@ -357,7 +357,7 @@ def read_file(path: Path) -> tuple[MappingNode | None, list[Problem]]:
         if path.is_dir():
             return None, [Problem("", "is a folder, not a file", file)]
         with path.open("rb") as stream:
-            content = stream.read(MOST_BYTES + 1)
+            content = stream.read(MAX_FILE_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         return None, [Problem("", f"cannot be read: {reason}", file)]
@@ -374,8 +374,8 @@ def read_bytes(content: bytes, file: str) -> tuple[MappingNode | None, list[Prob
     Returns:
         Its mapping, None if there is none to go on with, and what is wrong so far.
     """
-    if len(content) > MOST_BYTES:
-        return None, [Problem("", f"is larger than {MOST_BYTES // 2**20} MiB", file)]
+    if len(content) > MAX_FILE_BYTES:
+        return None, [Problem("", f"is larger than {MAX_FILE_BYTES // 2**20} MiB", file)]
     content = content.removeprefix(_BOM)
     try:
         text = content.decode("utf-8")

@@ -54,7 +54,7 @@ def thrown(
         for i, one in enumerate(words)
     ]
     world = World(ground, Clock(24, 1), 1)  # type: ignore[arg-type]
-    bouncing = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).bouncing
+    bouncing = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).dynamics
     if state is not None:
         bouncing.state.put(np.arange(len(cast)), state)
         bouncing.look()

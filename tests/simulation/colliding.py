@@ -9,7 +9,8 @@ import numpy as np
 from pipeline.simulation.bodies.body_model import CUBE_CORNERS
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
-from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld, Strike
+from pipeline.simulation.dynamics.mujoco_bodies import Collider
+from pipeline.simulation.dynamics.mujoco_world import MujocoWorld, Strike
 from pipeline.simulation.dynamics.rigid_body import BodyModel, State
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField

@@ -63,7 +63,7 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
         (colliders,) = Simulation(scene).troupes
         assert isinstance(colliders, ColliderTroupe)
-        assert len(colliders.blocks) == scene.cast[0].many.total
+        assert len(colliders.bodies) == scene.cast[0].many.total
         assert read_scene(dump(scene)) == scene
 
 

@@ -222,7 +222,7 @@ def test_unreachable_goal_is_approached_and_noted_once() -> None:
         ("{at: 1, joints: {elbow_deg: 4}}", "no joint 'elbow_deg', did you mean"),
         ("{at: 1, joints: {elbow_r_deg: 400}}", "goes from -2.29 to 148 degrees, not to 400"),
         ("{at: 1, limb: arm_r}", "say what it is to do: reach or aim or turn_deg"),
-        ("{at: 1, reach: [0, 0, 0]}", "say of which limb or node"),
+        ("{at: 1, reach: [0, 0, 0]}", "needs limb or node"),
         ("{at: 1, limb: arm_r, node: hand_r, reach: [0, 0, 0]}", "either limb or node"),
         ("{at: 1, limb: arm_r, aim: [0, 0, 0]}", "points nowhere"),
         ("{at: 1}", "should have limb, node, joints, body or release"),

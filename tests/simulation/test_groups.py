@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.bodies.groups.counter_random import CounterRandom
-from pipeline.simulation.bodies.groups.group_troupe import RULES
+from pipeline.simulation.bodies.groups.group_troupe import GROUP_RULES
 from pipeline.simulation.bodies.groups.steering import MAX_SPEED, MIN_SPEED, nearest_members
 from pipeline.simulation.bodies.groups.swarm import oscillated
 from pipeline.simulation.simulate import Simulation, simulate
@@ -62,10 +62,10 @@ def velocities(take: Take) -> Array:
 
 @pytest.mark.slow
 def test_every_rule_is_implemented_and_in_a_scene() -> None:
-    assert set(WORDS) == set(RULES)
+    assert set(WORDS) == set(GROUP_RULES)
     scenes = [load_scene(library() / f"{name}.yaml") for name in shipped_scenes()]
     groups = [m.group for s in scenes for m in s.cast if isinstance(m, Group)]
-    assert {type(group) for group in groups} == set(RULES)
+    assert {type(group) for group in groups} == set(GROUP_RULES)
 
 
 @pytest.mark.slow
@@ -355,7 +355,7 @@ def test_refuses(cast: list[str], message: str) -> None:
     ("rule", "script", "message"),
     [
         ("rain", "{at: 1, who: they, do: {go_to: [1, 1]}}", "no script moves"),
-        ("flock", "{at: 1, who: they, do: stop}", "all it can be told is go_to"),
+        ("flock", "{at: 1, who: they, do: stop}", "a group, which can only go_to"),
         ("flock", "{when: {arrived: they}, who: they, do: {go_to: [1, 1]}}", "never arrives"),
     ],
 )

@@ -92,7 +92,7 @@ def test_the_same_scene_gives_the_same_bytes() -> None:
 def test_a_body_without_height_stands_on_the_ground() -> None:
     simulation = Simulation(scene_of("{body: {shape: cube}, at: [1, 2]}", terrain="hills"))
     (troupe,) = simulation.troupes
-    assert abs(troupe.bouncing.depths()[0]) < 1e-6  # type: ignore[attr-defined]
+    assert abs(troupe.dynamics.depths()[0]) < 1e-6  # type: ignore[attr-defined]
 
 
 def test_what_leaves_the_terrain_is_dropped() -> None:
@@ -122,7 +122,7 @@ def test_a_mesh_is_its_hull(tmp_path: Path) -> None:
     scene = load_scene(path)
     (troupe,) = Simulation(scene).troupes
     expected = trimesh.creation.icosphere(subdivisions=1, radius=0.2).volume * 600.0
-    assert troupe.bouncing.bodies.mass[0] == pytest.approx(expected, rel=1e-6)  # type: ignore[attr-defined]
+    assert troupe.dynamics.bodies.mass[0] == pytest.approx(expected, rel=1e-6)  # type: ignore[attr-defined]
     before = simulation_key(scene)
     trimesh.creation.icosphere(subdivisions=1, radius=0.3).export(tmp_path / "stone.obj")
     assert simulation_key(load_scene(path)) != before

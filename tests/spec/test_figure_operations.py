@@ -377,8 +377,8 @@ MISTAKES = [
      "10000 m, or be too small or too large"),
     ("§{move: [knee_l], translate: [1, 0]}", "", "nodes 'hip' and 'knee_l' are at the same place, "
      "so the link has no length"),
-    ("{move: §selected, translate: [1, 0]}", ".move", "no node is selected here; say which with "
-     "select before it"),
+    ("{move: §selected, translate: [1, 0]}", ".move", "no node is selected here; write a select "
+     "before it"),
     ("{select: §previous}", ".select", "nothing was selected before"),
     ("{select: §[[9, 9], [8, 9], [8, 8]]}", ".select", "there is no node inside this outline"),
     ("{select: §[[9, 9], [8, 9]]}", ".select", "must hold at least 3 values, holds 2"),
@@ -389,7 +389,7 @@ MISTAKES = [
      "'foot_r'?"),
     ("{connect: §[hip]}", ".connect", "a chain connects at least 2 nodes"),
     ("{connect: [hip, §hip]}", ".connect[1]", "node 'hip' is connected to itself"),
-    ("{mirror: x, nodes: §selected}", ".nodes", "no node is selected here; say which with select "
+    ("{mirror: x, nodes: §selected}", ".nodes", "no node is selected here; write a select "
      "before it"),
     ("{mirror: x, §node: [hip]}", ".node", "unknown key, did you mean 'nodes'?"),
 ]  # fmt: skip

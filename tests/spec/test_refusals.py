@@ -217,9 +217,9 @@ ONE_MISTAKE = [
     ("{speed: 0.5}", "{duty: §1.5}", "cast[0].walk.duty",
      "must be at most 0.95, is 1.5"),
     ("{speed: 0.5}", "{gait: {up: {l1: 0, r1: 0.5}, §down: {l1: 0.5}}}", "cast[0].walk.gait.down",
-     "says nothing of leg 'r1', which up names"),
+     "lacks leg 'r1', which up has"),
     ("{speed: 0.5}", "{gait: {up: {l1: 0.5}, down: {l1: §0.5}}}", "cast[0].walk.gait.down.l1",
-     "the foot must come down at another phase than it goes up"),
+     "must differ from the foot-up phase"),
     # Figures.
     ("[head, hip]", "[§haed, hip]", "figures.bug.chains[0][0]",
      "no node is called 'haed', did you mean 'head'?"),

@@ -19,12 +19,12 @@ from pipeline.spec.body import Heap, Pyramid, Row, Stack, Wall
 
 @dataclass(frozen=True, eq=False)
 class Placements:
-    """Where n bodies begin, relative to the place and the heading of the whole.
+    """Initial poses of n bodies, relative to place and heading of the arrangement.
 
     Attributes:
-        p: (n, 3) middles of the boxes around them; y from the ground [m].
+        p: (n, 3) centres of their bounding boxes; y from the ground [m].
         R: (n, 3, 3).
-        on_ground: whether each is put on the ground below it, y left aside.
+        on_ground: whether each body is put on the ground below it; y is then ignored.
     """
 
     p: Array
@@ -36,39 +36,36 @@ Extent = Array
 """(3,) of one body along its axes [m]."""
 
 SAMPLES_PER_POINT = 64
-"""Places on a smooth line for each that it was drawn through."""
+"""Points on a smooth line for each point that it passes."""
 
 ROW_OFFSET = 0.4
-"""How far neighbouring rows of a wall are moved, in bodies: those at the ends, which are
-whole, would fall from half of one."""
+"""Offset of neighbouring rows of a wall, in bodies: at one half the whole bodies at the ends would
+fall."""
 
 HEAP_SPACING = 1.05
-"""Between bodies in a heap, in their greatest extent."""
+"""Spacing of bodies in a heap, in their diagonals."""
 
 
-def _wall(words: Wall, extent: Extent, chance: np.random.Generator) -> Placements:
-    """Return the places of a wall."""
-    rows, columns = np.divmod(np.arange(words.rows * words.columns), words.columns)
-    moved = columns - 0.5 * (words.columns - 1) + ROW_OFFSET * (rows % 2 - 0.5)
-    return _stacked_rows(rows, moved, words.gap, extent)
+def _wall(config: Wall, extent: Extent, rng: np.random.Generator) -> Placements:
+    rows, columns = np.divmod(np.arange(config.rows * config.columns), config.columns)
+    moved = columns - 0.5 * (config.columns - 1) + ROW_OFFSET * (rows % 2 - 0.5)
+    return _stacked_rows(rows, moved, config.gap, extent)
 
 
-def _pyramid(words: Pyramid, extent: Extent, chance: np.random.Generator) -> Placements:
-    """Return the places of a pyramid that is one body deep."""
-    return _centred_rows(np.arange(words.rows, 0, -1), words.gap, extent)
+def _pyramid(config: Pyramid, extent: Extent, rng: np.random.Generator) -> Placements:
+    return _centred_rows(np.arange(config.rows, 0, -1), config.gap, extent)
 
 
 def _centred_rows(lengths: NDArray[np.int64], gap: float, extent: Extent) -> Placements:
-    """Return rows of such lengths, each in the middle of the one below."""
+    """Returns rows of given lengths, each centred on the one below."""
     rows = np.repeat(np.arange(len(lengths)), lengths)
     columns = np.concatenate([np.arange(n) - 0.5 * (n - 1) for n in lengths])
     return _stacked_rows(rows, columns, gap, extent)
 
 
-def _stack(words: Stack, extent: Extent, chance: np.random.Generator) -> Placements:
-    """Return the places of a stack."""
-    rows = np.arange(words.count)
-    return _stacked_rows(rows, np.zeros(words.count), 0.0, extent)
+def _stack(config: Stack, extent: Extent, rng: np.random.Generator) -> Placements:
+    rows = np.arange(config.count)
+    return _stacked_rows(rows, np.zeros(config.count), 0.0, extent)
 
 
 def _stacked_rows(rows: Any, columns: Any, gap: float, extent: Extent) -> Placements:
@@ -78,11 +75,11 @@ def _stacked_rows(rows: Any, columns: Any, gap: float, extent: Extent) -> Placem
     return Placements(p, np.tile(np.eye(3), (len(p), 1, 1)))
 
 
-def _row(words: Row, extent: Extent, chance: np.random.Generator) -> Placements:
-    """Return the places of a row, each looking along it."""
-    way = _smooth_line(np.array([(0.0, 0.0), *words.along]))
+def _row(config: Row, extent: Extent, rng: np.random.Generator) -> Placements:
+    """Returns the poses of a row whose bodies face along it."""
+    way = _smooth_line(np.array([(0.0, 0.0), *config.along]))
     gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(way, axis=0).T))]
-    at = np.arange(words.count) * words.spacing
+    at = np.arange(config.count) * config.spacing
     x, z = (np.interp(at, gone, way[:, k]) for k in (0, 1))
     ahead = (way[-1] - way[-2]) / np.hypot(*(way[-1] - way[-2]))
     beyond = np.maximum(at - gone[-1], 0.0)
@@ -93,7 +90,7 @@ def _row(words: Row, extent: Extent, chance: np.random.Generator) -> Placements:
 
 
 def _smooth_line(points: Array) -> Array:
-    """Return many places (m, 2) along a smooth line through places (n, 2), none twice."""
+    """Returns many points (m, 2) along a smooth line through points (n, 2)."""
     if len(points) == 1:
         return np.array([(0.0, 0.0), (1.0, 0.0)])
     gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T))]
@@ -101,16 +98,16 @@ def _smooth_line(points: Array) -> Array:
     return track(np.linspace(0.0, gone[-1], SAMPLES_PER_POINT * len(points)))
 
 
-def _heap(words: Heap, extent: Extent, chance: np.random.Generator) -> Placements:
-    """Return places in a column of air, layer upon layer, and chance attitudes."""
+def _heap(config: Heap, extent: Extent, rng: np.random.Generator) -> Placements:
+    """Returns positions in layers above the ground, and random attitudes."""
     cell = HEAP_SPACING * float(np.sqrt((extent * extent).sum()))
-    side = np.arange(-(words.radius // cell), words.radius // cell + 1.0) * cell
+    side = np.arange(-(config.radius // cell), config.radius // cell + 1.0) * cell
     x, z = (values.ravel() for values in np.meshgrid(side, side))
-    inside = np.hypot(x, z) <= words.radius
+    inside = np.hypot(x, z) <= config.radius
     x, z = x[inside], z[inside]
-    layer, place = np.divmod(np.arange(words.count), len(x))
-    p = np.stack([x[place], words.above + (layer + 0.5) * cell, z[place]], axis=1)
-    q = chance.normal(size=(words.count, 4))
+    layer, place = np.divmod(np.arange(config.count), len(x))
+    p = np.stack([x[place], config.above + (layer + 0.5) * cell, z[place]], axis=1)
+    q = rng.normal(size=(config.count, 4))
     return Placements(p, matrix(q / np.sqrt((q * q).sum(axis=1, keepdims=True))))
 
 
@@ -123,12 +120,12 @@ LAYOUTS: dict[type[Any], Callable[[Any, Extent, np.random.Generator], Placements
 }
 
 
-def arrange(words: Any, extent: Extent, chance: np.random.Generator) -> Placements:
-    """Return where the bodies of an arrangement begin.
+def arrange(config: Any, extent: Extent, rng: np.random.Generator) -> Placements:
+    """Returns the initial poses of the bodies of an arrangement.
 
     Args:
-        words: of the arrangement.
+        config: of the arrangement.
         extent: of one body.
-        chance: whence heaps have their attitudes.
+        rng: for the attitudes in heaps.
     """
-    return LAYOUTS[type(words)](words, extent, chance)
+    return LAYOUTS[type(config)](config, extent, rng)

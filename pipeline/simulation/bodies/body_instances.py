@@ -15,35 +15,37 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.arrangements import Placements, arrange
-from pipeline.simulation.bodies.body_model import build_body, mesh_of, seen_of
+from pipeline.simulation.bodies.body_meshes import visible_solids
+from pipeline.simulation.bodies.body_model import build_body
 from pipeline.simulation.dynamics.mujoco_bodies import Collider
 from pipeline.simulation.dynamics.rigid_body import BodyModel, State, unrotate
+from pipeline.simulation.inventory import Inventory, rigid_mesh
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, quaternion, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.troupe import Inventory, World
+from pipeline.simulation.troupe import World
 from pipeline.spec.body import Body, Box, Brick, Cube, Many
 
 PERIMETER_SAMPLES = 33
-"""Places around a body at which the ground is looked at."""
+"""Points around a body at which the height of the ground is sampled."""
 
 
 @dataclass(frozen=True, eq=False)
 class BodyInstance:
-    """One body and how it begins.
+    """One body and its initial motion.
 
     Attributes:
         name: of its node.
-        performer: whose it is.
-        part: its name among the performer's, empty if it is all there is.
-        path: where it stands in the scene.
-        words: of the body.
+        performer: name of its performer.
+        part: its name among the performer's parts, empty for a single body.
+        path: of its place in the scene.
+        config: model of the body in the scene.
         material: by name.
         collider: its mass and shape.
         size: characteristic length [m].
-        p: (3,) where its centre of mass begins; y is left aside if `on_ground` [m].
+        p: (3,) initial centre of mass; y is ignored if `on_ground` [m].
         R: (3, 3).
         v: (3,) [m/s].
         w: (3,) in the world [rad/s].
@@ -54,7 +56,7 @@ class BodyInstance:
     performer: str
     part: str
     path: str
-    words: Any
+    config: Any
     material: str
     collider: Collider
     size: float
@@ -64,42 +66,47 @@ class BodyInstance:
     w: Array
     on_ground: bool
 
+    @property
+    def model(self) -> BodyModel:
+        """Mass, hull and contact properties."""
+        return self.collider.build
+
 
 def instantiate_bodies(
     cast: Sequence[tuple[int, Body | Many]], world: World, materials: Sequence[str]
 ) -> list[BodyInstance]:
-    """Return all bodies.
+    """Returns all bodies of performers, each with its number in the cast.
 
     Raises:
-        SceneError: shapes are no solids, or a name is taken.
+        SceneError: if a shape is no solid.
     """
-    blocks, problems = list[BodyInstance](), list[Problem]()
+    instances, problems = list[BodyInstance](), list[Problem]()
     for (i, member), material in zip(cast, materials, strict=True):
         try:
-            blocks += _instances_of(i, member, world, material)
+            instances += _instances_of(i, member, world, material)
         except SceneError as error:
             problems += error.problems
     if problems:
         raise SceneError(problems)
-    return blocks
+    return instances
 
 
 def _instances_of(i: int, member: Body | Many, world: World, material: str) -> list[BodyInstance]:
     if isinstance(member, Body):
-        words, path = member.body, f"cast[{i}].body"
+        config, path = member.body, f"cast[{i}].body"
     else:
-        words, path = member.many.of, f"cast[{i}].many.of"
-    build = _cached_model(words, path)
-    half = _half_extent(words)
-    block = BodyInstance(
+        config, path = member.many.of, f"cast[{i}].many.of"
+    model = _cached_model(config, path)
+    low, high = _bounding_box(model)
+    instance = BodyInstance(
         name=member.name,
         performer=member.name,
         part="",
         path=f"cast[{i}].at",
-        words=words,
+        config=config,
         material=material,
-        collider=Collider(build, half),
-        size=_size(build),
+        collider=Collider(model, _half_extent(config)),
+        size=float((high - low).max()),
         p=np.array([member.at[0], member.at[1] if len(member.at) == 3 else 0.0, member.at[-1]]),
         R=heading(math.radians(member.heading_deg)),
         v=np.array(member.velocity, dtype=float),
@@ -107,28 +114,28 @@ def _instances_of(i: int, member: Body | Many, world: World, material: str) -> l
         on_ground=len(member.at) == 2,
     )
     if isinstance(member, Body):
-        look = rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
+        own = rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
         w = np.radians(np.array(member.spin_deg, dtype=float))
-        return [replace(block, R=block.R @ look, w=w)]
-    return _arranged_instances(member, block, world)
+        return [replace(instance, R=instance.R @ own, w=w)]
+    return _arranged_instances(member, instance, world)
 
 
-def _arranged_instances(member: Many, block: BodyInstance, world: World) -> list[BodyInstance]:
-    """Return the bodies of an arrangement, of which `block` has what they share."""
-    chance = generator(world.seed, member.name)
-    low, high = _bounding_box(block.collider.build)
-    spots = arrange(member.many, high - low, chance)
-    picked = chance.integers(0, max(len(member.many.materials), 1), len(spots.p))
-    places = _arranged_positions(member, block, spots, (low, high), world.ground)
+def _arranged_instances(member: Many, shared: BodyInstance, world: World) -> list[BodyInstance]:
+    """Returns the bodies of an arrangement; `shared` has what they have in common."""
+    rng = generator(world.seed, member.name)
+    low, high = _bounding_box(shared.model)
+    placements = arrange(member.many, high - low, rng)
+    picked = rng.integers(0, max(len(member.many.materials), 1), len(placements.p))
+    places = _arranged_positions(member, shared, placements, (low, high), world.ground)
     return [
         replace(
-            block,
+            shared,
             name=f"{member.name}_{k + 1}",
             part=f"{member.name}_{k + 1}",
-            material=member.many.materials[picked[k]] if member.many.materials else block.material,
+            material=member.many.materials[picked[k]] if member.many.materials else shared.material,
             p=places[k],
-            R=block.R @ spots.R[k],
-            on_ground=spots.on_ground,
+            R=shared.R @ placements.R[k],
+            on_ground=placements.on_ground,
         )
         for k in range(len(places))
     ]
@@ -136,32 +143,32 @@ def _arranged_instances(member: Many, block: BodyInstance, world: World) -> list
 
 def _arranged_positions(
     member: Many,
-    block: BodyInstance,
-    spots: Placements,
+    shared: BodyInstance,
+    placements: Placements,
     bounds: tuple[Array, Array],
     ground: Ground,
 ) -> Array:
-    """Return where the centres of mass (n, 3) of an arrangement begin [m].
+    """Returns the initial centres of mass (n, 3) of an arrangement [m].
 
     Args:
         member: the arrangement.
-        block: what its bodies share.
-        spots: where they stand.
+        shared: properties that its bodies have in common.
+        placements: their poses relative to the arrangement.
         bounds: corners (3,) of the box around one, from its centre of mass [m].
-        ground: that they stand on.
+        ground: the ground below.
     """
     middle, half = 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[1] - bounds[0])
-    p: Array = block.p + turn(block.R, spots.p) - turn(block.R @ spots.R, middle)
-    if not spots.on_ground and len(member.at) == 2:
+    p: Array = shared.p + turn(shared.R, placements.p) - turn(shared.R @ placements.R, middle)
+    if not placements.on_ground and len(member.at) == 2:
         # A wall is level, and stands on the highest ground below it.
         radius = float(np.sqrt((half * half).sum()) + np.sqrt((middle * middle).sum()))
-        lowest = spots.p[:, 1] <= spots.p[:, 1].min() + 1e-9
+        lowest = placements.p[:, 1] <= placements.p[:, 1].min() + 1e-9
         p[:, 1] += _highest_ground(ground, p[lowest][:, [0, 2]], radius)
     return p
 
 
 def _highest_ground(ground: Ground, places: Array, radius: float) -> float:
-    """Return the greatest height of the ground around places (n, 2): at a vertex, or near by."""
+    """Returns the greatest height of the ground around positions (n, 2), at vertices or near."""
     angle = np.linspace(0.0, 2.0 * np.pi, PERIMETER_SAMPLES)
     x = places[:, :1] + radius * np.cos(angle)
     z = places[:, 1:] + radius * np.sin(angle)
@@ -176,51 +183,46 @@ def _highest_ground(ground: Ground, places: Array, radius: float) -> float:
 
 
 @cache
-def _cached_model(words: Any, path: str) -> BodyModel:
-    """Return the build of a body; what is alike is built once."""
-    return build_body(words, path)
+def _cached_model(config: Any, path: str) -> BodyModel:
+    return build_body(config, path)
 
 
-def _half_extent(words: Any) -> Array | None:
-    """Return half the extent of a box, None of what is none [m]."""
-    if isinstance(words, Box | Brick):
-        return 0.5 * np.array(words.size)
-    return np.full(3, 0.5 * words.size) if isinstance(words, Cube) else None
+def _half_extent(config: Any) -> Array | None:
+    """Returns half the extent of a box, None for other shapes [m]."""
+    if isinstance(config, Box | Brick):
+        return 0.5 * np.array(config.size)
+    return np.full(3, 0.5 * config.size) if isinstance(config, Cube) else None
 
 
-def _bounding_box(build: BodyModel) -> tuple[Array, Array]:
-    """Return the corners (3,) of the box around a body [m]."""
-    if build.hull is None:
-        return np.full(3, -build.radius), np.full(3, build.radius)
-    return build.hull.vertices.min(axis=0), build.hull.vertices.max(axis=0)
+def _bounding_box(model: BodyModel) -> tuple[Array, Array]:
+    """Returns the corners (3,) of the box around a body [m]."""
+    if model.hull is None:
+        return np.full(3, -model.radius), np.full(3, model.radius)
+    return model.hull.vertices.min(axis=0), model.hull.vertices.max(axis=0)
 
 
-def _size(build: BodyModel) -> float:
-    low, high = _bounding_box(build)
-    return float((high - low).max())
-
-
-def initial_state(blocks: Sequence[BodyInstance], ground: Ground) -> tuple[State, list[bool]]:
-    """Return how bodies begin, and which are yet to be put on the ground."""
-    R = np.array([block.R for block in blocks])
-    state = State(
-        np.array([block.p for block in blocks]),
+def initial_state(instances: Sequence[BodyInstance]) -> State:
+    """Returns the initial state of bodies."""
+    R = np.array([instance.R for instance in instances])
+    return State(
+        np.array([instance.p for instance in instances]),
         quaternion(R),
-        np.array([block.v for block in blocks]),
-        unrotate(R, np.array([block.w for block in blocks])),
+        np.array([instance.v for instance in instances]),
+        unrotate(R, np.array([instance.w for instance in instances])),
     )
-    return state, [block.on_ground for block in blocks]
 
 
-def body_inventory(blocks: Sequence[BodyInstance], rows: int) -> Inventory:
-    """Return what bodies add to the take."""
+def body_inventory(instances: Sequence[BodyInstance], rows: int) -> Inventory:
+    """Returns nodes, meshes and parts of bodies that live through all rows."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
-    seen = cache(seen_of)
-    for i, block in enumerate(blocks):
-        nodes.append(Node(block.name, block.performer, -1, (0.0, 0.0, 0.0)))
-        for suffix, solid, material in seen(block.words, block.collider.build, block.material):
+    solids_of = cache(visible_solids)
+    for i, instance in enumerate(instances):
+        nodes.append(Node(instance.name, instance.performer, -1, (0.0, 0.0, 0.0)))
+        for suffix, solid, material in solids_of(
+            instance.config, instance.model, instance.material
+        ):
             size = float(np.ptp(solid.vertices, axis=0).max())
-            name = block.name + suffix
-            parts.append(Part(name, block.performer, len(meshes), material, size, (0, rows)))
-            meshes.append(mesh_of(solid, i))
+            name = instance.name + suffix
+            parts.append(Part(name, instance.performer, len(meshes), material, size, (0, rows)))
+            meshes.append(rigid_mesh(solid, i))
     return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts))

@@ -6,26 +6,29 @@ hull of the smaller ones has a strip for each edge and a small polygon for each 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import MassError
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.figures.solids import Solid
+from pipeline.simulation.dynamics.rigid_body import BodyModel
+from pipeline.simulation.figures.solids import Solid, ball_solid
 from pipeline.simulation.spatial import Array, cross, normalized
 
 BEVEL_WIDTH = 0.02
-"""Width that facets lose, as a part of the extent of the body."""
+"""Width that facets lose, relative to the extent of the body."""
 
 MAX_INSET = 0.3
-"""Most of it, as a part of the distance of a facet's middle from its sides."""
+"""Largest inset, relative to the distance of a facet's centre from its sides."""
 
 MAX_BEVELLED_FACETS = 64
-"""Bodies of more are round enough."""
+"""Bodies with more facets are not bevelled."""
 
 
 def bevelled(hull: Hull) -> Solid:
-    """Return the surface that is seen, each facet with vertices of its own."""
+    """Returns the visible surface, each facet with its own vertices."""
     if len(hull.facets) <= MAX_BEVELLED_FACETS:
         width = BEVEL_WIDTH * float(np.ptp(hull.vertices, axis=0).max())
         shrunk = [
@@ -40,7 +43,7 @@ def bevelled(hull: Hull) -> Solid:
 
 
 def _inset_polygon(polygon: Array, normal: Array, width: float) -> Array:
-    """Return a convex polygon (n, 3) whose sides have moved inward."""
+    """Returns a convex polygon (n, 3) whose sides are moved inward."""
     sides = normalized(np.roll(polygon, -1, axis=0) - polygon)
     inward = cross(np.broadcast_to(normal, sides.shape), sides)
     middle = polygon.mean(axis=0)
@@ -53,7 +56,7 @@ def _inset_polygon(polygon: Array, normal: Array, width: float) -> Array:
 
 
 def _flat_shaded(hull: Hull) -> Solid:
-    """Return a hull whose facets share no vertices, so that each is shaded flat."""
+    """Returns a hull whose facets share no vertices, for flat shading."""
     vertices, faces, first = [], [], 0
     for facet in hull.facets:
         n = len(facet)
@@ -66,8 +69,14 @@ def _flat_shaded(hull: Hull) -> Solid:
 
 PIP_MATERIAL = "rubber"
 
-PIP_RADIUS, PIP_SPREAD, PIP_HEIGHT = 0.085, 0.25, 0.003
-"""Of a pip, of its place from the middle of the face, and how far it stands out, in edges."""
+PIP_RADIUS = 0.085
+"""Radius of a pip, in edges."""
+
+PIP_SPREAD = 0.25
+"""Distance of a pip from the centre lines of the face, in edges."""
+
+PIP_HEIGHT = 0.003
+"""Height of a pip above the face, in edges."""
 
 PIP_SIDES = 20
 
@@ -81,11 +90,15 @@ PIP_PLACES = {
 }
 
 FACE_AXES = {1: (1, 1.0), 6: (1, -1.0), 2: (0, 1.0), 5: (0, -1.0), 3: (2, 1.0), 4: (2, -1.0)}
-"""The axis that looks out of each face, and its sign."""
+"""Axis and sign of the outward normal of each face of a die."""
 
 
 def pips(edge: float) -> Solid:
-    """Return the pips of a die of this edge about its middle [m]."""
+    """Returns the pips of a die about its centre; opposite faces add up to seven.
+
+    Args:
+        edge: of the die [m].
+    """
     angle = np.arange(PIP_SIDES) * (2.0 * np.pi / PIP_SIDES)
     vertices, faces = list[Array](), list[NDArray[np.int64]]()
     for number, (axis, sign) in FACE_AXES.items():
@@ -103,3 +116,13 @@ def pips(edge: float) -> Solid:
             vertices.append(edge * disc)
             faces.append(first + turn)
     return Solid(np.concatenate(vertices), np.concatenate(faces).astype(np.uint32))
+
+
+def visible_solids(config: Any, build: BodyModel, material: str) -> list[tuple[str, Solid, str]]:
+    """Returns the visible solids of a body: suffix of the part's name, solid and material."""
+    if build.hull is None:
+        return [("", ball_solid(np.zeros(3), build.radius), material)]
+    seen = [("", bevelled(build.hull), material)]
+    if config.shape == "die":
+        seen.append((".pips", pips(config.size), PIP_MATERIAL))
+    return seen

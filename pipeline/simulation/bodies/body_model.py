@@ -17,13 +17,10 @@ from typing import Any
 import numpy as np
 
 from pipeline.errors import MassError, Problem, SceneError
-from pipeline.simulation.bodies.body_meshes import PIP_MATERIAL, bevelled, pips
 from pipeline.simulation.dynamics.hull import Hull, hull_of
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.rigid_body import BodyModel
-from pipeline.simulation.figures.solids import Solid, ball_solid
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Mesh
 from pipeline.simulation.terrain.height_files import MeshError, obj_vertices, ply_vertices
 from pipeline.spec.body import Box, Brick, Cube, HullBody, MeshBody, Regular, Sphere, Upright
 from pipeline.spec.model_base import WORLD_LIMIT
@@ -37,19 +34,16 @@ MESH_READERS = {".obj": obj_vertices, ".ply": ply_vertices}
 MAX_FILE_BYTES = 2**28
 
 
-def _box_points(words: Box | Brick) -> Array:
-    """Return the corners of a box."""
-    return CUBE_CORNERS * (0.5 * np.array(words.size))
+def _box_points(config: Box | Brick) -> Array:
+    return CUBE_CORNERS * (0.5 * np.array(config.size))
 
 
-def _cube_points(words: Cube) -> Array:
-    """Return the corners of a cube."""
-    return CUBE_CORNERS * (0.5 * words.size)
+def _cube_points(config: Cube) -> Array:
+    return CUBE_CORNERS * (0.5 * config.size)
 
 
-def _regular_points(words: Regular) -> Array:
-    """Return the corners of a regular solid."""
-    match words.shape:
+def _regular_points(config: Regular) -> Array:
+    match config.shape:
         case "tetrahedron":
             corners = CUBE_CORNERS[CUBE_CORNERS.prod(axis=1) > 0.0]
         case "octahedron":
@@ -61,44 +55,43 @@ def _regular_points(words: Regular) -> Array:
                 [CUBE_CORNERS, _golden_points(1.0 / GOLDEN_RATIO, GOLDEN_RATIO)]
             )
     radius = np.sqrt((corners[0] ** 2).sum())
-    result: Array = corners * (0.5 * words.size / radius)
+    result: Array = corners * (0.5 * config.size / radius)
     return result
 
 
 def _golden_points(a: float, b: float) -> Array:
-    """Return the 12 points (0, ±a, ±b) and those with their coordinates moved on."""
+    """Returns the 12 points (0, ±a, ±b) and their cyclic permutations."""
     signs = np.array(list(product((-1.0, 1.0), repeat=2)))
     flat = np.column_stack([np.zeros(4), signs * (a, b)])
     return np.concatenate([np.roll(flat, k, axis=1) for k in range(3)])
 
 
-def _upright_points(words: Upright) -> Array:
-    """Return the corners of a prism or a pyramid."""
-    angle = (np.arange(words.sides) + 0.5) * (2.0 * np.pi / words.sides)
-    ring = np.column_stack([np.sin(angle), np.zeros(words.sides), np.cos(angle)]) * words.radius
-    top = np.array([0.0, words.height, 0.0])
-    return np.concatenate([ring, ring + top if words.shape == "prism" else top[None]])
+def _upright_points(config: Upright) -> Array:
+    """Returns the corners of a prism or a pyramid."""
+    angle = (np.arange(config.sides) + 0.5) * (2.0 * np.pi / config.sides)
+    ring = np.column_stack([np.sin(angle), np.zeros(config.sides), np.cos(angle)]) * config.radius
+    top = np.array([0.0, config.height, 0.0])
+    return np.concatenate([ring, ring + top if config.shape == "prism" else top[None]])
 
 
-def _given_points(words: HullBody) -> Array:
-    """Return the points that the author gave."""
-    return np.array(words.points)
+def _given_points(config: HullBody) -> Array:
+    return np.array(config.points)
 
 
-def _mesh_points(words: MeshBody) -> Array:
-    """Return the vertices of a mesh file.
+def _mesh_points(config: MeshBody) -> Array:
+    """Returns the vertices of a mesh file.
 
     Raises:
-        NotRead: the file is no mesh that can be read.
+        MeshError: if the file is not a readable mesh.
     """
-    path = Path(words.file)
+    path = Path(config.file)
     reader = MESH_READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshError("it should end in .obj or .ply")
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
             raise MeshError(f"it is larger than {MAX_FILE_BYTES // 2**20} MiB")
-        vertices = words.scale * reader(path.read_bytes())
+        vertices = config.scale * reader(path.read_bytes())
     except OSError as error:
         raise MeshError(f"{error.strerror}") from None
     if not np.isfinite(vertices).all() or np.abs(vertices).max() > WORLD_LIMIT:
@@ -117,20 +110,20 @@ HULL_POINTS: dict[type[Any], Callable[[Any], Array]] = {
 }
 
 
-def body_hull(words: Any, path: str) -> Hull:
-    """Return the hull of a body that is no ball.
+def body_hull(config: Any, path: str) -> Hull:
+    """Returns the hull of a body that is not a ball.
 
     Args:
-        words: of the body.
-        path: where they stand in the scene.
+        config: of the body.
+        path: its path in the scene.
 
     Raises:
-        SceneError: its points or its file make no solid.
+        SceneError: if its points or its file are no solid.
     """
-    where = {"hull": ".points", "mesh": ".file"}.get(words.shape, "")
-    name = f"'{Path(words.file).name}' " if isinstance(words, MeshBody) else ""
+    where = {"hull": ".points", "mesh": ".file"}.get(config.shape, "")
+    name = f"'{Path(config.file).name}' " if isinstance(config, MeshBody) else ""
     try:
-        return hull_of(HULL_POINTS[type(words)](words))
+        return hull_of(HULL_POINTS[type(config)](config))
     except MeshError as error:
         message = f"{name}cannot be read: {error}"
     except MassError as error:
@@ -138,67 +131,46 @@ def body_hull(words: Any, path: str) -> Hull:
     raise SceneError([Problem(path + where, message)])
 
 
-def build_body(words: Any, path: str) -> BodyModel:
-    """Return a body as it is built.
+def build_body(config: Any, path: str) -> BodyModel:
+    """Returns the model of a body.
 
     Args:
-        words: of the body.
-        path: where they stand in the scene.
+        config: of the body.
+        path: its path in the scene.
 
     Raises:
-        SceneError: its shape is no solid.
+        SceneError: if its shape is no solid.
     """
-    if isinstance(words, Sphere):
-        mass = words.density * 4.0 / 3.0 * math.pi * words.radius**3
-        moment = 0.4 * mass * words.radius**2
+    if isinstance(config, Sphere):
+        mass = config.density * 4.0 / 3.0 * math.pi * config.radius**3
+        moment = 0.4 * mass * config.radius**2
         own, hull, radius = (
             MassProperties(mass, np.zeros(3), moment * np.eye(3)),
             None,
-            words.radius,
+            config.radius,
         )
     else:
-        hull = body_hull(words, path)
-        own, radius = mass_of_solid(hull.vertices, hull.faces, words.density), 0.0
+        hull = body_hull(config, path)
+        own, radius = mass_of_solid(hull.vertices, hull.faces, config.density), 0.0
         hull = replace(hull, vertices=hull.vertices - own.centre)
-    if words.inertia == "scalar":
+    if config.inertia == "scalar":
         own = _isotropic(own)
     return BodyModel(
         mass=own,
         hull=hull,
         radius=radius,
-        bounciness=words.bounciness,
-        friction=words.friction,
-        rolling=words.rolling if words.friction > 0.0 else 0.0,
-        soft=words.soft,
+        bounciness=config.bounciness,
+        friction=config.friction,
+        rolling=config.rolling if config.friction > 0.0 else 0.0,
+        soft=config.soft,
     )
 
 
 def _isotropic(mass: MassProperties) -> MassProperties:
-    """Return mass properties with the mean moment of inertia about every axis.
+    """Returns mass properties with the mean moment of inertia about every axis.
 
-    Source: Sims 1987, 7.1.1: "approximated to be a constant, independent of the axis". A
-    moment that is taken anew for each torque's axis, as in (7.10), gives a body more energy
-    than it was given.
+    Source: Sims 1987, 7.1.1: "approximated to be a constant, independent of the axis". A moment
+    computed anew for the axis of each torque, as in (7.10), gives a body more energy than was put
+    in.
     """
     return replace(mass, inertia=np.trace(mass.inertia) / 3.0 * np.eye(3))
-
-
-def seen_of(words: Any, build: BodyModel, material: str) -> list[tuple[str, Solid, str]]:
-    """Return what is seen of a body: names after its own, solids and materials."""
-    if build.hull is None:
-        return [("", ball_solid(np.zeros(3), build.radius), material)]
-    seen = [("", bevelled(build.hull), material)]
-    if words.shape == "die":
-        seen.append((".pips", pips(words.size), PIP_MATERIAL))
-    return seen
-
-
-def mesh_of(solid: Solid, node: int) -> Mesh:
-    """Return the mesh of a solid that follows one node."""
-    count = len(solid.vertices)
-    return Mesh(
-        solid.vertices.astype(np.float32),
-        solid.faces,
-        np.full((count, 2), node, dtype=np.int32),
-        np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
-    )

@@ -29,15 +29,15 @@ ZERO_VECTOR = (0.0, 0.0, 0.0)
 
 
 class PropPath(Protocol):
-    """Where one prop is, relative to its parent or the world; asked for at ascending times."""
+    """Pose of one prop relative to its parent or the world; queried at ascending times."""
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Return positions (m, 3) [m] and rotations (m, 3, 3) at `times` (m,) [s]."""
+        """Returns positions (m, 3) [m] and rotations (m, 3, 3) at `times` (m,) [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class KeyframePath:
-    """Along keyframes.
+    """Motion along keyframes.
 
     Attributes:
         position: (3,) [m] over time.
@@ -49,7 +49,7 @@ class KeyframePath:
 
     @classmethod
     def of(cls, member: Prop, start: Array, angles: Array) -> Self:
-        """Return the path along keyframes; what none of them says stays as it is at the start."""
+        """Returns the path along keyframes; values without keys stay as they start."""
         position = _track(member.keyframes, "position")
         looks = _track(member.keyframes, "rotation_deg")
         return cls(
@@ -63,7 +63,7 @@ class KeyframePath:
 
 
 class VelocityPath:
-    """By velocity."""
+    """Motion by given velocity."""
 
     def __init__(self, linear: Track, spin: Track, start: Array, R: Array) -> None:
         self.places = IntegratedMotion.by_velocity(PiecewisePolynomial.of(linear), start)
@@ -75,24 +75,24 @@ class VelocityPath:
 
 
 class ForcePath:
-    """By force."""
+    """Motion by given force and torque."""
 
     def __init__(
-        self, words: ForceMotion, mass: MassProperties, start: Array, angles: Array
+        self, config: ForceMotion, mass: MassProperties, start: Array, angles: Array
     ) -> None:
-        keys, weight = words.keys, np.array([0.0, GRAVITY if words.gravity else 0.0, 0.0])
-        force = _track(keys, "force") or _constant_track(np.array(words.force or ZERO_VECTOR))
-        torque = _track(keys, "torque") or _constant_track(np.array(words.torque or ZERO_VECTOR))
+        keys, weight = config.keys, np.array([0.0, GRAVITY if config.gravity else 0.0, 0.0])
+        force = _track(keys, "force") or _constant_track(np.array(config.force or ZERO_VECTOR))
+        torque = _track(keys, "torque") or _constant_track(np.array(config.torque or ZERO_VECTOR))
         pull = Track(force.times, force.values / mass.mass - weight, force.eases)
-        velocity = np.array(words.velocity)
-        drag = words.drag / mass.mass
+        velocity = np.array(config.velocity)
+        drag = config.drag / mass.mass
         self.places = IntegratedMotion.by_acceleration(
             PiecewisePolynomial.of(pull), start, velocity, drag
         )
-        spin = np.radians(np.array(words.spin_deg))
+        spin = np.radians(np.array(config.spin_deg))
         R = rotation_from_angles(angles)
         self.attitude = TorquedAttitude(
-            PiecewisePolynomial.of(torque), mass, R, spin, words.turning_drag
+            PiecewisePolynomial.of(torque), mass, R, spin, config.turning_drag
         )
 
     def at(self, times: Array) -> tuple[Array, Array]:
@@ -101,8 +101,8 @@ class ForcePath:
 
 
 def prop_path(member: Prop, start: Array) -> PropPath:
-    """Return the path of a prop that begins at `start` (3,) [m]."""
-    # Its heading turns it about the vertical, which its second angle does last of all.
+    """Returns the path of a prop that begins at `start` (3,) [m]."""
+    # The heading adds to the second angle, the last rotation about the vertical.
     angles = np.radians(np.array(member.rotation_deg))
     angles[1] += math.radians(member.heading_deg)
     if member.force is not None:
@@ -116,7 +116,7 @@ def prop_path(member: Prop, start: Array) -> PropPath:
 
 
 def velocity_keys(member: Prop) -> tuple[Sequence[VelocityKey], tuple[float, float, float]]:
-    """Return the keys of a prop's velocity, and the velocity of one that has none."""
+    """Returns the velocity keys of a prop, and its constant velocity without keys."""
     keys = tuple(key for key in member.velocity or () if isinstance(key, VelocityKey))
     numbers = [float(v) for v in member.velocity or () if not isinstance(v, VelocityKey)]
     x, y, z = numbers or ZERO_VECTOR
@@ -124,7 +124,7 @@ def velocity_keys(member: Prop) -> tuple[Sequence[VelocityKey], tuple[float, flo
 
 
 def prop_scale(member: Prop) -> Track | CyclicTrack | None:
-    """Return the scale of a prop over time, None for one that keeps its size."""
+    """Returns the scale of a prop over time, None for a constant size."""
     track = _track(member.keyframes, "scale", "factors")
     return None if track is None else _repeated(member, track)
 
@@ -136,18 +136,18 @@ def _repeated(member: Prop, track: Track) -> Track | CyclicTrack:
     return CyclicTrack.of(track, first, last - first)
 
 
-def prop_mass(shape: Shape, words: ForceMotion) -> MassProperties:
-    """Return the mass properties of a prop, by its shape."""
+def prop_mass(shape: Shape, config: ForceMotion) -> MassProperties:
+    """Returns the mass properties of a prop, by its shape."""
     solid = prop_solid(shape)
-    own = mass_of_solid(solid.vertices, solid.faces, words.density)
-    factor = 1.0 if words.mass is None else words.mass / own.mass
+    own = mass_of_solid(solid.vertices, solid.faces, config.density)
+    factor = 1.0 if config.mass is None else config.mass / own.mass
     return MassProperties(own.mass * factor, np.zeros(3), own.inertia * factor)
 
 
 def _track(
     keys: Sequence[Keyframe | VelocityKey | ForceKey], word: str, values: str = ""
 ) -> Track | None:
-    """Return the track of those keys that say `word`, None if none does."""
+    """Returns the track of the keys that set an attribute, None if none does."""
     said = [key for key in keys if getattr(key, word) is not None]
     if not said:
         return None

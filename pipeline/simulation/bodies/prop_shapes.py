@@ -15,17 +15,15 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.prop import BallShape, BoxShape, ConeShape, CylinderShape, GearShape, Shape
 
 CYLINDER_SIDES = 48
-"""Sides of a cylinder."""
+"""Sides of round shapes."""
 
 BEVEL_FRACTION = 0.04
-"""Of the edges of boxes and cylinders, as a part of their least extent: sharp ones look cut
-out of paper, since no light catches on them."""
+"""Bevel of edges, relative to the least extent: sharp edges catch no light and look cut out."""
 
 
-def _box(words: BoxShape) -> Solid:
-    """Return a box with bevelled edges."""
-    x, y, z = (extent / 2.0 for extent in words.size)
-    bevel = BEVEL_FRACTION * min(words.size)
+def _box(config: BoxShape) -> Solid:
+    x, y, z = (extent / 2.0 for extent in config.size)
+    bevel = BEVEL_FRACTION * min(config.size)
     # A rectangle with its corners cut, turning from +z to +x.
     outer = [(bevel - x, z), (x - bevel, z), (x, z - bevel), (x, bevel - z)]
     outer += [(-a, -b) for a, b in outer]
@@ -34,27 +32,25 @@ def _box(words: BoxShape) -> Solid:
     return _bevelled_rings(ring, ring * inward, y, bevel)
 
 
-def _cylinder(words: CylinderShape) -> Solid:
-    """Return an upright cylinder with bevelled rims."""
-    bevel = BEVEL_FRACTION * min(2.0 * words.radius, words.height)
+def _cylinder(config: CylinderShape) -> Solid:
+    bevel = BEVEL_FRACTION * min(2.0 * config.radius, config.height)
     angle = np.arange(CYLINDER_SIDES) * (2.0 * np.pi / CYLINDER_SIDES)
     ring = np.stack([np.sin(angle), np.zeros(CYLINDER_SIDES), np.cos(angle)], axis=-1)
-    rings = words.radius * ring, (words.radius - bevel) * ring
-    return _bevelled_rings(*rings, words.height / 2.0, bevel)
+    rings = config.radius * ring, (config.radius - bevel) * ring
+    return _bevelled_rings(*rings, config.height / 2.0, bevel)
 
 
 def _bevelled_rings(outer: Array, inner: Array, half: float, bevel: float) -> Solid:
-    """Return what stands between rings (n, 3), turning from z to x: `inner` at both ends."""
+    """Returns a solid between rings (n, 3), turning from z to x: `inner` at both ends."""
     levels = (inner, -half), (outer, bevel - half), (outer, half - bevel), (inner, half)
     rings = np.stack([ring + np.array([0.0, y, 0.0]) for ring, y in levels])
     return loft(rings, rings[[0, -1]].mean(axis=1))
 
 
-def _cone(words: ConeShape) -> Solid:
-    """Return an upright cone, its rims bevelled."""
-    half, low, high = words.height / 2.0, words.radius, words.top
-    bevel = BEVEL_FRACTION * min(2.0 * low, words.height)
-    least = 0.02 * low  # Its point is a little round, as points are.
+def _cone(config: ConeShape) -> Solid:
+    half, low, high = config.height / 2.0, config.radius, config.top
+    bevel = BEVEL_FRACTION * min(2.0 * low, config.height)
+    least = 0.02 * low  # A slightly rounded tip.
     profile = [(low - bevel, -half), (low, bevel - half), (max(high, least), half - 0.5 * bevel)]
     profile.append((max(high - bevel, 0.5 * least), half))
     angle = np.arange(CYLINDER_SIDES) * (2.0 * np.pi / CYLINDER_SIDES)
@@ -63,26 +59,25 @@ def _cone(words: ConeShape) -> Solid:
     return loft(rings, rings[[0, -1]].mean(axis=1))
 
 
-def _gear(words: GearShape) -> Solid:
-    """Return a gear wheel with straight flanks, one of its teeth along +X."""
-    pitch = 2.0 * np.pi / words.teeth
-    # A tooth is as deep as two modules and a bit; half of the pitch is tooth at its middle.
-    module = 2.0 * words.radius / words.teeth
-    outer, inner = words.radius + 0.95 * module, words.radius - 1.15 * module
+def _gear(config: GearShape) -> Solid:
+    """Returns a gear wheel with straight flanks, one of its teeth along +X."""
+    pitch = 2.0 * np.pi / config.teeth
+    # Tooth depth 2.1 modules; half of the pitch is tooth at mid-height.
+    module = 2.0 * config.radius / config.teeth
+    outer, inner = config.radius + 0.95 * module, config.radius - 1.15 * module
     flanks = np.array([-0.31, -0.12, 0.12, 0.31]) * pitch
     radii = np.array([inner, outer, outer, inner])
-    # From +z to +x, as all rings here turn.
-    angle = (pitch * np.arange(words.teeth)[:, None] + flanks).ravel()
-    radius = np.tile(radii, words.teeth)
+    # Rings turn from +z to +x.
+    angle = (pitch * np.arange(config.teeth)[:, None] + flanks).ravel()
+    radius = np.tile(radii, config.teeth)
     ring = np.stack([radius * np.cos(angle), np.zeros(len(angle)), -radius * np.sin(angle)], -1)
-    bevel = 2.0 * BEVEL_FRACTION * words.height
-    inward = 1.0 - bevel / words.radius
-    return _bevelled_rings(ring, ring * np.array([inward, 1.0, inward]), words.height / 2.0, bevel)
+    bevel = 2.0 * BEVEL_FRACTION * config.height
+    inward = 1.0 - bevel / config.radius
+    return _bevelled_rings(ring, ring * np.array([inward, 1.0, inward]), config.height / 2.0, bevel)
 
 
-def _ball(words: BallShape) -> Solid:
-    """Return a ball."""
-    return ball_solid(np.zeros(3), words.radius)
+def _ball(config: BallShape) -> Solid:
+    return ball_solid(np.zeros(3), config.radius)
 
 
 SHAPE_SOLIDS: dict[type[Any], Callable[[Any], Solid]] = {
@@ -94,11 +89,11 @@ SHAPE_SOLIDS: dict[type[Any], Callable[[Any], Solid]] = {
 }
 
 
-def prop_solid(words: Shape) -> Solid:
-    """Return the solid of a shape."""
-    return SHAPE_SOLIDS[type(words)](words)
+def prop_solid(config: Shape) -> Solid:
+    """Returns the solid of a shape."""
+    return SHAPE_SOLIDS[type(config)](config)
 
 
-def prop_depth(words: Shape) -> float:
-    """Return how far a shape reaches below its middle [m]."""
-    return -float(prop_solid(words).vertices[:, 1].min())
+def prop_depth(config: Shape) -> float:
+    """Returns the depth of a shape below its centre [m]."""
+    return -float(prop_solid(config).vertices[:, 1].min())

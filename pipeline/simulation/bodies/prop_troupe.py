@@ -15,9 +15,10 @@ import numpy as np
 
 from pipeline.simulation.bodies.prop_paths import prop_path, prop_scale
 from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
+from pipeline.simulation.inventory import Inventory, rigid_mesh
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory, Rows, Troupe, World
+from pipeline.simulation.troupe import Rows, Troupe, World
 from pipeline.spec.prop import Prop
 
 
@@ -35,15 +36,15 @@ class PropTroupe(Troupe):
         self._step = 0
 
     def advance(self, step: int) -> None:
-        """Go from `step` to the next."""
+        """See `Troupe`."""
         self._step = step + 1
 
     def buffer_row(self) -> None:
-        """Keep the present step as the next row."""
+        """See `Troupe`."""
         self._steps.append(self._step)
 
     def write(self, rows: Rows) -> None:
-        """Write all rows kept."""
+        """See `Troupe`."""
         times = np.array(self._steps) * self.world.clock.dt
         for i, path in enumerate(self.paths):
             rows.positions[:, i], rows.rotations[:, i] = path.at(times)
@@ -54,7 +55,7 @@ class PropTroupe(Troupe):
 
 
 def _start(member: Prop, world: World) -> Array:
-    """Return where a prop is without keyframes (3,) [m]."""
+    """Returns the initial position of a prop without keyframes (3,) [m]."""
     if len(member.at) == 3:
         return np.array(member.at)
     x, z = member.at
@@ -68,16 +69,8 @@ def _inventory(cast: Sequence[Prop], materials: Sequence[str], rows: int) -> Inv
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     for i, (member, material) in enumerate(zip(cast, materials, strict=True)):
         solid = prop_solid(member.prop)
-        count = len(solid.vertices)
         nodes.append(Node(member.name, member.name, -1, (0.0, 0.0, 0.0)))
-        meshes.append(
-            Mesh(
-                solid.vertices.astype(np.float32),
-                solid.faces,
-                np.full((count, 2), i, dtype=np.int32),
-                np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
-            )
-        )
+        meshes.append(rigid_mesh(solid, i))
         size = float(np.ptp(solid.vertices, axis=0).max())
         parts.append(Part(member.name, member.name, i, material, size, (0, rows)))
     return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts))

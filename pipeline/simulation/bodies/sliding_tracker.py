@@ -23,28 +23,29 @@ from pipeline.simulation.take import Place
 from pipeline.spec.sound_thresholds import Roll
 
 MAX_GAP_STEPS = 2
-"""Steps without it that take a rub back which has not yet lasted, and are not heard in one."""
+"""Observations without motion that cancel an interval that has not lasted yet, and that are bridged
+within one."""
 
 ROLLING_SLIP_RATIO = 0.2
-"""Part of a ball's speed that its contact has at most while it rolls."""
+"""Largest slip of the contact of a rolling ball, relative to its speed."""
 
 SlidingKind = Literal["roll", "slide"]
 
 
 @dataclass(frozen=True, slots=True)
 class SlidingInterval:
-    """A body has rolled or slid.
+    """An interval during which a body rolled or slid.
 
     Attributes:
-        body: its number.
-        kind: which.
-        first: the first step at which it did.
-        last: the last one.
+        body: number of the body.
+        kind: "roll" or "slide".
+        first: first observation of the motion.
+        last: last one.
         place: (3,) where it began [m].
         normal: (3,) of the ground there.
-        speed: the greatest along the ground [m/s].
-        other: on what it did, in the begin.
-        speeds: at each step from the first to the last [m/s].
+        speed: greatest tangential speed [m/s].
+        other: the other thing at the start.
+        speeds: at each observation from the first to the last [m/s].
         places: of the contact at each of them [m].
     """
 
@@ -61,16 +62,19 @@ class SlidingInterval:
 
 
 class SlidingTracker:
-    """One way in which N bodies rub.
+    """Intervals of one kind of N bodies.
 
     Attributes:
-        kind: which.
-        words: from when on that is a rub.
+        kind: "roll" or "slide".
+        config: thresholds.
     """
 
-    def __init__(self, kind: SlidingKind, count: int, dt: float, words: Roll) -> None:
-        self.kind, self.words = kind, words
-        self._begins, self._ends = max(round(words.least / dt), 1), max(round(words.pause / dt), 1)
+    def __init__(self, kind: SlidingKind, count: int, dt: float, config: Roll) -> None:
+        self.kind, self.config = kind, config
+        self._begins, self._ends = (
+            max(round(config.least / dt), 1),
+            max(round(config.pause / dt), 1),
+        )
         self._first = np.full(count, -1)
         self._last = np.full(count, -1)
         self._on = np.zeros(count, dtype=bool)
@@ -79,7 +83,7 @@ class SlidingTracker:
         self._way: dict[int, list[tuple[float, Place]]] = {}
         self._place, self._normal = np.zeros((count, 3)), np.zeros((count, 3))
 
-    def look(
+    def observe(
         self,
         step: int,
         touches: NDArray[np.bool_],
@@ -89,18 +93,18 @@ class SlidingTracker:
         final: bool,
         other: NDArray[np.int64] | int = 0,
     ) -> list[SlidingInterval]:
-        """Take in how bodies move at a step; return the rubs that have ended.
+        """Adds an observation of all bodies; returns the intervals that ended.
 
         Args:
-            step: the number of it, counted on by one.
-            touches: (N,) who may rub.
+            step: number of the observation.
+            touches: (N,) which bodies may move in this way.
             speed: (N,) along the ground [m/s].
             place: (N, 3) of the contacts [m].
             normal: (N, 3) of the ground there.
-            final: whether no step follows.
-            other: (N,) on what they move.
+            final: whether this is the last observation.
+            other: (N,) the things they move on.
         """
-        least = np.where(self._first >= 0, self.words.ends, self.words.above)
+        least = np.where(self._first >= 0, self.config.ends, self.config.above)
         goes = touches & (speed > least)
         new = goes & (self._first < 0)
         self._first[new], self._speed[new] = step, 0.0
@@ -113,21 +117,21 @@ class SlidingTracker:
             at = float(speed[i]) if touches[i] else 0.0, (x, y, z)
             self._way.setdefault(i, []).append(at)
         self._on |= goes & (step - self._first >= self._begins)
-        # Before it has begun a pause takes it back; after that only a long one ends it.
+        # A short gap cancels a young interval; only a long one ends a lasting one.
         rest = np.where(self._on, self._ends, MAX_GAP_STEPS)
         over = (self._first >= 0) & ((step - self._last >= rest) | final)
-        ended = [self._rub(int(i)) for i in np.flatnonzero(over & self._on)]
+        ended = [self._interval(int(i)) for i in np.flatnonzero(over & self._on)]
         self._first[over], self._on[over] = -1, False
         for i in np.flatnonzero(over).tolist():
             self._way.pop(i, None)
         return ended
 
-    def _rub(self, i: int) -> SlidingInterval:
+    def _interval(self, i: int) -> SlidingInterval:
         x, y, z = self._place[i].tolist()
         a, b, c = self._normal[i].tolist()
         first, last = int(self._first[i]), int(self._last[i])
         speed, other = float(self._speed[i]), int(self._other[i])
-        # Of the pause in which it ended nothing is heard.
+        # Without the gap at its end.
         speeds, places = zip(*self._way[i][: last - first + 1], strict=True)
         where = (x, y, z), (a, b, c)
         return SlidingInterval(
@@ -136,7 +140,7 @@ class SlidingTracker:
 
 
 def _bridge_gaps(speeds: Sequence[float]) -> tuple[float, ...]:
-    """Return speeds with shaking contacts left out: a step or two at 0 between two others."""
+    """Returns speeds in which single observations of zero between two others are interpolated."""
     found, moving = list(speeds), [k for k, speed in enumerate(speeds) if speed > 0.0]
     for a, b in pairwise(moving):
         if 1 < b - a <= MAX_GAP_STEPS + 1:

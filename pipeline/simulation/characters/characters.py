@@ -37,8 +37,8 @@ from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
+from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.script import Orders
-from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.character import Character
@@ -104,7 +104,6 @@ class Characters(Troupe):
         return CharacterView(names, self.arrays, ground, frozenset(people), self.obstacle_circles)
 
     def _start_minds(self, view: CharacterView) -> MindScheduler | None:
-        """Return the minds of characters that have one, None if there are none."""
         if not any(member.has_mind for member in self.cast):
             return None
         heights = [p.height if (p := proportions_of(member)) else 0.0 for member in self.cast]
@@ -115,7 +114,6 @@ class Characters(Troupe):
         )
 
     def _start_persons(self) -> Records:
-        """Return the records of acting people."""
         owners = self.arrays.owners
         acting = [i for i, member in enumerate(self.cast) if member.acts]
         at = np.array([[self.cast[i].at[0], self.cast[i].at[-1]] for i in acting]).reshape(-1, 2)
@@ -142,7 +140,7 @@ class Characters(Troupe):
         self.obstacle_circles.set_solids(self.solid_tracker.solids.bodies)
         return self.solid_tracker.obstacles
 
-    def update_obstacles(self, motion: Motion) -> None:
+    def update_obstacles(self, motion: SolidMotion) -> None:
         """Update poses and velocities of the obstacles."""
         spans = self.arrays.owners["nodes"].tolist()
         self.solid_tracker.update(motion, [self.arrays.p[first : first + n] for first, n in spans])

@@ -21,8 +21,7 @@ from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.obstacles import directions, outermost
-from pipeline.simulation.solid import Motion, Obstacle
+from pipeline.simulation.obstacles import Obstacle, SolidMotion, directions, outermost
 from pipeline.simulation.spatial import Array
 
 ROUNDNESS_TOLERANCE = 0.06  # of a ball's radius in any direction
@@ -199,7 +198,7 @@ class SolidTracker:
             [obstacle.weight is not None for obstacle in self.obstacles], dtype=bool
         )
 
-    def update(self, motion: Motion, characters: Sequence[Array]) -> None:
+    def update(self, motion: SolidMotion, characters: Sequence[Array]) -> None:
         """Update poses and velocities of the solids, and clear their impulses.
 
         Args:

@@ -17,9 +17,9 @@ from pipeline.simulation.characters.playthings import MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.compiled import Record, Records
+from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.signals import Signal
-from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
@@ -135,7 +135,6 @@ class ContactReporter:
         return self._cast[int(self._links["owner"][link])]
 
     def _touched_thing(self, other: int) -> tuple[str, str]:
-        """Return the name and the material of what is touched."""
         if other == TERRAIN:
             return "terrain", self._surface
         if other <= SOLID:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ MANTISSA_UNIT = 2.0**-53
 
 
 class CounterRandom:
-    """The chances of one group.
+    """Random numbers of one group.
 
     Args:
         seed: of the scene.
@@ -34,15 +34,15 @@ class CounterRandom:
     def uniform(
         self, slot: NDArray[np.int64], generation: NDArray[np.int64] | int, draw: int
     ) -> Array:
-        """Return numbers in [0, 1), the shape of `slot`.
+        """Returns numbers in [0, 1), the shape of `slot`.
 
         Args:
-            slot: which member.
-            generation: which of its lives.
-            draw: what the number is for; another one for each use.
+            slot: number of the member.
+            generation: number of its life.
+            draw: number of the purpose; another one for each use.
         """
-        words = np.asarray(slot).astype(np.uint64)
-        state = _mix(words + self._key)
+        slots = np.asarray(slot).astype(np.uint64)
+        state = _mix(slots + self._key)
         state = _mix(state + np.asarray(generation).astype(np.int64).astype(np.uint64))
         state = _mix(state + np.uint64(draw))
         result: Array = (state >> np.uint64(11)).astype(float) * MANTISSA_UNIT
@@ -50,7 +50,7 @@ class CounterRandom:
 
 
 def _mix(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    # Whole numbers of 64 bits wrap around, which is meant.
+    # Wrap-around of 64-bit integers is intended.
     with np.errstate(over="ignore"):
         state = state + GAMMA
         state = (state ^ (state >> np.uint64(30))) * MIX_FACTORS[0]

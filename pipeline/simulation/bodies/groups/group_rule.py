@@ -6,24 +6,24 @@ with all that is attached to them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.attachment import node_number
-from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.inventory import Inventory
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Inventory, Rows, World
+from pipeline.simulation.troupe import Rows, World
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The nodes of one performer, and of each the point of its mesh that is farthest away.
+    """Nodes of one performer, and for each the farthest point of its mesh.
 
     Attributes:
         nodes: (m,) numbers.
@@ -36,32 +36,31 @@ class Outline:
 
 @dataclass(frozen=True, eq=False)
 class CastIndex:
-    """Everybody else, before anything moves.
+    """All performers, before anything moves.
 
     Attributes:
         nodes: of all performers.
         meshes: of all performers.
-        figures: of the creatures, by name.
+        names: of all nodes and parts.
     """
 
     nodes: Sequence[Node]
     meshes: Sequence[Mesh]
-    figures: Mapping[str, Figure]
+    names: NodeNames
 
-    def number(self, whom: str, path: str) -> int:
-        """Return the number of the node that somebody is called by.
+    def number(self, part_name: str, path: str) -> int:
+        """Returns the number of the node of a performer or part.
 
         Raises:
-            SceneError: there is none; `path` says where it was named.
+            SceneError: if there is none; `path` is where it was named.
         """
-        numbers = {node.name: i for i, node in enumerate(self.nodes)}
-        found = node_number(whom, self.figures, numbers)
+        found = self.names.find(part_name)
         if isinstance(found, str):
             raise SceneError([Problem(path, found)])
         return found
 
     def outline(self, name: str) -> Outline:
-        """Return the outline of a performer."""
+        """Returns the outline of a performer."""
         own = [i for i, node in enumerate(self.nodes) if node.performer == name]
         tips = dict.fromkeys(own, np.zeros(3))
         for mesh in self.meshes:
@@ -74,7 +73,7 @@ class CastIndex:
 
 @dataclass(frozen=True, eq=False)
 class CastPoses:
-    """Everybody else in n rows, in the world.
+    """Poses of all performers in n rows, in the world.
 
     Attributes:
         R: (n, J, 3, 3) rotations of all nodes; those of groups are not written yet.
@@ -85,7 +84,7 @@ class CastPoses:
     p: Array
 
     def points(self, outlines: Sequence[Outline]) -> Array:
-        """Return the nodes and tips (n, m, 3) of performers [m]."""
+        """Returns the nodes and tips (n, m, 3) of performers [m]."""
         if not outlines:
             return np.zeros((len(self.p), 0, 3))
         nodes = np.concatenate([outline.nodes for outline in outlines])
@@ -94,7 +93,7 @@ class CastPoses:
         return np.concatenate([p, p + turn(self.R[:, nodes], tips)], axis=1)
 
     def balls(self, outlines: Sequence[Outline]) -> tuple[Array, Array]:
-        """Return middles (n, m, 3) and radii (n, m) of balls around performers [m]."""
+        """Returns centres (n, m, 3) and radii (n, m) of balls around performers [m]."""
         middles, radii = [np.zeros((len(self.p), 0, 3))], [np.zeros((len(self.p), 0))]
         for outline in outlines:
             points = self.points([outline])
@@ -107,15 +106,15 @@ class CastPoses:
 
 @dataclass(frozen=True, eq=False)
 class GroupContext:
-    """What is known of a group before it moves.
+    """Name, place and world of a group.
 
     Attributes:
-        name: of it.
-        path: where its words stand in the scene.
-        place: (3,) where it is said to be [m].
-        parent: whom it goes along with, if anybody.
+        name: of the group.
+        path: of the group in the scene.
+        place: (3,) its given place [m].
+        parent: part that it is attached to, None without.
         material: of its members.
-        world: that it is in.
+        world: constants of the scene.
     """
 
     name: str
@@ -127,44 +126,53 @@ class GroupContext:
 
     @property
     def seed(self) -> tuple[int, str]:
-        """Seed of the scene, and the name that it is split by."""
+        """Seed of the scene, and the name that splits it."""
         return self.world.seed, self.name
 
     def height(self, places: Array) -> Array:
-        """Return the heights (...) of the ground at places (..., 3) [m]."""
+        """Returns the heights (...) of the ground at positions (..., 3) [m]."""
         return self.world.ground.height(places[..., 0], places[..., 2])
 
 
-class GroupRule(Protocol):
-    """A group that moves by its rule."""
+class GroupRule:
+    """A group that moves by its rule; the optional passes do nothing by default.
 
+    Attributes:
+        default_material: of members, unless the scene names one.
+        setting: name, place and material of the group.
+        config: its model in the scene.
+        inventory: its nodes, meshes and parts.
+    """
+
+    default_material: ClassVar[str]
     inventory: Inventory
 
-    def meet(self, cast: CastIndex) -> None:
-        """Find those that its words name.
+    def bind(self, cast: CastIndex) -> None:
+        """Resolves the performers that the configuration names.
 
         Raises:
-            SceneError: somebody has no such part.
+            SceneError: if a part does not exist.
         """
 
     def send(self, time: float, goal: tuple[float, float]) -> None:
-        """Make for a place (x, z) from `time` on, if it is one that can be sent."""
+        """Makes for a place (x, z) from `time` [s] on."""
 
     def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
-        """Go on through n rows and write them.
+        """Advances through n rows and writes them.
 
         Args:
-            rows: its slice of the take; all of it alive.
+            rows: its slice of the take, all of it alive.
             times: (n,) of the rows, later than those before [s].
-            others: everybody else in these rows.
+            others: poses of all other performers in these rows.
 
         Returns:
-            The contacts that have begun since the rows before.
+            The contacts that began since the rows before.
         """
+        raise NotImplementedError
 
 
 def position_on_ground(at: tuple[float, ...], world: World) -> Array:
-    """Return the place (3,) that two or three numbers stand for: two are on the ground [m]."""
+    """Returns the position (3,) of three coordinates, or of x and z on the ground [m]."""
     if len(at) == 3:
         return np.array(at)
     height = float(world.ground.height(np.array(at[0]), np.array(at[1])))

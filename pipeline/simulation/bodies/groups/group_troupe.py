@@ -7,7 +7,7 @@ Source: Sims 1987, 3.2.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,15 +26,16 @@ from pipeline.simulation.bodies.groups.group_rule import (
 from pipeline.simulation.bodies.groups.rain import RainRule
 from pipeline.simulation.bodies.groups.school import SchoolRule
 from pipeline.simulation.bodies.groups.swarm import SwarmRule
-from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.inventory import join_inventories
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Inventory, Rows, Troupe, World, WriteStage
+from pipeline.simulation.troupe import Rows, Troupe, World, WriteStage
 from pipeline.spec.group import Fire, Flock, Grass, Group, Rain, School, Swarm
 from pipeline.spec.script import GoTo
 
-RULES: dict[type[Any], Callable[[GroupContext, Any], GroupRule]] = {
+GROUP_RULES: dict[type[Any], type[Any]] = {
     Flock: FlockRule,
     School: SchoolRule,
     Swarm: SwarmRule,
@@ -42,19 +43,7 @@ RULES: dict[type[Any], Callable[[GroupContext, Any], GroupRule]] = {
     Fire: FireRule,
     Grass: GrassRule,
 }
-
-MATERIALS: dict[type[Any], str] = {
-    Flock: "feathers",
-    School: "steel",
-    Swarm: "black chitin",
-    Rain: "water",
-    Fire: "flame",
-    Grass: "leaf",
-}
-"""Of groups that name none."""
-
-Member = tuple[int, Group]
-"""Place in the cast, and words."""
+"""Rule of each model of a group; a new rule is a model, a module and a line here."""
 
 
 class GroupTroupe(Troupe):
@@ -62,32 +51,21 @@ class GroupTroupe(Troupe):
 
     write_stage = WriteStage.LAST
 
-    def __init__(self, cast: Sequence[Member], world: World) -> None:
+    def __init__(self, cast: Sequence[tuple[int, Group]], world: World) -> None:
         self.world = world
-        self.rules = {member.name: _rule(i, member, world) for i, member in cast}
-        self.inventory = _together([rule.inventory for rule in self.rules.values()])
+        self.rules = {member.name: _build_rule(i, member, world) for i, member in cast}
+        self.inventory = join_inventories(rule.inventory for rule in self.rules.values())
         self._step = 0
         self._steps: list[int] = []
         self._rows: Rows | None = None
 
-    def bind(
-        self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
-    ) -> None:
-        """Find those whom groups follow, avoid or go along with.
-
-        Args:
-            nodes: of all performers.
-            meshes: of all performers.
-            figures: of the creatures, by name.
-
-        Raises:
-            SceneError: somebody has no such part.
-        """
+    def bind(self, nodes: Sequence[Node], meshes: Sequence[Mesh], names: NodeNames) -> None:
+        """See `Troupe`."""
         for rule in self.rules.values():
-            rule.meet(CastIndex(nodes, meshes, figures))
+            rule.bind(CastIndex(nodes, meshes, names))
 
     def read(self, orders: Orders) -> None:
-        """Take in where the script sends groups."""
+        """See `Troupe`."""
         time = self._step * self.world.clock.dt
         for name, rule in self.rules.items():
             for do in orders.get(name, ()):
@@ -95,25 +73,20 @@ class GroupTroupe(Troupe):
                     rule.send(time, do.go_to)
 
     def advance(self, step: int) -> None:
-        """Go from `step` to the next; what has moved by then is seen in `write_last`."""
+        """See `Troupe`; members move in `write_last`."""
         self._step = step + 1
 
     def buffer_row(self) -> None:
-        """Keep the present step as the next row."""
+        """See `Troupe`."""
         self._steps.append(self._step)
 
     def write(self, rows: Rows) -> None:
-        """Take rows that are to be written when everybody is in its place."""
+        """Takes rows that `write_last` fills."""
         rows.alive[:] = True
         self._rows = rows
 
     def write_last(self, R: Array, p: Array) -> list[Contact]:
-        """Write all rows kept, and return the contacts that began in them.
-
-        Args:
-            R: (n, J, 3, 3) rotations of all nodes in these rows.
-            p: (n, J, 3) their positions [m].
-        """
+        """See `Troupe`."""
         assert self._rows is not None
         times = np.array(self._steps) * self.world.clock.dt
         contacts, node, scale = list[Contact](), 0, 0
@@ -133,25 +106,12 @@ class GroupTroupe(Troupe):
         return contacts
 
 
-def _rule(i: int, member: Group, world: World) -> GroupRule:
-    kind = type(member.group)
+def _build_rule(i: int, member: Group, world: World) -> GroupRule:
+    rule = GROUP_RULES[type(member.group)]
     place = np.array(member.at if len(member.at) == 3 else (member.at[0], 0.0, member.at[1]))
     if member.parent is None:
         place = position_on_ground(member.at, world)
-    material = member.material or MATERIALS[kind]
+    material = member.material or rule.default_material
     setting = GroupContext(member.name, f"cast[{i}]", place, member.parent, material, world)
-    return RULES[kind](setting, member.group)
-
-
-def _together(inventories: Sequence[Inventory]) -> Inventory:
-    """Put inventories one after the other, their numbers counted on."""
-    nodes, meshes, parts, scaled = list[Node](), list[Mesh](), [], list[int]()
-    for inventory in inventories:
-        first = len(nodes)
-        parts += [replace(part, mesh=part.mesh + len(meshes)) for part in inventory.parts]
-        meshes += [
-            replace(mesh, nodes=(mesh.nodes + first).astype(np.int32)) for mesh in inventory.meshes
-        ]
-        scaled += [first + node for node in inventory.scaled]
-        nodes += inventory.nodes
-    return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts), tuple(scaled))
+    built: GroupRule = rule(setting, member.group)
+    return built

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory
 
 RING_SIDES = 6
-"""Sides of what is round: nobody looks at one of many for long."""
+"""Sides of round shapes."""
 
 
 def spindle(places: Array, heights: Array, widths: Array) -> Solid:
@@ -31,19 +31,19 @@ def spindle(places: Array, heights: Array, widths: Array) -> Solid:
 
 
 def plate(outline: Array, thickness: float) -> Solid:
-    """Return a thin plate over an outline (n, 2) of x and z, convex, turning from z to x [m]."""
+    """Returns a thin plate over a convex outline (n, 2) of x and z, turning from z to x [m]."""
     n = len(outline)
     flat = np.stack([outline[:, 0], np.zeros(n), outline[:, 1]], axis=-1)
     middle = flat.mean(axis=0)
     up = np.array([0.0, 0.5 * thickness, 0.0])
-    # A lens: its rim has no height, so that two points and one ring are all it needs.
+    # A lens: its rim has no height, so one ring and two points suffice.
     faces = [(k, (k + 1) % n, n) for k in range(n)] + [((k + 1) % n, k, n + 1) for k in range(n)]
     vertices = np.concatenate([flat, [middle + up, middle - up]])
     return Solid(vertices, np.array(faces, dtype=np.uint32))
 
 
 def joined(solids: Sequence[Solid]) -> Solid:
-    """Return several solids as one."""
+    """Returns several solids as one."""
     starts = np.cumsum([0, *(len(solid.vertices) for solid in solids)])
     faces = [solid.faces + np.uint32(start) for solid, start in zip(solids, starts, strict=False)]
     return Solid(np.concatenate([s.vertices for s in solids]), np.concatenate(faces))
@@ -58,7 +58,7 @@ def bird(span: float) -> Solid:
 
 
 def wing(span: float, side: float) -> Solid:
-    """Return a wing from its hinge on; `side` is 1 on the right and -1 on the left."""
+    """Returns a wing from its hinge outward; `side` is 1 on the right and -1 on the left."""
     right = np.array(
         [[0.11, 0.0], [-0.08, 0.0], [-0.07, 0.2], [-0.10, 0.47], [0.03, 0.34], [0.13, 0.18]]
     )
@@ -74,7 +74,7 @@ def fish(length: float) -> Solid:
 
 
 def fin(length: float) -> Solid:
-    """Return the tail of a fish from its hinge on."""
+    """Returns the tail of a fish from its hinge backward."""
     x = np.array([-0.22, -0.16, -0.08, 0.02]) * length
     return spindle(x, np.array([0.15, 0.09, 0.045, 0.036]) * length, np.full(4, 0.012 * length))
 
@@ -92,7 +92,7 @@ def insect(length: float) -> Solid:
 
 
 def drop(length: float) -> Solid:
-    """Return a drop, long in the direction that it falls in."""
+    """Returns a drop, elongated along its fall."""
     y = np.array([-0.5, -0.42, -0.2, 0.5]) * length
     wide = np.array([0.02, 0.05, 0.06, 0.008]) * length
     solid = spindle(y, wide, wide)

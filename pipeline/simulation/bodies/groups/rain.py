@@ -1,7 +1,7 @@
-"""Rain: drops that fall at one speed and end on the ground, where each is a splash for a while.
+"""Rain: drops that fall at constant speed and end as splashes on the ground.
 
-A drop is a function of time: the n-th of a slot falls on a place that chance gives to n. So
-the rain is the same whatever the frame rate, and strikes at exact times.
+A drop is a function of time: the n-th of a slot falls on a random place that depends on n. So the
+rain is the same whatever the frame rate, and strikes at exact times.
 
 Source: Sims 1987, 3.2; Reeves 1983.
 """
@@ -15,53 +15,60 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.bodies.groups import member_meshes
 from pipeline.simulation.bodies.groups.counter_random import CounterRandom
-from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext
+from pipeline.simulation.bodies.groups.group_rule import (
+    CastIndex,
+    CastPoses,
+    GroupContext,
+    GroupRule,
+)
 from pipeline.simulation.spatial import Array, from_directions
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Rain
 
-SPLASH = 0.12
-"""How long a splash is seen [s]."""
+SPLASH_DURATION = 0.12
+"""Duration of a splash [s]."""
 
-DRY = 0.03
-"""How long a slot is empty after it [s]."""
+SLOT_PAUSE = 0.03
+"""Pause of a slot after it [s]."""
 
-FLAT, WIDE = 0.06, 9.0
-"""Height and width of a splash at its end, in those of the drop."""
+SPLASH_HEIGHT, SPLASH_WIDTH = 0.06, 9.0
+"""Initial height and final width of a splash, relative to the drop."""
 
-ROUND = 0.05
-"""Diameter of the water in a drop, in the length that is seen of it."""
+WATER_DIAMETER = 0.05
+"""Diameter of the water in a drop, relative to its visible length."""
 
-WATER = 1000.0
-"""[kg/m³]."""
+WATER_DENSITY = 1000.0
+"""Density of water [kg/m³]."""
 
 
-class RainRule:
+class RainRule(GroupRule):
     """Rain."""
 
-    def __init__(self, setting: GroupContext, words: Rain) -> None:
+    default_material = "water"
+
+    def __init__(self, setting: GroupContext, config: Rain) -> None:
         self.setting = setting
-        self.words = words
+        self.config = config
         self.chance = CounterRandom(setting.world.seed, setting.name)
-        self.fall = words.height / words.speed
-        self.period = self.fall + SPLASH + DRY
-        self.slots = np.arange(words.count)
-        # One after the other, so that as many strike in every second.
+        self.fall = config.height / config.speed
+        self.period = self.fall + SPLASH_DURATION + SLOT_PAUSE
+        self.slots = np.arange(config.count)
+        # Evenly spaced, so that equally many strike in every second.
         self.phase = self.chance.uniform(self.slots, 0, 0) + self.slots
-        self.phase = self.phase / words.count
-        drift = np.array([words.wind[0], -words.speed, words.wind[1]])
+        self.phase = self.phase / config.count
+        drift = np.array([config.wind[0], -config.speed, config.wind[1]])
         self.drift = drift
         up = -drift / math.sqrt(float((drift * drift).sum()))
         self.leaning = from_directions(np.array([up[1], -up[0], 0.0]), up)
-        solid = member_meshes.drop(words.size)
+        solid = member_meshes.drop(config.size)
         rows = setting.world.clock.rows
         self.inventory = member_meshes.inventory(
-            setting.name, setting.material, rows, words.count, [("", solid)], words.size, True
+            setting.name, setting.material, rows, config.count, [("", solid)], config.size, True
         )
         self._time = 0.0
 
-    def meet(self, cast: CastIndex) -> None:
+    def bind(self, cast: CastIndex) -> None:
         """See `Rule`; rain knows nobody."""
 
     def send(self, time: float, goal: tuple[float, float]) -> None:
@@ -80,36 +87,36 @@ class RainRule:
                 falling[:, None], ends - (self.fall - age)[:, None] * self.drift, ends
             )
             rows.rotations[k] = np.where(falling[:, None, None], self.leaning, np.eye(3))
-            grown = np.clip((age - self.fall) / SPLASH, 0.0, 1.0)
-            wide = 2.0 + (WIDE - 2.0) * np.sqrt(grown)
-            flat = FLAT * (1.0 - grown) + 1e-3
+            grown = np.clip((age - self.fall) / SPLASH_DURATION, 0.0, 1.0)
+            wide = 2.0 + (SPLASH_WIDTH - 2.0) * np.sqrt(grown)
+            flat = SPLASH_HEIGHT * (1.0 - grown) + 1e-3
             splash = np.stack([wide, flat, wide], axis=-1)
             rows.scales[k] = np.where(falling[:, None], 1.0, splash)
-            rows.alive[k] = age < self.fall + SPLASH
-            if self.words.splash and time > self._time:
+            rows.alive[k] = age < self.fall + SPLASH_DURATION
+            if self.config.splash and time > self._time:
                 contacts += self._struck(self._time, float(time))
             self._time = float(time)
         return contacts
 
     def ends(self, life: NDArray[np.int64]) -> Array:
-        """Return where drops (N,) of these lives strike the ground, (N, 3) [m]."""
+        """Returns the positions (N, 3) at which drops of these lives strike the ground [m]."""
         x, z = (self.chance.uniform(self.slots, life, draw) - 0.5 for draw in (1, 2))
         ends = np.tile(self.setting.place, (len(life), 1))
-        ends[:, 0] += self.words.area[0] * x
-        ends[:, 2] += self.words.area[1] * z
+        ends[:, 0] += self.config.area[0] * x
+        ends[:, 2] += self.config.area[1] * z
         ends[:, 1] = self.setting.height(ends)
         return ends
 
     def _struck(self, before: float, now: float) -> list[Contact]:
-        """Return the contacts of drops that struck after `before` and not after `now` [s]."""
-        clock, words = self.setting.world.clock, self.words
+        """Returns the contacts of drops that struck after `before` and not after `now` [s]."""
+        clock, config = self.setting.world.clock, self.config
         struck = []
         share = self.fall / self.period
-        # A drop strikes where its turns have come to `share` past a whole number.
+        # A drop strikes when its turns pass `share` beyond a whole number.
         first = np.floor(before / self.period + self.phase - share).astype(np.int64) + 1
         last = np.floor(now / self.period + self.phase - share).astype(np.int64)
         ends = self.ends(first)
-        mass = WATER * math.pi / 6.0 * (ROUND * words.size) ** 3
+        mass = WATER_DENSITY * math.pi / 6.0 * (WATER_DIAMETER * config.size) ** 3
         for i in np.flatnonzero(last >= first).tolist():
             time = (int(first[i]) + share - float(self.phase[i])) * self.period
             step = min(int(time / clock.dt), clock.last_step)
@@ -130,7 +137,7 @@ class RainRule:
                     energy=0.5 * mass * speed * speed,
                     material=self.setting.material,
                     surface=self.setting.world.ground.material,
-                    size=ROUND * words.size,
+                    size=WATER_DIAMETER * config.size,
                     kind="hit",
                 )
             )

@@ -30,104 +30,119 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.group import Flock, School, Steered
 
 WAYPOINT_LEAD_TIME = 1.2
-"""How long before it would be at a place of its path it makes for the next [s]."""
+"""Time before arrival at a point of the path at which the next one becomes the goal [s]."""
 
 
 class GoalSelector:
-    """What one group makes for."""
+    """The goal of a flock or a school.
 
-    def __init__(self, setting: GroupContext, words: Flock | School) -> None:
+    It is the place of the last order, else the performer to follow, else the points of the path
+    in turn, else the start.
+    """
+
+    def __init__(self, setting: GroupContext, config: Flock | School) -> None:
         self.setting = setting
-        self.words = words
+        self.config = config
         self._followed: int | None = None
         self._next = 0
         self._sent: list[tuple[float, Array]] = []
 
-    def meet(self, cast: CastIndex) -> None:
-        """Find whom it follows.
+    def bind(self, cast: CastIndex) -> None:
+        """Resolves the performer to follow.
 
         Raises:
-            SceneError: nobody is called so.
+            SceneError: if there is none of this name.
         """
-        if self.words.follow is not None:
+        if self.config.follow is not None:
             path = f"{self.setting.path}.group.follow"
-            self._followed = cast.number(self.words.follow, path)
+            self._followed = cast.number(self.config.follow, path)
 
     def send(self, time: float, goal: tuple[float, float], above: float) -> None:
-        """Make for a place (x, z), `above` the ground [m], from `time` [s] on."""
+        """Makes for a place (x, z), `above` the ground [m], from `time` [s] on."""
         place = position_on_ground(goal, self.setting.world) + np.array([0.0, above, 0.0])
         self._sent.append((time, place))
 
-    def goals(self, times: Array, others: CastPoses) -> Callable[[int, Array], Array]:
-        """Return what says the goal (3,) of the k-th of `times`, given the places (N, 3)."""
+    def functions(self, times: Array, others: CastPoses) -> Callable[[int, Array], Array]:
+        """Returns a function of k and positions (N, 3) that gives the goal (3,) at `times[k]`."""
 
         def goal(k: int, p: Array) -> Array:
             sent = [place for time, place in self._sent if time <= times[k]]
             if sent:
                 return sent[-1]
             if self._followed is not None:
-                up = np.array([0.0, self.words.above, 0.0])
+                up = np.array([0.0, self.config.above, 0.0])
                 followed: Array = others.p[k, self._followed] + up
                 return followed
-            return self._of_path(p) if self.words.path else self.setting.place
+            return self._of_path(p) if self.config.path else self.setting.place
 
         return goal
 
     def _of_path(self, p: Array) -> Array:
-        path = self.words.path
+        path = self.config.path
         place = np.array(path[self._next])
         away = place - p.mean(axis=0)
-        if (away * away).sum() < (WAYPOINT_LEAD_TIME * self.words.speed) ** 2:
+        if (away * away).sum() < (WAYPOINT_LEAD_TIME * self.config.speed) ** 2:
             self._next = (self._next + 1) % len(path)
         return np.array(path[self._next])
 
 
 NEIGHBOUR_COUNT = 7
+"""Neighbours that a member reacts to."""
 
 LOOKUP_RATE = 12.0
-"""Looks at the neighbours [1/s]."""
+"""Rate at which neighbours are looked up [1/s]."""
 
 MIN_STEP_RATE = 60.0
-"""Least steps of the rule [1/s]."""
+"""Least rate of integration steps [1/s]."""
 
-SEPARATION_GAIN, COHESION_GAIN, ALIGNMENT_GAIN, GOAL_GAIN, SPEED_GAIN = 1.0, 0.8, 1.8, 0.7, 1.2
-"""Gains of separation (of the largest acceleration), cohesion [1/s²], alignment, the goal and
-the own speed [1/s]."""
+SEPARATION_GAIN = 1.0
+"""Gain of separation, relative to the largest acceleration."""
+
+COHESION_GAIN = 0.8
+"""Gain of cohesion [1/s²]."""
+
+ALIGNMENT_GAIN = 1.8
+"""Gain of alignment [1/s]."""
+
+GOAL_GAIN = 0.7
+"""Gain of the velocity towards the goal [1/s]."""
+
+SPEED_GAIN = 1.2
+"""Gain of the preferred speed [1/s]."""
 
 SEPARATION_DISTANCE = 1.7
-"""Distance at which a neighbour is too near, in sizes."""
+"""Distance below which a neighbour is too near, in sizes."""
 
 VELOCITY_NOISE = 0.16
-"""How much each goes its own way, as a part of its speed in the root of a second."""
+"""Random walk of the velocity, relative to the speed, per root of a second."""
 
 MIN_SPEED, MAX_SPEED = 0.6, 1.5
-"""Bounds of the speed, as parts of the one they like."""
+"""Bounds of the speed, relative to the preferred one."""
 
 DISTANCE_BLOCK = 256
-"""Members whose distances are looked at together."""
+"""Members whose distances are computed together."""
 
 Evade = Callable[[Array, Array], Array]
-"""Places and velocities (N, 3) -> accelerations (N, 3) away from what is in the way, as parts
-of the largest."""
+"""Maps positions and velocities (N, 3) to evasive accelerations (N, 3), relative to the largest."""
 
 
 @dataclass(eq=False)
 class Steering:
-    """N members, and the rule that they go by.
+    """N members and their steering rule.
 
     Attributes:
-        words: weights of the rule.
+        config: weights of the rule.
         size: of a member [m].
-        speed: that they like [m/s].
+        speed: preferred speed [m/s].
         agility: largest acceleration [m/s²].
-        steepest: largest climb, as a part of the speed.
-        p: (N, 3) places [m].
+        steepest: largest climb, relative to the speed.
+        p: (N, 3) positions [m].
         v: (N, 3) velocities [m/s].
-        a: (N, 3) accelerations, smoothed [m/s²].
-        chance: of the group.
+        a: (N, 3) smoothed accelerations [m/s²].
+        chance: random generator of the group.
     """
 
-    words: Steered
+    config: Steered
     size: float
     speed: float
     agility: float
@@ -141,7 +156,7 @@ class Steering:
 
     @staticmethod
     def of(
-        words: Steered,
+        config: Steered,
         size: float,
         speed: float,
         agility: float,
@@ -149,16 +164,16 @@ class Steering:
         places: Array,
         seed: tuple[int, str],
     ) -> Steering:
-        """Return members that begin at `places` (N, 3), all of them in about one direction."""
+        """Returns members that begin at `places` (N, 3), all in about one direction."""
         chance = generator(*seed)
         spread = 0.4 * chance.standard_normal(places.shape) * np.array([1.0, 0.2, 1.0])
         ahead = np.array([1.0, 0.0, 0.0]) + spread
         v = speed * ahead / np.sqrt((ahead * ahead).sum(axis=-1, keepdims=True))
         still = np.zeros_like(places)
-        return Steering(words, size, speed, agility, steepest, places, v, still, chance)
+        return Steering(config, size, speed, agility, steepest, places, v, still, chance)
 
     def advance(self, time: float, span: float, goal: Array, evade: Evade) -> None:
-        """Go on by `span` [s] from `time`, towards `goal` (3,)."""
+        """Advances by `span` [s] from `time`, towards `goal` (3,)."""
         count = max(math.ceil(span * MIN_STEP_RATE - 1e-9), 1)
         h = span / count
         for k in range(count):
@@ -181,12 +196,12 @@ class Steering:
         self.a = self.a + (a - self.a) * (1.0 - math.exp(-h / 0.2))
 
     def _wish(self, goal: Array) -> Array:
-        """Return the accelerations (N, 3) that the rule asks for [m/s²]."""
-        words, p, v = self.words, self.p, self.v
+        """Returns the accelerations (N, 3) that the rule asks for [m/s²]."""
+        config, p, v = self.config, self.p, self.v
         away = goal - p
         towards = self.speed * away / np.maximum(_length(away), 1e-9)[:, None]
         own = _length(v)
-        wish = words.goal * GOAL_GAIN * (towards - v)
+        wish = config.goal * GOAL_GAIN * (towards - v)
         wish += SPEED_GAIN * ((self.speed - own) / np.maximum(own, 1e-9))[:, None] * v
         if self._near is None or self._near.shape[1] == 0:
             return wish
@@ -195,15 +210,15 @@ class Steering:
         room = SEPARATION_DISTANCE * self.size
         close = np.clip(1.0 - far / room, 0.0, 1.0) / np.maximum(far, 1e-9)
         apart = -(to * close[..., None]).sum(axis=1)
-        wish += words.separation * SEPARATION_GAIN * self.agility * apart
-        wish += words.alignment * ALIGNMENT_GAIN * (v[self._near].mean(axis=1) - v)
-        # Who has its neighbours about it at a good distance is drawn nowhere.
+        wish += config.separation * SEPARATION_GAIN * self.agility * apart
+        wish += config.alignment * ALIGNMENT_GAIN * (v[self._near].mean(axis=1) - v)
+        # Neighbours at a good distance do not attract.
         drawn = np.clip(far / room - 1.0, 0.0, 4.0) / np.maximum(far, 1e-9)
-        wish += words.cohesion * COHESION_GAIN * room * (to * drawn[..., None]).mean(axis=1)
+        wish += config.cohesion * COHESION_GAIN * room * (to * drawn[..., None]).mean(axis=1)
         return wish
 
     def _flyable(self, v: Array) -> Array:
-        """Return velocities (N, 3) that are neither too slow nor too fast nor too steep."""
+        """Returns velocities (N, 3) within the limits of speed and climb."""
         own = _length(v)
         limit = self.steepest * own
         v[:, 1] = np.clip(v[:, 1], -limit, limit)
@@ -214,7 +229,7 @@ class Steering:
 
 
 def nearest_members(p: Array, count: int) -> NDArray[np.int64]:
-    """Return the numbers (N, count) of the nearest of each of the places `p` (N, 3)."""
+    """Returns the numbers (N, count) of the nearest neighbours of positions `p` (N, 3)."""
     if count < 1:
         return np.zeros((len(p), 0), dtype=np.int64)
     found = np.empty((len(p), count), dtype=np.int64)
@@ -227,7 +242,7 @@ def nearest_members(p: Array, count: int) -> NDArray[np.int64]:
         found[first : first + DISTANCE_BLOCK] = np.argpartition(square, count - 1, axis=1)[
             :, :count
         ]
-    # In the order of their numbers, so that sums are added up in one order.
+    # Sorted, so that sums have one order.
     found.sort(axis=1)
     return found
 
@@ -238,6 +253,6 @@ def _length(v: Array) -> Array:
 
 
 def _limit_factors(v: Array, most: Array) -> Array:
-    """Return factors (N, 1) that make vectors (N, 3) no longer than `most` (N,)."""
+    """Returns factors (N, 1) that limit the length of vectors (N, 3) to `most` (N,)."""
     result: Array = np.minimum(1.0, most / np.maximum(_length(v), 1e-9))[:, None]
     return result

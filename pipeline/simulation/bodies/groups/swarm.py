@@ -1,9 +1,9 @@
-"""Swarm: insects around something, each on a spring that chance plucks at.
+"""Swarm: insects around a point, each on a randomly excited spring.
 
-About whom it swarms, each coordinate x of a member obeys x'' = -k x - d x' + noise. Its law
-over any time is known: where it will be is normal, with the mean of the free oscillation and a
-covariance that grows to the stationary one. So steps are exact, and what a swarm looks like
-does not depend on their length.
+Each coordinate x of a member, relative to the centre, obeys x'' = -k x - d x' + noise. Its
+distribution after any time is normal, with the mean of the free oscillation and a covariance that
+grows to the stationary one. So steps are exact, and the look of a swarm does not depend on their
+length.
 
 Source: Sims 1987, 3.2; Uhlenbeck and Ornstein 1930.
 """
@@ -15,7 +15,12 @@ import math
 import numpy as np
 
 from pipeline.simulation.bodies.groups import member_meshes
-from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext
+from pipeline.simulation.bodies.groups.group_rule import (
+    CastIndex,
+    CastPoses,
+    GroupContext,
+    GroupRule,
+)
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import UP, Array, from_directions
 from pipeline.simulation.take import Contact
@@ -23,21 +28,23 @@ from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Swarm
 
 DAMPING = 1.2
-"""d, in units of the square root of k; below 2 it swings."""
+"""d, in units of the square root of k; below 2 it oscillates."""
 
 
-class SwarmRule:
+class SwarmRule(GroupRule):
     """A swarm."""
 
-    def __init__(self, setting: GroupContext, words: Swarm) -> None:
+    default_material = "black chitin"
+
+    def __init__(self, setting: GroupContext, config: Swarm) -> None:
         self.setting = setting
-        self.words = words
+        self.config = config
         self.chance = generator(*setting.seed)
-        x, v = words.radius / math.sqrt(3.0), words.speed / math.sqrt(3.0)
+        x, v = config.radius / math.sqrt(3.0), config.speed / math.sqrt(3.0)
         self.deviation = np.array([x, v])
         self.root = v / x
-        shape = (words.count, 3)
-        # From the stationary law on: a swarm has always been there.
+        shape = (config.count, 3)
+        # The stationary distribution: a swarm has no beginning.
         self.x = x * self.chance.standard_normal(shape)
         self.v = v * self.chance.standard_normal(shape)
         rows = setting.world.clock.rows
@@ -45,19 +52,19 @@ class SwarmRule:
             setting.name,
             setting.material,
             rows,
-            words.count,
-            [("", member_meshes.insect(words.size))],
-            words.size,
+            config.count,
+            [("", member_meshes.insect(config.size))],
+            config.size,
         )
         self._around: int | None = None
         self._time = 0.0
         self._middle: Array | None = None
 
-    def meet(self, cast: CastIndex) -> None:
+    def bind(self, cast: CastIndex) -> None:
         """See `Rule`."""
-        if self.words.around is not None:
+        if self.config.around is not None:
             path = f"{self.setting.path}.group.around"
-            self._around = cast.number(self.words.around, path)
+            self._around = cast.number(self.config.around, path)
 
     def send(self, time: float, goal: tuple[float, float]) -> None:
         """See `Rule`; a swarm stays where it is."""
@@ -74,13 +81,13 @@ class SwarmRule:
                     drift = (middle - self._middle) / span
             self._time, self._middle = float(time), middle
             p = middle + self.x
-            p[:, 1] = np.maximum(p[:, 1], self.setting.height(p) + self.words.size)
+            p[:, 1] = np.maximum(p[:, 1], self.setting.height(p) + self.config.size)
             rows.positions[k] = p
             rows.rotations[k] = from_directions(_level(self.v + drift), np.tile(UP, (len(p), 1)))
         return []
 
     def _advance(self, span: float) -> None:
-        """Go on by `span` [s], by the law of the oscillator."""
+        """Advances by `span` [s]."""
         step, spread = oscillated(self.root, DAMPING, span, self.deviation)
         first, second = self.chance.standard_normal((2, *self.x.shape))
         x = step[0, 0] * self.x + step[0, 1] * self.v + spread[0, 0] * first
@@ -90,13 +97,13 @@ class SwarmRule:
 
 
 def oscillated(root: float, damping: float, span: float, deviation: Array) -> tuple[Array, Array]:
-    """Return how an oscillator goes on, and a triangle of what chance adds.
+    """Returns the transition of a stochastic oscillator over a time.
 
     Args:
         root: square root of k [1/s].
         damping: d in units of that, below 2.
         span: [s].
-        deviation: (2,) stationary ones of place and velocity.
+        deviation: (2,) stationary standard deviations of position and velocity.
 
     Returns:
         Φ (2, 2), and L (2, 2) with L Lᵀ = S - Φ S Φᵀ, S being the stationary covariance.
@@ -113,7 +120,7 @@ def oscillated(root: float, damping: float, span: float, deviation: Array) -> tu
 
 
 def _level(v: Array) -> Array:
-    """Return directions (N, 3) of velocities, none of them upright."""
+    """Returns directions (N, 3) of velocities, none of them vertical."""
     level = v.copy()
     level[:, 1] *= 0.4
     level[:, 0] += 1e-9

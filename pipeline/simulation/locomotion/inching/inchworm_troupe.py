@@ -16,6 +16,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.locomotion.inching.inchworm_chain import FRONT, REAR, InchwormChain
 from pipeline.simulation.locomotion.inching.inchworm_pace import resolve_inchworm_pace
 from pipeline.simulation.locomotion.inching.inchworm_pose import (
@@ -36,7 +37,7 @@ from pipeline.simulation.locomotion.inventory import (
 )
 from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
-from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import Instruction
 

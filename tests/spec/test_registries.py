@@ -1,0 +1,65 @@
+"""Registries: every model of a union has an implementation and a shipped scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+
+import pytest
+
+from pipeline.simulation.terrain.ground import GENERATORS
+from pipeline.spec import Scene, find_scene, load_scene, read_scene, shipped_scenes
+from pipeline.spec.behaviour import FORMS as BEHAVIOURS
+from pipeline.spec.cast import MEMBERS
+from pipeline.spec.script import FORMS as ORDERS
+from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS, TerrainConfig
+
+MORE_TERRAINS = ("ditches", "{kind: sum, of: [stairs, {preset: rocks, height: 0.1}]}")
+"""Terrains that the library does not show."""
+
+FROM_FILES = {"image", "mesh"}
+"""Terrains whose files the library does not ship."""
+
+
+@cache
+def scenes() -> tuple[Scene, ...]:
+    return tuple(load_scene(find_scene(name)) for name in shipped_scenes())
+
+
+def terrains() -> Iterator[TerrainConfig]:
+    scene_text = "{{pronk: 1, frames: 1, terrain: {}, cast: [{{figure: beetle}}]}}"
+    more = (read_scene(scene_text.format(terrain)) for terrain in MORE_TERRAINS)
+    for scene in (*scenes(), *more):
+        yield scene.terrain
+        yield from getattr(scene.terrain, "of", ())
+
+
+@pytest.mark.parametrize("kind", TERRAIN_KINDS)
+def test_every_terrain_has_a_generator_and_a_scene(kind: str) -> None:
+    model = TERRAIN_KINDS[kind]
+    assert model in GENERATORS
+    assert kind in FROM_FILES or any(type(terrain) is model for terrain in terrains())
+
+
+@pytest.mark.parametrize("preset", TERRAIN_PRESETS)
+def test_every_preset_is_a_terrain(preset: str) -> None:
+    keys = TERRAIN_PRESETS[preset]
+    assert TERRAIN_KINDS[keys["kind"]].model_validate(dict(keys))
+
+
+@pytest.mark.parametrize("block", MEMBERS)
+def test_every_kind_of_performer_has_a_scene(block: str) -> None:
+    model = MEMBERS[block]
+    assert block in model.model_fields
+    assert any(type(member) is model for scene in scenes() for member in scene.cast)
+
+
+@pytest.mark.parametrize("key", BEHAVIOURS)
+def test_the_key_of_a_behaviour_is_its_own(key: str) -> None:
+    assert key in BEHAVIOURS[key].model_fields
+    assert [k for k, form in BEHAVIOURS.items() if key in form.model_fields] == [key]
+
+
+@pytest.mark.parametrize("key", ORDERS)
+def test_an_order_is_found_by_its_key(key: str) -> None:
+    assert ORDERS[key].model_fields[key].is_required()

@@ -200,9 +200,11 @@ def test_touch_events_are_on_frames_of_beats() -> None:
 @pytest.mark.slow
 def test_motion_is_reproducible_alone_and_beside_other_performers() -> None:
     head = "pronk: 1\nduration: 1.5\nseed: 4\ncast:\n"
-    one = "- {name: a, dancer: torso, controller: force-field, tempo_bpm: 120, at: [0, 0]}\n"
+    first = "- {name: a, dancer: torso, controller: force-field, tempo_bpm: 120, at: [0, 0]}\n"
     other = "- {name: b, dancer: child, at: [0, 1]}\n- {name: c, prop: {shape: box}, at: [2, 2]}\n"
-    takes = [simulate(read_scene(head + cast)) for cast in (one, one, one + other, other + one)]
+    takes = [
+        simulate(read_scene(head + cast)) for cast in (first, first, first + other, other + first)
+    ]
     assert takes[0].digest == takes[1].digest
     rows = [
         take.positions[:, [i for i, n in enumerate(take.nodes) if n.performer == "a"]]
@@ -217,12 +219,14 @@ def test_position_and_heading_of_dancer() -> None:
     head = "pronk: 1\nduration: 1.5\nterrain: {preset: hills}\ncast:\n"
     plain = "- {name: a, dancer: torso, tempo_bpm: 120}\n"
     moved = "- {name: a, dancer: torso, tempo_bpm: 120, at: [2, -3], heading_deg: 90}\n"
-    one, other = (simulate(read_scene(head + cast)) for cast in (plain, moved))
-    names = [node.name for node in one.nodes]
+    plain_take, moved_take = (simulate(read_scene(head + cast)) for cast in (plain, moved))
+    names = [node.name for node in plain_take.nodes]
     hand, foot = names.index("a.hand_r"), names.index("a.foot_r")
-    for take in (one, other):
+    for take in (plain_take, moved_take):
         # Legs are static.
         np.testing.assert_array_equal(take.positions[0, foot], take.positions[-1, foot])
-    way = one.positions[:, hand] - one.positions[:, names.index("a.pelvis")]
-    turned = other.positions[:, hand] - other.positions[:, names.index("a.pelvis")]
-    np.testing.assert_allclose(turned, np.stack([way[:, 2], way[:, 1], -way[:, 0]], -1), atol=1e-9)
+    offset = plain_take.positions[:, hand] - plain_take.positions[:, names.index("a.pelvis")]
+    turned = moved_take.positions[:, hand] - moved_take.positions[:, names.index("a.pelvis")]
+    np.testing.assert_allclose(
+        turned, np.stack([offset[:, 2], offset[:, 1], -offset[:, 0]], -1), atol=1e-9
+    )

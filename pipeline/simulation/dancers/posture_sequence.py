@@ -26,7 +26,7 @@ class PostureSpline:
 
     Args:
         postures: (m, n) postures, starting with the present one [rad].
-        begin: start [s].
+        start: start [s].
         land: arrival at the last posture, or at `meets` where given [s].
         meets: (n,) posture shortly before the last in which the hand touches [rad].
     """
@@ -34,12 +34,12 @@ class PostureSpline:
     def __init__(
         self,
         postures: Sequence[Array],
-        begin: float,
+        start: float,
         land: float,
         meets: Array | None = None,
     ) -> None:
         self.keys = np.array(postures)
-        self.start, self.duration = begin, max(land - begin, 1e-3)
+        self.start, self.duration = start, max(land - start, 1e-3)
         spacing = np.sqrt(np.maximum(np.abs(np.diff(self.keys, axis=0)).max(axis=1), 1e-3))
         knots = np.concatenate([[0.0], np.cumsum(spacing)])
         knots /= knots[-1]

@@ -10,7 +10,7 @@ from math import dist
 
 from pipeline.production.goldens import motion_tolerance
 from pipeline.production.goldens.motion_verdict import Difference, millimetres
-from pipeline.simulation.take import Contact, Note, SoundEvent, Take
+from pipeline.simulation.take import Contact, SoundEvent, Take
 
 CONTACT_VERBS = {
     "touch": "touches",
@@ -51,7 +51,7 @@ def marks_of(take: Take) -> tuple[Mark, ...]:
     return (
         *(_contact(contact) for contact in take.contacts),
         *(_event(event) for event in take.events),
-        *(_note(note) for note in take.notes),
+        *(Mark("note", note.part, note.kind, float(note.step)) for note in take.notes),
     )
 
 
@@ -76,10 +76,6 @@ def _event(event: SoundEvent) -> Mark:
         tuple(round(x, 4) for x in event.place),
         round(event.strength, 3),
     )
-
-
-def _note(note: Note) -> Mark:
-    return Mark("note", note.part, note.kind, float(note.step))
 
 
 def _part(performer: str, part: str) -> str:
@@ -142,7 +138,8 @@ def _mark_difference(one: Mark | None, two: Mark | None, steps: int) -> str:
     late = two.moment - one.moment
     what = f"{one.what} at step {one.moment:g}"
     if abs(late) > motion_tolerance.MOMENT + ROUNDING:
-        return f"{what}: {one.kind} moved to step {two.moment:g}, frame {_frame_text(one, two)}"
+        frames = f"frame {two.frame} instead of {one.frame}"
+        return f"{what}: {one.kind} moved to step {two.moment:g}, {frames}"
     if one.frame != two.frame and not _boundary_between(one, two, steps):
         return f"{what}: {one.kind} moved from frame {one.frame} to {two.frame}"
     if one.place and (apart := dist(one.place, two.place)) > motion_tolerance.PLACE:
@@ -151,10 +148,6 @@ def _mark_difference(one: Mark | None, two: Mark | None, steps: int) -> str:
     if abs(two.strength - one.strength) > bound:
         return f"{what}: {one.kind} of {two.strength:g} m/s instead of {one.strength:g} m/s"
     return ""
-
-
-def _frame_text(one: Mark, two: Mark) -> str:
-    return f"{two.frame} instead of {one.frame}"
 
 
 def _boundary_between(one: Mark, two: Mark, steps: int) -> bool:

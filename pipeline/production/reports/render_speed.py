@@ -10,7 +10,7 @@ from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
-from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.progress import Reporter, clock, stage
 from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
 from render.config import FullFilm
@@ -126,10 +126,3 @@ def table(speeds: Sequence[Speed]) -> str:
         "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
         for row in rows
     )
-
-
-def clock(seconds: float) -> str:
-    """Return a length of time as hours, minutes and seconds."""
-    whole = round(seconds)
-    hours, minutes = divmod(whole // 60, 60)
-    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

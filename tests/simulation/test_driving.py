@@ -297,7 +297,10 @@ def test_scale_is_of_its_own_geometry_and_never_its_children() -> None:
         ("force: {keys: [{at: 0, torque: [0, 0, 1], ease: jump}]}", "'hold'"),
         ("velocity: [1, 0, 0], held: [{by: b, at: 1}]", "conflicts with velocity"),
         ("keyframes: [{at: 0, position: [0, 0, 0], tangent: {scale: [1, 1, 1]}}]", "needs the sc"),
-        ("keyframes: [{at: 0, position: [0, 0, 0], tangent: {position: [1, 1, 1]}}]", "needs a spline"),
+        (
+            "keyframes: [{at: 0, position: [0, 0, 0], tangent: {position: [1, 1, 1]}}]",
+            "needs a spline",
+        ),
         ("keyframes: [{at: 0, scale: [1, 0, 1]}]", "greater than 0"),
         ("keyframes: [{at: 0, scale: [1, 1]}]", "must hold 3 values"),
     ],

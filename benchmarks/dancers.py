@@ -17,10 +17,10 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 
-from pipeline.simulation.dancers.build import dancer_proportions
 from pipeline.simulation.dancers.dance_goals import dance_choreography
 from pipeline.simulation.dancers.dance_moves import beat_duration, plan_moves
 from pipeline.simulation.dancers.dancer_motion import DancerMotion
+from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 

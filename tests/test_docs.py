@@ -39,3 +39,10 @@ def test_links_of_a_page_lead_to_files(page: Path) -> None:
     missing = [target for target in local if not (page.parent / target).exists()]
     assert not missing
     assert len(page.read_text(encoding="utf-8")) < 6_000 or page.name != "README.md"
+
+
+def test_modules_that_contributing_names_exist() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    modules = re.findall(r"`((?:pipeline|render|audio|tests)/[\w/]+\.py)`", text)
+    assert len(modules) > 8
+    assert [module for module in modules if not (ROOT / module).is_file()] == []

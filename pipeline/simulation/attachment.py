@@ -17,14 +17,12 @@ from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.pose_plan import PartNames
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
 from pipeline.spec.cast import Member
 from pipeline.spec.group import Group
 from pipeline.spec.prop import Prop
-from pipeline.spec.suggestions import hint
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +117,7 @@ def _pose(R: Array, p: Array, node: int) -> Array:
 
 def attachments_of(
     cast: Sequence[Member],
-    figures: Mapping[str, Figure],
+    names: NodeNames,
     nodes: Sequence[Node],
     clock: Clock,
 ) -> list[Attachment]:
@@ -127,18 +125,17 @@ def attachments_of(
 
     Args:
         cast: of the scene.
-        figures: of the creatures, by name.
+        names: of all nodes and parts.
         nodes: of all performers.
         clock: of the scene.
 
     Raises:
         SceneError: if a part does not exist, or attachments form a ring.
     """
-    numbers = {node.name: i for i, node in enumerate(nodes)}
     problems = list[Problem]()
 
     def node_of(part_name: str, path: str) -> int:
-        found = node_number(part_name, figures, numbers)
+        found = names.find(part_name)
         if isinstance(found, str):
             problems.append(Problem(path, found))
             return -1
@@ -163,49 +160,6 @@ def attachments_of(
     if problems:
         raise SceneError(problems)
     return _parents_first(attachments, nodes, [member.name for member in cast])
-
-
-def node_number(
-    part_name: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]
-) -> int | str:
-    """Returns the number of the node of a performer or of one of its parts.
-
-    Args:
-        part_name: such as bug, or bug.head.
-        figures: of the creatures, by name.
-        numbers: of all nodes, by name.
-
-    Returns:
-        The number, or an error message.
-    """
-    name, _, part = part_name.partition(".")
-    figure = figures.get(name)
-    found = _find_node(name, part, figure, numbers)
-    if found is not None:
-        return found
-    if not part:
-        return f"'{name}' is a group; name a member, such as {name}.0"
-    known = [n.partition(".")[2] for n in numbers if n.startswith(f"{name}.")]
-    known += list(PartNames(figure).nodes) if figure is not None else []
-    return f"'{name}' has no part '{part}', {hint(part, known)}"
-
-
-def _find_node(
-    name: str, part: str, figure: Figure | None, numbers: Mapping[str, int]
-) -> int | None:
-    """Returns the number of a link, or of the link that ends at a node of the drawing."""
-    if not part:
-        whole = (name, f"{name}.body", f"{name}.pelvis")
-        return next((numbers[one] for one in whole if one in numbers), None)
-    if figure is not None:
-        names = PartNames(figure)
-        if part in names.nodes:
-            limb, link = names.nodes[part]
-            number = figure.skeleton.limbs[limb].links[link]
-            part = figure.skeleton.links[number].name
-        elif part in names.body:
-            part = "body"
-    return numbers.get(f"{name}.{part}")
 
 
 def _row_at(time: float | None, clock: Clock) -> int:

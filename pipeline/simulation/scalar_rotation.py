@@ -8,6 +8,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from pipeline.simulation.spatial import Array
+
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Rows = tuple[Vector, Vector, Vector]
@@ -56,6 +60,11 @@ def matrix_rows(q: Quaternion) -> Rows:
     )
 
 
+def rotation_matrix(q: Quaternion) -> Array:
+    """Return the rotation matrix (3, 3) of a unit quaternion as an array."""
+    return np.array(matrix_rows(q))
+
+
 def rotate(R: Rows, v: Vector) -> Vector:
     """Return R v."""
     a, b, c = R
@@ -91,3 +100,9 @@ def normalize_quaternion(q: Quaternion) -> Quaternion:
     """Return `q` scaled to length one."""
     n = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return n * q[0], n * q[1], n * q[2], n * q[3]
+
+
+def vector_tuple(v: Array) -> Vector:
+    """Return an array (3,) as plain floats."""
+    x, y, z = v.tolist()
+    return x, y, z

@@ -14,6 +14,7 @@ from pipeline.simulation.contact_coupling import coupling_of
 from pipeline.simulation.event_detection import EventDetection
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import Leg
+from pipeline.simulation.node_names import NodeNames, node_aliases
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch, RowScheduler
@@ -41,6 +42,7 @@ class Simulation:
     Attributes:
         step_number: number of steps taken.
         signals: signals of the last step.
+        aliases: names of drawing nodes for the nodes of creatures.
 
     Raises:
         SceneError: if the scene asks for something impossible.
@@ -70,9 +72,11 @@ class Simulation:
         self.troupes = troupes_of(scene, figures, self.world)
         inventories = [troupe.inventory for troupe in self.troupes]
         self.recorder = recorder = Recorder(header_of(scene, key), clock, ground, inventories)
-        attachments = attachments_of(scene.cast, figures, recorder.nodes, clock)
+        self.aliases = node_aliases(figures, recorder.nodes)
+        names = NodeNames.joined(recorder.nodes, self.aliases)
+        attachments = attachments_of(scene.cast, names, recorder.nodes, clock)
         for troupe in self.troupes:
-            troupe.bind(recorder.nodes, recorder.meshes, figures)
+            troupe.bind(recorder.nodes, recorder.meshes, names)
         recorder.attach(attachments)
         self._detection = EventDetection(scene, clock, recorder, figures)
         self.script = Script(scene.script, clock)
@@ -121,7 +125,8 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        return replace(self.recorder.take(), mechanisms=mechanisms, legs=tuple(self.legs()))
+        take = self.recorder.take()
+        return replace(take, mechanisms=mechanisms, legs=tuple(self.legs()), aliases=self.aliases)
 
     def legs(self) -> list[Leg]:
         """Returns the legs of all walkers, with the stances planned so far."""

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
@@ -143,9 +143,7 @@ class Troupe:
             SceneError: if the performer cannot carry it out; the state is unchanged.
         """
 
-    def bind(
-        self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
-    ) -> None:
+    def bind(self, nodes: Sequence[Node], meshes: Sequence[Mesh], names: NodeNames) -> None:
         """Resolves references to the nodes and meshes of all performers.
 
         Raises:

@@ -94,8 +94,11 @@ def check_track_alone(played):
 @given(
     st.lists(
         st.builds(
-            lambda kind, start, length, **words: (slide if kind == "slide" else note)(
-                start=start, end=start + length, **words, **{"drum": True} if kind == "drum" else {}
+            lambda kind, start, length, **fields: (slide if kind == "slide" else note)(
+                start=start,
+                end=start + length,
+                **fields,
+                **{"drum": True} if kind == "drum" else {},
             ),
             st.sampled_from(["note", "note", "slide", "drum"]),
             st.integers(0, 8),

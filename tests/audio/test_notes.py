@@ -83,8 +83,8 @@ def test_size_and_strength_ranges_meet_without_a_gap(step, score_of):
 
 def test_gains_add_up_in_the_level(step, score_of):
     (plain,) = notes_of(score_of([step()]))
-    words = {"volume_db": -3, "voices": [{"gain_db": 7.5}]}
-    (louder,) = notes_of(score_of([step()], sound=words))
+    config = {"volume_db": -3, "voices": [{"gain_db": 7.5}]}
+    (louder,) = notes_of(score_of([step()], sound=config))
     assert louder.level - plain.level == pytest.approx(4.5)
 
 

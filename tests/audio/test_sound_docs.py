@@ -37,8 +37,8 @@ def test_every_example_loads_and_plays(
         step(1 + i, who=(voice.when.who or "bug"), cause=(voice.when.cause or "footfall"))
         for i, voice in enumerate(voices)
     ]
-    words = {name: getattr(sound, name) for name in Sound.model_fields}
-    smf = read_smf(midi_bytes(score_of(events, sound=words)))
+    config = {name: getattr(sound, name) for name in Sound.model_fields}
+    smf = read_smf(midi_bytes(score_of(events, sound=config)))
     check_laws(smf, 24, 24, drums=any(voice.drum for voice in voices))
     heard = len([voice for voice in voices if not voice.mute])
     assert len(smf.onsets()) >= heard

@@ -161,7 +161,7 @@ def pronk(
     def run(*words: str | Path, cwd: Path | None = None) -> tuple[int, str, str]:
         capfd.readouterr()
         monkeypatch.setattr(sys, "argv", ["pronk", *map(str, words)])
-        monkeypatch.setattr(options, "FLAGS", options.Flags())
+        monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
         # The test runner listens to Ctrl-C itself.
         monkeypatch.setattr(cli, "listen", lambda: None)
         if cwd is not None:

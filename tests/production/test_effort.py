@@ -19,6 +19,7 @@ from pipeline.simulation.effort import Effort, efforts_of
 from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array, rotation
+from pipeline.simulation.take_store import read_take, write_take
 from pipeline.spec import read_scene
 
 HEAD = "pronk: 1\nduration: {}\nterrain: {{kind: flat, size: [60, 60]}}\ncast:\n"
@@ -101,6 +102,15 @@ def _error(rows: int) -> Array:
     return np.array([np.abs(a - b).max() for a, b in expected])
 
 
+def test_a_stored_take_gives_the_same_efforts(tmp_path: Path) -> None:
+    scene = read_scene(HEAD.format(0.5) + "- {name: bug, figure: beetle, walk: {}}\n")
+    take = simulate(scene)
+    write_take(take, tmp_path / "take.zarr")
+    fresh, stored = (efforts_of(t, ["bug"])[0] for t in (take, read_take(tmp_path / "take.zarr")))
+    assert fresh.torques.tobytes() == stored.torques.tobytes()
+    assert facts(fresh) == facts(stored)
+
+
 def test_derivatives_of_rows_are_of_second_order() -> None:
     coarse, fine = _error(51), _error(101)
     assert (fine < 1e-2).all()
@@ -134,7 +144,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the current folder, which holds scenes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(options, "FLAGS", options.Flags())
+    monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD.format(0.5) + bug)
     (tmp_path / "flash.yaml").write_text(

@@ -134,7 +134,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the current folder, which holds scenes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(options, "FLAGS", options.Flags())
+    monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD + bug)
     (tmp_path / "still.yaml").write_text(HEAD + "- {figure: beetle}\n")

@@ -146,7 +146,7 @@ def test_the_command_prints_tables_or_json(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(options, "FLAGS", options.Flags())
+    monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
     Path("play.yaml").write_text(f"{HEAD}- {ROO}\n")
     for flags in ([], ["--json"]):
         monkeypatch.setattr(sys, "argv", ["pronk", "jumps", "play", *flags])

@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from pipeline.production.reports.render_speed import Speed, clock, table
+from pipeline.production.reports.render_speed import Speed, table
+from pipeline.production.run.progress import clock
 
 
 def test_the_table_has_every_preset_and_the_time_of_the_film() -> None:

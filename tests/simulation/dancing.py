@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.dancers.build import dancer_proportions
 from pipeline.simulation.dancers.dance_goals import dance_choreography
 from pipeline.simulation.dancers.dance_moves import Move, beat_duration, plan_moves
-from pipeline.simulation.dancers.dancer_motion import DancerMotion, rehearsed_motion
+from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.hand_contacts import HandStrike
-from pipeline.simulation.dancers.torso import HANDS, LINKS
+from pipeline.simulation.dancers.practice import rehearsed_motion
+from pipeline.simulation.dancers.torso import HANDS, LINKS, dancer_proportions
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 

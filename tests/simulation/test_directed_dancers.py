@@ -114,7 +114,7 @@ def test_who_has_danced_its_bars_has_arrived_and_others_can_wait_for_that() -> N
     heard = []
     while not one.finished:
         one.step()
-        heard += [(h.kind, round(ada(one).now, 2)) for h in one.happened if h.who == "ada"]
+        heard += [(h.kind, round(ada(one).now, 2)) for h in one.signals if h.who == "ada"]
     assert heard == [("arrived", 2.0)]
     assert go(one, 6.0)[0, 1] < 0.9
 
@@ -280,14 +280,9 @@ def test_who_is_told_nothing_dances_as_ever() -> None:
         ("do: {look_at: tor}", "", "script[0].do.look_at", "follows nobody"),
         (
             *("do: {dance: out, tempo_bpm: 100}", "beat: 1", "script[0].do.tempo_bpm"),
-            "100 beats a minute do not fit",
+            "do not fit beat 1 of a score at 120",
         ),
-        (
-            "",
-            "pose: [{at: 1, limb: leg_r, reach: [0, 1, 0]}]",
-            "pose[0].limb",
-            "only the arms of a dancer",
-        ),
+        ("", "pose: [{at: 1, limb: leg_r, reach: [0, 1, 0]}]", "pose[0].limb", "only the arms"),
         ("", "pose: [{at: 1, release: arm_q}]", "pose[0].release", "did you mean 'arm_"),
         (
             *("", "pose: [{at: 1, joints: {elbow_flexion_deg: 3}}]"),
@@ -345,7 +340,7 @@ def test_two_dances_of_one_dancer_have_no_different_drums_of_one_name() -> None:
     lines = [
         f"  - {{at: {k}, who: ada, do: {{dance: {d}}}}}" for k, d in enumerate(("drum", "other"))
     ]
-    with pytest.raises(SceneError, match="is another in 'drum', which is danced by the same"):
+    with pytest.raises(SceneError, match="conflicts with the drum of 'drum'"):
         Simulation(read_scene(text.replace("SCRIPT", "\n".join(lines))))
 
 
@@ -356,7 +351,7 @@ def test_what_is_told_from_outside_goes_the_same_way_when_it_is_written_down() -
     one = Simulation(scene, directed=True)
     for at, do in told_so:
         go(one, at)
-        one.tell(instruction_of({"who": "ada", "do": do}, scene, at))
+        one.add_instruction(instruction_of({"who": "ada", "do": do}, scene, at))
     lines = [f"  - {{at: {at}, who: ada, do: {json.dumps(do)}}}" for at, do in told_so]
     other = Simulation(read_scene(text.replace("SCRIPT", "\n".join(lines))))
     for simulation in (one, other):
@@ -369,12 +364,12 @@ def test_what_it_has_to_know_from_the_begin_is_refused_from_outside() -> None:
     scene = read_scene(SCENE.format(duration=6, words="start: 0", script="  []", more=""))
     one = Simulation(scene, directed=True)
     for do, message in (
-        ({"reach": [0.4, 1.3, 0.2]}, "only for places that its scene's script names"),
-        ({"dance": "drum"}, "the drums of 'drum' stand before it only if its script names it"),
+        ({"reach": [0.4, 1.3, 0.2]}, "only reaches for places that the scene"),
+        ({"dance": "drum"}, "the drums of 'drum' exist only if the scene's script names"),
     ):
         with pytest.raises(SceneError, match=message):
-            one.tell(instruction_of({"who": "ada", "do": do}, scene, 0.0))
-    one.tell(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 0.0))
+            one.add_instruction(instruction_of({"who": "ada", "do": do}, scene, 0.0))
+    one.add_instruction(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 0.0))
     assert near(go(one, 1.1)[0], (0.35, 1.4, 0.5))
 
 

@@ -105,15 +105,15 @@ def test_the_dance_touches_the_body_where_it_says_within_a_frame_of_its_beats(
         goal = seen.dancing.goals[move.subtask]
         if goal.surface is None:
             continue
-        solid, own = solids[str(goal.words.touch).split("_")[0]], f"hand_{'rl'[hand]}"
+        solid, own = solids[str(goal.subtask.touch).split("_")[0]], f"hand_{'rl'[hand]}"
         near = [
             s
             for s in seen.strikes
             if own in (s.hand, s.other) and abs(s.time - move.land) < 0.5 * beat
         ]
         first = min(near, key=lambda s: s.time)
-        assert abs(first.time - move.land) < FRAME, (goal.words.name, move.bar, near)
+        assert abs(first.time - move.land) < FRAME, (goal.subtask.name, move.bar, near)
         # What is touched first may be what is beside it: an arm that lies there, or the other hand.
         beside = {"ribs": ("ribs", "breast", "belly"), "head": ("head", "neck", "hand_r", "hand_l")}
         others = (*beside.get(solid, (solid,)), "upper_arm_r", "upper_arm_l")
-        assert first.other in others, (goal.words.name, near)
+        assert first.other in others, (goal.subtask.name, near)

@@ -209,7 +209,7 @@ def reaches(count: int, seed: int) -> None:
             if np.linalg.norm(hand - goal) < NEAR and arm.by_fields:
                 break
         assert np.linalg.norm(hand - goal) < NEAR, (angles, start, goal, hand)
-        anew += arm.anew_until > 0.0
+        anew += arm.retry_until > 0.0
         done += 1
     assert anew < 0.1 * count
 
@@ -247,7 +247,7 @@ def test_a_hand_that_the_trunk_holds_up_is_taken_back_and_comes_there_anew() -> 
     assert np.linalg.norm(moving.places[arm.palm] - goal) > 0.05
     hand = go_on(moving, arm, 2.5, now)[-1]
     assert arm.by_fields
-    assert arm.anew_until < now + 2.5
+    assert arm.retry_until < now + 2.5
     assert np.linalg.norm(hand - goal) < NEAR
 
 

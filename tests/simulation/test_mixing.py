@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.dancers.build import dancer_proportions
 from pipeline.simulation.dancers.dancer_motion import DancerMotion
-from pipeline.simulation.dancers.torso import LINKS
+from pipeline.simulation.dancers.torso import LINKS, dancer_proportions
 from pipeline.simulation.people.proportions import CHILD
 from pipeline.spec import read_scene
 from tests.simulation.dancing import Seen, danced, dancing_of

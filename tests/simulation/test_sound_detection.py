@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from audio.cause_voices import cause_voice
 from pipeline.errors import SceneError
 from pipeline.simulation.detect.active_intervals import ActiveInterval, IntervalTracker
 from pipeline.simulation.detect.contact_sounds import CONTACT_CAUSES
@@ -125,9 +124,9 @@ def test_performers_at_rest_are_silent_for_ten_seconds(what: str) -> None:
 @pytest.mark.parametrize("meets", ["all", "terrain"])
 @pytest.mark.parametrize("shape", ["box", "sphere", "die"])
 def test_bodies_that_settle_fall_silent_without_rattling(meets: str, shape: str) -> None:
-    words = f"shape: {shape}, bounciness: 0.5, rolling: 0.02, collide: {meets}"
-    body = f"{{name: b, body: {{{words}}}, at: [0, 0.8, 0], rotation_deg: [20, 0, 35]}}"
-    take = simulate(scene_of(body, terrain="flat", duration=8))
+    body = f"shape: {shape}, bounciness: 0.5, rolling: 0.02, collide: {meets}"
+    member = f"{{name: b, body: {{{body}}}, at: [0, 0.8, 0], rotation_deg: [20, 0, 35]}}"
+    take = simulate(scene_of(member, terrain="flat", duration=8))
     times = [time_of(take, event) for event in events_of(take, "collision")]
     assert 2 <= len(times) <= 40
     assert min(np.diff(times)) >= Detect().collision.pause - 1e-9
@@ -323,8 +322,8 @@ def test_breathing_is_optional_and_follows_the_gait() -> None:
 
 
 def test_a_rolling_ball_has_a_course() -> None:
-    words = "shape: sphere, collide: terrain, rolling: 0.05"
-    ball = f"{{name: b, body: {{{words}}}, at: [0, 0], velocity: [2, 0, 0]}}"
+    shape = "shape: sphere, collide: terrain, rolling: 0.05"
+    ball = f"{{name: b, body: {{{shape}}}, at: [0, 0], velocity: [2, 0, 0]}}"
     take = simulate(scene_of(ball, duration=3))
     (event,) = events_of(take, "roll")
     first, last = event.track
@@ -400,11 +399,6 @@ def test_every_cause_has_one_detector_and_every_detector_a_cause() -> None:
     assert sorted([*CONTACT_CAUSES, *MOTION_CAUSES, *vocal]) == sorted(Detect.model_fields)
 
 
-def test_every_cause_but_impacts_has_a_voice() -> None:
-    impacts = {"footfall", "collision"}
-    assert {cause for cause in Detect.model_fields if cause_voice(cause) is None} == impacts
-
-
 def test_thresholds_are_part_of_the_simulation_key() -> None:
     louder = "sound: {volume_db: 3}"
     other = "sound: {detect: {swoosh: {above: 8}}}"
@@ -415,7 +409,7 @@ def test_thresholds_are_part_of_the_simulation_key() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("thresholds", "message"),
     [
         (
             "squeak: {above_deg_s: 2, below_deg_s: 4}",
@@ -427,11 +421,11 @@ def test_thresholds_are_part_of_the_simulation_key() -> None:
         ("swoosh: {above: fast}", "sound.detect.swoosh.above"),
     ],
 )
-def test_a_wrong_threshold_gets_one_clear_message(words: str, says: str) -> None:
+def test_a_wrong_threshold_gets_one_clear_message(thresholds: str, message: str) -> None:
     with pytest.raises(SceneError) as caught:
-        scene_of("{figure: beetle}", more=f"sound: {{detect: {{{words}}}}}")
+        scene_of("{figure: beetle}", more=f"sound: {{detect: {{{thresholds}}}}}")
     (problem,) = caught.value.problems
-    assert says in f"{problem.path}: {problem.message}"
+    assert message in f"{problem.path}: {problem.message}"
     assert json.dumps(problem.message)
 
 

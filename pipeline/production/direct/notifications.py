@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pipeline.production.direct.queries import finite_number, finite_numbers
 from pipeline.simulation.signals import SIGNAL_KINDS
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.take import Note, SoundEvent
 from pipeline.spec.name_references import CAUSES
 
 NOTE_KIND, ORDER_KIND = "note", "told"
@@ -39,29 +38,25 @@ class NotificationQueue:
         events = self._simulation.recorder.events
         new, self._sounds = events[self._sounds :], len(events)
         # Others are reported as signals.
-        return (self._sound(event) for event in new if event.cause not in SIGNAL_KINDS)
-
-    def _sound(self, event: SoundEvent) -> Notification:
-        return {
-            "kind": event.cause,
-            "who": event.who,
-            "other": event.other,
-            **self._moment(event.step, event.fraction),
-            "part": event.part,
-            "place": finite_numbers(event.place),
-            "strength": finite_number(event.strength),
-        }
+        for event in new:
+            if event.cause not in SIGNAL_KINDS:
+                yield {
+                    "kind": event.cause,
+                    "who": event.who,
+                    "other": event.other,
+                    **self._moment(event.step, event.fraction),
+                    "part": event.part,
+                    "place": finite_numbers(event.place),
+                    "strength": finite_number(event.strength),
+                }
 
     def _new_notes(self) -> Iterator[Notification]:
         for note in self._simulation.recorder.notes:
             if (key := (note.kind, note.part)) not in self._notes:
                 self._notes.add(key)
-                yield self._note(note)
-
-    def _note(self, note: Note) -> Notification:
-        who = note.part.partition(".")[0]
-        text = {"part": note.part, "text": f"{note.kind}: {note.text}"}
-        return {"kind": NOTE_KIND, "who": who, "other": "", **self._moment(note.step), **text}
+                who, moment = note.part.partition(".")[0], self._moment(note.step)
+                text = {"part": note.part, "text": f"{note.kind}: {note.text}"}
+                yield {"kind": NOTE_KIND, "who": who, "other": "", **moment, **text}
 
     def _new_orders(self) -> Iterator[Notification]:
         orders = self._simulation.recorder.orders

@@ -46,7 +46,7 @@ class Session:
         self.scene = scene
         self.simulation = Simulation(scene, directed=True)
         self.recorded: RecordedScene | None = None
-        self.notify: Notify = _ignore
+        self.notify: Notify = lambda event: None
         self._recorder = recorder
         self._queue = NotificationQueue(self.simulation)
         self._queries = StateQueries(scene, self.simulation)
@@ -188,10 +188,6 @@ class Session:
     def _names(self, names: Collection[str]) -> frozenset[str]:
         _refuse_unknown_names(names, self._queries.names, "who", "nobody in the cast is called")
         return frozenset(names)
-
-
-def _ignore(event: Notification) -> None:
-    """Drop an event."""
 
 
 def _matches(event: Notification, kinds: Collection[str], who: Collection[str]) -> bool:

@@ -31,7 +31,8 @@ from pipeline.simulation.take import Take
 IGNORED_VERSIONS = frozenset({"pronk", "simulation", "language", "python"})
 """Versions that may change without another golden."""
 
-RANK = ("take", "ground", "position", "rotation", "scale", "alive")
+KINDS = ("take", "ground", "position", "rotation", "scale", "alive")
+RANK = {kind: rank for rank, kind in enumerate(KINDS)}
 """Order of differences at one step; other kinds come after all nodes."""
 
 
@@ -63,7 +64,7 @@ def compare(golden: MotionGolden, take: Take) -> MotionVerdict:
         found += broken_invariants(golden, take, horizon)
         elsewhere += f"; chaotic, so poses up to step {horizon}, then energy, rest and counts"
     order = {who: n for n, who in enumerate(golden.nodes)}
-    found.sort(key=lambda d: (d.step, order.get(d.who, len(order)), _rank(d.kind)))
+    found.sort(key=lambda d: (d.step, order.get(d.who, len(order)), RANK.get(d.kind, len(RANK))))
     return MotionVerdict(
         golden.scene,
         MotionOutcome.CHANGED if found else MotionOutcome.WITHIN,
@@ -121,22 +122,13 @@ def _ground_structure(then: GroundSummary, now: GroundSummary) -> Iterator[Diffe
 
 
 def _motion_differences(golden: MotionGolden, take: Take) -> Iterator[Difference]:
-    yield from _forbidden_difference(golden.land, ground_summary(take), take.terrain.forbidden.size)
+    then, now = golden.land.forbidden, ground_summary(take).forbidden
+    if abs(now - then) > motion_tolerance.FORBIDDEN * take.terrain.forbidden.size:
+        text = f"forbids {now} cells, the golden's {then}"
+        yield Difference(WHOLE_TAKE, "ground", "the ground", text)
     yield from ground_differences(golden, take)
     yield from chain.from_iterable(d.differences() for d in deviations(golden, take))
     yield from mark_differences(golden.marks, marks_of(take), take.header.steps)
-
-
-def _forbidden_difference(
-    then: GroundSummary, now: GroundSummary, cells: int
-) -> Iterator[Difference]:
-    if abs(now.forbidden - then.forbidden) > motion_tolerance.FORBIDDEN * cells:
-        text = f"forbids {now.forbidden} cells, the golden's {then.forbidden}"
-        yield Difference(WHOLE_TAKE, "ground", "the ground", text)
-
-
-def _rank(kind: str) -> int:
-    return RANK.index(kind) if kind in RANK else len(RANK)
 
 
 def _moment_text(step: int, take: Take) -> str:
@@ -153,10 +145,10 @@ def _totals(golden: MotionGolden) -> tuple[tuple[str, int], ...]:
     nodes = len(golden.nodes)
     marks = [mark.kind for mark in golden.marks]
     return (
-        *((kind, nodes) for kind in RANK[2:]),
+        *((kind, nodes) for kind in KINDS[2:]),
         ("channel", len(golden.channels)),
         *((kind, marks.count(kind)) for kind in ("contact", "event", "note")),
-        *((kind, 0) for kind in RANK[:2]),
+        *((kind, 0) for kind in KINDS[:2]),
     )
 
 
@@ -164,7 +156,7 @@ def _first_bits(golden: MotionGolden, take: Take) -> str:
     """Return the place of the first bits that differ, as text."""
     then, now = golden.fingerprints, Fingerprints.of(take)
     place = [node.name for node in take.nodes] + [channel.name for channel in take.channels]
-    rows = [k for k, (one, two) in enumerate(zip(then.rows, now.rows, strict=True)) if one != two]
+    rows = [k for k, pair in enumerate(zip(then.rows, now.rows, strict=True)) if pair[0] != pair[1]]
     names = [*golden.nodes, *golden.channels]
     track = dict(zip(place, now.tracks, strict=True))
     tracks = [name for name, bits in zip(names, then.tracks, strict=True) if track[name] != bits]

@@ -106,18 +106,16 @@ def _decoded(members: dict[str, Any]) -> MotionGolden:
             "nodes": tuple(members["nodes"]),
             "series": {name: Series.unpacked(s) for name, s in members["series"].items()},
             "fingerprints": Fingerprints.unpacked(members["fingerprints"]),
-            "marks": tuple(_mark(*values) for values in members["marks"]),
+            "marks": tuple(
+                Mark(kind, who, what, moment, frame, tuple(place), strength)
+                for kind, who, what, moment, frame, place, strength in members["marks"]
+            ),
             "land": GroundSummary(**{**members["land"], "cells": tuple(members["land"]["cells"])}),
             "predictable": members.get("predictable"),
         }
     )
     _check(golden)
     return golden
-
-
-def _mark(kind: str, who: str, what: str, moment: float, frame: int, *rest: Any) -> Mark:
-    place, strength = rest
-    return Mark(kind, who, what, moment, frame, tuple(place), strength)
 
 
 def _check(golden: MotionGolden) -> None:

@@ -152,7 +152,7 @@ def golden_of(take: Take, scene: str, predictable: int | None = None) -> MotionG
     channels = {channel.name: channel.unit for channel in take.channels}
     stride = stride_of(take)
     series = _series(take, stride, nodes, channels)
-    while stride < len(take.positions) and _length(series) > MAX_TEXT:
+    while stride < len(take.positions) and _text_length(series) > MAX_TEXT:
         # Particles and wing beats are hard to pack.
         stride *= 2
         series = _series(take, stride, nodes, channels)
@@ -182,7 +182,7 @@ def _series(
     }
 
 
-def _length(series: dict[str, Series]) -> int:
+def _text_length(series: dict[str, Series]) -> int:
     return sum(len(one.packed()["packed"]) for one in series.values())
 
 
@@ -193,11 +193,8 @@ def ground_summary(take: Take) -> GroundSummary:
     return GroundSummary(tuple(ground.cells), ground.material, len(ground.vertices), forbidden)
 
 
-def _bounds(channels: dict[str, str]) -> Array:
-    return np.array([motion_tolerance.channel_tolerance(unit) for unit in channels.values()])
-
-
 def _quanta(name: str, values: Array, channels: dict[str, str]) -> Array:
     if name == "values":
-        return motion_tolerance.CHANNEL_QUANTUM * _bounds(channels)
+        bounds = [motion_tolerance.channel_tolerance(unit) for unit in channels.values()]
+        return motion_tolerance.CHANNEL_QUANTUM * np.array(bounds)
     return np.full(values.shape[1], motion_tolerance.QUANTA[name])

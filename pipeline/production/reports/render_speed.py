@@ -10,8 +10,8 @@ from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
-from pipeline.production.run.progress import Reporter, stage
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.run.progress import Reporter, clock, stage
+from pipeline.production.shots.shot_builder import ShotBuilder
 from render.backend import choose
 from render.config import FullFilm
 from render.renderer import Renderer, Timings
@@ -64,7 +64,7 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
             renderer = Renderer(choose(order.backend))
         for preset in presets:
             film = order.scene.film.model_copy(update={"preset": preset})
-            shooting = Shooting(order.scene.model_copy(update={"film": film}), take)
+            shooting = ShotBuilder(order.scene.model_copy(update={"film": film}), take)
             with stage(reporter, f"bench {preset}", frames + 1) as current:
                 seconds = list[float]()
                 for done, frame in enumerate(spread(order.scene.n_frames, frames + 1), start=1):
@@ -126,10 +126,3 @@ def table(speeds: Sequence[Speed]) -> str:
         "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
         for row in rows
     )
-
-
-def clock(seconds: float) -> str:
-    """Return a length of time as hours, minutes and seconds."""
-    whole = round(seconds)
-    hours, minutes = divmod(whole // 60, 60)
-    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

@@ -120,7 +120,7 @@ class LogReporter(Reporter):
         now = time.monotonic()
         if now - self._last >= LOG_INTERVAL and stage.done < stage.total:
             self._last = now
-            eta = f", {_clock(stage.eta)} left" if stage.eta is not None else ""
+            eta = f", {clock(stage.eta)} left" if stage.eta is not None else ""
             self._print(f"{stage.name}: {stage.done}/{stage.total}{eta}")
 
     def end(self, stage: Stage) -> None:
@@ -227,6 +227,8 @@ def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:
     return LogReporter(sys.stderr, verbose)
 
 
-def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes}:{rest:02d}"
+def clock(seconds: float) -> str:
+    """Return a duration as hours, minutes and seconds."""
+    whole = round(seconds)
+    hours, minutes = divmod(whole // 60, 60)
+    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

@@ -17,6 +17,7 @@ from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.playthings import axes_of, axis_nodes, thing_solids
 from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.people.body_frames import (
     FRAMES,
     PARENTS,
@@ -29,7 +30,6 @@ from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.troupe import Inventory
 from pipeline.spec.character import Character
 
 FEET, HANDS, FOREARMS = (

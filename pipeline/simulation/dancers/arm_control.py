@@ -1,4 +1,4 @@
-"""Arms: what moves one arm, by fields on its hand or by torques of its joints."""
+"""Arm control: force fields on the hand, or joint torques that follow a posture spline."""
 
 from __future__ import annotations
 
@@ -20,44 +20,45 @@ from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
-EASE, CALM = 20.0, 0.9
-"""Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
-without them the arm swings about the line from shoulder to hand like a marionette's."""
+ELBOW_STIFFNESS, ELBOW_DAMPING = 20.0, 0.9
+"""Null-space stiffness [N m/rad] and damping [N m s/rad] of an arm whose hand a field pulls.
 
-MOST_EASE = 8.0
-"""Greatest torque that does so [N m]."""
+Without them the arm swings about the line from shoulder to hand."""
 
-SELDOM, SETTLES = 6, 0.3
-"""The elbow of a hand that has been where it goes for so long [s] is looked after at every sixth
-control alone: it hardly moves."""
+ELBOW_TORQUE_LIMIT = 8.0
+"""Largest null-space torque [N m]."""
 
-BACK, BACK_BY, AGAIN, AGAIN_BY = 0.3, 0.35, 0.3, 0.6
-"""How long a hand that was held up is taken back, and reaches anew, at least [s]; and how much
-longer by the angle [s/rad], and by the way [s/m]."""
+SETTLED_INTERVAL, SETTLED_TIME = 6, 0.3
+"""Controls between updates of the null-space torque once a hand has rested so long [s]."""
 
-BY = 0.06
-"""How far from its point a hand may be stopped by something that it touches [m]: two thick."""
+RETREAT_TIME, RETREAT_TIME_PER_RADIAN = 0.3, 0.35
+"""Least duration of a retreat [s], and its increase with the angle [s/rad]."""
 
-STIFF_WRIST = np.radians([50.0, 0.0, 0.0])
-"""How wrists are held while a field pulls the hand [rad]."""
+RETRY_TIME, RETRY_TIME_PER_METRE = 0.3, 0.6
+"""Least duration of a new approach [s], and its increase with the distance [s/m]."""
+
+CONTACT_RANGE = 0.06
+"""Distance from its target at which a contact explains that a hand stopped [m]: two hands thick."""
+
+FIELD_WRIST = np.radians([50.0, 0.0, 0.0])
+"""Wrist angles while a field pulls the hand [rad]."""
 
 
 class ArmController:
-    """One arm of a dancer.
+    """Controller of one arm.
 
     Args:
         side: r or l.
-        torso: whose.
-        moving: the torso in motion.
+        torso: torso of the arm.
+        moving: state of the torso.
         rate: k of its fields [1/s].
         winner: whether the strongest field acts alone.
 
     Attributes:
-        by_fields: whether fields move it now.
-        fields: of its hand.
-        ease: angles of shoulder and elbow that it is held near to while a field pulls [rad].
-        anew_until: when a hand that was held up is there at the earliest on its new way; -inf
-            if it was not held up [s].
+        by_fields: whether fields drive it now.
+        fields: force fields of its hand.
+        preferred: angles of shoulder and elbow preferred while a field pulls [rad].
+        retry_until: earliest arrival of a new approach [s]; -inf without one.
     """
 
     def __init__(
@@ -68,7 +69,7 @@ class ArmController:
         arm, wrist = torso.arm(side), torso.wrist(side)
         self.own, self.wrist = arm, wrist
         self.all = slice(arm.start, wrist.stop)
-        # Views, made once: there are some hundred controls a second.
+        # Views made once, since there are about a hundred controls a second.
         self._hand, self._q, self._push = moving.places[self.palm], moving.q[arm], moving.push[arm]
         self._targets, self._velocity = moving.targets[self.all], moving.velocities[self.number]
         self._before_wrist = wrist.start - arm.start
@@ -76,10 +77,10 @@ class ArmController:
         self._jacobian = moving.jacobian(self.number)[:, arm]
         self.fields = HandField(self._hand, rate, winner)
         self.by_fields = False
-        self.ease: list[float] = moving.q[arm].tolist()
-        self.anew_until = -math.inf
-        self._patience = StallDetector()
-        self._anew_from = math.inf
+        self.preferred: list[float] = moving.q[arm].tolist()
+        self.retry_until = -math.inf
+        self._stalls = StallDetector()
+        self._retry_from = math.inf
         self._written: PostureSpline | None = None
         self._controls = 0
         self.passage: PostureSpline | None = None
@@ -87,16 +88,16 @@ class ArmController:
         hinges = torso.linkage.hinges[self.all]
         self.stiffness = np.array([hinge.stiffness for hinge in hinges])
         self.lead = np.array([hinge.damping for hinge in hinges]) / self.stiffness
-        moving.share(arm.start, arm.stop, self.number, 1.0, CALM)
+        moving.share(arm.start, arm.stop, self.number, 1.0, ELBOW_DAMPING)
 
     def drive(self, by_fields: bool) -> None:
-        """Let fields or torques move it from now on; a hand that is taken back stays so."""
-        self._anew_from = math.inf
+        """Switches between force fields and joint torques; ends a retreat."""
+        self._retry_from = math.inf
         if by_fields == self.by_fields:
             return
         self.by_fields = by_fields
         self.moving.share(
-            self.own.start, self.own.stop, self.number, 0.0 if by_fields else 1.0, CALM
+            self.own.start, self.own.stop, self.number, 0.0 if by_fields else 1.0, ELBOW_DAMPING
         )
         if by_fields:
             self.fields.stay(self.moving.places[self.palm])
@@ -106,9 +107,9 @@ class ArmController:
             self.moving.targets[self.all] = self.moving.q[self.all]
 
     def pull(self, goal: Goal, now: float, land: float) -> None:
-        """Send the hand to a goal by fields."""
-        held = np.concatenate([goal.held[: len(ARM)], STIFF_WRIST])
-        if goal.words.trace is not None:
+        """Sends the hand to a goal by force fields."""
+        held = np.concatenate([goal.held[: len(ARM)], FIELD_WRIST])
+        if goal.subtask.trace is not None:
             self.trace(self.moving.places[list(goal.spots)], held, now, land)
         else:
             self.reach(goal.spots, held, now, land, goal.surface is not None, goal.press)
@@ -122,33 +123,33 @@ class ArmController:
         touches: bool = False,
         press: float = 0.0,
     ) -> None:
-        """Send the hand through places by fields.
+        """Sends the hand through spots by force fields.
 
         Args:
-            spots: their numbers; none to turn the wrist alone.
-            held: (7,) angles that the arm is held near to [rad].
-            now: when it sets out [s].
-            land: when it is to be there [s].
-            touches: whether it is to meet something, which then holds it up.
-            press: how far under a surface the last place is [m].
+            spots: numbers of the spots; none to turn the wrist alone.
+            held: (7,) preferred angles [rad].
+            now: start [s].
+            land: arrival [s].
+            touches: whether the hand touches a surface, which stops it.
+            press: depth of the last spot below a surface [m].
         """
         self._set_out(held, now, land)
-        self._patience = StallDetector(0 if touches else len(RETREAT_POSTURES))
+        self._stalls = StallDetector(0 if touches else len(RETREAT_POSTURES))
         self.traced = None
         if spots:
             self.fields.go(spots, now, land, self.moving.places, press)
 
     def trace(self, places: Array, held: Array, now: float, land: float) -> None:
-        """Lead the hand along a curve through places (m, 3) that stay where they are [m]."""
+        """Moves the hand along a curve through fixed positions (m, 3) [m]."""
         self._set_out(held, now, land)
-        self._patience = StallDetector(len(RETREAT_POSTURES))
+        self._stalls = StallDetector(len(RETREAT_POSTURES))
         self.traced = PostureSpline([np.array(self.fields.point), *places], now, land)
 
     def _set_out(self, held: Array, now: float, land: float) -> None:
         self.drive(True)
-        self.ease = held[: len(ARM)].tolist()
+        self.preferred = held[: len(ARM)].tolist()
         self.turn_wrist(held[len(ARM) :], now, land)
-        self.anew_until = -math.inf
+        self.retry_until = -math.inf
 
     def turn(
         self,
@@ -157,12 +158,12 @@ class ArmController:
         land: float,
         meets: Array | None = None,
     ) -> None:
-        """Send the joints through postures (7,), in `meets` of which a hand touches [rad]."""
+        """Sends the joints through postures (7,) [rad]; the hand touches in `meets`."""
         self.passage = PostureSpline([self.desired(now), *postures], now, land, meets)
 
     def hold(self, now: float) -> None:
-        """Stay where it is."""
-        if self._anew_from < math.inf:
+        """Holds the present posture."""
+        if self._retry_from < math.inf:
             self.drive(True)
         if self.by_fields:
             self.traced = None
@@ -171,14 +172,14 @@ class ArmController:
             self.turn((self.desired(now),), now, now)
 
     def desired(self, now: float) -> Array:
-        """Return (7,) where the joints are to be now [rad]."""
+        """Returns the target angles (7,) [rad]."""
         q: Array = self.moving.q[self.all].copy()
         return q if self.passage is None or self.by_fields else self.passage.at(now)[0]
 
     def control(self, now: float) -> None:
-        """Write what the arm is to do from now on."""
-        if now >= self._anew_from:
-            self._go_anew(now)
+        """Writes the control of the arm."""
+        if now >= self._retry_from:
+            self._retry(now)
         if self.by_fields:
             self._pull(now)
         passage = self.passage
@@ -186,7 +187,7 @@ class ArmController:
             self._servo(now, passage)
 
     def _servo(self, now: float, passage: PostureSpline) -> None:
-        """Let servos follow the passage: what leads the angles makes them follow the speeds too."""
+        """Writes servo targets; leading the angles makes the servos follow the speeds too."""
         q, speed = passage.at(now)
         if passage.is_over(now):
             self._written = passage
@@ -207,60 +208,66 @@ class ArmController:
         else:
             velocity = fields.desired(hand, now, moving.places)
         self._velocity[:] = velocity
-        if self._is_there(now) and self._patience.is_lost(hand, self.fields.point, now):
-            if not self._meets(hand):
-                self._take_back(now)
+        if self._is_there(now) and self._stalls.is_stalled(hand, self.fields.point, now):
+            if not self._is_blocked(hand):
+                self._retreat(now)
                 return
-            self._patience = StallDetector(0)
+            self._stalls = StallDetector(0)
         self._controls += 1
-        if self._controls % SELDOM and self.traced is None and fields.is_there(now - SETTLES):
+        if (
+            self._controls % SETTLED_INTERVAL
+            and self.traced is None
+            and fields.is_there(now - SETTLED_TIME)
+        ):
             return
         moving.jacobian(self.number)
-        free = _free(self._jacobian.tolist())
+        free = _null_space_direction(self._jacobian.tolist())
         torque = 0.0
-        for f, wanted, angle in zip(free, self.ease, self._q.tolist(), strict=True):
-            torque += f * EASE * (wanted - angle)
-        torque = min(max(torque, -MOST_EASE), MOST_EASE)
+        for f, wanted, angle in zip(free, self.preferred, self._q.tolist(), strict=True):
+            torque += f * ELBOW_STIFFNESS * (wanted - angle)
+        torque = min(max(torque, -ELBOW_TORQUE_LIMIT), ELBOW_TORQUE_LIMIT)
         self._push[:] = [torque * f for f in free]
 
     def _is_there(self, now: float) -> bool:
-        """Tell whether the point, not the hand, has come to its last place."""
+        """Returns whether the target point, not the hand, has arrived."""
         return self.fields.is_there(now) if self.traced is None else self.traced.is_over(now)
 
-    def _meets(self, hand: Point) -> bool:
-        """Tell whether the hand is where it can be: by its place, on something that it touches."""
-        if math.dist(hand, self.fields.point) > BY:
+    def _is_blocked(self, hand: Point) -> bool:
+        """Returns whether a contact near the target explains that the hand stopped."""
+        if math.dist(hand, self.fields.point) > CONTACT_RANGE:
             return False
         solid = f"hand_{self.side}"
         return any(solid in (touch.one, touch.other) for touch in self.moving.touches())
 
-    def _take_back(self, now: float) -> None:
-        """Take a hand that is held up back by torques, to reach for its place from there."""
+    def _retreat(self, now: float) -> None:
+        """Moves a stalled hand by joint torques to a posture from which it approaches anew."""
         posture = self.moving.q[self.all].copy()
         if self.passage is not None:
             posture[len(ARM) :] = self.passage.at(now)[0][len(ARM) :]
-        self.ease = self._patience.withdraws_to(self.ease)
-        posture[: len(ARM)] = self.ease
+        self.preferred = self._stalls.next_retreat(self.preferred)
+        posture[: len(ARM)] = self.preferred
         turned = float(np.abs(posture - self.moving.q[self.all]).max())
-        there = now + BACK + BACK_BY * turned
+        there = now + RETREAT_TIME + RETREAT_TIME_PER_RADIAN * turned
         self.drive(False)
         self.turn((posture,), now, there)
-        self._anew_from, self.anew_until = there, there + AGAIN
+        self._retry_from, self.retry_until = there, there + RETRY_TIME
 
-    def _go_anew(self, now: float) -> None:
-        """Let fields pull the hand that was taken back to where it was to be."""
+    def _retry(self, now: float) -> None:
+        """Starts a new approach after a retreat."""
         wrist = self.desired(now)[len(ARM) :]
         spots, traced, point = self.fields.spots, self.traced, self.fields.point
         self.drive(True)
         self.turn_wrist(wrist, now, now)
-        self.anew_until = now + AGAIN + AGAIN_BY * math.dist(as_point(self._hand), point)
+        self.retry_until = (
+            now + RETRY_TIME + RETRY_TIME_PER_METRE * math.dist(as_point(self._hand), point)
+        )
         if traced is not None:
-            self.traced = PostureSpline([self._hand.copy(), traced.keys[-1]], now, self.anew_until)
+            self.traced = PostureSpline([self._hand.copy(), traced.keys[-1]], now, self.retry_until)
         else:
-            self.fields.go(spots[-1:], now, self.anew_until, self.moving.places)
+            self.fields.go(spots[-1:], now, self.retry_until, self.moving.places)
 
     def turn_wrist(self, angles: Array, now: float, land: float) -> None:
-        """Turn the wrist to angles (3,) while a field pulls the hand [rad]."""
+        """Turns the wrist to angles (3,) while a field pulls the hand [rad]."""
         posture = self.moving.q[self.all].copy()
         if self.passage is not None:
             posture[len(ARM) :] = self.passage.at(now)[0][len(ARM) :]
@@ -269,11 +276,11 @@ class ArmController:
         self.passage = PostureSpline([posture, goal], now, land)
 
 
-def _free(jacobian: list[list[float]]) -> list[float]:
-    """Return the motion of four joints that leaves the hand where it is, of unit length.
+def _null_space_direction(jacobian: list[list[float]]) -> list[float]:
+    """Returns the null-space direction of four joints, which leaves the hand in place.
 
-    It is the generalised vector product of the rows of the Jacobian (3, 4); zero where the arm
-    is stretched and has no such motion alone. A torque along it pulls at no hand at rest.
+    It is the generalised cross product of the rows of the Jacobian (3, 4), of unit length, and zero
+    for a stretched arm. A torque along it exerts no force at the hand.
     """
     (a, b, c, d), (e, f, g, h), (i, j, k, m) = jacobian
     gm_hk, fm_hj, fk_gj = g * m - h * k, f * m - h * j, f * k - g * j
@@ -284,6 +291,6 @@ def _free(jacobian: list[list[float]]) -> list[float]:
         a * fm_hj - b * em_hi + d * ej_fi,
         -(a * fk_gj - b * ek_gi + c * ej_fi),
     )
-    # Near a stretched arm it fades out; its direction is no longer certain there.
+    # It fades out near a stretched arm, where its direction is ill-conditioned.
     length = math.hypot(*free) + 1e-3
     return [value / length for value in free]

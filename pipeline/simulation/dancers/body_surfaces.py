@@ -33,7 +33,7 @@ class Surface:
 
 
 def body_surfaces(who: Proportions) -> dict[str, Surface]:
-    """Return the places on the body of a person, by their names."""
+    """Returns the places on the body of a person, by their names."""
     rest = dict(zip(JOINTS, who.rest() / who.height, strict=True))
     ribs = 0.5 * (who.spine + who.shoulder)
     found = dict[str, tuple[str, Array, float, tuple[float, float, float]]]()
@@ -61,7 +61,7 @@ def body_surfaces(who: Proportions) -> dict[str, Surface]:
 def _surface(
     who: Proportions, link: str, middle: Array, radius: float, out: tuple[float, float, float]
 ) -> Surface:
-    """Return the place on a round solid where it faces `out`, given in heights."""
+    """Returns the place on a round solid where it faces `out`, given in heights."""
     normal = normalized(np.array(out))
     aim = middle + (radius + HAND_RADIUS - PRESS) * normal
     place = middle + radius * normal
@@ -73,16 +73,16 @@ STRIKE = 0.012
 
 
 def drum_surface(who: Proportions, drum: Drum) -> Surface:
-    """Return the middle of a drum's top."""
+    """Returns the middle of a drum's top."""
     place, up = np.array(drum.at), np.array([0.0, 1.0, 0.0])
     return Surface("", place, up, place + who.height * (HAND_RADIUS - STRIKE) * up)
 
 
 def scaled_place(who: Proportions, place: tuple[float, float, float]) -> Array:
-    """Return a place (3,) that was given for a grown-up [m]."""
+    """Returns a place (3,) that was given for a grown-up [m]."""
     return np.array(place) * (who.height / ADULT.height)
 
 
 def link_number(surface: Surface) -> int:
-    """Return the number of the link that a surface is on, -1 for what stands still."""
+    """Returns the number of the link that a surface is on, -1 for what stands still."""
     return LINKS.index(surface.link) if surface.link else -1

@@ -1,8 +1,7 @@
-"""Goals: what each subtask of a dance comes to on one person, for both controllers.
+"""Dance goals: each subtask of a dance on one person, for both controllers.
 
-Places become spots of the torso, whose links carry them; angles become postures. What is said
-in angles is a place for a field as well: there the hand is by them, which takes no inverse
-kinematics. What turns a hand alone is nothing to a field.
+Places become spots on links of the torso; angles become postures. Angles of the arm give a field a
+place too, by forward kinematics; a field has no effect on angles of the wrist alone.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ from pipeline.spec.dance import Dance, Drum, Hand, Subtask, Where
 CHEST = LINKS.index("chest")
 
 HANGING_ANGLES = {"shoulder_flexion": 4.0, "shoulder_abduction": 9.0, "elbow_flexion": 14.0}
-"""How arms hang, where it is not 0 [degrees]."""
+"""Angles of a hanging arm that are not 0 [degrees]."""
 
 REACHING_ANGLES = {
     "shoulder_flexion": 35.0,
@@ -53,7 +52,7 @@ REACHING_ANGLES = {
     "elbow_flexion": 70.0,
     "wrist_pronation": 50.0,
 }
-"""How arms are held that reach for something, unless a subtask says otherwise [degrees]."""
+"""Preferred angles of a reaching arm where the subtask gives none [degrees]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,57 +60,52 @@ class Goal:
     """A subtask on one person.
 
     Attributes:
-        words: the subtask.
-        spots: numbers of the places on the way and of the last, none where it only turns.
-        said: the word that each of them is said in as a position, empty where it is a name.
-        held: (7,) angles of the arm and wrist that it is held near to [rad].
-        given: (7,) which of these the author gave.
-        trunk: joint -> angle of waist and neck that the author gave [rad].
-        surface: what is touched.
-        press: how far under it the last place is [m].
+        subtask: the subtask in the dance.
+        spots: numbers of the spots on the way, the last one included; empty for turns alone.
+        position_keys: scene key of each spot given as a position; empty for named places.
+        held: (7,) preferred angles of arm and wrist [rad].
+        given: (7,) whether the author gave the angle.
+        trunk: joint -> given angle of waist and neck [rad].
+        surface: surface that the hand touches.
+        press: depth of the last spot below the surface [m].
     """
 
-    words: Subtask
+    subtask: Subtask
     spots: tuple[int, ...]
-    said: tuple[str, ...]
+    position_keys: tuple[str, ...]
     held: Array
     given: Array
     trunk: dict[str, float]
     surface: Surface | None
     press: float
 
-    @property
-    def is_for_fields(self) -> bool:
-        """Whether a force on the hand can do it."""
-        return bool(self.spots)
-
 
 @dataclass(frozen=True, slots=True)
 class PlacedSubtask:
-    """A subtask of a dance, or of what a dancer is posed in or told.
+    """A subtask of a dance, a pose or an instruction, with its place in the scene.
 
     Attributes:
-        path: in the scene, for messages.
-        words: it.
-        still: whether its places are of where the dancer stands, and in metres; those of dances
-            go along with the chest, in proportion.
-        said: the path of its place instead, where that is none of its own words.
+        path: path in the scene, for messages.
+        subtask: the subtask.
+        is_fixed: whether its places are metres in the dancer's frame; places of dances are
+            scaled to the person and move with the chest.
+        place_path: path of its place, where that is outside the subtask.
     """
 
     path: str
-    words: Subtask
-    still: bool = False
-    said: str = ""
+    subtask: Subtask
+    is_fixed: bool = False
+    place_path: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class Choreography:
-    """What a dancer does, on one person.
+    """All subtasks of a dancer on one person.
 
     Attributes:
-        torso: with all places.
-        goals: one a subtask.
-        ready: side -> number of the spot where its hand is at first.
+        torso: torso with all spots.
+        goals: one per subtask.
+        ready: side -> number of the spot where its hand starts.
     """
 
     torso: Torso
@@ -120,25 +114,25 @@ class Choreography:
 
 
 def dance_choreography(
-    who: Proportions, dance: Dance, name: str, compensated: bool
+    person: Proportions, dance: Dance, name: str, compensated: bool
 ) -> Choreography:
-    """Return a dance on one person.
+    """Returns a dance on one person.
 
     Args:
-        who: the person.
-        dance: its words.
-        name: of the dance, for messages.
-        compensated: whether the arms' weight is.
+        person: proportions of the person.
+        dance: the dance.
+        name: name of the dance, for messages.
+        compensated: whether the arms' weight is compensated.
 
     Raises:
-        SceneError: a place is out of reach or inside the body, or an angle beyond its joint.
+        SceneError: if a place is out of reach or inside the body, or an angle beyond its joint.
     """
     ready = ReadyPlaces(f"dances.{name}", dance.ready)
-    return build_choreography(who, placed_subtasks(dance, name), dance.drums, ready, compensated)
+    return build_choreography(person, placed_subtasks(dance, name), dance.drums, ready, compensated)
 
 
 def placed_subtasks(dance: Dance, name: str) -> list[PlacedSubtask]:
-    """Return the subtasks of a dance, with their paths."""
+    """Returns the subtasks of a dance with their paths."""
     return [
         PlacedSubtask(f"dances.{name}.subtasks[{i}]", one) for i, one in enumerate(dance.subtasks)
     ]
@@ -146,147 +140,147 @@ def placed_subtasks(dance: Dance, name: str) -> list[PlacedSubtask]:
 
 @dataclass(frozen=True, slots=True)
 class ReadyPlaces:
-    """Where hands are at first: the path of what says so, and side -> place."""
+    """Start places of the hands: path in the scene, and side -> place."""
 
     path: str
     places: Mapping[Hand, Where]
 
 
 def build_choreography(
-    who: Proportions,
+    person: Proportions,
     parts: Sequence[PlacedSubtask],
     drums: Mapping[str, Drum],
     ready: ReadyPlaces,
     compensated: bool,
 ) -> Choreography:
-    """Return subtasks on one person.
+    """Returns subtasks on one person.
 
     Args:
-        who: the person.
-        parts: the subtasks, numbered as they stand here.
-        drums: that stand before it, by name.
-        ready: where its hands are at first.
-        compensated: whether the arms' weight is.
+        person: proportions of the person.
+        parts: the subtasks, in the order of their numbers.
+        drums: drums by name.
+        ready: start places of the hands.
+        compensated: whether the arms' weight is compensated.
 
     Raises:
-        SceneError: a place is out of reach or inside the body, or an angle beyond its joint.
+        SceneError: if a place is out of reach or inside the body, or an angle beyond its joint.
     """
-    surfaces = body_surfaces(who)
-    surfaces |= {drum: drum_surface(who, words) for drum, words in drums.items()}
-    plain = LinkageSimulation(torso_of(who).linkage, 1e-3)
+    surfaces = body_surfaces(person)
+    surfaces |= {name: drum_surface(person, drum) for name, drum in drums.items()}
+    plain = LinkageSimulation(torso_of(person).linkage, 1e-3)
     spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
-        own = list(_spots(who, part, i, surfaces, plain))
-        positions = _positions(part.words, own)
-        rows.append([(spot.name, word if (spot, word) in positions else "") for spot, word in own])
-        problems += out_of_reach(who, part.words.hand, own, part.path, part.said)
-        problems += inside_body(plain.linkage.links, positions, part.path, part.said)
-        if not part.still:
-            problems += beyond_limits(part.words.joints, part.path)
-        spots += [spot for spot, _ in own]
+        placed = list(_spots(person, part, i, surfaces, plain))
+        positions = _positions(part.subtask, placed)
+        rows.append([(spot.name, key if (spot, key) in positions else "") for spot, key in placed])
+        problems += out_of_reach(person, part.subtask.hand, placed, part.path, part.place_path)
+        problems += inside_body(plain.linkage.links, positions, part.path, part.place_path)
+        if not part.is_fixed:
+            problems += beyond_limits(part.subtask.joints, part.path)
+        spots += [spot for spot, _ in placed]
     for side, place in ready.places.items():
-        spots.append(_spot(who, f"ready.{side}", place, surfaces))
-        own = [(spots[-1], f"ready.{side}")]
-        problems += out_of_reach(who, side, own, ready.path)
-        problems += inside_body(plain.linkage.links, own, ready.path)
+        spots.append(_spot(person, f"ready.{side}", place, surfaces))
+        placed = [(spots[-1], f"ready.{side}")]
+        problems += out_of_reach(person, side, placed, ready.path)
+        problems += inside_body(plain.linkage.links, placed, ready.path)
     if problems:
         raise SceneError(problems)
     discs = tuple(
-        Disc(drum, np.array(w.at) - [0.0, 0.5 * w.height, 0.0], w.radius, w.height)
-        for drum, w in drums.items()
+        Disc(name, np.array(drum.at) - [0.0, 0.5 * drum.height, 0.0], drum.radius, drum.height)
+        for name, drum in drums.items()
     )
-    torso = torso_of(who, tuple(spots), discs, compensated)
+    torso = torso_of(person, tuple(spots), discs, compensated)
     goals = tuple(
-        _goal(who, part.words, [(torso.spot(spot), word) for spot, word in row], surfaces)
+        _goal(person, part.subtask, [(torso.spot(spot), key) for spot, key in row], surfaces)
         for part, row in zip(parts, rows, strict=True)
     )
     return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in ready.places})
 
 
 def hanging_posture() -> Array:
-    """Return (7,) how an arm hangs [rad]."""
+    """Returns the angles (7,) of a hanging arm [rad]."""
     return np.radians([HANGING_ANGLES.get(joint, 0.0) for joint in (*ARM, *WRIST)])
 
 
 def reaching_posture() -> Array:
-    """Return (7,) how an arm is held that reaches for something [rad]."""
+    """Returns the preferred angles (7,) of a reaching arm [rad]."""
     return np.radians([REACHING_ANGLES.get(joint, 0.0) for joint in (*ARM, *WRIST)])
 
 
 def _goal(
-    who: Proportions,
-    one: Subtask,
+    person: Proportions,
+    subtask: Subtask,
     row: Sequence[tuple[int, str]],
     surfaces: dict[str, Surface],
 ) -> Goal:
     names = (*ARM, *WRIST)
-    angles = {word.removesuffix("_deg"): math.radians(a) for word, a in one.joints.items()}
-    easy = reaching_posture()
-    held = np.array([angles.get(joint, easy[k]) for k, joint in enumerate(names)])
+    angles = {key.removesuffix("_deg"): math.radians(a) for key, a in subtask.joints.items()}
+    reaching = reaching_posture()
+    held = np.array([angles.get(joint, reaching[k]) for k, joint in enumerate(names)])
     given = np.array([joint in angles for joint in names])
     trunk = {joint: angle for joint, angle in angles.items() if joint not in names}
-    surface = surfaces.get(one.touch or "")
-    # How far its middle is from the surface when a hand touches.
-    radius = HAND_RADIUS * who.height
+    surface = surfaces.get(subtask.touch or "")
+    # Distance of a hand's centre from a surface that it touches.
+    radius = HAND_RADIUS * person.height
     press = (
         0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
     )
-    spots, said = tuple(spot for spot, _ in row), tuple(word for _, word in row)
-    return Goal(one, spots, said, held, given, trunk, surface, press)
+    spots, keys = tuple(spot for spot, _ in row), tuple(key for _, key in row)
+    return Goal(subtask, spots, keys, held, given, trunk, surface, press)
 
 
 def _spots(
-    who: Proportions,
+    person: Proportions,
     part: PlacedSubtask,
     i: int,
     surfaces: dict[str, Surface],
     plain: LinkageSimulation,
 ) -> Iterator[tuple[Spot, str]]:
-    """Yield the places of a subtask and the words that they are said in."""
-    one = part.words
-    if part.still and one.reach is not None:
-        yield Spot(f"{i}.reach", -1, np.array(one.reach)), "reach"
+    """Yields the spots of a subtask with their keys in the scene."""
+    subtask = part.subtask
+    if part.is_fixed and subtask.reach is not None:
+        yield Spot(f"{i}.reach", -1, np.array(subtask.reach)), "reach"
         return
-    for k, place in enumerate(one.via):
-        yield _spot(who, f"{i}.via.{k}", place, surfaces), f"via[{k}]"
-    if one.touch is not None:
-        surface = surfaces[one.touch]
+    for k, place in enumerate(subtask.via):
+        yield _spot(person, f"{i}.via.{k}", place, surfaces), f"via[{k}]"
+    if subtask.touch is not None:
+        surface = surfaces[subtask.touch]
         link = link_number(surface)
-        if one.lift:
-            lifted = surface.aim + one.lift * surface.normal
+        if subtask.lift:
+            lifted = surface.aim + subtask.lift * surface.normal
             yield Spot(f"{i}.lift", link, lifted), "lift"
         yield Spot(f"{i}.touch", link, surface.aim), "touch"
-    elif one.reach is not None:
-        yield _spot(who, f"{i}.reach", one.reach, surfaces), "reach"
-    elif one.trace is not None:
-        for k, position in enumerate(one.trace):
-            yield _spot(who, f"{i}.trace.{k}", position, surfaces), f"trace[{k}]"
-    elif any(f"{joint}_deg" in one.joints for joint in ARM):
-        yield Spot(f"{i}.joints", CHEST, _hand_by_angles(one, plain)), "joints"
+    elif subtask.reach is not None:
+        yield _spot(person, f"{i}.reach", subtask.reach, surfaces), "reach"
+    elif subtask.trace is not None:
+        for k, position in enumerate(subtask.trace):
+            yield _spot(person, f"{i}.trace.{k}", position, surfaces), f"trace[{k}]"
+    elif any(f"{joint}_deg" in subtask.joints for joint in ARM):
+        yield Spot(f"{i}.joints", CHEST, _forward_kinematics(subtask, plain)), "joints"
 
 
-def _spot(who: Proportions, name: str, place: Where, surfaces: dict[str, Surface]) -> Spot:
+def _spot(person: Proportions, name: str, place: Where, surfaces: dict[str, Surface]) -> Spot:
     if isinstance(place, str):
         surface = surfaces[place]
         return Spot(name, link_number(surface), surface.aim)
-    return Spot(name, CHEST, scaled_place(who, place))
+    return Spot(name, CHEST, scaled_place(person, place))
 
 
-def _positions(one: Subtask, own: Sequence[tuple[Spot, str]]) -> list[tuple[Spot, str]]:
-    """Return those places of a subtask that are said as positions."""
+def _positions(subtask: Subtask, placed: Sequence[tuple[Spot, str]]) -> list[tuple[Spot, str]]:
+    """Returns the spots of a subtask that are given as positions."""
     named = {"touch", "lift", "joints"}
-    named |= {f"via[{k}]" for k, place in enumerate(one.via) if isinstance(place, str)}
-    return [(spot, word) for spot, word in own if word not in named]
+    named |= {f"via[{k}]" for k, place in enumerate(subtask.via) if isinstance(place, str)}
+    return [(spot, key) for spot, key in placed if key not in named]
 
 
-def _hand_by_angles(one: Subtask, plain: LinkageSimulation) -> Array:
-    """Return (3,) where the hand is when the joints of its arm are as they are given [m]."""
+def _forward_kinematics(subtask: Subtask, plain: LinkageSimulation) -> Array:
+    """Returns the position (3,) of the hand at the given joint angles of its arm [m]."""
     names = [hinge.name for hinge in plain.linkage.hinges]
     plain.q[:] = 0.0
     for joint in ARM:
-        angle = one.joints.get(f"{joint}_deg", HANGING_ANGLES.get(joint, 0.0))
-        plain.q[names.index(sided(joint, one.hand))] = math.radians(angle)
+        angle = subtask.joints.get(f"{joint}_deg", HANGING_ANGLES.get(joint, 0.0))
+        plain.q[names.index(sided(joint, subtask.hand))] = math.radians(angle)
     plain.settle()
     spots = [spot.name for spot in plain.linkage.spots]
-    place: Array = plain.places[spots.index(f"palm_{one.hand}")].copy()
+    place: Array = plain.places[spots.index(f"palm_{subtask.hand}")].copy()
     return place

@@ -1,4 +1,4 @@
-"""Moves: when each hand does what, from the beats or the durations of a dance."""
+"""Dance moves: start and arrival of each subtask, from the beats or durations of a dance."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ SLACK = 1e-6
 
 
 BarPosition = tuple[int, int, bool]
-"""Subtask, which of its beats, and whether a bar was danced before."""
+"""Subtask, index of its beat in the bar, and whether it is in a later bar."""
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """One subtask done once.
+    """One performance of a subtask.
 
     Attributes:
-        subtask: its number in the dance.
-        bar: how often the dance was danced before.
-        begin: when the hand sets out [s].
-        land: when it is to be there [s].
-        beat: on which of the beats of the bar it lands, as a number in the order of `on`.
+        subtask: number of the subtask.
+        bar: number of the bar, from 0.
+        begin: start [s].
+        land: arrival [s].
+        beat: index of its beat in `on`.
     """
 
     subtask: int
@@ -37,26 +37,26 @@ class Move:
 
     @property
     def place(self) -> BarPosition:
-        """What it is and where in the bar: the same in every bar but the first, which begins."""
+        """Position in the bar; the first bar is separate, since it starts from rest."""
         return self.subtask, self.beat, self.bar > 0
 
 
 def beat_duration(dancer: Dancer, dance: Dance) -> float:
-    """Return the duration of a beat [s]."""
+    """Returns the duration of a beat [s]."""
     return 60.0 / (dancer.tempo_bpm or dance.tempo_bpm)
 
 
 def plan_moves(dancer: Dancer, dance: Dance, until: float, path: str) -> dict[str, list[Move]]:
-    """Return what each hand does, in the order of time.
+    """Returns the moves of each hand, in order of time.
 
     Args:
-        dancer: its words.
-        dance: that it dances.
-        until: no move begins later [s].
-        path: of the dancer in the scene, for messages.
+        dancer: the dancer in the scene.
+        dance: its dance.
+        until: latest start of a move [s].
+        path: path of the dancer in the scene, for messages.
 
     Raises:
-        SceneError: durations and tempo contradict one another.
+        SceneError: if durations and tempo conflict.
     """
     times = _durations(dancer, dance, path)
     found = (
@@ -68,7 +68,7 @@ def plan_moves(dancer: Dancer, dance: Dance, until: float, path: str) -> dict[st
 
 
 def _durations(dancer: Dancer, dance: Dance, path: str) -> tuple[float | None, ...] | None:
-    """Return how long each subtask takes [s], None for those that are not done."""
+    """Returns the duration of each subtask [s]; None for those left out."""
     given = dancer.durations
     if given is None:
         return None
@@ -125,7 +125,7 @@ def _by_beats(
         given = times[i] if times is not None else None
         if given is not None:
             if given > time + SLACK:
-                raise SceneError([_contradiction(dancer, i, given, time, path)])
+                raise SceneError([_conflict(dancer, i, given, time, path)])
             time = given
         begin = max(land - time, last[one.hand], 0.0)
         last[one.hand] = land
@@ -135,7 +135,7 @@ def _by_beats(
 
 
 def subtask_onsets(dance: Dance) -> list[tuple[int, int, float]]:
-    """Return subtasks, which of their beats it is, and when that is, in beats from the begin."""
+    """Returns (subtask, index of its beat, time in beats from the start of the bar)."""
     found, now = list[tuple[int, int, float]](), 0.0
     for i, one in enumerate(dance.subtasks):
         if one.on is not None:
@@ -146,9 +146,9 @@ def subtask_onsets(dance: Dance) -> list[tuple[int, int, float]]:
     return found
 
 
-def _contradiction(dancer: Dancer, i: int, given: float, time: float, path: str) -> Problem:
+def _conflict(dancer: Dancer, i: int, given: float, time: float, path: str) -> Problem:
     message = (
-        f"subtask {i + 1} of '{dancer.dance}' is to take {given:g} s, and its beats last "
-        f"{time:.3g} s; take tempo_bpm or durations away, or make it slower"
+        f"subtask {i + 1} of '{dancer.dance}' takes {given:g} s, but its beats last only "
+        f"{time:.3g} s; remove tempo_bpm or durations, or lower the tempo"
     )
     return Problem(f"{path}.tempo_bpm", message)

@@ -1,4 +1,4 @@
-"""Programme: what a dancer dances from when on, as the script tells it."""
+"""Dance schedule: the dance of one dancer over time, as the script changes it."""
 
 from __future__ import annotations
 
@@ -17,23 +17,24 @@ from pipeline.spec.dance import Dance
 from pipeline.spec.dancer import Dancer
 
 SLACK = 1e-9
+"""Times nearer than this are the same [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class DanceRequest:
-    """What a dancer is to dance.
+    """A request to dance.
 
     Attributes:
-        dance: its name; None to stand still.
-        tempo: beats a minute, None for its own or the dance's.
-        bars: how often, None for on and on.
-        is_own: whether it is just what the dancer's own words say.
+        dance: name of the dance; None to stand still.
+        tempo: beats a minute; None for the dancer's or the dance's own.
+        bars: number of bars; None for no end.
+        is_default: whether it is the dance of the cast entry.
     """
 
     dance: str | None
     tempo: float | None = None
     bars: int | None = None
-    is_own: bool = False
+    is_default: bool = False
 
 
 STAND_STILL = DanceRequest(None)
@@ -41,17 +42,17 @@ STAND_STILL = DanceRequest(None)
 
 @dataclass(frozen=True, slots=True)
 class DancePlan:
-    """What a dancer does from a time on.
+    """The moves of a request.
 
     Attributes:
-        wish: that it follows from.
-        moves: of each hand, in the order of time.
+        request: the request.
+        moves: moves of each hand, in order of time.
         beat: duration of a beat [s].
-        start: of its first beat [s].
-        ends: when its bars are over [s].
+        start: time of the first beat [s].
+        ends: end of its bars [s].
     """
 
-    wish: DanceRequest
+    request: DanceRequest
     moves: Mapping[str, list[Move]] = field(default_factory=dict)
     beat: float = 1.0
     start: float = 0.0
@@ -59,108 +60,114 @@ class DancePlan:
 
 
 class DanceSchedule:
-    """What a dancer dances.
+    """The schedule of a dancer.
 
     Args:
-        member: its words.
-        repertoire: all that it may do.
-        until: no move begins later [s].
-        path: of the dancer in its scene, for messages.
+        member: the dancer in the scene.
+        repertoire: all its dances and poses.
+        until: latest start of a move [s].
+        path: path of the dancer in the scene, for messages.
 
     Attributes:
-        plan: what it does now.
+        plan: present plan.
+        default: request of the cast entry.
 
     Raises:
-        SceneError: durations and tempo contradict one another.
+        SceneError: if durations and tempo conflict.
     """
 
     def __init__(self, member: Dancer, repertoire: Repertoire, until: float, path: str) -> None:
         self.member, self.repertoire = member, repertoire
         self.until, self.path = until, path
-        self.own = DanceRequest(member.dance, None, member.bars, is_own=True)
-        self.plan = self._planned(self.own, member.start)
-        self._after = STAND_STILL
-        self._goes_back = self._is_over = False
+        self.default = DanceRequest(member.dance, None, member.bars, is_default=True)
+        self.plan = self._planned(self.default, member.start)
+        self._previous = STAND_STILL
+        self._resumes = self._has_ended = False
         self._paused: tuple[DanceRequest, DanceRequest, bool] | None = None
 
-    def over(self, now: float) -> bool:
-        """Tell, once, whether the bars of what it dances are over."""
-        is_over = now >= self.plan.ends - SLACK and not self._is_over
-        self._is_over |= is_over
-        return is_over
+    def has_ended(self, now: float) -> bool:
+        """Returns, once, whether the bars of the plan have ended."""
+        has_ended = now >= self.plan.ends - SLACK and not self._has_ended
+        self._has_ended |= has_ended
+        return has_ended
 
-    def back(self, now: float) -> DancePlan | None:
-        """Return what it does after so many bars, if that is anything else."""
-        if not self._goes_back:
+    def resume_previous(self, now: float) -> DancePlan | None:
+        """Returns the plan to resume after the bars of a request; None if there is none."""
+        if not self._resumes:
             return None
-        wish, self._goes_back = self._after, False
-        return self.change(wish, now)
+        self._resumes = False
+        return self.change(self._previous, now)
 
-    def change(self, wish: DanceRequest, now: float) -> DancePlan:
-        """Do something else from now on."""
-        goes_back = wish.bars is not None and not wish.is_own
-        if goes_back and not self._goes_back:
-            self._after = STAND_STILL if self._is_over else self.plan.wish
-        self._goes_back, self._is_over, self._paused = goes_back, False, None
-        self.plan = self.planned(wish, now)
+    def change(self, request: DanceRequest, now: float) -> DancePlan:
+        """Changes to another request."""
+        resumes = request.bars is not None and not request.is_default
+        if resumes and not self._resumes:
+            self._previous = STAND_STILL if self._has_ended else self.plan.request
+        self._resumes, self._has_ended, self._paused = resumes, False, None
+        self.plan = self.planned(request, now)
         return self.plan
 
     def pause(self, now: float) -> None:
-        """Stand still, to go on later with what it dances now."""
-        paused = self.plan.wish, self._after, self._goes_back
+        """Stands still until `resume`."""
+        paused = self.plan.request, self._previous, self._resumes
         self.change(STAND_STILL, now)
         self._paused = paused
 
     def resume(self, now: float) -> DancePlan | None:
-        """Go on after a pause, unless something else was told meanwhile."""
+        """Resumes after a pause; None if another request has replaced it."""
         if self._paused is None:
             return None
-        wish, after, goes_back = self._paused
-        self.change(wish, now)
-        self._after, self._goes_back = after, goes_back
+        request, previous, resumes = self._paused
+        self.change(request, now)
+        self._previous, self._resumes = previous, resumes
         return self.plan
 
-    def planned(self, wish: DanceRequest, now: float) -> DancePlan:
-        """Return what follows from a wish, beginning as soon as can be."""
-        if wish.dance is None:
-            return DancePlan(wish)
-        member, dance = self._words(wish), self.repertoire.dances[wish.dance]
+    def planned(self, request: DanceRequest, now: float) -> DancePlan:
+        """Returns the earliest plan of a request."""
+        if request.dance is None:
+            return DancePlan(request)
+        member, dance = self._config(request), self.repertoire.dances[request.dance]
         beat, start = beat_duration(member, dance), now
-        if not wish.is_own or member.durations is None or member.tempo_bpm is not None:
+        if not request.is_default or member.durations is None or member.tempo_bpm is not None:
             start += _lead(dance) * beat
             if member.beat is not None:
-                # Locked to the score it waits for the next beat.
+                # Locked to the score: wait for the next beat.
                 beats = math.ceil((start - self.member.start) / beat - SLACK)
                 start = self.member.start + beats * beat
-        return self._planned(wish, start)
+        return self._planned(request, start)
 
-    def _planned(self, wish: DanceRequest, start: float) -> DancePlan:
-        assert wish.dance is not None
-        dance, first = self.repertoire.dances[wish.dance], self.repertoire.first[wish.dance]
-        member = self._words(wish).model_copy(update={"start": start})
+    def _planned(self, request: DanceRequest, start: float) -> DancePlan:
+        assert request.dance is not None
+        dance, first = self.repertoire.dances[request.dance], self.repertoire.first[request.dance]
+        member = self._config(request).model_copy(update={"start": start})
         beat = beat_duration(member, dance)
         moves = {
             side: [replace(m, subtask=m.subtask + first) for m in rows]
             for side, rows in plan_moves(member, dance, self.until, self.path).items()
         }
         ends = math.inf
-        if wish.bars is not None:
+        if request.bars is not None:
             lands = [m.land for rows in moves.values() for m in rows]
             ends = max(lands, default=start)
             if member.durations is None or member.tempo_bpm is not None:
-                ends = max(ends, start + wish.bars * dance.length * beat)
-        return DancePlan(wish, moves, beat, start, ends)
+                ends = max(ends, start + request.bars * dance.length * beat)
+        return DancePlan(request, moves, beat, start, ends)
 
-    def _words(self, wish: DanceRequest) -> Dancer:
-        """Return the words of a dancer that dances what is wished."""
-        if wish.is_own:
+    def _config(self, request: DanceRequest) -> Dancer:
+        """Returns the dancer's config with the requested dance."""
+        if request.is_default:
             return self.member
-        tempo = wish.tempo or self.member.tempo_bpm
-        changed = {"dance": wish.dance, "tempo_bpm": tempo, "durations": None, "bars": wish.bars}
+        tempo = request.tempo or self.member.tempo_bpm
+        changed = {
+            "dance": request.dance,
+            "tempo_bpm": tempo,
+            "durations": None,
+            "bars": request.bars,
+        }
         return self.member.model_copy(update=changed)
 
 
 def _lead(dance: Dance) -> float:
-    """Return how many beats before a dance's first its hands set out at the earliest."""
+    """Returns the number of beats by which the first move precedes the first beat."""
     early = [dance.subtasks[i].beats - on for i, _, on in subtask_onsets(dance)]
     return max(0.0, *early)

@@ -54,20 +54,20 @@ class DancerAppearance:
         return len(FRAMES) + len(self.drums)
 
     def rest(self) -> Array:
-        """Return (count, 3) where its nodes are at rest [m]."""
+        """Returns (count, 3) where its nodes are at rest [m]."""
         tops = [np.array(drum.at) for drum in self.drums.values()]
         return np.concatenate([frame_origins(self.proportions), *[top[None] for top in tops]])
 
 
 def frame_links() -> list[int]:
-    """Return the link that each frame of a person goes with."""
+    """Returns the link that each frame of a person goes with."""
     return [LINKS.index(frame if frame in LINKS else FIXED) for frame in FRAMES]
 
 
 def dancer_inventory(
     looks: Sequence[DancerAppearance], torsos: Sequence[Torso], rows: int
 ) -> Inventory:
-    """Return what dancers add to a take."""
+    """Returns what dancers add to a take."""
     nodes, channels = list[Node](), list[Channel]()
     meshes, parts, solids = list[Mesh](), list[Part](), list[Obstacle]()
     for look, torso in zip(looks, torsos, strict=True):
@@ -92,7 +92,7 @@ def dancer_inventory(
 
 
 def _solids(look: DancerAppearance, torso: Torso, first: int) -> list[Obstacle]:
-    """Return what others run into: the solids of a torso, and its legs below the knees."""
+    """Returns what others run into: the solids of a torso, and its legs below the knees."""
     who, h = look.proportions, look.proportions.height
     rest, found = dict(zip(JOINTS, who.rest(), strict=True)), list[Obstacle]()
     rows = [(link.name, link.place, solid) for link in torso.linkage.links for solid in link.solids]
@@ -122,7 +122,7 @@ def _drum_mesh(drum: Drum, node: int) -> Mesh:
 
 
 def _drum(drum: Drum) -> Solid:
-    """Return an upright cylinder below the middle of its top, its rims rounded."""
+    """Returns an upright cylinder below the middle of its top, its rims rounded."""
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     ring = np.stack([np.sin(angle), np.zeros(AROUND), np.cos(angle)], axis=-1)
     low, outer, inner = -drum.height, drum.radius, drum.radius - RIM

@@ -1,4 +1,4 @@
-"""Dancing: one dancer in motion, sub-step by sub-step, in the frame that it stands in."""
+"""Dancer motion: one dancer, control by control, in the frame in which it stands."""
 
 from __future__ import annotations
 
@@ -16,31 +16,30 @@ from pipeline.simulation.dancers.dancer_poses import Poses
 from pipeline.simulation.dancers.force_fields import FIELD_RATE
 from pipeline.simulation.dancers.hand_contacts import HandContacts, HandStrike
 from pipeline.simulation.dancers.key_postures import key_postures, ready_postures
-from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
+from pipeline.simulation.dancers.torso import HANDS, LINKS, with_gains
 from pipeline.simulation.dancers.trunk_control import TRUNK_JOINTS, TrunkController
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Controller
-from pipeline.spec.dancer import Arms, Dancer, Gains
+from pipeline.spec.dancer import Arms, Dancer
 
 CONTROL_RATE = 96
-"""How often a second controllers look at least; what depends on speeds alone acts at every step."""
+"""Least number of controls a second; damping acts in every step of the dynamics."""
 
 AIM_AHEAD = 0.012
-"""How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
+"""Time before its beat at which a touch is aimed [s]: a moment late would show a frame late."""
 
-EXPECTED, LEARNS, MOST_LATE = 0.2, 0.9, 0.25
-"""How far from its time a touch is taken for the one that was meant [s]; how much of an error is
-made up for the next time, and how much in all [s]."""
+MATCH_WINDOW = 0.2
+"""Largest error at which a touch counts as the one that was planned [s]."""
 
-ROUNDS, GOOD, CALM = 5, 0.012, 0.025
-"""How often a dance is practised at most; how near to its time every touch is good enough; how
-far from it one of the body may be later on before more is made up for: less than a frame of a
-film [s]."""
+LEARNING_RATE = 0.9
+"""Fraction of a timing error that the next attempt makes up for."""
 
-PRACTICE_STEP_RATE = 1000
-"""Steps a second with which it practises at most: who is simulated with finer steps has learnt
-the same, and goes the same way."""
+LEAD_LIMIT = 0.25
+"""Largest lead that is learnt [s]."""
+
+TOUCH_TOLERANCE = 0.025
+"""Error of a touch on the body that is not corrected after practice [s]: less than a frame."""
 
 NO_POSES = Poses()
 
@@ -48,122 +47,125 @@ HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
 
 class DancerMotion:
-    """A dancer in motion.
+    """State of one dancer in motion.
 
     Args:
-        words: of the dancer.
-        choreography: its dance, on its torso.
-        moves: of each hand, in the order of time.
+        config: the dancer in the scene.
+        choreography: its subtasks on its torso.
+        moves: moves of each hand, in order of time.
         beat: duration of a beat [s].
-        dt: that it is advanced by at once [s].
-        late: how late its hands come to each place of the bar, as far as it knows [s].
-        calm: how far from its time a touch of the body may be before it is made up for [s].
-        poses: that it takes, whatever it dances.
+        dt: duration of a world step [s].
+        late: known lateness of each touch [s].
+        tolerance: error of a touch on the body that is not corrected [s].
+        poses: poses that override the dance.
         hang: side -> number of the subtask that lets the arm hang.
 
     Attributes:
-        late: likewise, as it has learnt by now [s].
-        looks_at: number of the spot that it looks at, None for none yet.
-        looks_to: (3,) where it looks instead of at its hand, None for nowhere else [m].
-        missed_by: how far from the time it aims at it last touched, by place of the bar [s].
+        late: lateness learnt so far [s].
+        timing_errors: time of the last touch minus its target time, by position in the bar [s].
+        gaze_spot: number of the spot that the head follows; None at the start.
+        gaze_place: (3,) place that the head faces instead [m]; None for none.
     """
 
     def __init__(
         self,
-        words: Dancer,
+        config: Dancer,
         choreography: Choreography,
         moves: Mapping[str, Sequence[Move]],
         beat: float,
         dt: float,
         late: Mapping[BarPosition, float] | None = None,
-        calm: float = 0.0,
+        tolerance: float = 0.0,
         poses: Poses = NO_POSES,
         hang: Mapping[str, int] | None = None,
     ) -> None:
-        self.words, self.goals = words, choreography.goals
-        self.torso = with_gains(choreography.torso, words.gains)
-        self.ticks = max(math.ceil(dt * CONTROL_RATE - 1e-9), 1)
-        self.tick = dt / self.ticks
-        self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
-        self.moving = LinkageSimulation(self.torso.linkage, self.tick / self.substeps)
+        self.config, self.goals = config, choreography.goals
+        self.torso = with_gains(choreography.torso, config.gains)
+        self.controls_per_step = max(math.ceil(dt * CONTROL_RATE - 1e-9), 1)
+        self.control_time = dt / self.controls_per_step
+        self.substeps = max(math.ceil(self.control_time * config.steps_a_second - 1e-9), 1)
+        self.moving = LinkageSimulation(self.torso.linkage, self.control_time / self.substeps)
         self.postures = key_postures(choreography) if self._needs_postures() else ()
-        self._stand(ready_postures(choreography))
-        rate = FIELD_RATE * words.gains.rate
+        self._take_start_posture(ready_postures(choreography))
+        rate = FIELD_RATE * config.gains.rate
         self.arms = [
-            ArmController(side, self.torso, self.moving, rate, words.combine == "winner")
+            ArmController(side, self.torso, self.moving, rate, config.combine == "winner")
             for side in HANDS
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
         self._hang = hang or {}
-        self._poses = [deque(poses.hands.get(side, ())) for side in HANDS]
+        self._pose_moves = [deque(poses.hands.get(side, ())) for side in HANDS]
         self._trunk_keys = deque(poses.trunk)
-        self._trunk_posed: dict[str, float] = {}
-        self._posed = [False] * len(HANDS)
-        self.late, self.calm = dict(late or {}), calm
-        self.missed_by: dict[BarPosition, float] = {}
-        self._meant: list[list[Move]] = [[] for _ in HANDS]
-        self.carriage = TrunkController(math.radians(words.sway_deg), beat, words.start, words.gaze)
-        self.touching = HandContacts(self.moving)
+        self._trunk_pose: dict[str, float] = {}
+        self._is_posed = [False] * len(HANDS)
+        self.late, self.tolerance = dict(late or {}), tolerance
+        self.timing_errors: dict[BarPosition, float] = {}
+        self._current_moves: list[list[Move]] = [[] for _ in HANDS]
+        self.trunk = TrunkController(math.radians(config.sway_deg), beat, config.start, config.gaze)
+        self.contacts = HandContacts(self.moving)
         self.count = 0
         for arm in self.arms:
             arm.drive(self._controller(arm.side, None) == "force-field")
             if not arm.by_fields:
                 self.moving.targets[arm.all] = self.moving.q[arm.all]
-        self.looks_at: int | None = None
-        self.looks_to: Array | None = None
+        self.gaze_spot: int | None = None
+        self.gaze_place: Array | None = None
         self._eyes, self._chest = self.moving.place_of(HEAD), self.moving.turned(CHEST)
-        self._trunk = self.moving.targets[: len(TRUNK_JOINTS)]
+        self._trunk_targets = self.moving.targets[: len(TRUNK_JOINTS)]
 
     @property
     def now(self) -> float:
-        """The time since it began [s]."""
-        return self.count * self.tick
+        """Time since the start [s]."""
+        return self.count * self.control_time
 
     def advance(self) -> list[HandStrike]:
-        """Go on by one step of the world; return what its hands have touched."""
-        found = list[HandStrike]()
-        for _ in range(self.ticks):
-            now = self.count * self.tick
-            self._set_out(now)
+        """Advances by one world step; returns the strikes of the hands."""
+        strikes = list[HandStrike]()
+        for _ in range(self.controls_per_step):
+            now = self.count * self.control_time
+            self._start_moves(now)
             self._control(now)
-            found += self._go(now)
+            strikes += self._integrate(now)
             self.count += 1
-        return found
+        return strikes
 
-    def _go(self, now: float) -> list[HandStrike]:
-        """Go on by one tick; return what hands have touched in it."""
-        found, done, step = list[HandStrike](), 0, self.tick / self.substeps
+    def _integrate(self, now: float) -> list[HandStrike]:
+        """Advances the dynamics by one control; returns the strikes of the hands."""
+        found, done, step = list[HandStrike](), 0, self.control_time / self.substeps
         while done < self.substeps:
             before = now + done * step
             done += self.moving.advance(self.substeps - done)
-            strikes = self.touching.look(now + done * step, step, before)
+            strikes = self.contacts.update(now + done * step, step, before)
             self._learn(strikes)
             found += strikes
         return found
 
     def _learn(self, strikes: Sequence[HandStrike]) -> None:
-        """Hear how late hands came, to set out for the same the earlier the next time."""
+        """Updates the known lateness from the times of strikes."""
         for strike in strikes:
             clap = strike.other.startswith("hand")
             for solid in (strike.hand, strike.other) if clap else (strike.hand,):
                 k = HANDS.index(solid[-1])
-                # A hand that comes late has the next move to do already.
-                move = min(self._meant[k], key=lambda m: abs(strike.time - m.land), default=None)
+                # A late hand has already begun its next move.
+                move = min(
+                    self._current_moves[k], key=lambda m: abs(strike.time - m.land), default=None
+                )
                 if move is None or not (clap or self.goals[move.subtask].surface):
                     continue
                 late = strike.time - move.land + AIM_AHEAD
-                if abs(late) < EXPECTED:
-                    self._meant[k].remove(move)
-                    self.missed_by[move.place] = late
-                # Blows on beats of the bar are made better all the time.
-                calm = self.calm if self.goals[move.subtask].words.on is None else 0.0
-                if calm <= abs(late) < EXPECTED:
-                    learnt = self.late.get(move.place, 0.0) + LEARNS * late
-                    self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
+                if abs(late) < MATCH_WINDOW:
+                    self._current_moves[k].remove(move)
+                    self.timing_errors[move.place] = late
+                # Strikes on beats of the bar are always corrected.
+                on_beat = self.goals[move.subtask].subtask.on is not None
+                tolerance = 0.0 if on_beat else self.tolerance
+                if tolerance <= abs(late) < MATCH_WINDOW:
+                    learnt = self.late.get(move.place, 0.0) + LEARNING_RATE * late
+                    self.late[move.place] = min(max(learnt, -LEAD_LIMIT), LEAD_LIMIT)
 
-    def missed(self) -> list[float]:
-        """Return how far each palm is from where its move goes, 0 where that is no place [m]."""
+    def target_distances(self) -> list[float]:
+        """Returns the distance of each palm to the end of its move [m]; 0 without a place."""
         found, places = list[float](), self.moving.places
         for arm, k in zip(self.arms, self._next, strict=True):
             rows = self.moves[HANDS.index(arm.side)]
@@ -175,112 +177,114 @@ class DancerMotion:
     def _control(self, now: float) -> None:
         for arm in self.arms:
             arm.control(now)
-        hand = self.looks_to
-        if hand is None and self.looks_at is not None:
-            hand = self.moving.places[self.looks_at]
-        self._trunk[:] = self.carriage.control(now, self.tick, self._eyes, self._chest, hand)
+        target = self.gaze_place
+        if target is None and self.gaze_spot is not None:
+            target = self.moving.places[self.gaze_spot]
+        self._trunk_targets[:] = self.trunk.control(
+            now, self.control_time, self._eyes, self._chest, target
+        )
 
-    def _set_out(self, now: float) -> None:
-        """Begin the moves whose time has come."""
+    def _start_moves(self, now: float) -> None:
+        """Starts the moves and poses that are due."""
         for k, arm in enumerate(self.arms):
             rows, i = self.moves[k], self._next[k]
             while i < len(rows) and rows[i].begin <= now + 1e-9:
-                if not self._posed[k]:
-                    self._begin(arm, rows[i], now)
+                if not self._is_posed[k]:
+                    self._start_move(arm, rows[i], now)
                 i += 1
             self._next[k] = i
-            poses = self._poses[k]
+            poses = self._pose_moves[k]
             while poses and poses[0].begin <= now + 1e-9:
-                one = poses.popleft()
-                if one.subtask is None:
-                    self.release(arm.side, one.land)
+                pose = poses.popleft()
+                if pose.subtask is None:
+                    self.release(arm.side, pose.land)
                 else:
-                    self.hold_at(arm.side, one.subtask, one.land)
+                    self.hold_at(arm.side, pose.subtask, pose.land)
         while self._trunk_keys and self._trunk_keys[0][0] <= now + 1e-9:
             angles = self._trunk_keys.popleft()[1]
             if angles is None:
-                self.carriage.given.update(dict.fromkeys(self._trunk_posed, 0.0))
-                self._trunk_posed.clear()
+                self.trunk.base_angles.update(dict.fromkeys(self._trunk_pose, 0.0))
+                self._trunk_pose.clear()
             else:
-                self._trunk_posed.update(angles)
-                self.carriage.given.update(angles)
+                self._trunk_pose.update(angles)
+                self.trunk.base_angles.update(angles)
 
     def change(self, moves: Mapping[str, Sequence[Move]], beat: float, start: float) -> None:
-        """Dance something else from now on; no moves at all to stand still.
+        """Replaces the moves to come; without any the dancer stands still.
 
         Args:
-            moves: of each hand, in the order of time.
+            moves: moves of each hand, in order of time.
             beat: duration of a beat [s].
-            start: of the first [s].
+            start: time of the first beat [s].
         """
         for k, side in enumerate(HANDS):
             self.moves[k] = [*self.moves[k][: self._next[k]], *moves.get(side, ())]
-        sways = any(moves.values())
-        self.carriage.sways(math.radians(self.words.sway_deg) if sways else 0.0, beat, start)
+        sway = math.radians(self.config.sway_deg) if any(moves.values()) else 0.0
+        self.trunk.set_sway(sway, beat, start)
 
-    def hears(self, late: Mapping[BarPosition, float]) -> None:
-        """Take in what practice has taught: how late hands come [s]."""
+    def set_lateness(self, late: Mapping[BarPosition, float]) -> None:
+        """Adds the lateness that practice measured [s]."""
         self.late.update(late)
-        self.calm = CALM if self.late else 0.0
+        self.tolerance = TOUCH_TOLERANCE if self.late else 0.0
 
     def freeze(self) -> None:
-        """Keep still, hands where they are."""
-        self.change({}, self.carriage.beat, self.now)
+        """Stops with the hands where they are."""
+        self.change({}, self.trunk.beat, self.now)
         for arm in self.arms:
             arm.hold(self.now)
 
     def hang(self, land: float) -> None:
-        """Let the arms hang that are not posed, by `land` [s]; hold trunk and head upright."""
-        self.change({}, self.carriage.beat, self.now)
-        posed = self._trunk_posed
-        self.carriage.given.update({joint: posed.get(joint, 0.0) for joint in TRUNK_JOINTS})
+        """Lowers arms without a pose by `land` [s]; holds trunk and head upright."""
+        self.change({}, self.trunk.beat, self.now)
+        pose = self._trunk_pose
+        self.trunk.base_angles.update({joint: pose.get(joint, 0.0) for joint in TRUNK_JOINTS})
         for k, arm in enumerate(self.arms):
-            # What is not over is not gone back to either.
+            # A released hand must not resume a move that was cut off.
             self.moves[k], self._next[k] = [], 0
-            if not self._posed[k]:
+            if not self._is_posed[k]:
                 self._lower(arm, land)
 
     def look(self, place: Array | None) -> None:
-        """Look at a place (3,) from now on [m]; None for where its hand goes, if it does so."""
-        self.looks_to = place
-        self.carriage.gaze = self.words.gaze or place is not None
+        """Faces a place (3,) [m] from now on; None to follow the hand if `gaze` is set."""
+        self.gaze_place = place
+        self.trunk.gaze = self.config.gaze or place is not None
 
     def hold_at(self, side: str, subtask: int, land: float) -> None:
-        """Hold a hand as a subtask says, from `land` on [s], instead of dancing with it."""
+        """Holds a hand by a subtask from `land` on [s], instead of dancing with it."""
         k = HANDS.index(side)
-        self._posed[k] = True
-        self._begin(self.arms[k], Move(subtask, 0, self.now, land), self.now)
+        self._is_posed[k] = True
+        self._start_move(self.arms[k], Move(subtask, 0, self.now, land), self.now)
 
     def release(self, side: str, land: float) -> None:
-        """Let a hand go back to what it did, to be there by `land` [s]."""
+        """Returns a held hand to its last move by `land` [s]."""
         k = HANDS.index(side)
-        if not self._posed[k]:
+        if not self._is_posed[k]:
             return
-        self._posed[k] = False
+        self._is_posed[k] = False
         done = self.moves[k][: self._next[k]]
         if not done:
             self._lower(self.arms[k], land)
             return
         again = replace(done[-1], begin=self.now, land=max(done[-1].land, land))
-        self._begin(self.arms[k], again, self.now)
+        self._start_move(self.arms[k], again, self.now)
 
     def _lower(self, arm: ArmController, land: float) -> None:
-        self._begin(arm, Move(self._hang[arm.side], 0, self.now, land), self.now)
+        self._start_move(arm, Move(self._hang[arm.side], 0, self.now, land), self.now)
 
-    def _begin(self, arm: ArmController, move: Move, now: float) -> None:
+    def _start_move(self, arm: ArmController, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
-        meant = self._meant[HANDS.index(arm.side)]
-        meant[:] = [*meant[-1:], move]
+        current = self._current_moves[HANDS.index(arm.side)]
+        current[:] = [*current[-1:], move]
         land = move.land - self.late.get(move.place, 0.0)
-        by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
+        by_fields = self._controller(arm.side, goal.subtask.controller) == "force-field"
         arm.drive(by_fields)
-        self.looks_at = arm.palm
-        self.carriage.given.update(goal.trunk | self._trunk_posed)
+        self.gaze_spot = arm.palm
+        self.trunk.base_angles.update(goal.trunk | self._trunk_pose)
         if by_fields:
-            if goal.is_for_fields:
+            if goal.spots:
                 arm.pull(goal, now, land)
             return
-        if goal.words.is_of_joints:
+        if goal.subtask.is_of_joints:
             posture = np.where(goal.given, goal.held, arm.desired(now))
             arm.turn((posture,), now, land)
         else:
@@ -288,122 +292,24 @@ class DancerMotion:
             arm.turn(rehearsed.keys, now, land, rehearsed.meets)
 
     def _controller(self, side: str, own: Controller | None) -> Controller:
-        given = self.words.controller
+        """Returns the controller of an arm; a subtask's own one takes precedence."""
+        default = self.config.controller
         if own is not None:
             return own
-        if isinstance(given, Arms):
-            return given.r if side == "r" else given.l
-        return given
+        if isinstance(default, Arms):
+            return default.r if side == "r" else default.l
+        return default
 
     def _needs_postures(self) -> bool:
-        """Tell whether any subtask is done by torques."""
+        """Returns whether joint torques perform any subtask."""
         return any(
-            self._controller(goal.words.hand, goal.words.controller) == "joint-torque"
+            self._controller(goal.subtask.hand, goal.subtask.controller) == "joint-torque"
             for goal in self.goals
         )
 
-    def _stand(self, ready: Mapping[str, Array]) -> None:
+    def _take_start_posture(self, ready: Mapping[str, Array]) -> None:
         for side in HANDS:
-            own = slice(self.torso.arm(side).start, self.torso.wrist(side).stop)
-            self.moving.q[own] = ready.get(side, hanging_posture())
+            joints = slice(self.torso.arm(side).start, self.torso.wrist(side).stop)
+            self.moving.q[joints] = ready.get(side, hanging_posture())
         self.moving.targets[:] = self.moving.q
         self.moving.settle()
-
-
-def rehearsed_motion(
-    words: Dancer,
-    choreography: Choreography,
-    moves: Mapping[str, Sequence[Move]],
-    beat: float,
-    dt: float,
-) -> DancerMotion:
-    """Return a dancer about to begin, who has practised what is to be on a certain beat."""
-    late = measure_lateness(words, choreography, moves, beat, dt)
-    return DancerMotion(words, choreography, moves, beat, dt, late, CALM if late else 0.0)
-
-
-def measure_lateness(
-    words: Dancer,
-    choreography: Choreography,
-    moves: Mapping[str, Sequence[Move]],
-    beat: float,
-    dt: float,
-) -> dict[BarPosition, float]:
-    """Return how late the hands of a dancer come, as it finds by practice [s].
-
-    It goes through the first bar again and again, or through two where it strikes on beats of
-    the bar, hears how late its hands come, and keeps what came nearest: a hand that grazes its
-    place touches it early or late and hardly ever in between.
-    """
-    numbers = {move.subtask for rows in moves.values() for move in rows}
-    goals = [choreography.goals[number] for number in sorted(numbers)]
-    strikes = any(goal.words.on is not None for goal in goals)
-    touches = any(goal.surface is not None for goal in goals)
-    if not strikes and not (touches and _is_in_time(words)):
-        return {}
-    steps = min(words.steps_a_second, PRACTICE_STEP_RATE)
-    words = words.model_copy(update={"steps_a_second": steps})
-    late, tried = dict[BarPosition, float](), dict[BarPosition, list[tuple[float, float]]]()
-    for _ in range(ROUNDS):
-        trial = DancerMotion(words, choreography, moves, beat, dt, late)
-        _go_through(trial, 2 if strikes else 1)
-        for place, error in trial.missed_by.items():
-            tried.setdefault(place, []).append((late.get(place, 0.0), error))
-        if max(map(abs, trial.missed_by.values()), default=0.0) < GOOD:
-            break
-        late = {place: _next(tried.get(place, ()), learnt) for place, learnt in trial.late.items()}
-    kept = {
-        place: min(rows, key=lambda row: (abs(row[1]), row))[0] for place, rows in tried.items()
-    }
-    # Later bars are begun with what the first has taught.
-    return {(subtask, k, True): lead for (subtask, k, _), lead in kept.items()} | kept
-
-
-def _next(tried: Sequence[tuple[float, float]], learnt: float) -> float:
-    """Return how much earlier to aim next: between what was too little and what too much.
-
-    Args:
-        tried: how much earlier it was aimed, and how late the hand came then [s].
-        learnt: what follows from the last time alone [s].
-    """
-    late = max((row for row in tried if row[1] >= 0.0), default=None)
-    early = min((row for row in tried if row[1] < 0.0), default=None)
-    if late is None or early is None or late[0] >= early[0]:
-        return learnt
-    (low, over), (high, under) = late, early
-    return low + (high - low) * over / (over - under)
-
-
-def _go_through(trial: DancerMotion, bars: int) -> None:
-    """Let a dancer dance some bars, and go on for a while after the last move of them."""
-    lands = [m.land for rows in trial.moves for m in rows if m.bar < bars]
-    until = max(lands, default=0.0) + EXPECTED
-    while trial.now < until:
-        trial.advance()
-
-
-def _is_in_time(words: Dancer) -> bool:
-    """Tell whether hands are to come on beats."""
-    return words.durations is None or words.tempo_bpm is not None
-
-
-def with_gains(torso: Torso, gains: Gains) -> Torso:
-    """Return a torso whose servos and fields work as hard as the author says."""
-    if gains == Gains():
-        return torso
-    links = tuple(
-        replace(
-            link,
-            hinges=tuple(
-                replace(
-                    hinge,
-                    stiffness=hinge.stiffness * gains.stiffness,
-                    damping=hinge.damping * gains.damping,
-                )
-                for hinge in link.hinges
-            ),
-        )
-        for link in torso.linkage.links
-    )
-    linkage = replace(torso.linkage, links=links, drag=torso.linkage.drag * gains.drag)
-    return replace(torso, linkage=linkage)

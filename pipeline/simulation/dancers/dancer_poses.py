@@ -1,4 +1,4 @@
-"""Posing: where hands and joints of a dancer are to be at certain times, whatever it dances."""
+"""Dancer poses: targets of hands and joints at given times, which override the dance."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ Place = tuple[float, float, float]
 
 BOTH: tuple[Hand, ...] = ("r", "l")
 
-SOON = 0.3
-"""How long waist and neck take to come where they are to be, about [s]."""
+TRUNK_LEAD = 0.3
+"""Time by which waist and neck start ahead of a pose, about their lag [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class PoseMove:
-    """A hand goes to where it is posed, or back to what it did.
+    """A hand moves to a pose, or back to the dance.
 
     Attributes:
-        begin: when it sets out [s].
-        land: when it is to be there [s].
-        subtask: its number among all; None for back.
+        begin: start [s].
+        land: arrival [s].
+        subtask: number of its subtask; None for back to the dance.
     """
 
     begin: float
@@ -45,8 +45,8 @@ class Poses:
     """All poses of a dancer.
 
     Attributes:
-        hands: side -> its moves, in the order of time.
-        trunk: when waist and neck go where: joint -> angle [rad], None for back [s].
+        hands: side -> its moves, in order of time.
+        trunk: (time [s], joint -> angle of waist and neck [rad]); None for back to the dance.
     """
 
     hands: Mapping[str, Sequence[PoseMove]] = field(default_factory=dict)
@@ -55,22 +55,22 @@ class Poses:
 
 def pose_moves(
     keys: Sequence[PoseKey],
-    who: Proportions,
+    person: Proportions,
     own: Callable[[Place], Place],
     first: int,
     path: str,
 ) -> tuple[Poses, list[PlacedSubtask]]:
-    """Return the poses of a dancer, and the subtasks that they consist of.
+    """Returns the poses of a dancer and their subtasks.
 
     Args:
-        keys: what its author wrote.
-        who: the person.
-        own: from a place in the world to where that is as the dancer stands [m].
+        keys: pose keys of the scene.
+        person: proportions of the person.
+        own: converts a world position to the dancer's frame [m].
         first: number of the first subtask.
-        path: of the pose in the scene, for messages.
+        path: path of the poses in the scene, for messages.
 
     Raises:
-        SceneError: an angle is beyond what its joint does.
+        SceneError: if an angle is beyond the limits of its joint.
     """
     problems = [
         problem
@@ -89,14 +89,14 @@ def pose_moves(
             if key.release is not None and ARMS.get(key.release) == side and held:
                 rows.append(PoseMove(key.at, key.at + key.blend, None))
                 held, last = False, key.at
-            words = _of_hand(key, side, who, own)
-            if words is None:
+            subtask = _hand_subtask(key, side, person, own)
+            if subtask is None:
                 continue
-            # The first takes over, the others follow one another.
+            # The first pose blends in; later ones start where the previous ended.
             begin = last if held else max(key.at - key.blend, last)
             rows.append(PoseMove(begin, key.at, first + len(parts)))
             at = f"{path}[{k}]"
-            parts.append(PlacedSubtask(at, words, still=True, said=f"{at}.reach"))
+            parts.append(PlacedSubtask(at, subtask, is_fixed=True, place_path=f"{at}.reach"))
             held, last = True, key.at
     for at, some in groupby(order, key=lambda k: keys[k].at):
         for k in some:
@@ -106,16 +106,16 @@ def pose_moves(
                 if not side_of(joint)
             }
             if angles:
-                trunk.append((max(at - SOON, 0.0), angles))
+                trunk.append((max(at - TRUNK_LEAD, 0.0), angles))
             if keys[k].release == TRUNK:
                 trunk.append((at, None))
     return Poses(hands, sorted(trunk, key=lambda row: row[0])), parts
 
 
-def _of_hand(
-    key: PoseKey, side: Hand, who: Proportions, own: Callable[[Place], Place]
+def _hand_subtask(
+    key: PoseKey, side: Hand, person: Proportions, own: Callable[[Place], Place]
 ) -> Subtask | None:
-    """Return what a key asks of a hand, None for nothing."""
+    """Returns the subtask of a pose key for a hand; None if it has none."""
     angles = {}
     for joint, value in (key.joints or {}).items():
         if side_of(joint) == side:
@@ -127,10 +127,10 @@ def _of_hand(
         if key.frame == "world":
             place = own(place)
         elif key.frame == "body":
-            x, y, z = (np.array(place) + who.rest()[JOINTS.index("pelvis")]).tolist()
+            x, y, z = (np.array(place) + person.rest()[JOINTS.index("pelvis")]).tolist()
             place = x, y, z
         return Subtask.model_construct(hand=side, reach=place, joints=angles)
     if not angles:
         return None
-    # Angles are for servos, whatever moves the arm else.
+    # Angles need servos, whatever controller the dance uses.
     return Subtask.model_construct(hand=side, joints=angles, controller="joint-torque")

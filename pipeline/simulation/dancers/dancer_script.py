@@ -1,4 +1,4 @@
-"""Telling: what a script asks of a dancer, and what becomes of it."""
+"""Dancer script: carries out the instructions of a script for one dancer."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from pipeline.simulation.dancers.dance_schedule import (
     DanceRequest,
     DanceSchedule,
 )
-from pipeline.simulation.dancers.dancer_motion import DancerMotion, measure_lateness
+from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.dancer_poses import Place
+from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.spec import script as words
-from pipeline.spec.script import Do
+from pipeline.spec.script import Do, LetGo, LookAhead, LookAt, Perform, Reach, Wait
 
-PAUSE = 0.5
-"""How long a dancer stands before it practises what it is told [s]."""
+PRACTICE_START = 0.5
+"""Time before the first beat of practice [s]."""
 
-LOWERS, REACHES = 1.2, 0.9
-"""How long arms take to hang, and to a place that they are told [s]."""
+LOWER_TIME, REACH_TIME = 1.2, 0.9
+"""Time in which arms are lowered, and in which hands reach a place [s]."""
 
 
 class ScriptedDancer:
-    """A dancer that is told what to do.
+    """A dancer that follows instructions.
 
     Args:
-        dancing: the dancer.
-        programme: what it dances.
-        own: from a place in the world to where that is as the dancer stands [m].
-        dt: that it is advanced by at once [s].
+        dancing: its motion.
+        programme: its schedule.
+        own: converts a world position to the dancer's frame [m].
+        dt: duration of a world step [s].
     """
 
     def __init__(
@@ -45,85 +45,83 @@ class ScriptedDancer:
         dt: float,
     ) -> None:
         self.dancing, self.programme, self.own, self.dt = dancing, programme, own, dt
-        self._practised = {programme.plan.wish}
+        self._practised = {programme.plan.request}
 
-    def tell(self, orders: Sequence[Do]) -> None:
-        """Do what is asked from now on."""
+    def follow(self, orders: Sequence[Do]) -> None:
+        """Starts to carry out instructions."""
         for do in orders:
-            self._tell(do)
+            self._follow(do)
 
-    def go_on(self) -> bool:
-        """Do what is due; tell whether the bars of what it dances are over by now."""
-        if not self.programme.over(self.dancing.now):
+    def finish_bars(self) -> bool:
+        """Returns whether the bars of the plan have just ended; starts what comes next."""
+        if not self.programme.has_ended(self.dancing.now):
             return False
-        plan = self.programme.back(self.dancing.now)
+        plan = self.programme.resume_previous(self.dancing.now)
         if plan is not None:
-            self._begin(plan)
+            self._start(plan)
         return True
 
-    def _tell(self, do: Do) -> None:
+    def _follow(self, do: Do) -> None:
         now, programme = self.dancing.now, self.programme
         if isinstance(do, str):
-            self._say(do)
-        elif isinstance(do, words.Perform):
-            self._begin(programme.change(DanceRequest(do.dance, do.tempo_bpm, do.bars), now))
-        elif isinstance(do, words.Wait):
+            self._follow_word(do)
+        elif isinstance(do, Perform):
+            self._start(programme.change(DanceRequest(do.dance, do.tempo_bpm, do.bars), now))
+        elif isinstance(do, Wait):
             programme.pause(now)
             self.dancing.freeze()
-        elif isinstance(do, words.Reach) and not isinstance(do.reach, str):
+        elif isinstance(do, Reach) and not isinstance(do.reach, str):
             for side in SIDES[do.hand]:
-                number = programme.repertoire.told[do.reach, side]
-                self.dancing.hold_at(side, number, now + REACHES)
-        elif isinstance(do, words.LetGo):
-            self._let_go(SIDES[do.let_go])
-        elif isinstance(do, words.LookAt) and not isinstance(do.look_at, str):
+                number = programme.repertoire.reaches[do.reach, side]
+                self.dancing.hold_at(side, number, now + REACH_TIME)
+        elif isinstance(do, LetGo):
+            self._release(SIDES[do.let_go])
+        elif isinstance(do, LookAt) and not isinstance(do.look_at, str):
             self.dancing.look(np.array(self.own(do.look_at)))
-        elif isinstance(do, words.LookAhead):
+        elif isinstance(do, LookAhead):
             self.dancing.look(None)
 
-    def _say(self, do: str) -> None:
-        """Do what one word says."""
+    def _follow_word(self, do: str) -> None:
+        """Carries out an instruction of one word."""
         now, programme = self.dancing.now, self.programme
         if do == "stop":
             programme.change(STAND_STILL, now)
-            self._let_go(HANDS)
-            self.dancing.hang(now + LOWERS)
+            self._release(HANDS)
+            self.dancing.hang(now + LOWER_TIME)
         elif do == "freeze":
             programme.change(STAND_STILL, now)
             self.dancing.freeze()
         elif do == "dance":
-            self._begin(programme.change(programme.own, now))
+            self._start(programme.change(programme.default, now))
         elif do == "walk" and (plan := programme.resume(now)) is not None:
-            # What follows a wait.
-            self._begin(plan)
+            # `wait` is followed by `walk`.
+            self._start(plan)
         elif do == "let_go":
-            self._let_go(HANDS)
+            self._release(HANDS)
 
-    def _begin(self, plan: DancePlan) -> None:
-        if plan.wish.dance is None:
-            self.dancing.hang(self.dancing.now + LOWERS)
+    def _start(self, plan: DancePlan) -> None:
+        if plan.request.dance is None:
+            self.dancing.hang(self.dancing.now + LOWER_TIME)
             return
-        self._practise(plan.wish)
+        self._practise(plan.request)
         self.dancing.change(plan.moves, plan.beat, plan.start)
 
-    def _practise(self, wish: DanceRequest) -> None:
-        """Learn how late hands come in what is danced for the first time.
+    def _practise(self, request: DanceRequest) -> None:
+        """Measures lateness in a dance that is danced for the first time.
 
-        That is found when it is told, and depends on nothing that happened before: it is the
-        same whoever tells it.
+        The result depends on nothing that happened before, so it is the same whether the script or
+        another program gives the instruction.
         """
-        if wish in self._practised:
+        if request in self._practised:
             return
-        self._practised.add(wish)
-        one = self.dancing
-        plan = self.programme.planned(replace(wish, bars=None), PAUSE)
-        # What it is told is danced on beats.
+        self._practised.add(request)
+        plan = self.programme.planned(replace(request, bars=None), PRACTICE_START)
+        # A dance that is requested is danced on its beats.
         member = self.programme.member.model_copy(update={"durations": None})
-        late = measure_lateness(
-            member, self.programme.repertoire.choreography, plan.moves, plan.beat, self.dt
-        )
-        one.hears(late)
+        choreography = self.programme.repertoire.choreography
+        late = measure_lateness(member, choreography, plan.moves, plan.beat, self.dt)
+        self.dancing.set_lateness(late)
 
-    def _let_go(self, hands: Sequence[str]) -> None:
+    def _release(self, hands: Sequence[str]) -> None:
         for side in hands:
-            self.dancing.release(side, self.dancing.now + REACHES)
+            self.dancing.release(side, self.dancing.now + REACH_TIME)

@@ -1,4 +1,4 @@
-"""Dancers: all dancers of a scene, each a torso of its own.
+"""Dancer troupe: all dancers of a scene, each a simulated torso.
 
 Source: Matarić, Zordan and Mason 1998.
 """
@@ -13,18 +13,19 @@ from functools import partial
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.dancers.build import dancer_proportions, is_child
 from pipeline.simulation.dancers.dance_schedule import DanceSchedule
 from pipeline.simulation.dancers.dancer_mesh import (
     DancerAppearance,
     dancer_inventory,
     frame_links,
 )
-from pipeline.simulation.dancers.dancer_motion import CALM, DancerMotion, measure_lateness
+from pipeline.simulation.dancers.dancer_motion import TOUCH_TOLERANCE, DancerMotion
 from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.dancer_script import ScriptedDancer
 from pipeline.simulation.dancers.hand_contacts import HandStrike
+from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
+from pipeline.simulation.dancers.torso import dancer_proportions, is_child
 from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
@@ -40,7 +41,7 @@ class Dancers(Troupe):
     """All dancers of a scene.
 
     Raises:
-        SceneError: a place is out of reach, or tempo and durations contradict one another.
+        SceneError: if a place is out of reach, or tempo and durations conflict.
     """
 
     def __init__(
@@ -49,19 +50,19 @@ class Dancers(Troupe):
         self.world, clock = world, world.clock
         self.members = [member for _, member in cast]
         self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
-        self.p_WB = [_place(member, world) for member in self.members]
+        self.p_WB = [_origin(member, world) for member in self.members]
         self.looks, self.directed = list[DancerAppearance](), list[ScriptedDancer]()
         for k, (i, member) in enumerate(cast):
-            own = partial(_own, self.R_WB[k], self.p_WB[k])
-            who, path = dancer_proportions(member), f"cast[{i}]"
+            own = partial(_to_dancer_frame, self.R_WB[k], self.p_WB[k])
+            proportions, path = dancer_proportions(member), f"cast[{i}]"
             repertoire = build_repertoire(
-                member, who, dances, world.script, world.directed, own, path
+                member, proportions, dances, world.script, world.directed, own, path
             )
             until = float(clock.time_of(clock.last_step))
             programme = DanceSchedule(member, repertoire, until, path)
-            dancing = _ready(member, programme, clock.dt)
+            dancing = _practised_motion(member, programme, clock.dt)
             self.directed.append(ScriptedDancer(dancing, programme, own, clock.dt))
-            self.looks.append(_look(member, who, repertoire.drums, world.seed))
+            self.looks.append(_appearance(member, proportions, repertoire.drums, world.seed))
         self.dancing = [one.dancing for one in self.directed]
         torsos = [one.torso for one in self.dancing]
         self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
@@ -71,36 +72,38 @@ class Dancers(Troupe):
         self._arrived = list[str]()
 
     def read(self, orders: Orders) -> None:
-        """Take in what the script asks of dancers from this step on."""
+        """Passes orders on to the dancers they name."""
         for member, one in zip(self.members, self.directed, strict=True):
-            one.tell(orders.get(member.name, ()))
+            one.follow(orders.get(member.name, ()))
 
     def prepare(self, instruction: Instruction, path: str) -> None:
-        """Refuse from outside what dancers have to know from the begin: places and drums."""
+        """Refuses instructions from outside that need places or drums unknown at the start."""
         do = instruction.do
         for member, one in zip(self.members, self.directed, strict=True):
             known = one.programme.repertoire
             if instruction.who != member.name:
                 continue
             if isinstance(do, Reach) and any(
-                (do.reach, side) not in known.told for side in SIDES[do.hand]
+                (do.reach, side) not in known.reaches for side in SIDES[do.hand]
             ):
-                message = "a dancer reaches only for places that its scene's script names"
+                message = "a dancer only reaches for places that the scene's script names"
                 raise SceneError([Problem(f"{path}.do.reach", message)])
             if isinstance(do, Perform) and do.dance not in known.dances:
-                message = f"the drums of '{do.dance}' stand before it only if its script names it"
+                message = (
+                    f"the drums of '{do.dance}' exist only if the scene's script names the dance"
+                )
                 raise SceneError([Problem(f"{path}.do.dance", message)])
 
     def advance(self, step: int) -> None:
-        """Go from `step` to the next."""
+        """Advances all dancers by one step."""
         self._step = step
         for k, one in enumerate(self.directed):
             self._strikes += [(k, strike) for strike in one.dancing.advance()]
-            if one.go_on():
+            if one.finish_bars():
                 self._arrived.append(self.members[k].name)
 
     def buffer_row(self) -> None:
-        """Keep the present state as the next row."""
+        """Buffers the present state as the next row."""
         R, p, values = list[Array](), list[Array](), list[Array]()
         for k, (one, look) in enumerate(zip(self.dancing, self.looks, strict=True)):
             R_BL, p_BL = self._frames(k)
@@ -114,14 +117,14 @@ class Dancers(Troupe):
         self._rows.append((np.concatenate(R), np.concatenate(p), np.concatenate(values)))
 
     def write(self, rows: Rows) -> None:
-        """Write all rows kept."""
+        """Writes the buffered rows."""
         for k, (R, p, values) in enumerate(self._rows):
             rows.rotations[k], rows.positions[k], rows.values[k] = R, p, values
         rows.alive[:] = True
         self._rows.clear()
 
     def facts(self) -> Facts:
-        """Return what hands have touched in the last step, and who has danced its bars."""
+        """Returns hand contacts of the last step and dancers that finished their bars."""
         contacts = tuple(self._contact(k, strike) for k, strike in self._strikes)
         arrived = tuple(self._arrived)
         self._strikes.clear()
@@ -129,10 +132,10 @@ class Dancers(Troupe):
         return Facts(contacts, arrived=arrived)
 
     def _frames(self, k: int) -> tuple[Array, Array]:
-        """Return rotations (15, 3, 3) and places (15, 3) of a person's frames where it stands."""
+        """Returns rotations (15, 3, 3) and positions (15, 3) of the body frames."""
         R, p = self.dancing[k].moving.poses()
         places = p[self._links]
-        # Legs stand as they do at rest.
+        # Legs keep their rest pose.
         rest, fixed = self.looks[k].rest()[: len(self._links)], np.array(self._links) == 0
         places[fixed] = rest[fixed]
         return R[self._links], places
@@ -146,8 +149,8 @@ class Dancers(Troupe):
         place = p + (R * strike.place).sum(axis=1)
         normal = (R * strike.normal).sum(axis=1)
         drum = look.drums.get(strike.other)
-        who = look.proportions
-        mass = who.mass * (SEGMENT_MASSES["hand"] + 0.5 * SEGMENT_MASSES["forearm"])
+        proportions = look.proportions
+        mass = proportions.mass * (SEGMENT_MASSES["hand"] + 0.5 * SEGMENT_MASSES["forearm"])
         skin = strike.other in ("head", "neck") or strike.other.startswith("hand")
         surface = look.clothes.skin if skin else look.clothes.shirt
         return Contact(
@@ -156,47 +159,47 @@ class Dancers(Troupe):
             performer=member.name,
             part=strike.hand,
             other=strike.other,
-            place=_three(place),
-            normal=_three(normal),
+            place=_triple(place),
+            normal=_triple(normal),
             speed=strike.speed,
             energy=0.5 * mass * strike.speed**2,
             material=look.clothes.skin,
             surface=surface if drum is None else drum.material,
-            size=2.0 * drum.radius if drum is not None else who.hand * who.height,
+            size=2.0 * drum.radius if drum is not None else proportions.hand * proportions.height,
             kind="hit",
         )
 
 
-def _ready(member: Dancer, programme: DanceSchedule, dt: float) -> DancerMotion:
-    """Return a dancer about to begin, who has practised what it dances."""
+def _practised_motion(member: Dancer, programme: DanceSchedule, dt: float) -> DancerMotion:
+    """Returns the motion of a dancer that has practised its dance."""
     repertoire, plan = programme.repertoire, programme.plan
     choreography = repertoire.choreography
     late = measure_lateness(member, choreography, plan.moves, plan.beat, dt)
     poses, hang = repertoire.poses, repertoire.hang
     return DancerMotion(
         *(member, choreography, plan.moves, plan.beat, dt, late),
-        calm=CALM if late else 0.0,
+        tolerance=TOUCH_TOLERANCE if late else 0.0,
         poses=poses,
         hang=hang,
     )
 
 
-def _own(R: Array, p: Array, place: Place) -> Place:
-    """Return where a place in the world is as a dancer stands, turned by R (3, 3) at p (3,)."""
-    return _three((R.T * (np.array(place) - p)).sum(axis=1))
+def _to_dancer_frame(R: Array, p: Array, place: Place) -> Place:
+    """Returns a world position in the dancer's frame, with rotation R (3, 3) and origin p (3,)."""
+    return _triple((R.T * (np.array(place) - p)).sum(axis=1))
 
 
-def _look(
-    member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int
+def _appearance(
+    member: Dancer, proportions: Proportions, drums: Mapping[str, Drum], seed: int
 ) -> DancerAppearance:
     clothes = random_clothes(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
-    return DancerAppearance(member.name, who, clothes, dict(drums))
+    return DancerAppearance(member.name, proportions, clothes, dict(drums))
 
 
-def _place(member: Dancer, world: World) -> Array:
-    """Return where a dancer stands (3,) [m]."""
+def _origin(member: Dancer, world: World) -> Array:
+    """Returns the origin of a dancer's frame (3,) [m]."""
     x, z = member.at
     floor = 0.0
     if member.parent is None:
@@ -204,6 +207,6 @@ def _place(member: Dancer, world: World) -> Array:
     return np.array([x, floor, z])
 
 
-def _three(v: Array) -> tuple[float, float, float]:
+def _triple(v: Array) -> tuple[float, float, float]:
     x, y, z = v.tolist()
     return x, y, z

@@ -56,7 +56,7 @@ SHORTEST = 0.12
 
 
 def weighted_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
-    """Return the point of a weighted sum of fields, in the hull of their points [m]."""
+    """Returns the point of a weighted sum of fields, in the hull of their points [m]."""
     x = y = z = 0.0
     for (a, b, c), w in zip(points, weights, strict=True):
         x, y, z = x + w * a, y + w * b, z + w * c
@@ -64,12 +64,12 @@ def weighted_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
 
 
 def strongest_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
-    """Return the point of the field that acts alone where the winner takes all [m]."""
+    """Returns the point of the field that acts alone where the winner takes all [m]."""
     return points[max(range(len(weights)), key=lambda i: weights[i])]
 
 
 def desired_velocity(point: Point, x: Point, rate: float, own: Point = STILL) -> Point:
-    """Return the velocity that a field asks of a hand [m/s].
+    """Returns the velocity that a field asks of a hand [m/s].
 
     Args:
         point: of the field [m].
@@ -86,7 +86,7 @@ def desired_velocity(point: Point, x: Point, rate: float, own: Point = STILL) ->
 
 
 def minimum_jerk_step(s: float) -> tuple[float, float]:
-    """Return the smooth step of least jerk at `s`, and its slope."""
+    """Returns the smooth step of least jerk at `s`, and its slope."""
     if s <= 0.0:
         return 0.0, 0.0
     if s >= 1.0:
@@ -95,7 +95,7 @@ def minimum_jerk_step(s: float) -> tuple[float, float]:
 
 
 def minimum_jerk_phase(s: float) -> float:
-    """Return where the smooth step has come to `s`, between 0 and 1."""
+    """Returns where the smooth step has come to `s`, between 0 and 1."""
     low, high = 0.0, 1.0
     for _ in range(40):
         middle = 0.5 * (low + high)
@@ -156,11 +156,11 @@ class HandField:
         self._begin(now, places)
 
     def is_there(self, now: float) -> bool:
-        """Tell whether the point has come to its last place."""
+        """Returns whether the point has come to its last place."""
         return now >= self._over
 
     def desired(self, x: Point, now: float, places: Array) -> Point:
-        """Return the velocity that the hand at `x` is to have [m/s]."""
+        """Returns the velocity that the hand at `x` is to have [m/s]."""
         if now >= self._over:
             self.point = as_point(places[self.spots[-1]])
             return desired_velocity(self.point, x, self.rate)
@@ -226,6 +226,6 @@ class HandField:
 
 
 def as_point(place: Array) -> Point:
-    """Return a place (3,) as numbers."""
+    """Returns a place (3,) as numbers."""
     x, y, z = place.tolist()
     return x, y, z

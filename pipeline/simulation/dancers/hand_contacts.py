@@ -1,4 +1,4 @@
-"""Touching: when a hand comes to touch the body, the other hand or a drum."""
+"""Hand contacts: when a hand touches the body, the other hand or a drum."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from dataclasses import dataclass
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation, SolidContact
 from pipeline.simulation.spatial import Array
 
-AGAIN = 0.09
-"""How long a hand has to be clear of a solid to feel it again [s]."""
+RELEASE_TIME = 0.09
+"""Time without contact after which a hand may strike the same solid again [s]."""
 
-TOGETHER = 0.03
-"""What a hand touches so soon after something else is felt as one [s]."""
+MERGE_TIME = 0.03
+"""Contacts of one hand within this time count as one strike [s]."""
 
-LEAST = 0.003
-"""Least speed of approach that is felt [m/s]."""
+SPEED_THRESHOLD = 0.003
+"""Approach speed below which a contact is no strike [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HandStrike:
-    """A hand has touched something.
+    """A hand strikes a solid.
 
     Attributes:
-        time: when, of the dancer's own clock [s].
-        hand: its solid.
-        other: the solid it touched.
-        place: (3,) [m].
-        normal: (3,) out of what was touched.
-        speed: of approach [m/s].
+        time: time on the dancer's clock [s].
+        hand: solid of the hand.
+        other: solid that is struck.
+        place: (3,) contact point [m].
+        normal: (3,) outward normal of `other`.
+        speed: approach speed [m/s].
     """
 
     time: float
@@ -40,32 +40,32 @@ class HandStrike:
 
 
 class HandContacts:
-    """What the hands of a torso touch."""
+    """Strikes of a torso's hands."""
 
     def __init__(self, moving: LinkageSimulation) -> None:
         self.moving = moving
-        self._now: set[tuple[str, str]] = set()
-        self._left: dict[tuple[str, str], float] = {}
-        self._felt: dict[str, float] = {}
+        self._touching: set[tuple[str, str]] = set()
+        self._released: dict[tuple[str, str], float] = {}
+        self._last_strike: dict[str, float] = {}
 
-    def look(self, now: float, step: float, since: float) -> list[HandStrike]:
-        """Return what hands have begun to touch.
+    def update(self, now: float, step: float, since: float) -> list[HandStrike]:
+        """Returns the strikes since the last call.
 
         Args:
-            now: the time at the end of the last step [s].
-            step: its duration [s].
-            since: when this was last asked [s].
+            now: time at the end of the last step [s].
+            step: duration of the step [s].
+            since: time of the last call [s].
         """
         if not self.moving.has_changed:
             return []
-        then, before, found = now - step, self._now, list[HandStrike]()
-        self._now = set()
+        then, before, found = now - step, self._touching, list[HandStrike]()
+        self._touching = set()
         for touch in self.moving.touches():
             strike = self._strike(touch, then, since, before)
             if strike is not None:
                 found.append(strike)
-        for pair in before - self._now:
-            self._left[pair] = then
+        for pair in before - self._touching:
+            self._released[pair] = then
         return found
 
     def _strike(
@@ -77,12 +77,12 @@ class HandContacts:
         if not hand.startswith("hand") or touch.depth < 0.0:
             return None
         pair = hand, other
-        self._now.add(pair)
-        quiet = pair not in before and then - self._left.get(pair, -math.inf) > AGAIN
-        quiet = quiet and then - self._felt.get(hand, -math.inf) > TOGETHER
-        if not quiet or touch.speed < LEAST:
+        self._touching.add(pair)
+        quiet = pair not in before and then - self._released.get(pair, -math.inf) > RELEASE_TIME
+        quiet = quiet and then - self._last_strike.get(hand, -math.inf) > MERGE_TIME
+        if not quiet or touch.speed < SPEED_THRESHOLD:
             return None
-        self._felt[hand] = then
-        # It touched when it was less deep, at the speed it came with.
+        self._last_strike[hand] = then
+        # Extrapolate back from the penetration depth at the approach speed.
         time = max(then - touch.depth / touch.speed, since)
         return HandStrike(time, hand, other, touch.place, normal, touch.speed)

@@ -99,13 +99,13 @@ def low_passed(p: Array, rate: float = RATE) -> Array:
 
 
 def third_derivative(p: Array, rate: float = RATE) -> Array:
-    """Return the third derivatives (n, 3) by central differences; the two at each end repeat."""
+    """Returns the third derivatives (n, 3) by central differences; the two at each end repeat."""
     inner = (p[4:] - 2.0 * p[3:-1] + 2.0 * p[1:-3] - p[:-4]) * (0.5 * rate**3)
     return np.concatenate([inner[:1], inner[:1], inner, inner[-1:], inner[-1:]])
 
 
 def measure_jerk(times: Array, p: Array, begin: float, end: float) -> Jerk:
-    """Return the smoothness of a movement from `begin` to `end` within a longer record.
+    """Returns the smoothness of a movement from `begin` to `end` within a longer record.
 
     Args:
         times: (K,) at equal distances [s].
@@ -143,7 +143,7 @@ def minimum_jerk_between(times: Array, p: Array, begin: float, end: float) -> fl
 
 
 def rank_correlation(one: Array, other: Array) -> float:
-    """Return how far two columns agree in their order, from -1 to 1.
+    """Returns how far two columns agree in their order, from -1 to 1.
 
     Source: Spearman 1904; ties share the mean of their ranks.
     """

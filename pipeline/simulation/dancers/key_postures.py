@@ -1,10 +1,8 @@
-"""Rehearsal: the key postures of places, found by letting a field bring the hand there once.
+"""Key postures: joint angles of places, found by pulling the hand there once with a force field.
 
-Joint torques need angles for everything. What a dance says by places is therefore danced once
-by fields, slowly and alone, and the angles in which the arm comes to rest at each place are
-kept as its postures, as an animator would find them by hand. No inverse kinematics are solved.
-A hand that touches presses; servos do so as well when they aim beyond the posture by the torque
-that the field had there, over their stiffness.
+Joint torques need angles. A field therefore dances the places of a dance once, slowly, and the
+angles at which the arm comes to rest become its key postures. No inverse kinematics is solved. To
+press on a surface, servos aim beyond the posture by the torque of the field over their stiffness.
 """
 
 from __future__ import annotations
@@ -27,14 +25,16 @@ from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
-STEP, TICK = 0.002, 2
-"""Step [s], and how many of them a control lasts."""
+STEP = 0.002
+"""Step of the dynamics [s]."""
 
-BEYOND = 0.12
-"""How far beyond a posture servos aim at most to press as the field did [rad]."""
+STEPS_PER_CONTROL = 2
 
-WAY, REST = 0.45, 0.35
-"""How long a hand takes to a place, and rests there until it is still [s]."""
+PRESS_ANGLE_LIMIT = 0.12
+"""Largest angle by which servos aim beyond a posture to press [rad]."""
+
+TRAVEL_TIME, SETTLE_TIME = 0.45, 0.35
+"""Time of a hand to a place, and to come to rest there [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,8 @@ class KeyPostures:
     """The postures of one subtask.
 
     Attributes:
-        keys: (7,) each, one at each of its places, or of its angles [rad].
-        meets: (7,) in which the hand touches, before the last; None where it touches nothing.
+        keys: angles (7,) at each of its places [rad].
+        meets: angles (7,) at first contact, before the last key; None without a contact [rad].
     """
 
     keys: tuple[Array, ...]
@@ -52,7 +52,7 @@ class KeyPostures:
 
 @lru_cache(maxsize=4)
 def key_postures(choreography: Choreography) -> tuple[KeyPostures, ...]:
-    """Return the postures of every subtask; who practises asks for the same several times."""
+    """Returns the postures of every subtask; practice asks for the same ones repeatedly."""
     torso = choreography.torso
     moving = LinkageSimulation(torso.linkage, STEP)
     arms = {side: ArmController(side, torso, moving, FIELD_RATE, False) for side in HANDS}
@@ -62,23 +62,23 @@ def key_postures(choreography: Choreography) -> tuple[KeyPostures, ...]:
     moving.settle()
     found, now = list[KeyPostures](), 0.0
     for goal in choreography.goals:
-        arm = arms[goal.words.hand]
-        if goal.words.is_of_joints:
-            found.append(_taken_up(arm, moving, goal))
+        arm = arms[goal.subtask.hand]
+        if goal.subtask.is_of_joints:
+            found.append(_assume_angles(arm, moving, goal))
             continue
         keys, met = list[Array](), moving.q[arm.all]
         for spot in goal.spots:
             now = _visit(arm, moving, goal, spot, now)
             met = moving.q[arm.all].copy()
             beyond = moving.given()[arm.all] / arm.stiffness
-            keys.append(met + np.clip(beyond, -BEYOND, BEYOND))
+            keys.append(met + np.clip(beyond, -PRESS_ANGLE_LIMIT, PRESS_ANGLE_LIMIT))
         found.append(KeyPostures(tuple(keys), met if goal.surface is not None else None))
     return tuple(found)
 
 
 @lru_cache(maxsize=4)
 def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
-    """Return the postures (7,) in which hands are ready, by side; hands go there past all drums."""
+    """Returns the start postures (7,) by side [rad]; drums are no obstacles on the way."""
     if not choreography.ready:
         return {}
     linkage = replace(choreography.torso.linkage, discs=())
@@ -99,34 +99,34 @@ def pull_to_spot(
     now: float,
     touches: bool = False,
 ) -> float:
-    """Let a field bring a hand to a place until it rests there.
+    """Pulls a hand to a spot by a force field until it rests there.
 
     Args:
-        arm: whose hand.
-        moving: its torso, with steps of `STEP`.
-        held: (7,) angles that the arm is held near to [rad].
-        spot: number of the place.
-        now: the time [s].
-        touches: whether it is to meet something there.
+        arm: arm of the hand.
+        moving: state of its torso, with steps of `STEP`.
+        held: (7,) preferred angles [rad].
+        spot: number of the spot.
+        now: start [s].
+        touches: whether the hand touches a surface there.
 
     Returns:
-        The time then [s].
+        The end [s].
     """
-    arm.reach([spot], held, now, now + WAY, touches)
-    end = now + WAY + REST
+    arm.reach([spot], held, now, now + TRAVEL_TIME, touches)
+    end = now + TRAVEL_TIME + SETTLE_TIME
     while now < end - 0.5 * STEP:
         arm.control(now)
         done = 0
-        while done < TICK:
-            done += moving.advance(TICK - done)
-        now += STEP * TICK
-        # Who is held up reaches anew, and rests there.
-        end = max(end, arm.anew_until + REST)
+        while done < STEPS_PER_CONTROL:
+            done += moving.advance(STEPS_PER_CONTROL - done)
+        now += STEP * STEPS_PER_CONTROL
+        # A stalled hand retries and then needs time to rest.
+        end = max(end, arm.retry_until + SETTLE_TIME)
     return now
 
 
-def _taken_up(arm: ArmController, moving: LinkageSimulation, goal: Goal) -> KeyPostures:
-    """Put an arm into angles that are given."""
+def _assume_angles(arm: ArmController, moving: LinkageSimulation, goal: Goal) -> KeyPostures:
+    """Puts an arm into given angles."""
     posture = np.where(goal.given, goal.held, moving.q[arm.all])
     arm.drive(False)
     moving.targets[arm.all] = moving.q[arm.all] = posture
@@ -138,5 +138,5 @@ def _taken_up(arm: ArmController, moving: LinkageSimulation, goal: Goal) -> KeyP
 def _visit(
     arm: ArmController, moving: LinkageSimulation, goal: Goal, spot: int, now: float
 ) -> float:
-    """Bring the hand to one place of a subtask; return the time then."""
+    """Pulls the hand to one spot of a subtask; returns the end [s]."""
     return pull_to_spot(arm, moving, goal.held, spot, now, goal.surface is not None)

@@ -73,7 +73,7 @@ class RetimedPath:
 
 
 def retime_for_minimum_jerk(times: Array, p: Array, begin: float, end: float) -> RetimedPath:
-    """Return the timing of least jerk of a movement from `begin` to `end`, on its own path.
+    """Returns the timing of least jerk of a movement from `begin` to `end`, on its own path.
 
     It never has more than what was danced, which is one of the timings that are compared.
 
@@ -135,7 +135,7 @@ class _Path:
         return cls(place, pace, along, table, along(table))
 
     def when(self, s: Array) -> Array:
-        """Return when the hand was at s (n,) as it was danced [s]."""
+        """Returns when the hand was at s (n,) as it was danced [s]."""
         t = np.interp(s, self.lengths, self.table)
         for _ in range(3):
             t = np.clip(t - (self.along(t) - s) / self.pace(t), self.table[0], self.table[-1])
@@ -226,7 +226,7 @@ class _Problem:
         return self._nearest(self.sums, first + (last - first) * smooth - self.fixed)
 
     def descend(self, increments: Array) -> Array:
-        """Return the timing s (n,) to which steps of Gauss and Newton lead."""
+        """Returns the timing s (n,) to which steps of Gauss and Newton lead."""
         d = increments
         s = self.fixed + self.sums @ d
         cost = self.cost(s)
@@ -253,7 +253,7 @@ class _Problem:
         return s
 
     def _jerk(self, s: Array) -> Array:
-        """Return the weighted jerk (n, 3) of a timing."""
+        """Returns the weighted jerk (n, 3) of a timing."""
         result: Array = self.outer + self.inner.of(self.path.at(s))
         return result
 
@@ -285,11 +285,11 @@ class _Differences:
     after: int
 
     def of(self, q: Array) -> Array:
-        """Return those of samples (n, any), with nothing before and after."""
+        """Returns those of samples (n, any), with nothing before and after."""
         return self.among(np.pad(q, ((self.before, self.after), (0, 0))))
 
     def among(self, q: Array) -> Array:
-        """Return those of the samples in the middle, with those before and after."""
+        """Returns those of the samples in the middle, with those before and after."""
         result: Array = third_derivative(q, FINER * RATE)[
             self.before : self.before + len(self.root)
         ]
@@ -297,7 +297,7 @@ class _Differences:
 
 
 def _weighted(x: Array, rows: NDArray[np.int64]) -> tuple[Array, _Differences]:
-    """Return what samples (N, 3) before and after `rows` give to the jerk, and how they do."""
+    """Returns what samples (N, 3) before and after `rows` give to the jerk, and how they do."""
     root = np.full(len(rows), np.sqrt(1.0 / (FINER * RATE)))
     root[[0, -1]] *= np.sqrt(0.5)
     # Differences reach two samples to both sides.

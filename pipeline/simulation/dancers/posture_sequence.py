@@ -54,11 +54,11 @@ class PostureSpline:
         self._still = np.zeros(self.keys.shape[1])
 
     def is_over(self, now: float) -> bool:
-        """Tell whether the last posture is reached."""
+        """Returns whether the last posture is reached."""
         return now >= self.begin + self.time
 
     def at(self, now: float) -> tuple[Array, Array]:
-        """Return angles (n,) and their speeds (n,) [rad], [rad/s]."""
+        """Returns angles (n,) and their speeds (n,) [rad], [rad/s]."""
         if self.is_over(now):
             return self.keys[-1], self._still
         u, slope = minimum_jerk_step((now - self.begin) / self.time)
@@ -72,7 +72,7 @@ class PostureSpline:
 
 
 def _cubics(knots: Array, keys: Array) -> list[tuple[Array, Array, Array, Array]]:
-    """Return the natural cubic spline, piece by piece, as powers of the way from its knot."""
+    """Returns the natural cubic spline, piece by piece, as powers of the way from its knot."""
     m, h = natural_spline_curvatures(knots, keys), np.diff(knots)[:, None]
     slope = np.diff(keys, axis=0) / h - h * (2.0 * m[:-1] + m[1:]) / 6.0
     cube = np.diff(m, axis=0) / (6.0 * h)
@@ -80,7 +80,7 @@ def _cubics(knots: Array, keys: Array) -> list[tuple[Array, Array, Array, Array]
 
 
 def natural_spline_curvatures(knots: Array, keys: Array) -> Array:
-    """Return the second derivatives (m, n) at the knots of the natural cubic spline.
+    """Returns the second derivatives (m, n) at the knots of the natural cubic spline.
 
     Args:
         knots: (m,) increasing.

@@ -1,4 +1,4 @@
-"""Feasible: what of the words of a dance no body can do, told before anybody tries."""
+"""Reach limits: checks of places and angles that need no motion."""
 
 from __future__ import annotations
 
@@ -12,81 +12,81 @@ from pipeline.simulation.dynamics.linkage import Capsule, Link, Spot
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
-SPREAD = 0.02
-"""How much farther than its length an arm may be sent, as a part of it: hands press."""
+OVERREACH = 0.02
+"""Tolerated distance beyond the arm's length, as a fraction of it: hands press on surfaces."""
 
 BODY = ("pelvis", "chest", "head")
-"""Links that a hand cannot be in."""
-
-SIDES = ("_r_", "_l_")
+"""Links that a hand cannot enter."""
 
 
 def out_of_reach(
-    who: Proportions, side: str, own: Sequence[tuple[Spot, str]], path: str, said: str = ""
+    proportions: Proportions,
+    side: str,
+    spots: Sequence[tuple[Spot, str]],
+    path: str,
+    place_path: str = "",
 ) -> Iterator[Problem]:
-    """Yield places that are farther from the shoulder than an arm is long.
+    """Yields a problem for each spot farther from the shoulder than the arm is long.
 
     Args:
-        who: the person.
+        proportions: of the person.
         side: of the hand.
-        own: places, with the words that they are said in.
-        path: of these words in the scene.
-        said: the path of the place instead, where that is none of its words.
+        spots: spots, each with its key in the scene.
+        path: path of the subtask in the scene.
+        place_path: path of the place instead, where it is outside the subtask.
     """
-    shoulder = who.rest()[JOINTS.index(f"shoulder_{side}")]
-    length = (who.upper_arm + who.forearm + PALM * who.hand) * who.height
-    for spot, word in own:
-        away = float(np.linalg.norm(spot.place - shoulder))
-        if away > (1.0 + SPREAD) * length and word != "joints":
+    shoulder = proportions.rest()[JOINTS.index(f"shoulder_{side}")]
+    length = proportions.upper_arm + proportions.forearm + PALM * proportions.hand
+    length *= proportions.height
+    for spot, key in spots:
+        distance = float(np.linalg.norm(spot.place - shoulder))
+        if distance > (1.0 + OVERREACH) * length and key != "joints":
             message = (
-                f"is {away:.2f} m from the shoulder, and the arm reaches {length:.2f} m; "
-                "bring it nearer"
+                f"is {distance:.2f} m from the shoulder, but the arm reaches {length:.2f} m; "
+                "move it nearer"
             )
-            yield Problem(said or f"{path}.{word}", message)
+            yield Problem(place_path or f"{path}.{key}", message)
 
 
 def inside_body(
-    links: Sequence[Link], own: Sequence[tuple[Spot, str]], path: str, said: str = ""
+    links: Sequence[Link], spots: Sequence[tuple[Spot, str]], path: str, place_path: str = ""
 ) -> Iterator[Problem]:
-    """Yield places that lie inside the body, which hands do not go through.
+    """Yields a problem for each spot inside the body at rest.
 
     Args:
-        links: of the torso; body and places as they are at rest.
-        own: places that were said as positions, with the words that they are said in.
-        path: of these words in the scene.
-        said: the path of the place instead, where that is none of its words.
+        links: links of the torso.
+        spots: spots given as positions, each with its key in the scene.
+        path: path of the subtask in the scene.
+        place_path: path of the place instead, where it is outside the subtask.
     """
     solids = [solid for link in links if link.name in BODY for solid in link.solids]
-    for spot, word in own:
+    for spot, key in spots:
         depth, name = max((_depth(solid, spot.place), solid.name) for solid in solids)
         if depth > 0.0:
             message = (
                 f"is inside the body, {100.0 * depth:.0f} cm deep in the {name.split('_')[0]}; "
-                "bring it out, or touch a place on the body"
+                "move it out, or touch a place on the body"
             )
-            yield Problem(said or f"{path}.{word}", message)
+            yield Problem(place_path or f"{path}.{key}", message)
 
 
 def beyond_limits(angles: Mapping[str, float], path: str) -> Iterator[Problem]:
-    """Yield angles that a joint does not go to.
+    """Yields a problem for each angle beyond the limits of its joint.
 
     Args:
-        angles: by the words that they are said in, such as elbow_flexion_deg or
-            elbow_r_flexion_deg [degrees].
-        path: of these words in the scene.
+        angles: angles [degrees] by key, such as elbow_flexion_deg or elbow_r_flexion_deg.
+        path: path of the angles' parent in the scene.
     """
-    for word, angle in angles.items():
-        joint = word.removesuffix("_deg")
-        for side in SIDES:
-            joint = joint.replace(side, "_")
+    for key, angle in angles.items():
+        joint = key.removesuffix("_deg").replace("_r_", "_").replace("_l_", "_")
         lower, upper = LIMITS[joint]
         if not lower <= angle <= upper:
-            message = f"goes from {lower} to {upper} degrees; {angle:g} is beyond that"
-            yield Problem(f"{path}.joints.{word}", message)
+            message = f"is {angle:g} degrees, but the joint goes from {lower} to {upper}"
+            yield Problem(f"{path}.joints.{key}", message)
 
 
 def _depth(solid: Capsule, x: Array) -> float:
-    """Return how deep a place (3,) is under a solid's surface [m]; below 0 it is outside."""
+    """Returns the depth of a position (3,) below a capsule's surface [m]; negative outside."""
     a, b = solid.ends
     along = b - a
     s = np.clip((x - a) @ along / max(float(along @ along), 1e-12), 0.0, 1.0)

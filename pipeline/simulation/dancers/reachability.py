@@ -1,9 +1,7 @@
-"""Trying: places to which no way of holding the arm brings a hand, found by trying each once.
+"""Reachability: places and angles of a dance that no arm reaches are refused with their line.
 
-Whether a place is too far or inside the body is seen at once. That joints do not turn so far, or
-that the trunk is in the way of the forearm, is found as a person would find it: a field pulls
-the hand there, the arm is taken back and reaches anew, and what it has not come near to by then
-is told.
+Joint limits or the trunk may stop an arm on its way to a place that is near enough. A trial finds
+out: a force field pulls the hand there, with retreats; a place that stays away is refused.
 """
 
 from __future__ import annotations
@@ -27,32 +25,32 @@ from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
-OFF = 0.06
-"""How far from a place a hand may stay that is stopped by the body or sways along with it [m]."""
+TRIAL_TOLERANCE = 0.06
+"""Distance at which a trial succeeds [m]: the body may stop the hand or sway with it."""
 
 
 def unreachable_places(
     choreography: Choreography, parts: Sequence[PlacedSubtask], ready: str
 ) -> Iterator[Problem]:
-    """Yield places that are said as positions and that no hand comes to.
+    """Yields a problem for each position that no hand comes near to.
 
     Args:
         choreography: of the dancer.
         parts: its subtasks.
-        ready: path of what says where its hands are at first.
+        ready: path of the ready places in the scene.
     """
-    tried = _Trial(choreography)
+    trial = _Trial(choreography)
     for part, goal in zip(parts, choreography.goals, strict=True):
-        for spot, word in zip(goal.spots, goal.said, strict=True):
-            if word:
-                path = part.said or f"{part.path}.{word}"
-                yield from tried.problem(goal.words.hand, spot, goal.held, path)
+        for spot, key in zip(goal.spots, goal.position_keys, strict=True):
+            if key:
+                path = part.place_path or f"{part.path}.{key}"
+                yield from trial.problem(goal.subtask.hand, spot, goal.held, path)
     for side, spot in choreography.ready.items():
-        yield from tried.problem(side, spot, reaching_posture(), f"{ready}.ready.{side}")
+        yield from trial.problem(side, spot, reaching_posture(), f"{ready}.ready.{side}")
 
 
 class _Trial:
-    """A dancer that tries places, each of them once; drums are not in its way."""
+    """A dancer without drums that tries each place once."""
 
     def __init__(self, choreography: Choreography) -> None:
         linkage = replace(choreography.torso.linkage, discs=())
@@ -64,25 +62,25 @@ class _Trial:
         self._home = self._moving.q.copy()
         for arm in self._arms.values():
             self._home[arm.all] = hanging_posture()
-        self._known = set[tuple[str, bytes]]()
+        self._tried = set[tuple[str, bytes]]()
 
     def problem(self, side: str, spot: int, held: Array, path: str) -> Iterator[Problem]:
-        """Yield what is to be said of a place, held near a posture (7,), if that is anything."""
+        """Yields a problem if the hand stays away from a spot, the arm held near `held` (7,)."""
         moving, arm = self._moving, self._arms[side]
         moving.q[:], moving.v[:], moving.targets[:] = self._home, 0.0, self._home
         moving.q[arm.all] = reaching_posture()
         moving.settle()
         place = moving.places[spot].copy()
-        known = side, place.tobytes()
-        if known in self._known:
+        key = side, place.tobytes()
+        if key in self._tried:
             return
-        self._known.add(known)
+        self._tried.add(key)
         pull_to_spot(arm, moving, held, spot, 0.0)
-        off = float(np.linalg.norm(moving.places[arm.palm] - place))
+        distance = float(np.linalg.norm(moving.places[arm.palm] - place))
         arm.drive(False)
-        if off > OFF:
+        if distance > TRIAL_TOLERANCE:
             message = (
-                "is where no arm goes: its joints or the body stop it; bring it further to the "
-                "front, or to the hand's own side"
+                "cannot be reached: a joint limit or the body stops the arm; move the place "
+                "forward, or to the side of the hand"
             )
             yield Problem(path, message)

@@ -1,7 +1,7 @@
-"""Repertoire: all that a dancer does in a scene: its dance, others that it is told, its poses.
+"""Repertoire: everything a dancer does in a scene: its dance, requested dances, reaches and poses.
 
-One torso has the places of all of it, and one row numbers the subtasks: those of its own dance
-first, so that who is told nothing has that alone.
+One torso holds the spots of all of it, and subtasks are numbered in one sequence, those of the
+dancer's own dance first.
 """
 
 from __future__ import annotations
@@ -27,55 +27,54 @@ from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Do, Instruction, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}
-"""Hands, by what the script calls them."""
+"""Sides of the hands by their names in scripts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Repertoire:
-    """What a dancer does.
+    """Everything a dancer does.
 
     Attributes:
-        dances: that it may dance, its own first, by name.
-        first: number of the first subtask of each.
-        drums: that stand before it.
-        hang: side -> number of the subtask that lets the arm hang; empty if nothing can ask it.
-        told: (place as told, side) -> number of the subtask that holds a hand there.
-        poses: that it takes at certain times.
-        choreography: all of it, on its person.
+        dances: dances by name, the dancer's own first.
+        first: number of the first subtask of each dance.
+        drums: drums by name.
+        hang: side -> number of the subtask that lets the arm hang; empty if it is never needed.
+        reaches: (place as instructed, side) -> number of the subtask that holds a hand there.
+        poses: poses at given times.
+        choreography: all subtasks on the person.
     """
 
     dances: Mapping[str, Dance]
     first: Mapping[str, int]
     drums: Mapping[str, Drum]
     hang: Mapping[str, int]
-    told: Mapping[tuple[Place, str], int]
+    reaches: Mapping[tuple[Place, str], int]
     poses: Poses
     choreography: Choreography
 
 
 def build_repertoire(
     member: Dancer,
-    who: Proportions,
+    person: Proportions,
     dances: Mapping[str, Dance],
     script: Sequence[Instruction],
     directed: bool,
     own: Callable[[Place], Place],
     path: str,
 ) -> Repertoire:
-    """Return what a dancer does.
+    """Returns the repertoire of a dancer.
 
     Args:
-        member: its words.
-        who: the person.
-        dances: of the scene, by name.
-        script: of the scene.
-        directed: whether more may be asked from outside.
-        own: from a place in the world to where that is as the dancer stands [m].
-        path: of the dancer in the scene, for messages.
+        member: the dancer in the scene.
+        person: proportions of the person.
+        dances: dances of the scene by name.
+        script: script of the scene.
+        directed: whether instructions may come from outside.
+        own: converts a world position to the dancer's frame [m].
+        path: path of the dancer in the scene, for messages.
 
     Raises:
-        SceneError: a place is out of reach or where no arm goes, or two dances have different
-            drums of one name.
+        SceneError: if a place cannot be reached, or two dances have different drums of one name.
     """
     asked = {i: one.do for i, one in enumerate(script) if one.who == member.name}
     known = _known(member, dances, asked.values(), bool(asked) or directed)
@@ -84,32 +83,32 @@ def build_repertoire(
     for name, dance in known.items():
         first[name] = len(parts)
         parts += placed_subtasks(dance, name)
-    told, hang = dict[tuple[Place, str], int](), dict[str, int]()
-    for (place, side), said in sorted(_reaches(asked).items()):
-        told[place, side] = len(parts)
-        words = Subtask.model_construct(hand=side, reach=own(place))
-        parts.append(PlacedSubtask(said, words, still=True, said=said))
-    poses, posed = pose_moves(member.pose, who, own, len(parts), f"{path}.pose")
+    reaches, hang = dict[tuple[Place, str], int](), dict[str, int]()
+    for (place, side), place_path in sorted(_reaches(asked).items()):
+        reaches[place, side] = len(parts)
+        subtask = Subtask.model_construct(hand=side, reach=own(place))
+        parts.append(PlacedSubtask(place_path, subtask, is_fixed=True, place_path=place_path))
+    poses, posed = pose_moves(member.pose, person, own, len(parts), f"{path}.pose")
     parts += posed
     if asked or directed or member.pose:
         hang = {side: len(parts) + k for k, side in enumerate(HANDS)}
-        parts += [PlacedSubtask(path, words) for words in _hanging()]
+        parts += [PlacedSubtask(path, subtask) for subtask in _hanging()]
     ready = ReadyPlaces(f"dances.{member.dance}", dances[member.dance].ready)
-    choreography = build_choreography(who, parts, drums, ready, member.compensate_gravity)
+    choreography = build_choreography(person, parts, drums, ready, member.compensate_gravity)
     refused = list(unreachable_places(choreography, parts, ready.path))
     if refused:
         raise SceneError(refused)
-    return Repertoire(known, first, drums, hang, told, poses, choreography)
+    return Repertoire(known, first, drums, hang, reaches, poses, choreography)
 
 
 def _known(
     member: Dancer, dances: Mapping[str, Dance], asked: Iterable[Do], may: bool
 ) -> dict[str, Dance]:
-    """Return the dances that a dancer may dance, its own first.
+    """Returns the dances that a dancer may dance, its own first.
 
-    Drums stand before it from the begin: only for dances that its script names. All others of
-    the scene are learnt by whoever may be told anything, in one order whoever tells it when, so
-    that what is told from outside goes the same way when it is written into the scene.
+    Dances with drums count only if the script names them, since drums exist from the start. All
+    others count for every dancer that may get instructions, in a fixed order, so that instructions
+    from outside give the same motion as the same script.
     """
     named = {do.dance for do in asked if isinstance(do, Perform)}
     others = sorted(name for name in dances if may and (name in named or not dances[name].drums))
@@ -117,7 +116,7 @@ def _known(
 
 
 def _reaches(asked: Mapping[int, Do]) -> dict[tuple[Place, Hand], str]:
-    """Return the places that hands are told to reach, with the path of what says so first."""
+    """Returns the places that instructions reach for, with the path of the first one."""
     found = dict[tuple[Place, Hand], str]()
     for i, do in asked.items():
         if isinstance(do, Reach) and not isinstance(do.reach, str):
@@ -127,22 +126,22 @@ def _reaches(asked: Mapping[int, Do]) -> dict[tuple[Place, Hand], str]:
 
 
 def _drums(dances: Mapping[str, Dance]) -> dict[str, Drum]:
-    """Return all drums of several dances.
+    """Returns the drums of several dances.
 
     Raises:
-        SceneError: two that differ have one name.
+        SceneError: if different drums have one name.
     """
-    found, whose = dict[str, Drum](), dict[str, str]()
+    found, owners = dict[str, Drum](), dict[str, str]()
     for name, dance in dances.items():
-        for drum, words in dance.drums.items():
-            if found.setdefault(drum, words) != words:
-                message = f"is another in '{whose[drum]}', which is danced by the same; rename one"
+        for drum, config in dance.drums.items():
+            if found.setdefault(drum, config) != config:
+                message = f"conflicts with the drum of '{owners[drum]}'; rename one"
                 raise SceneError([Problem(f"dances.{name}.drums.{drum}", message)])
-            whose.setdefault(drum, name)
+            owners.setdefault(drum, name)
     return found
 
 
 def _hanging() -> Iterable[Subtask]:
-    """Return the subtasks that let the arms hang, in the order of `HANDS`."""
+    """Returns the subtasks that let the arms hang, in the order of `HANDS`."""
     angles = {f"{joint}_deg": HANGING_ANGLES.get(joint, 0.0) for joint in (*ARM, *WRIST)}
     return [Subtask.model_construct(hand=side, joints=angles) for side in ("r", "l")]

@@ -1,8 +1,8 @@
-"""Patience: when a hand that is held up is taken back, and whence it reaches anew.
+"""Stall recovery: a hand that stops short of its target retreats and approaches anew.
 
-A field pulls along a straight line. An arm may be wound up on it, a joint at its limit or the
-forearm against the trunk, where another way of holding the elbow would do. Who is held up so
-takes the arm back and reaches for the place from elsewhere, instead of pulling on.
+A force field pulls along a straight line. The arm may stall on it, with a joint at its limit or the
+forearm against the trunk, where another elbow posture would reach. A stalled hand retreats to
+another posture and starts again from there.
 """
 
 from __future__ import annotations
@@ -14,46 +14,50 @@ import numpy as np
 
 from pipeline.simulation.dancers.force_fields import Point
 
-OFF = 0.012
-"""How far from its point a hand may stay for good [m]."""
+TARGET_TOLERANCE = 0.012
+"""Distance to the target within which a hand has arrived [m]."""
 
-STAYS, WAIT = 0.01, 0.25
-"""A hand that has moved less than this [m] in such a time [s] is held up."""
-
-_DEGREES = ((-30.0, 20.0, 20.0, 40.0), (150.0, 30.0, 0.0, 60.0), (20.0, 80.0, 0.0, 60.0))
+STALL_DISTANCE, STALL_TIME = 0.01, 0.25
+"""A hand that moves less than this [m] in this time [s] has stalled."""
 
 RETREAT_POSTURES: tuple[list[float] | None, ...] = (
     None,
-    *(np.radians(angles).tolist() for angles in _DEGREES),
+    np.radians([-30.0, 20.0, 20.0, 40.0]).tolist(),
+    np.radians([150.0, 30.0, 0.0, 60.0]).tolist(),
+    np.radians([20.0, 80.0, 0.0, 60.0]).tolist(),
 )
-"""Angles of shoulder and elbow that an arm is taken back to, one after another: as it is held
-anyway, then low behind the body, high above it, and aside [rad]."""
+"""Angles of shoulder and elbow to retreat to, in turn: the preferred posture, low behind the body,
+high above it, and to the side [rad]."""
 
-NOWHERE: Point = (math.inf, math.inf, math.inf)
+UNKNOWN: Point = (math.inf, math.inf, math.inf)
 
 
 class StallDetector:
-    """The patience of one hand on its way to one place.
+    """Detects the stalls of one hand on its way to one target.
 
     Args:
-        tries: how often it is taken back at most.
+        retreats: largest number of retreats.
     """
 
-    def __init__(self, tries: int = len(RETREAT_POSTURES)) -> None:
-        self._left = tries
-        self._place, self._since = NOWHERE, 0.0
+    def __init__(self, retreats: int = len(RETREAT_POSTURES)) -> None:
+        self._left = retreats
+        self._place, self._since = UNKNOWN, 0.0
 
-    def is_lost(self, hand: Point, point: Point, now: float) -> bool:
-        """Tell whether the hand is held up: off its point, which rests, and not moving."""
-        if not self._left or math.dist(hand, point) < OFF:
+    def is_stalled(self, hand: Point, point: Point, now: float) -> bool:
+        """Returns whether the hand rests away from its target point, which rests too."""
+        if not self._left or math.dist(hand, point) < TARGET_TOLERANCE:
             return False
-        if math.dist(hand, self._place) > STAYS:
+        if math.dist(hand, self._place) > STALL_DISTANCE:
             self._place, self._since = hand, now
-        return now >= self._since + WAIT
+        return now >= self._since + STALL_TIME
 
-    def withdraws_to(self, held: Sequence[float]) -> list[float]:
-        """Return the angles (4,) to take the arm back to, which is `held` near others [rad]."""
+    def next_retreat(self, preferred: Sequence[float]) -> list[float]:
+        """Returns the angles (4,) of the next retreat [rad].
+
+        Args:
+            preferred: angles that the arm is held near to [rad].
+        """
         posture = RETREAT_POSTURES[len(RETREAT_POSTURES) - self._left]
         self._left -= 1
-        self._place = NOWHERE
-        return list(held if posture is None else posture)
+        self._place = UNKNOWN
+        return list(preferred if posture is None else posture)

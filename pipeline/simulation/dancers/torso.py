@@ -10,7 +10,7 @@ Source: Matarić, Zordan and Mason 1998, section 3; Winter 2009 for masses.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from pipeline.simulation.dynamics.linkage import (
     Linkage,
     Spot,
 )
-from pipeline.simulation.people.proportions import JOINTS, SEGMENT_MASSES, Proportions
+from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENT_MASSES, Proportions
 from pipeline.simulation.spatial import Array
+from pipeline.spec.dancer import Build, Dancer, Gains
 
 HANDS = ("r", "l")
 """Sides, in the order in which hands are numbered."""
@@ -110,22 +111,22 @@ class Torso:
         return tuple(hinge.name for hinge in self.linkage.hinges)
 
     def arm(self, side: str) -> slice:
-        """Return the places of an arm's joints, shoulder and elbow, among all."""
+        """Returns the places of an arm's joints, shoulder and elbow, among all."""
         first = self.names.index(f"shoulder_{side}_flexion")
         return slice(first, first + len(ARM))
 
     def wrist(self, side: str) -> slice:
-        """Return the places of a wrist's joints among all."""
+        """Returns the places of a wrist's joints among all."""
         first = self.names.index(f"wrist_{side}_pronation")
         return slice(first, first + len(WRIST))
 
     def spot(self, name: str) -> int:
-        """Return the number of a spot."""
+        """Returns the number of a spot."""
         return [spot.name for spot in self.linkage.spots].index(name)
 
 
 def sided(joint: str, side: str) -> str:
-    """Return the name of a joint of one side: wrist_flexion of r is wrist_r_flexion."""
+    """Returns the name of a joint of one side: wrist_flexion of r is wrist_r_flexion."""
     stem, what = joint.split("_")
     return f"{stem}_{side}_{what}"
 
@@ -136,7 +137,7 @@ def torso_of(
     discs: tuple[Disc, ...] = (),
     compensated: bool = True,
 ) -> Torso:
-    """Return the torso of a person.
+    """Returns the torso of a person.
 
     Args:
         proportions: of the person.
@@ -247,13 +248,13 @@ def _capsule(
     h: float,
     meets: CollisionGroup,
 ) -> Capsule:
-    """Return a capsule in the middle plane, given as forward and up in heights."""
+    """Returns a capsule in the middle plane, given as forward and up in heights."""
     ends = np.array([[*one, 0.0], [*other, 0.0]])
     return Capsule(name, ends * h, radius * h, meets)
 
 
 def _across(name: str, up: float, half: float, radius: float, h: float) -> Capsule:
-    """Return a capsule across the body, given in heights."""
+    """Returns a capsule across the body, given in heights."""
     ends = np.array([[0.0, up, -half], [0.0, up, half]])
     return Capsule(name, ends * h, radius * h, "trunk")
 
@@ -282,3 +283,46 @@ def _pelvis(who: Proportions) -> tuple[Capsule, ...]:
         for side in HANDS
     ]
     return (_across("pelvis", who.hip + 0.015, 0.038, 0.060, h), *thighs)
+
+
+def with_gains(torso: Torso, gains: Gains) -> Torso:
+    """Returns a torso whose servos and fields have the author's gain factors."""
+    if gains == Gains():
+        return torso
+    links = tuple(
+        replace(
+            link,
+            hinges=tuple(
+                replace(
+                    hinge,
+                    stiffness=hinge.stiffness * gains.stiffness,
+                    damping=hinge.damping * gains.damping,
+                )
+                for hinge in link.hinges
+            ),
+        )
+        for link in torso.linkage.links
+    )
+    linkage = replace(torso.linkage, links=links, drag=torso.linkage.drag * gains.drag)
+    return replace(torso, linkage=linkage)
+
+
+BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
+
+
+def dancer_proportions(member: Dancer) -> Proportions:
+    """Returns the proportions of a dancer."""
+    dancer = member.dancer
+    if not isinstance(dancer, Build):
+        return BUILDS[dancer]
+    build = BUILDS[dancer.build]
+    height = dancer.height or build.height
+    # At the same build, mass grows with the square of height (body mass index).
+    mass = dancer.mass or build.mass * (height / build.height) ** 2
+    return replace(build, height=height, mass=mass)
+
+
+def is_child(member: Dancer) -> bool:
+    """Returns whether a dancer has the build of a child."""
+    dancer = member.dancer
+    return dancer == "child" or (isinstance(dancer, Build) and dancer.build == "child")

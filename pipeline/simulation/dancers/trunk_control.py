@@ -1,4 +1,4 @@
-"""Carriage: waist and neck, held by servos; the head turns to the hand, the waist sways.
+"""Trunk control: servos of waist and neck; the head follows the hand, the waist sways.
 
 Source: Matarić, Zordan and Mason 1998, sections 5 and 7.2 (head gaze).
 """
@@ -15,70 +15,72 @@ TRUNK_JOINTS = (
 )
 """The first six joints of a torso."""
 
-FOLLOWS, SIDEWAYS, DOWN, UPWARD = 0.7, 0.9, 0.5, 0.4
-"""Part of the way to the hand that the head turns (the eyes have the rest), and how far at most
-to the sides, down and up [rad]."""
+HEAD_SHARE = 0.7
+"""Fraction of the gaze angle that the head turns; the eyes turn the rest."""
 
-NEAR = 0.28
-"""Nearer than this the head does not look at a hand: it would look down its own neck [m]."""
+YAW_LIMIT, NOD_LIMIT, LIFT_LIMIT = 0.9, 0.5, 0.4
+"""Largest head angles sideways, down and up [rad]."""
 
-LAG, TRUNK_LAG = 0.16, 0.12
-"""Time constants with which the head and the waist follow [s]."""
+GAZE_DISTANCE = 0.28
+"""Distance of a hand below which the head stops following it [m]; it would face its own chest."""
+
+NECK_LAG, WAIST_LAG = 0.16, 0.12
+"""Time constants of neck and waist [s]."""
 
 
 class TrunkController:
-    """How a dancer holds its trunk and head.
+    """Servo targets of waist and neck.
 
     Args:
-        sway: how far the waist sways [rad].
+        sway: amplitude of the waist's sway [rad].
         beat: duration of a beat [s].
-        start: of the first [s].
-        gaze: whether the head turns to the hand.
+        start: time of the first beat [s].
+        gaze: whether the head follows the hand.
     """
 
     def __init__(self, sway: float, beat: float, start: float, gaze: bool) -> None:
         self.sway, self.beat, self.start, self.gaze = sway, beat, start, gaze
-        self.given = dict.fromkeys(TRUNK_JOINTS, 0.0)
-        self._now = [0.0] * len(TRUNK_JOINTS)
-        self._soon = [0.0] * len(TRUNK_JOINTS)
+        self.base_angles = dict.fromkeys(TRUNK_JOINTS, 0.0)
+        self._angles = [0.0] * len(TRUNK_JOINTS)
+        self._filtered = [0.0] * len(TRUNK_JOINTS)
 
-    def sways(self, sway: float, beat: float, start: float) -> None:
-        """Sway with another beat from now on; arguments as at first."""
+    def set_sway(self, sway: float, beat: float, start: float) -> None:
+        """Changes amplitude [rad], beat [s] and first beat [s] of the sway."""
         self.sway, self.beat, self.start = sway, beat, start
 
     def control(
         self, now: float, h: float, eyes: Array, R: Array, hand: Array | None
     ) -> list[float]:
-        """Return the angles of the six joints from now on.
+        """Returns the target angles of the six joints [rad].
 
         Args:
-            now: [s].
-            h: since the last call [s].
-            eyes: (3,) place of the head [m].
+            now: time [s].
+            h: time since the last call [s].
+            eyes: (3,) position of the head [m].
             R: (9,) rotation of the chest.
-            hand: (3,) at which it looks, None for nowhere [m].
+            hand: (3,) gaze target [m]; None for none.
         """
-        wanted = [*self.given.values()]
+        target = [*self.base_angles.values()]
         if self.sway and now >= self.start:
             phase = math.pi * (now - self.start) / self.beat
             fade = min((now - self.start) / self.beat, 1.0)
-            wanted[2] += fade * self.sway * math.sin(phase)
-            wanted[0] += 0.5 * fade * self.sway * math.sin(phase)
+            target[2] += fade * self.sway * math.sin(phase)
+            target[0] += 0.5 * fade * self.sway * math.sin(phase)
         if self.gaze and hand is not None:
-            yaw, nod = _look(eyes.tolist(), R.tolist(), hand.tolist())
-            wanted[3] += yaw
-            wanted[4] += nod
-        waist, neck = h / (TRUNK_LAG + h), h / (LAG + h)
-        soon, angles = self._soon, self._now
-        # Two lags in a row begin and end softly.
+            yaw, nod = _gaze_angles(eyes.tolist(), R.tolist(), hand.tolist())
+            target[3] += yaw
+            target[4] += nod
+        waist, neck = h / (WAIST_LAG + h), h / (NECK_LAG + h)
+        filtered, angles = self._filtered, self._angles
+        # Two first-order lags in series start and stop smoothly.
         for k, share in enumerate((waist, waist, waist, neck, neck, neck)):
-            soon[k] += share * (wanted[k] - soon[k])
-            angles[k] += share * (soon[k] - angles[k])
+            filtered[k] += share * (target[k] - filtered[k])
+            angles[k] += share * (filtered[k] - angles[k])
         return angles
 
 
-def _look(eyes: list[float], R: list[float], hand: list[float]) -> tuple[float, float]:
-    """Return how far the neck turns and nods to look at a hand [rad]."""
+def _gaze_angles(eyes: list[float], R: list[float], hand: list[float]) -> tuple[float, float]:
+    """Returns yaw and nod of the neck that face a hand [rad]."""
     d = [b - a for a, b in zip(eyes, hand, strict=True)]
     forward = R[0] * d[0] + R[3] * d[1] + R[6] * d[2]
     up = R[1] * d[0] + R[4] * d[1] + R[7] * d[2]
@@ -86,9 +88,9 @@ def _look(eyes: list[float], R: list[float], hand: list[float]) -> tuple[float, 
     level = math.hypot(forward, right)
     if level < 1e-6:
         return 0.0, 0.0
-    # What is beside or behind the head, or close to it, is not followed.
+    # Targets beside, behind or close to the head are not followed.
     ahead = max(forward, 0.0) / level
-    close = min(max((level - 0.5 * NEAR) / NEAR, 0.0), 1.0)
-    yaw = FOLLOWS * ahead * close * math.atan2(-right, max(forward, 0.15))
-    nod = FOLLOWS * ahead * close * math.atan2(-up, max(level, 0.2))
-    return min(max(yaw, -SIDEWAYS), SIDEWAYS), min(max(nod, -UPWARD), DOWN)
+    close = min(max((level - 0.5 * GAZE_DISTANCE) / GAZE_DISTANCE, 0.0), 1.0)
+    yaw = HEAD_SHARE * ahead * close * math.atan2(-right, max(forward, 0.15))
+    nod = HEAD_SHARE * ahead * close * math.atan2(-up, max(level, 0.2))
+    return min(max(yaw, -YAW_LIMIT), YAW_LIMIT), min(max(nod, -LIFT_LIMIT), NOD_LIMIT)

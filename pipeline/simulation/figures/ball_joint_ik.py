@@ -37,6 +37,13 @@ EXTENSION_HALVINGS = 48
 AIM_ITERATIONS = 30
 
 
+BEND_HALVINGS = 24
+"""Steps of the search for the bend with a given distance; iterations do the rest."""
+
+SWIVELS = 16
+"""Tried values of the ball joint's last joint."""
+
+
 def base_ball_joint(batch: LimbBatch) -> NDArray[np.bool_]:
     """Return the joints (L, n) of a ball joint at the base; all False without one.
 
@@ -108,13 +115,6 @@ def _distance(batch: LimbBatch, tips: Array) -> Array:
     return result
 
 
-BEND_HALVINGS = 24
-"""Steps of the search for the bend with a given distance; iterations do the rest."""
-
-SWIVELS = 16
-"""Tried values of the ball joint's last joint."""
-
-
 def ball_joint_branches(batch: LimbBatch, goals: Array) -> Array:
     """Return joint values (B, L, n) with the tips at `goals`, as far as limits allow.
 
@@ -140,8 +140,8 @@ def _bend_to_distance(batch: LimbBatch, goals: Array, base: NDArray[np.bool_]) -
     inner = ~base & batch.is_joint
     chosen = [inner]
     if (inner.sum(axis=1) > 1).any():
-        one = np.eye(inner.shape[1], dtype=bool)
-        chosen += [inner & row for row in one[inner.any(axis=0)]]
+        single = np.eye(inner.shape[1], dtype=bool)
+        chosen += [inner & row for row in single[inner.any(axis=0)]]
     result = []
     for which in chosen:
         for end in (batch.lower, batch.upper):
@@ -193,19 +193,17 @@ def _intermediate_directions(a_1: Array, a_2: Array, t: Array, g: Array) -> tupl
 
 def _angle_about(axis: Array, u: Array, v: Array) -> Array:
     """Return the angle (...) about `axis` from u (..., 3) to the half plane of v [rad]."""
-    result: Array = np.arctan2(
+    return np.arctan2(
         _dot(axis, cross(u, v))[..., 0],
         (_dot(u, v) - _dot(axis, u) * _dot(axis, v))[..., 0],
     )
-    return result
 
 
 def _wrap_into_limits(batch: LimbBatch, q: Array) -> Array:
     """Return joint values without whole turns that lead away from the limits, clipped to them."""
     middle = 0.5 * (batch.lower + batch.upper)
     around = middle + np.remainder(q - middle + np.pi, 2.0 * np.pi) - np.pi
-    result: Array = np.clip(np.where(batch.prismatic, q, around), batch.lower, batch.upper)
-    return result
+    return np.clip(np.where(batch.prismatic, q, around), batch.lower, batch.upper)
 
 
 def _dot(a: Array, b: Array) -> Array:

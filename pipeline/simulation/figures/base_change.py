@@ -133,8 +133,7 @@ def base_pose(skeleton: Skeleton, link: int, q: Array, X_WB: Array) -> Array:
         X_WB: (..., 4, 4) pose of the old base; its frame is the creation frame.
     """
     joint = skeleton.links[link].joint
-    result: Array = X_WB @ displacement(JointTree.of(skeleton), q, joint)
-    return result
+    return X_WB @ displacement(JointTree.of(skeleton), q, joint)
 
 
 def link_poses(skeleton: Skeleton, q: Array) -> Array:

@@ -24,6 +24,12 @@ from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.spatial import Array
 
+HULL_DIRECTIONS = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-1).reshape(-1, 3)
+"""Directions in which the corners of a hull are looked for."""
+
+HULL_DIRECTIONS = HULL_DIRECTIONS[np.abs(HULL_DIRECTIONS).max(axis=-1) == 1.0]
+"""Directions in which the corners of a hull are looked for."""
+
 
 @dataclass(frozen=True, eq=False)
 class FigureMass:
@@ -68,12 +74,6 @@ class FigureMass:
     def at_rest(self) -> MassProperties:
         """Of the whole figure in its preferred pose, in the body's frame."""
         return self.at(self.figure.skeleton.preferred)
-
-
-HULL_DIRECTIONS = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-1).reshape(-1, 3)
-"""Directions in which the corners of a hull are looked for."""
-HULL_DIRECTIONS = HULL_DIRECTIONS[np.abs(HULL_DIRECTIONS).max(axis=-1) == 1.0]
-"""Directions in which the corners of a hull are looked for."""
 
 
 @dataclass(frozen=True, eq=False)

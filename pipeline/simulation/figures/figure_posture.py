@@ -35,6 +35,24 @@ from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, normalized, rotation, turn, unturn
 from pipeline.spec.keyframes import Frame
 
+REST_PULL = 0.08
+"""Fraction of the way to the limb's own values that redundancy goes in one step."""
+
+FIRST_POSE_RESTARTS = 8
+"""Restarts of the first pose."""
+
+FIRST_POSE_STEPS, TRACKING_STEPS = 60, 12
+"""Bounds on the steps towards the first pose, and along the motion."""
+
+MISS_TOLERANCE = 2e-3
+"""Remaining error that is worth a note, in lengths of the limb or radians."""
+
+MAX_JOINT_RATE = 14.0
+"""Greatest rate of a joint [rad/s or m/s]."""
+
+FULL_WEIGHT = 1.0 - 1e-9
+"""Weight from which a run has taken over completely."""
+
 
 @dataclass(frozen=True, eq=False)
 class FigureFrames:
@@ -83,8 +101,7 @@ def point_targets(point_run: PointRun, frames: FigureFrames, R_BP: Array, p_BP: 
         return unturn(R_WP, p_WG + turn(R_WG, values) - p_WP)
     if point_run.goal == "aim":
         return normalized(unturn(R_WP, turn(R_WG, values)))
-    result: Array = R_WP.transpose(0, 2, 1) @ R_WG @ rotation_from_angles(values)
-    return result
+    return R_WP.transpose(0, 2, 1) @ R_WG @ rotation_from_angles(values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,25 +194,6 @@ def _joint_goal(run: JointRun, value: float) -> Goal:
 
 def _merge_goals(goals: list[tuple[float, Goal]]) -> Goal:
     return goals[0][1] if len(goals) == 1 else LeastSquaresGoals(goals)
-
-
-REST_PULL = 0.08
-"""Fraction of the way to the limb's own values that redundancy goes in one step."""
-
-FIRST_POSE_RESTARTS = 8
-"""Restarts of the first pose."""
-
-FIRST_POSE_STEPS, TRACKING_STEPS = 60, 12
-"""Bounds on the steps towards the first pose, and along the motion."""
-
-MISS_TOLERANCE = 2e-3
-"""Remaining error that is worth a note, in lengths of the limb or radians."""
-
-MAX_JOINT_RATE = 14.0
-"""Greatest rate of a joint [rad/s or m/s]."""
-
-FULL_WEIGHT = 1.0 - 1e-9
-"""Weight from which a run has taken over completely."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,7 +330,7 @@ class FigurePosture:
     def _limbs(self) -> dict[int, PosedLimb]:
         """Limbs with demands; one that hangs on another comes after it."""
         limbs = {i: PosedLimb(self.figure, i, self.plan, self.rng) for i in self.plan.limbs()}
-        return dict(sorted(limbs.items(), key=lambda one: (one[1].above != BODY, one[0])))
+        return dict(sorted(limbs.items(), key=lambda item: (item[1].above != BODY, item[0])))
 
     def body(self, times: Array) -> tuple[Array, Array]:
         """Return how the body is rotated (n, 3, 3) and moved (n, 3) in its ground's frame [m]."""

@@ -42,6 +42,10 @@ ExtremityMaker = Callable[[Array, Array, float], list[Solid]]
 """Solids from the place of the tip and the direction of the link, (3,) each, and its radius [m]."""
 
 
+FACE_EYE_SCALE = 0.55
+"""Size of the eyes in a face, in those of an animal."""
+
+
 def extremity_skins(figure: Figure) -> Iterator[tuple[int, list[Skin]]]:
     """Yield the last link of each limb with the skins on its tip."""
     skeleton = figure.skeleton
@@ -171,8 +175,8 @@ def _face(tip: Array, along: Array, radius: float) -> list[Solid]:
 
 
 def _ellipsoid(centre: Array, radii: Array) -> Solid:
-    one = ball_solid(np.zeros(3), 1.0)
-    return Solid(centre + radii * one.vertices, one.faces)
+    ball = ball_solid(np.zeros(3), 1.0)
+    return Solid(centre + radii * ball.vertices, ball.faces)
 
 
 def _horn(points: Array, radii: Array) -> Solid:
@@ -203,10 +207,6 @@ FOOT_MAKERS: Mapping[str, ExtremityMaker] = {
     "claws": _claws,
 }
 """Feet other than plain ones."""
-
-
-FACE_EYE_SCALE = 0.55
-"""Size of the eyes in a face, in those of an animal."""
 
 
 @dataclass(frozen=True, eq=False)

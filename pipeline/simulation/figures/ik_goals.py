@@ -169,8 +169,7 @@ def rotation_vector(R: Array) -> Array:
     angle = 2.0 * np.arctan2(sine, q[..., :1])
     # Near the identity the angle is twice the sine, to the last digit.
     factor = np.where(sine > 1e-12, angle / np.where(sine > 1e-12, sine, 1.0), 2.0)
-    result: Array = factor * q[..., 1:]
-    return result
+    return factor * q[..., 1:]
 
 
 def singular_values(batch: LimbBatch, pose: LimbPose) -> Array:
@@ -220,13 +219,11 @@ class LimbPoint:
     def at(self, batch: LimbBatch, pose: LimbPose) -> Array:
         """Return its place (L, 3), relative to the limb's base [m]."""
         X = pose.X_BJ[:, self.column]
-        result: Array = X[:, :3, 3] + turn(X[:, :3, :3], self.place - batch.places[:, self.column])
-        return result
+        return X[:, :3, 3] + turn(X[:, :3, :3], self.place - batch.places[:, self.column])
 
     def orientation(self, pose: LimbPose) -> Array:
         """Return the rotation (L, 3, 3) of its link."""
-        R: Array = pose.X_BJ[:, self.column, :3, :3]
-        return R
+        return pose.X_BJ[:, self.column, :3, :3]
 
     def place_jacobian(self, batch: LimbBatch, pose: LimbPose) -> Array:
         """Return Jᵀ (L, n, 3) of its place [m/rad or 1]."""

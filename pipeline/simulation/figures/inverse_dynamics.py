@@ -231,5 +231,4 @@ def rotation_between(before: Array, after: Array) -> Array:
 
 
 def _second_difference(v: Array, dt: float) -> Array:
-    result: Array = (v[2:] - 2.0 * v[1:-1] + v[:-2]) / (dt * dt)
-    return result
+    return (v[2:] - 2.0 * v[1:-1] + v[:-2]) / (dt * dt)

@@ -52,6 +52,34 @@ TOLERANCE = 1e-6
 """Accepted distance of tip from goal, in lengths of the limb."""
 
 
+FLAT_SLOPE = 1e-9
+"""Slope of half the squared error, per radian, that counts as flat."""
+
+MIN_CURVATURE = 1e-6
+"""Least curvature assumed by a step."""
+
+MAX_NEWTON_MOVE = 0.3
+"""Longest movement of a joint in one step [rad or m]."""
+
+LINE_SEARCH_HALVINGS = 12
+
+PURSUIT_STIFFNESS = 0.7
+"""λ as a fraction of the error, λ² = |e|²/2 (Sugihara 2011): it calms joints of limbs out of
+reach, and vanishes where the goal is reached."""
+
+PURSUIT_DAMPING = 1e-3
+"""Least λ: bounds a joint's speed near full extension."""
+
+MAX_JOINT_MOVE = 0.25
+"""Greatest movement of a joint in one step [rad or m]."""
+
+PURSUIT_TOLERANCE = 1e-5
+"""Accepted error of the first goals, in lengths of the limb and radians."""
+
+STALL_FRACTION = 1e-3
+"""Fraction of the error that a step must remove to be worth another one."""
+
+
 @dataclass(frozen=True, eq=False)
 class IKSolution:
     """The result of the iterations.
@@ -117,8 +145,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int =
 
 def damping_matrix(batch: LimbBatch) -> Array:
     """Return λ² I (L, 3, 3) [m²], shared by all iterations of these limbs."""
-    result: Array = ((DAMPING * batch.lengths) ** 2)[:, None, None] * IDENTITY
-    return result
+    return ((DAMPING * batch.lengths) ** 2)[:, None, None] * IDENTITY
 
 
 def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, damping: Array) -> Array:
@@ -146,8 +173,7 @@ def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, dampin
     rest = dx - _apply_jacobian(jacobian, moved)
     again = _pseudo_inverse_step(jacobian * free[..., None], rest, z * free, damping)
     again = q + np.where(held, moved, again)
-    result: Array = np.minimum(np.maximum(again, batch.lower), batch.upper)
-    return result
+    return np.minimum(np.maximum(again, batch.lower), batch.upper)
 
 
 def _pseudo_inverse_step(jacobian: Array, dx: Array, z: Array, damping: Array) -> Array:
@@ -161,8 +187,7 @@ def _pseudo_inverse_step(jacobian: Array, dx: Array, z: Array, damping: Array) -
     square = np.add.reduce(jacobian[..., None] * jacobian[..., None, :], axis=1)
     square += damping
     y = np.linalg.solve(square, (dx - _apply_jacobian(jacobian, z))[..., None])[..., 0]
-    result: Array = z + (jacobian @ y[..., None])[..., 0]
-    return result
+    return z + (jacobian @ y[..., None])[..., 0]
 
 
 def _apply_jacobian(jacobian: Array, q: Array) -> Array:
@@ -177,18 +202,6 @@ def _apply_jacobian(jacobian: Array, q: Array) -> Array:
 def _norm(v: Array) -> Array:
     result: Array = np.sqrt(np.einsum("li,li->l", v, v))
     return result
-
-
-FLAT_SLOPE = 1e-9
-"""Slope of half the squared error, per radian, that counts as flat."""
-
-MIN_CURVATURE = 1e-6
-"""Least curvature assumed by a step."""
-
-MAX_NEWTON_MOVE = 0.3
-"""Longest movement of a joint in one step [rad or m]."""
-
-LINE_SEARCH_HALVINGS = 12
 
 
 def closest_pose(
@@ -247,23 +260,6 @@ def _downhill(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, step: Array) 
             break
         step = 0.5 * step
     return result if moved.any() else None
-
-
-PURSUIT_STIFFNESS = 0.7
-"""λ as a fraction of the error, λ² = |e|²/2 (Sugihara 2011): it calms joints of limbs out of
-reach, and vanishes where the goal is reached."""
-
-PURSUIT_DAMPING = 1e-3
-"""Least λ: bounds a joint's speed near full extension."""
-
-MAX_JOINT_MOVE = 0.25
-"""Greatest movement of a joint in one step [rad or m]."""
-
-PURSUIT_TOLERANCE = 1e-5
-"""Accepted error of the first goals, in lengths of the limb and radians."""
-
-STALL_FRACTION = 1e-3
-"""Fraction of the error that a step must remove to be worth another one."""
 
 
 @dataclass(frozen=True, eq=False)

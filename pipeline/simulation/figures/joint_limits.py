@@ -23,6 +23,28 @@ from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import JointSettings
 
+LEG_RISE_DEG = 24.0
+"""Elevation of the first link of an insect's leg at rest."""
+
+LEG_FALL_DEG = (-54.0, -72.0)
+"""Elevations of the second and the last link of an insect's leg at rest: over the knee and
+steeply down."""
+
+STRAIGHT_LIMIT_DEG = 8.0
+"""A joint drawn with a smaller bend counts as straight."""
+
+REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
+"""Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
+
+MAX_BEND_DEG = {LEG: 160.0, ARM: 150.0}
+"""Greatest bend of knees and elbows from straight: calf on thigh, forearm on upper arm."""
+
+SHOULDER_ROLL_DEG = (-35.0, 150.0, 6.0)
+"""A mammal's shoulder inward, outward, and at rest, clear of the body."""
+
+WRIST_DEG = (-60.0, 70.0, 8.0)
+"""A wrist back, forward, and at rest; unlike an elbow it bends both ways."""
+
 
 @dataclass(frozen=True, slots=True)
 class JointRange:
@@ -46,13 +68,6 @@ def range_in_degrees(
     """Return a range given in degrees."""
     return JointRange(*(math.radians(angle) for angle in (lower, upper, preferred, extended)))
 
-
-LEG_RISE_DEG = 24.0
-"""Elevation of the first link of an insect's leg at rest."""
-
-LEG_FALL_DEG = (-54.0, -72.0)
-"""Elevations of the second and the last link of an insect's leg at rest: over the knee and
-steeply down."""
 
 ROOT_RANGES = {
     HEAD: (
@@ -86,24 +101,10 @@ BEND_RANGES = {
 }
 """Inner joints of appendages other than legs."""
 
-STRAIGHT_LIMIT_DEG = 8.0
-"""A joint drawn with a smaller bend counts as straight."""
-
-REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
-"""Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
-
-MAX_BEND_DEG = {LEG: 160.0, ARM: 150.0}
-"""Greatest bend of knees and elbows from straight: calf on thigh, forearm on upper arm."""
 
 SHOULDER_RANGES = {"pitch": range_in_degrees(-60, 170, 4), "yaw": range_in_degrees(-80, 80, 0)}
 """A mammal's shoulder: back and forward, and about the arm. As a person's, whose arms reach
 farther than most (American Academy of Orthopaedic Surgeons 1965)."""
-
-SHOULDER_ROLL_DEG = (-35.0, 150.0, 6.0)
-"""A mammal's shoulder inward, outward, and at rest, clear of the body."""
-
-WRIST_DEG = (-60.0, 70.0, 8.0)
-"""A wrist back, forward, and at rest; unlike an elbow it bends both ways."""
 
 
 def insect_joint_ranges(kind: str, links: int) -> list[dict[str, JointRange]]:

@@ -147,8 +147,7 @@ class JointTree:
         X = self._hinges(q[..., order])
         for level, above in self._levels:
             X[..., level, :, :] = X[..., above, :, :] @ X[..., level, :, :]
-        result: Array = X[..., place, :, :]
-        return result
+        return X[..., place, :, :]
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,8 +169,7 @@ class LimbPose:
     @property
     def R_BF(self) -> Array:
         """(L, 3, 3) orientations of the tips; the identity at joint values zero."""
-        R: Array = self.X_BJ[:, -1, :3, :3]
-        return R
+        return self.X_BJ[:, -1, :3, :3]
 
     def rows(self, chosen: LimbRows) -> LimbPose:
         """Return the limbs `chosen` alone."""
@@ -181,12 +179,12 @@ class LimbPose:
         """Return this pose for the limbs `chosen` (L,), and `other` for the rest."""
         if chosen.all():
             return self
-        one, two = chosen[:, None], chosen[:, None, None]
+        by_limb, by_joint = chosen[:, None], chosen[:, None, None]
         return LimbPose(
-            np.where(one, self.q, other.q),
-            np.where(two[..., None], self.X_BJ, other.X_BJ),
-            np.where(one, self.tips, other.tips),
-            np.where(two, self.jacobian, other.jacobian),
+            np.where(by_limb, self.q, other.q),
+            np.where(by_joint[..., None], self.X_BJ, other.X_BJ),
+            np.where(by_limb, self.tips, other.tips),
+            np.where(by_joint, self.jacobian, other.jacobian),
         )
 
 

@@ -200,5 +200,4 @@ def _dot(a: Array, b: Array) -> Array:
 
 def _perpendicular(v: Array, z: Array) -> Array:
     """Return the parts of `v` perpendicular to the unit vectors `z`."""
-    result: Array = v - _dot(v, z)[..., None] * z
-    return result
+    return v - _dot(v, z)[..., None] * z

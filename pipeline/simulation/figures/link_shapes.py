@@ -42,6 +42,15 @@ ShapeMaker = Callable[[float, float, float, float], Solid]
 """Solid from length, radii at both ends, and swelling."""
 
 
+EYE_MATERIAL = "eye"
+
+EYE_SIZES = (0.20, 0.34)
+"""Radius of eyes at the side of a long head and on a round one, in its girth."""
+
+SWELLING = {LEG: 0.22, FEELER: 0.0}
+"""Swelling of links by kind; other kinds swell a little."""
+
+
 def link_solid(link: Link, swelling: float) -> Solid:
     """Return the solid of a link.
 
@@ -152,15 +161,6 @@ SHAPE_MAKERS: Mapping[LinkShape, ShapeMaker] = {
     "ball": _ball,
 }
 """Solid of each link shape."""
-
-
-EYE_MATERIAL = "eye"
-
-EYE_SIZES = (0.20, 0.34)
-"""Radius of eyes at the side of a long head and on a round one, in its girth."""
-
-SWELLING = {LEG: 0.22, FEELER: 0.0}
-"""Swelling of links by kind; other kinds swell a little."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,6 +45,9 @@ MIDLINE_TOLERANCE = 0.3
 """Greatest sideways offset of a head or tail from the midline, in its length."""
 
 
+__all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
+
+
 def classify_appendages(
     drawing: Drawing,
     chains: Sequence[Chain],
@@ -128,9 +131,6 @@ def _is_lengthwise(drawing: Drawing, chain: Chain, middle: float) -> bool:
         abs(tip[0] - base[0]) <= MIDLINE_TOLERANCE * length
         and abs(tip[0] - middle) <= MIDLINE_TOLERANCE * length
     )
-
-
-__all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
 
 
 @dataclass(frozen=True, slots=True)

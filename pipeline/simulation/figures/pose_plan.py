@@ -24,6 +24,11 @@ from pipeline.simulation.spatial import normalized
 from pipeline.spec.keyframes import GOALS, Ease, Frame, PoseKey
 from pipeline.spec.suggestions import hint
 
+BODY = "body"
+
+POINT_PRIORITY, JOINT_PRIORITY = 1, 2
+"""Default priorities."""
+
 
 class PartNames:
     """Names of limbs, nodes and joints of a figure.
@@ -62,7 +67,7 @@ class PartNames:
             (column, joint, skeleton.joint_names[joint].rpartition(".")[2])
             for column, joint in enumerate(skeleton.limbs[limb].joints)
         ]
-        here = [one for one in here if one[2].startswith(start)]
+        here = [joint for joint in here if joint[2].startswith(start)]
         for column, joint, name in here:
             unit = "" if skeleton.prismatic[joint] else "_deg"
             long = f"{node}_{name.removeprefix(start)}{unit}"
@@ -77,12 +82,6 @@ class PartNames:
         there = skeleton.links[own.links[link]]
         column = own.joints.index(there.joint)
         return LimbPoint(column, there.ends[1], normalized(there.ends[1] - there.ends[0]))
-
-
-BODY = "body"
-
-POINT_PRIORITY, JOINT_PRIORITY = 1, 2
-"""Default priorities."""
 
 
 @dataclass(frozen=True, eq=False)

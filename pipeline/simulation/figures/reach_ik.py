@@ -63,6 +63,10 @@ STILL_MOVE = 1e-6
 """Movement for lower goals below which they are served [rad or m]."""
 
 
+SETTLE_ITERATIONS = 20
+"""Bound on the iterations that bring the tips back after the lower goals."""
+
+
 @dataclass(frozen=True, eq=False)
 class _ReachState:
     """Limbs in progress: their pose, and the remaining error (L,), see `TipPlacement.task`."""
@@ -314,8 +318,7 @@ def _arc_step(batch: LimbBatch, tips: Array, goals: Array, part: Array) -> Array
     v = np.where(near, part, np.sin(part * angle) / safe)
     there = base + (u * a + v * b) * (r_a + part * (r_b - r_a))
     there = np.where(part < 1.0, there, goals)
-    result: Array = (there - tips) / batch.lengths[:, None]
-    return result
+    return (there - tips) / batch.lengths[:, None]
 
 
 def _serve_secondary(
@@ -347,10 +350,6 @@ def _serve_secondary(
     # A lower goal never costs a higher one: where the tip is worse off, revert.
     kept = settled.error <= np.maximum(TOLERANCE, state.error * (1.0 + 1e-9))
     return settled.where(kept, state), count
-
-
-SETTLE_ITERATIONS = 20
-"""Bound on the iterations that bring the tips back after the lower goals."""
 
 
 def _error(batch: LimbBatch, pose: LimbPose, aim: TipPlacement) -> Array:

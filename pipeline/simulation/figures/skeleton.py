@@ -41,6 +41,19 @@ SIDEWAYS = np.array([0.0, 0.0, 1.0])
 """Axis about which a mammal's limbs swing and bend."""
 
 
+FORWARD = np.array([1.0, 0.0, 0.0])
+
+UPRIGHT_SINE = 0.9
+"""Sine of the elevation beyond which a limb stands or hangs: no axis in the drawing plane is
+across it."""
+
+MIN_RADIUS_RATIO = 1e-6
+"""Least radius of a link, in its length."""
+
+BODY = -1
+"""Number in place of a joint: the body, which no joint moves."""
+
+
 def lay_out_nodes(config: FigureConfig, drawing: Drawing, anatomy: Anatomy, scale: float) -> Array:
     """Return the nodes (n, 3) in the creation frame [m].
 
@@ -83,19 +96,6 @@ def _fold_limb(points: Array, drawing: Drawing, appendage: Appendage, scale: flo
     points[rest] = points[base]
     points[rest, 1] -= drawn @ down
     points[rest, 0] += drawn @ forward
-
-
-FORWARD = np.array([1.0, 0.0, 0.0])
-
-UPRIGHT_SINE = 0.9
-"""Sine of the elevation beyond which a limb stands or hangs: no axis in the drawing plane is
-across it."""
-
-MIN_RADIUS_RATIO = 1e-6
-"""Least radius of a link, in its length."""
-
-BODY = -1
-"""Number in place of a joint: the body, which no joint moves."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,40 @@ from pipeline.simulation.figures.skeleton import Limb, Link, Skeleton
 from pipeline.simulation.figures.solids import Solid, body_solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 
+SKIN_RING_VERTICES = 14
+"""Vertices of a ring."""
+
+LINK_RINGS = 5
+"""Rings of a link between its joints."""
+
+BLEND_RADII, MAX_BLEND_LENGTH = 1.1, 0.42
+"""Distance from a joint within which its skin follows both links, in radii and at most in link
+lengths."""
+
+CAP_LATITUDES = np.radians([18.0, 40.0, 62.0, 80.0])
+"""Latitudes of the rings of a cap [rad]."""
+
+EAR_LENGTH = 1.35
+"""Length of an ear, in lengths of its link."""
+
+SWELLING_EXPONENT = np.log(0.5) / np.log(0.36)
+"""Places the thickest point of a link at a third of its length, like a thigh's."""
+
+STUMP_KINDS = (LEG, HEAD, TAIL)
+"""Kinds of limbs that grow from a body. Arms turn too far."""
+
+MIN_STUMP_RADIUS = 0.30
+"""Least root radius of a limb with a stump, in the body's."""
+
+STUMP_RADII, MAX_STUMP_LENGTH = 1.7, 0.55
+"""Length of a stump in radii of its root, and at most in lengths of its link."""
+
+STUMP_SEPARATION = 0.8
+"""Difference of distances from two stumps beyond which only the nearer one counts, in radii."""
+
+STUMP_END_RATIO = 0.90
+"""Radius of a stump's end, in the link's there: it ends inside the limb's skin."""
+
 
 @dataclass(frozen=True, eq=False)
 class Skin:
@@ -55,26 +89,6 @@ def merge_skins(skins: Sequence[Skin]) -> Skin:
         np.concatenate([skin.links for skin in skins]),
         np.concatenate([skin.share for skin in skins]),
     )
-
-
-SKIN_RING_VERTICES = 14
-"""Vertices of a ring."""
-
-LINK_RINGS = 5
-"""Rings of a link between its joints."""
-
-BLEND_RADII, MAX_BLEND_LENGTH = 1.1, 0.42
-"""Distance from a joint within which its skin follows both links, in radii and at most in link
-lengths."""
-
-CAP_LATITUDES = np.radians([18.0, 40.0, 62.0, 80.0])
-"""Latitudes of the rings of a cap [rad]."""
-
-EAR_LENGTH = 1.35
-"""Length of an ear, in lengths of its link."""
-
-SWELLING_EXPONENT = np.log(0.5) / np.log(0.36)
-"""Places the thickest point of a link at a third of its length, like a thigh's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,22 +240,6 @@ def _smooth_share(s: float) -> float:
     return s * s * (3.0 - 2.0 * s)
 
 
-STUMP_KINDS = (LEG, HEAD, TAIL)
-"""Kinds of limbs that grow from a body. Arms turn too far."""
-
-MIN_STUMP_RADIUS = 0.30
-"""Least root radius of a limb with a stump, in the body's."""
-
-STUMP_RADII, MAX_STUMP_LENGTH = 1.7, 0.55
-"""Length of a stump in radii of its root, and at most in lengths of its link."""
-
-STUMP_SEPARATION = 0.8
-"""Difference of distances from two stumps beyond which only the nearer one counts, in radii."""
-
-STUMP_END_RATIO = 0.90
-"""Radius of a stump's end, in the link's there: it ends inside the limb's skin."""
-
-
 @dataclass(frozen=True, eq=False)
 class Stump:
     """The root of a limb.
@@ -348,5 +346,4 @@ def _stump_weight(places: Array, stump: Stump) -> tuple[Array, Array]:
 
 def _smoothstep(s: Array) -> Array:
     s = np.clip(s, 0.0, 1.0)
-    result: Array = s * s * (3.0 - 2.0 * s)
-    return result
+    return s * s * (3.0 - 2.0 * s)

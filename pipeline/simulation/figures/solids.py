@@ -20,6 +20,18 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 
+RING_VERTICES = 16
+"""Vertices around a link: with smooth normals more are not visible."""
+
+BODY_CELLS = 56
+"""Cells along the longest side of a body's grid."""
+
+BLEND_REACH = 6.0
+"""Distance from a bone beyond which it does not shape the body, in widths of the blend."""
+
+BODY_FLATNESS = 0.78
+"""Height of an insect's body, in its width."""
+
 
 def surface_nets(values: Array, low: Array, cell: float) -> tuple[Array, NDArray[np.uint32]]:
     """Return vertices (V, 3) and faces (F, 3) of the zero surface of sampled values.
@@ -73,19 +85,6 @@ def _quads(inside: NDArray[np.bool_], number: NDArray[np.int64], axis: int) -> N
     outward = near[i, j, k] != (axis == 1)
     quads = np.where(outward[:, None], np.stack([a, b, c, d], -1), np.stack([a, d, c, b], -1))
     return quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
-
-
-RING_VERTICES = 16
-"""Vertices around a link: with smooth normals more are not visible."""
-
-BODY_CELLS = 56
-"""Cells along the longest side of a body's grid."""
-
-BLEND_REACH = 6.0
-"""Distance from a bone beyond which it does not shape the body, in widths of the blend."""
-
-BODY_FLATNESS = 0.78
-"""Height of an insect's body, in its width."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,8 +220,7 @@ def _round_cone(
     x, y, z = (axes[k] - a[k] for k in range(3))
     away = _axis_sums(x * x, y * y, z * z)
     if square == 0.0:
-        result: Array = np.sqrt(away) - r_a
-        return result
+        return np.sqrt(away) - r_a
     dot = _axis_sums(x * ab[0], y * ab[1], z * ab[2])
     along = np.clip(dot / square, 0.0, 1.0)
     away -= along * (2.0 * dot - along * square)
@@ -232,5 +230,4 @@ def _round_cone(
 
 def _axis_sums(x: Array, y: Array, z: Array) -> Array:
     """Return the sums of one number of each axis (n_x, n_y, n_z)."""
-    result: Array = x[:, None, None] + y[:, None] + z
-    return result
+    return x[:, None, None] + y[:, None] + z

@@ -28,6 +28,10 @@ RANK_TOLERANCE = 1e-10
 """Singular values below this fraction of the greatest count as zero."""
 
 
+RELEASE_GAIN = 1e-9
+"""Reduction of squared error, for a joint's movement, that releases it from its limit."""
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """The demand of a goal at a certain pose.
@@ -136,11 +140,6 @@ def bounded_priority_step(
     return np.clip(q + step, batch.lower, batch.upper), held & batch.is_joint
 
 
-RELEASE_GAIN = 1e-9
-"""Reduction of squared error, for a joint's movement, that releases it from its limit."""
-
-
 def _remaining(task: Task, velocities: Array) -> Array:
     """Return the part (L, m) of a task that joint velocities leave."""
-    result: Array = task.velocity - (task.jacobian @ velocities[..., None])[..., 0]
-    return result
+    return task.velocity - (task.jacobian @ velocities[..., None])[..., 0]

@@ -63,10 +63,10 @@ def test_csv_and_json_lines_agree(take: Take) -> None:
     rows = list(csv.DictReader(io.StringIO(events_csv(told).decode(), newline="")))
     assert len(rows) == len(lines) > 0
     for line, row in zip(lines, rows, strict=True):
-        words = json.loads(line)
+        record = json.loads(line)
         place = [float(row.pop(axis)) for axis in ("x", "y", "z")]
-        assert place == words.pop("place")
-        assert row == {name: str(value) for name, value in words.items()}
+        assert place == record.pop("place")
+        assert row == {name: str(value) for name, value in record.items()}
 
 
 def test_without_events_the_csv_has_only_its_header(take: Take) -> None:
@@ -77,8 +77,8 @@ def test_without_events_the_csv_has_only_its_header(take: Take) -> None:
 
 def test_a_sustained_event_has_a_duration(take: Take) -> None:
     rolls = replace(take.events[0], track=(4, 22))
-    (words,) = map(json.loads, events_jsonl(replace(take, events=(rolls,))).splitlines())
-    assert words["duration"] == 18 / 4 / 24
+    (record,) = map(json.loads, events_jsonl(replace(take, events=(rolls,))).splitlines())
+    assert record["duration"] == 18 / 4 / 24
 
 
 # --- markers -----------------------------------------------------------------------

@@ -6,7 +6,7 @@ with all that is attached to them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.attachment import node_number
-from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.inventory import Inventory
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Contact, Mesh, Node
 from pipeline.simulation.troupe import Rows, World
@@ -42,21 +41,20 @@ class CastIndex:
     Attributes:
         nodes: of all performers.
         meshes: of all performers.
-        figures: of the creatures, by name.
+        names: of all nodes and parts.
     """
 
     nodes: Sequence[Node]
     meshes: Sequence[Mesh]
-    figures: Mapping[str, Figure]
+    names: NodeNames
 
-    def number(self, whom: str, path: str) -> int:
+    def number(self, part_name: str, path: str) -> int:
         """Returns the number of the node of a performer or part.
 
         Raises:
             SceneError: if there is none; `path` is where it was named.
         """
-        numbers = {node.name: i for i, node in enumerate(self.nodes)}
-        found = node_number(whom, self.figures, numbers)
+        found = self.names.find(part_name)
         if isinstance(found, str):
             raise SceneError([Problem(path, found)])
         return found

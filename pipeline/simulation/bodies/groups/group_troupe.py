@@ -7,7 +7,7 @@ Source: Sims 1987, 3.2.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,8 +26,8 @@ from pipeline.simulation.bodies.groups.group_rule import (
 from pipeline.simulation.bodies.groups.rain import RainRule
 from pipeline.simulation.bodies.groups.school import SchoolRule
 from pipeline.simulation.bodies.groups.swarm import SwarmRule
-from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.inventory import join_inventories
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node
@@ -59,12 +59,10 @@ class GroupTroupe(Troupe):
         self._steps: list[int] = []
         self._rows: Rows | None = None
 
-    def bind(
-        self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
-    ) -> None:
+    def bind(self, nodes: Sequence[Node], meshes: Sequence[Mesh], names: NodeNames) -> None:
         """See `Troupe`."""
         for rule in self.rules.values():
-            rule.bind(CastIndex(nodes, meshes, figures))
+            rule.bind(CastIndex(nodes, meshes, names))
 
     def read(self, orders: Orders) -> None:
         """See `Troupe`."""

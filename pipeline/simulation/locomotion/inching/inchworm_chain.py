@@ -39,6 +39,19 @@ MIN_BENDS = 3
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
 
 
+MAX_AMPLITUDE = 2.0
+"""Amplitude A of the tightest loop [rad]; at 2.4 its two sides would meet."""
+
+MIN_AMPLITUDE = 0.05
+"""Least amplitude: below it the chord hardly depends on the amplitude [rad]."""
+
+NEWTON_STEPS = 12
+"""Iterations; eight reach the last bit anywhere between the bounds."""
+
+END_FALLOFF = 3.0
+"""Exponent with which the inclination of a foot fades along the chain."""
+
+
 def is_inchworm(figure: Figure) -> bool:
     """Return whether a figure is one straight chain that can put one end before the other.
 
@@ -148,8 +161,7 @@ class InchwormChain:
         """(m,) lengths of the links between the feet, from the rear [m]."""
         x, _, _ = self._from_rear
         steps = np.diff(x)
-        result: Array = steps[steps > STRAIGHTNESS * self.length]
-        return result
+        return steps[steps > STRAIGHTNESS * self.length]
 
     @cached_property
     def along(self) -> Array:
@@ -190,21 +202,7 @@ class InchwormChain:
         _, lift, place = self._from_rear
         sharing = np.bincount(place, weights=np.abs(lift), minlength=bends.shape[1])
         share = lift / np.maximum(sharing, 1.0)[place]
-        result: Array = bends[:, place] * share
-        return result
-
-
-MAX_AMPLITUDE = 2.0
-"""Amplitude A of the tightest loop [rad]; at 2.4 its two sides would meet."""
-
-MIN_AMPLITUDE = 0.05
-"""Least amplitude: below it the chord hardly depends on the amplitude [rad]."""
-
-NEWTON_STEPS = 12
-"""Iterations; eight reach the last bit anywhere between the bounds."""
-
-END_FALLOFF = 3.0
-"""Exponent with which the inclination of a foot fades along the chain."""
+        return bends[:, place] * share
 
 
 def loop_chord(chain: InchwormChain, amplitude: Array | float) -> Array:
@@ -258,5 +256,4 @@ def loop_bends(
     θ += (rear - slope)[:, None] * (1.0 - s) ** END_FALLOFF + (front - slope)[
         :, None
     ] * s**END_FALLOFF
-    result: Array = np.diff(np.column_stack([rear, θ, front]), axis=1)
-    return result
+    return np.diff(np.column_stack([rear, θ, front]), axis=1)

@@ -88,13 +88,15 @@ def resolve_inchworm_pace(number: int, member: Creature, chain: InchwormChain) -
     _refuse_unused_keys(number, member, config)
     longest = MAX_STRETCH * chain.free
     shortest = min(_shortest_chord(chain), longest)
-    most = longest - shortest
+    longest_stride = longest - shortest
     natural = CYCLE_PERIODS * math.sqrt(chain.length / GRAVITY)
-    cycle, stride = cycle_and_stride(config, natural, DEFAULT_STRIDE * most)
-    if member.walk is not None and (stride > most or most <= 0.0):
-        raise SceneError([Problem(f"cast[{number}].walk", _stride_message(member, stride, most))])
+    cycle, stride = cycle_and_stride(config, natural, DEFAULT_STRIDE * longest_stride)
+    if member.walk is not None and (stride > longest_stride or longest_stride <= 0.0):
+        raise SceneError(
+            [Problem(f"cast[{number}].walk", _stride_message(member, stride, longest_stride))]
+        )
     # A worm that takes short steps neither stretches nor loops as far as it could.
-    spare = 0.5 * (most - min(stride, most))
+    spare = 0.5 * (longest_stride - min(stride, longest_stride))
     step = config.step_height
     return InchwormPace(
         cycle,
@@ -121,15 +123,15 @@ def _refuse_unused_keys(number: int, member: Creature, config: Walk) -> None:
         raise SceneError(problems)
 
 
-def _stride_message(member: Creature, stride: float, most: float) -> str:
-    if most <= 0.0:
+def _stride_message(member: Creature, stride: float, longest_stride: float) -> str:
+    if longest_stride <= 0.0:
         return (
             f"'{member.figure}' cannot draw its ends together, its joints bend too little or it "
             "is too thick; widen their limits with `joints`, or take `walk` away"
         )
     return (
         f"a stride (speed × cycle) of {stride:.3g} is more than '{member.figure}' can do; "
-        f"at this scale at most {most:.3g} works: lower the speed or shorten the cycle"
+        f"at this scale at most {longest_stride:.3g} works: lower the speed or shorten the cycle"
     )
 
 

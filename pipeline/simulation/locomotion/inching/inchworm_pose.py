@@ -44,6 +44,23 @@ FOOT_SAMPLES = np.linspace(-0.5, 0.5, 5)
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
 
 
+LOOP_GAINS = (1.0,) * 10 + (0.0, 0.0)
+"""Gain of the pull towards the loop by iteration; the last ones only solve for the tip. Enough for
+nanometres: the loop already ends near the feet."""
+
+DAMPING = 1e-12
+"""λ² with errors in limb lengths and radians. A planar chain cannot move sideways in every way."""
+
+MAX_FOOT_PITCH = (0.22, 0.75)
+"""Greatest pitch of the rear and the front foot in the air [rad]."""
+
+PITCH_DELAY = 1.4
+"""Exponent that delays the greatest pitch beyond the middle of the step; 1 does not."""
+
+LINK_SAMPLES = (0.0, 0.25, 0.5, 0.75)
+"""Samples along a link at which the ground under it is tested, in its length."""
+
+
 @dataclass(frozen=True, eq=False)
 class InchwormTrack:
     """The plane in which one worm walks.
@@ -135,25 +152,7 @@ def candidate_poses(
     other = np.broadcast_to(feet[1 - end], poses.shape)
     chords, _ = foot_chord(chain, *((other, poses) if end == FRONT else (poses, other)))
     good = track.safe(chain.feet[end], ways) & (chords >= bounds[0]) & (chords <= bounds[1])
-    result: Array = poses[good]
-    return result
-
-
-LOOP_GAINS = (1.0,) * 10 + (0.0, 0.0)
-"""Gain of the pull towards the loop by iteration; the last ones only solve for the tip. Enough for
-nanometres: the loop already ends near the feet."""
-
-DAMPING = 1e-12
-"""λ² with errors in limb lengths and radians. A planar chain cannot move sideways in every way."""
-
-MAX_FOOT_PITCH = (0.22, 0.75)
-"""Greatest pitch of the rear and the front foot in the air [rad]."""
-
-PITCH_DELAY = 1.4
-"""Exponent that delays the greatest pitch beyond the middle of the step; 1 does not."""
-
-LINK_SAMPLES = (0.0, 0.25, 0.5, 0.75)
-"""Samples along a link at which the ground under it is tested, in its length."""
+    return poses[good]
 
 
 def swing_poses(end: int, start: Array, finish: Array, height: Array, s: Array) -> Array:

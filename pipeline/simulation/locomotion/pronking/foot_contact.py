@@ -18,7 +18,7 @@ from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEven
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState, HopState, SwingPath
 from pipeline.simulation.locomotion.pronking.hopper import STANCE_STRETCH, Hopper
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
-from pipeline.simulation.scalar_rotation import matrix_rows
+from pipeline.simulation.scalar_rotation import rotation_matrix
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -30,6 +30,16 @@ TRAIL_SPEED = 0.35
 
 WALL_HEIGHT = 0.06
 """Sudden lift of a foot that counts as hitting a wall, in leg lengths."""
+
+
+SETTLE_DISTANCE = 0.16
+"""How far a body sinks after the first touch until its legs carry, in leg lengths."""
+
+FOLD_LIMIT = 1.01
+"""Nearest distance of a foot to its hip, in folded lengths."""
+
+RISING_SPEED = 1e-9
+"""Vertical speed above which a body rises [m/s]."""
 
 
 def flight_swing(
@@ -136,23 +146,13 @@ def _catch_feet(
     """
     impulse = -hopper.leg_masses[legs, None] * v[legs] * [1.0, 0.0, 1.0]
     state.v = state.v + impulse.sum(axis=0) / hopper.mass.mass
-    R = np.array(matrix_rows(state.attitude[0]))
+    R = rotation_matrix(state.attitude[0])
     inverse = R @ np.array(hopper.inertia.inverse) @ R.T
     angular_impulse = np.cross(tips[legs] - state.p, impulse).sum(axis=0)
     x, y, z = (state.attitude[1] + inverse @ angular_impulse).tolist()
     state.attitude = state.attitude[0], (x, y, z)
     for leg in legs.tolist():
         events.append(HopEvent.note("tripped", state.time, "a foot caught on a wall", leg))
-
-
-SETTLE_DISTANCE = 0.16
-"""How far a body sinks after the first touch until its legs carry, in leg lengths."""
-
-FOLD_LIMIT = 1.01
-"""Nearest distance of a foot to its hip, in folded lengths."""
-
-RISING_SPEED = 1e-9
-"""Vertical speed above which a body rises [m/s]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import foot_materials
+from pipeline.simulation.scalar_rotation import vector_tuple
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Contact, ContactKind, Note
 from pipeline.simulation.troupe import World
@@ -17,6 +18,18 @@ from pipeline.simulation.troupe import World
 HopEventKind = Literal[
     "touch", "lift", "body", "toppled", "saturated", "stopped", "misplaced", "tripped", "dropped"
 ]
+
+
+CONTACT_KINDS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
+
+NOTE_KINDS = {
+    "toppled": "toppled",
+    "saturated": "clamped",
+    "stopped": "stopped",
+    "misplaced": "misplaced",
+    "tripped": "tripped",
+    "dropped": "dropped",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,17 +66,6 @@ class HopEvent:
 
 HopEvents = list[HopEvent]
 """Events in the order of time."""
-
-
-CONTACT_KINDS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
-NOTE_KINDS = {
-    "toppled": "toppled",
-    "saturated": "clamped",
-    "stopped": "stopped",
-    "misplaced": "misplaced",
-    "tripped": "tripped",
-    "dropped": "dropped",
-}
 
 
 class HopEventRecorder:
@@ -113,8 +115,8 @@ class HopEventRecorder:
             performer=name,
             part=part,
             other="terrain",
-            place=_vector_tuple(event.place),
-            normal=_vector_tuple(event.normal),
+            place=vector_tuple(event.place),
+            normal=vector_tuple(event.normal),
             speed=event.speed,
             energy=event.energy,
             material=body if event.leg < 0 else self._feet[leg],
@@ -126,8 +128,3 @@ class HopEventRecorder:
     def _length(self, c: int, link: int) -> float:
         figure = self.herd.figures[c]
         return next(piece.size for piece in figure.pieces if piece.link == link)
-
-
-def _vector_tuple(v: Array) -> tuple[float, float, float]:
-    x, y, z = (float(c) for c in v)
-    return x, y, z

@@ -36,7 +36,7 @@ from pipeline.simulation.locomotion.pronking.leg_forces import (
     lift_off_rate,
     phase_force,
 )
-from pipeline.simulation.scalar_rotation import Quaternion, Vector
+from pipeline.simulation.scalar_rotation import Quaternion, Vector, vector_tuple
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -139,7 +139,7 @@ def update_landing(hopper: Hopper, ground: Ground, state: HopState, events: HopE
     time = 2.0 * rise / float(state.v[1])
     x, z = _landing_velocity(hopper, state, time)
     force = phase_force(
-        hopper.mass.mass, available_force(hopper, state), _vector_tuple(state.v), (x, 0.0, z), rise
+        hopper.mass.mass, available_force(hopper, state), vector_tuple(state.v), (x, 0.0, z), rise
     )
     _note_saturation(force.saturated, state, events)
     state.a, state.phase_end = np.array(force.acceleration), state.time + force.time
@@ -245,8 +245,8 @@ def begin_push(hopper: Hopper, ground: Ground, state: HopState, events: HopEvent
     push = phase_force(
         hopper.mass.mass,
         available_force(hopper, state),
-        _vector_tuple(state.v),
-        _vector_tuple(plan.velocity),
+        vector_tuple(state.v),
+        vector_tuple(plan.velocity),
         plan.rise,
     )
     _note_saturation(push.saturated, state, events)
@@ -349,8 +349,3 @@ def _note_saturation(saturated: bool, state: HopState, events: HopEvents) -> Non
         state.saturated = True
         text = "its legs give all they have, which is less than it takes"
         events.append(HopEvent.note("saturated", state.time, text))
-
-
-def _vector_tuple(v: Array) -> Vector:
-    x, y, z = v.tolist()
-    return x, y, z

@@ -168,36 +168,41 @@ class HopSimulation:
             known: margins at its start.
         """
         state, hopper = self.state, self.hopper
-        ends = state.phase_end - state.time
+        remaining = state.phase_end - state.time
         if state.phase == "flight" and state.v[1] > RISING_SPEED:
-            ends = state.v[1] / GRAVITY
-        ending = ends <= h
-        h = max(min(h, ends), 0.0)
-        there = state.predict(h, hopper)
-        if state.phase == "flight" and ending:
-            there.v[1] = 0.0
-        found = self._margins(there)
-        crossed = np.flatnonzero((found.all <= 0.0) & (known.all > 0.0))
+            remaining = state.v[1] / GRAVITY
+        is_ending = remaining <= h
+        h = max(min(h, remaining), 0.0)
+        next_body = state.predict(h, hopper)
+        if state.phase == "flight" and is_ending:
+            next_body.v[1] = 0.0
+        next_margins = self._margins(next_body)
+        crossed = np.flatnonzero((next_margins.all <= 0.0) & (known.all > 0.0))
         if len(crossed):
 
             def gap(t: float) -> float:
                 return float(self._margins(state.predict(t, hopper)).all[crossed].min())
 
-            there = state.predict(find_crossing(gap, 0.0, h), hopper)
-            ending = False
+            next_body = state.predict(find_crossing(gap, 0.0, h), hopper)
+            is_ending = False
         # Margins at the end hold at the next start, unless an event happens between.
-        self._next_margins = None if ending or len(crossed) else found
+        self._next_margins = None if is_ending or len(crossed) else next_margins
         # While the body rose, feet were lifted and not tested.
         tested = np.isfinite(known.touch) & (known.touch > 0.0)
         self._touched = tested & (state.v[1] <= RISING_SPEED)
-        state.time, state.p, state.v, state.attitude = there.time, there.p, there.v, there.attitude
-        if there.tilt > TOPPLE_TILT:
+        state.time, state.p, state.v, state.attitude = (
+            next_body.time,
+            next_body.p,
+            next_body.v,
+            next_body.attitude,
+        )
+        if next_body.tilt > TOPPLE_TILT:
             self._topple("it leaned too far")
-        elif ending and state.phase != "flight":
+        elif is_ending and state.phase != "flight":
             finish_phase(hopper, self.ground, state, self.events)
             self._lifted[:] = 0.0
         elif state.phase == "flight" and state.v[1] > RISING_SPEED:
-            self._trip_while_rising(there)
+            self._trip_while_rising(next_body)
         self._rearm_body()
 
     def _release_missed_feet(self) -> None:

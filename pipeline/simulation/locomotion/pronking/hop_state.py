@@ -24,8 +24,8 @@ from pipeline.simulation.locomotion.pronking.leg_forces import (
 from pipeline.simulation.scalar_rotation import (
     Quaternion,
     from_rotation_vector,
-    matrix_rows,
     quaternion_product,
+    rotation_matrix,
 )
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
@@ -40,6 +40,13 @@ SUPPORT_PHASES = ("landing", "pushing")
 
 FREE_FALL = np.array([0.0, -GRAVITY, 0.0])
 """Acceleration in flight [m/s²]."""
+
+
+LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
+"""How much of the ground's slope a body leans with, as a fraction, and at most [rad]."""
+
+APEX_FRACTION = 0.46
+"""Time of the middle point, as a fraction of the flight."""
 
 
 @dataclass(eq=False)
@@ -138,13 +145,12 @@ class BodyState:
     origin: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        self.R = np.array(matrix_rows(self.attitude[0]))
+        self.R = rotation_matrix(self.attitude[0])
         self.origin = self.p - self.R @ self.hopper.mass.centre
 
     def to_world(self, points: Array) -> Array:
         """Return points (n, 3) of the body in the world [m]."""
-        result: Array = self.origin + points @ self.R.T
-        return result
+        return self.origin + points @ self.R.T
 
     @property
     def tilt(self) -> float:
@@ -165,10 +171,6 @@ def level_height(hopper: Hopper, p: Array) -> float:
 def yaw_quaternion(angle: float) -> Quaternion:
     """Return the attitude of a level body with a heading [rad]."""
     return from_rotation_vector((0.0, angle, 0.0))
-
-
-LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
-"""How much of the ground's slope a body leans with, as a fraction, and at most [rad]."""
 
 
 def leaning_attitude(
@@ -193,10 +195,6 @@ def leaning_attitude(
         from_rotation_vector((-k * roll, 0.0, k * pitch)),
     )
     return q
-
-
-APEX_FRACTION = 0.46
-"""Time of the middle point, as a fraction of the flight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,10 +257,7 @@ class SwingPath:
 def _hermite(u: Array, a: Array, b: Array, m_a: Array, m_b: Array) -> Array:
     """Return the cubic from a to b with slopes m_a and m_b."""
     v = 1.0 - u
-    result: Array = v * v * ((1.0 + 2.0 * u) * a + u * m_a) + u * u * (
-        (1.0 + 2.0 * v) * b - v * m_b
-    )
-    return result
+    return v * v * ((1.0 + 2.0 * u) * a + u * m_a) + u * u * ((1.0 + 2.0 * v) * b - v * m_b)
 
 
 @dataclass(frozen=True, slots=True)

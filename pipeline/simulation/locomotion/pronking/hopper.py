@@ -15,7 +15,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.figure_mass import FigureMass as Masses
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.network import LEG
@@ -61,13 +61,28 @@ BELLY_DIRECTIONS = np.array(
 """Directions in which a body meets the ground first."""
 
 
+MISS_DISTANCE = 2e-4
+"""Distance of a foot from its foothold that counts as a miss [m]."""
+
+FOLD_CHECK_RATIO, DIRECTION_CHECK_COSINE = 1.25, 0.85
+"""Places that inverse kinematics checks: nearer than this, in folded lengths, or farther from the
+rest direction than this cosine."""
+
+OUTLINE_DIRECTIONS = np.array(
+    [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
+)
+"""Directions in which the outermost points are looked for."""
+
+LIMB_SAG = 0.12
+"""How far heads, tails and feelers trail below their rest pose [rad]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Hopper:
     """A hopping creature; it does not change during a simulation.
 
     Attributes:
         name: of the performer.
-        cast_index: its place in the scene's cast.
         config: its `pronk` block.
         mass: of the whole figure in its preferred pose, in the frame of the body.
         inertia: the inertia of `mass` as plain floats.
@@ -93,7 +108,6 @@ class Hopper:
     """
 
     name: str
-    cast_index: int
     config: Pronk
     mass: MassProperties
     inertia: BodyInertia
@@ -155,15 +169,15 @@ def build_hoppers(
         SceneError: a creature cannot hop as configured; lists all of them.
     """
     folds = shortest_reaches(herd)
-    problems, found = list[Problem](), list[Hopper]()
+    problems, hoppers = list[Problem](), list[Hopper]()
     for c, (cast_index, config) in enumerate(zip(cast_indices, configs, strict=True)):
         try:
-            found.append(build_hopper(herd, c, cast_index, config, folds))
+            hoppers.append(build_hopper(herd, c, cast_index, config, folds))
         except SceneError as error:
             problems += error.problems
     if problems:
         raise SceneError(problems)
-    return found
+    return hoppers
 
 
 def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Array) -> Hopper:
@@ -184,26 +198,27 @@ def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Arra
     if not len(own):
         message = f"figure '{figure.name}' has no legs to hop on; take `pronk` away"
         raise SceneError([Problem(where, message)])
-    masses = Masses(figure)
+    masses = FigureMass(figure)
     mass = masses.at_rest
     hips, lengths, soles = herd.hips[own], herd.legs.lengths[own], herd.sole[own]
     rest = np.stack([herd.rest[own, 0], np.zeros(len(own)), herd.rest[own, 1]], axis=-1)
-    leg = float(lengths.mean())
+    leg_length = float(lengths.mean())
     jump = resolve_jump(
         where, config, float(_reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, soles).min())
     )
-    low = _lowest_height(figure.belly, hips, rest, folds[own], soles)
-    stand = float(herd.body_height[c])
-    crouch = _crouch_height(where, config, low, stand)
+    lowest = _lowest_height(figure.belly, hips, rest, folds[own], soles)
+    standing = float(herd.body_height[c])
+    crouch = _crouch_height(where, config, lowest, standing)
     weight = mass.mass * GRAVITY
     # Uneven ground may leave half of the rise.
-    most = _leg_force(where, config, jump, max(0.5 * (stand - crouch), 0.06 * leg), len(own))
-    aside = float(np.hypot(mass.centre[0], mass.centre[2])) / leg
-    enough = BALANCE_RESERVE + aside * (most * len(own))
-    balance = enough if config.balance is None else config.balance
+    force = _leg_force(
+        where, config, jump, max(0.5 * (standing - crouch), 0.06 * leg_length), len(own)
+    )
+    offset = float(np.hypot(mass.centre[0], mass.centre[2])) / leg_length
+    default_balance = BALANCE_RESERVE + offset * (force * len(own))
+    balance = default_balance if config.balance is None else config.balance
     return Hopper(
         name=herd.names[c],
-        cast_index=cast_index,
         config=config,
         mass=mass,
         inertia=BodyInertia(_tensor_rows(mass.inertia), _tensor_rows(np.linalg.inv(mass.inertia))),
@@ -214,16 +229,16 @@ def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Arra
         sole_radii=soles,
         leg_masses=np.array([masses.mass_of(limb.links) for limb in figure.skeleton.legs]),
         belly_points=extreme_points(figure.body.vertices, BELLY_DIRECTIONS),
-        standing_height=stand,
+        standing_height=standing,
         crouch_height=crouch,
-        lowest_height=low,
+        lowest_height=lowest,
         jump=jump,
-        max_leg_force=most * weight,
-        max_balance_moment=balance * weight * leg,
-        max_twist_moment=MAX_TWIST * weight * leg,
+        max_leg_force=force * weight,
+        max_balance_moment=balance * weight * leg_length,
+        max_twist_moment=MAX_TWIST * weight * leg_length,
         heading=float(herd.headings[c]),
         start=herd.starts[c],
-        half_extents=np.maximum(herd.footprint[c], 0.2 * leg),
+        half_extents=np.maximum(herd.footprint[c], 0.2 * leg_length),
         leg_reach=LegReach(herd, own, folds[own]),
         outline=Outline(herd, own),
     )
@@ -278,21 +293,12 @@ def _lowest_height(belly: float, hips: Array, rest: Array, folds: Array, soles: 
 def extreme_points(vertices: Array, directions: Array) -> Array:
     """Return the vertices (k, 3) farthest out in any of some directions."""
     farthest = np.unique((vertices @ directions.T).argmax(axis=0))
-    result: Array = np.asarray(vertices[farthest], dtype=float)
-    return result
+    return np.asarray(vertices[farthest], dtype=float)
 
 
 def _tensor_rows(m: NDArray[np.floating[Any]]) -> Rows:
     (a, b, c), (d, e, f), (g, h, i) = m.tolist()
     return (a, b, c), (d, e, f), (g, h, i)
-
-
-MISS_DISTANCE = 2e-4
-"""Distance of a foot from its foothold that counts as a miss [m]."""
-
-FOLD_CHECK_RATIO, DIRECTION_CHECK_COSINE = 1.25, 0.85
-"""Places that inverse kinematics checks: nearer than this, in folded lengths, or farther from the
-rest direction than this cosine."""
 
 
 class LegReach:
@@ -332,16 +338,6 @@ class LegReach:
         return missed
 
 
-OUTLINE_DIRECTIONS = np.array(
-    [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
-)
-"""Directions in which the outermost points are looked for."""
-
-
-LIMB_SAG = 0.12
-"""How far heads, tails and feelers trail below their rest pose [rad]."""
-
-
 class Outline:
     """The outermost points of a creature, which have to clear a hurdle.
 
@@ -360,8 +356,7 @@ class Outline:
     def legs(self, feet: Array) -> Array:
         """Return the leg points (m, k, 3) for feet (m, n, 3), in the frame of the body [m]."""
         X = solve_near_rest(self._legs, self._chains, feet).X_BJ[:, self._at[:, 0], self._at[:, 1]]
-        result: Array = X[..., :3, 3] + turn(X[..., :3, :3], self._arms)
-        return result
+        return X[..., :3, 3] + turn(X[..., :3, :3], self._arms)
 
 
 def _body_outline(figure: Figure) -> Array:

@@ -31,6 +31,16 @@ if TYPE_CHECKING:
     from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 
 
+MAX_JOINT_SPEED = 4.0
+"""Speed above which a limb was displaced rather than moved, in speeds of a swinging leg."""
+
+BOUNCINESS, FRICTION, ROLLING = 0.22, 0.7, 0.03
+"""Contact properties of flesh: restitution, sliding and rolling friction."""
+
+START_CLEARANCE = 0.002
+"""Distance that a hull is lifted above the ground it would start in [m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class JointState:
     """The joints of one creature.
@@ -56,10 +66,6 @@ class Fall(Protocol):
     @property
     def q(self) -> Array | None:
         """(J,) joint values; None if joints keep theirs [rad or m]."""
-
-
-MAX_JOINT_SPEED = 4.0
-"""Speed above which a limb was displaced rather than moved, in speeds of a swinging leg."""
 
 
 class RagdollFall:
@@ -141,13 +147,6 @@ class RagdollFall:
 def _impact_event(start: float, knock: BoneImpact) -> HopEvent:
     time, place, normal = start + knock.time, knock.place, knock.normal
     return HopEvent("body", time, -1, place, normal, knock.speed, knock.energy, link=knock.bone)
-
-
-BOUNCINESS, FRICTION, ROLLING = 0.22, 0.7, 0.03
-"""Contact properties of flesh: restitution, sliding and rolling friction."""
-
-START_CLEARANCE = 0.002
-"""Distance that a hull is lifted above the ground it would start in [m]."""
 
 
 class RigidFall:

@@ -28,6 +28,9 @@ from pipeline.simulation.locomotion.routes.route import straight_route
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
+MIN_ROW_FRACTION = 0.3
+"""Shortest time over which speeds are measured, in rows."""
+
 
 @dataclass(frozen=True, eq=False)
 class HopperSnapshot:
@@ -166,10 +169,6 @@ class HopperPoser:
                     q[row, fallen[row]] = before[fallen[row]]
         self._last_values = q[-1].copy()
         return q
-
-
-MIN_ROW_FRACTION = 0.3
-"""Shortest time over which speeds are measured, in rows."""
 
 
 class HopperPoseBuffer:

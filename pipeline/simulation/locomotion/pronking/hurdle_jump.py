@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking.foot_contact import flight_swing
-from pipeline.simulation.locomotion.pronking.hop_state import HopState, PlannedJump
+from pipeline.simulation.locomotion.pronking.hop_state import HopState, PlannedJump, available_force
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.jump_planner import (
     JumpPlan,
@@ -25,7 +25,7 @@ from pipeline.simulation.locomotion.pronking.jump_planner import (
 )
 from pipeline.simulation.locomotion.pronking.leg_forces import phase_force
 from pipeline.simulation.locomotion.routes.route import heading_vector
-from pipeline.simulation.scalar_rotation import matrix_rows
+from pipeline.simulation.scalar_rotation import rotation_matrix, vector_tuple
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -46,6 +46,16 @@ MAX_OVERRUN = 0.12
 
 PHASE_SAMPLES = np.linspace(0.0, 1.0, 17)
 """Fractions of each phase at which the clearance is checked."""
+
+
+PROFILE_SAMPLES = 49
+"""Number of samples along a profile."""
+
+PROFILE_DECIMALS = 10
+"""Decimals of the distances along a profile: they keep upright sides upright."""
+
+EMPTY_HEIGHT = -1e6
+"""Height outside of a solid [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +204,8 @@ def _lowest_vault(
 
 
 def _saturates(hopper: Hopper, state: HopState, plan: JumpPlan) -> bool:
-    v0, v1 = (tuple(v.tolist()) for v in (state.v, plan.velocity))
-    max_force = hopper.max_leg_force * int(state.down.sum())
+    v0, v1 = vector_tuple(state.v), vector_tuple(plan.velocity)
+    max_force = available_force(hopper, state)
     return phase_force(hopper.mass.mass, max_force, v0, v1, plan.rise).saturated
 
 
@@ -203,32 +213,39 @@ def _clearance(
     hopper: Hopper, state: HopState, hurdle: HurdleProfile, plan: JumpPlan, heading: float
 ) -> float:
     """Return the least height of all outline points above a hurdle, less the margin [m]."""
-    now, R = state.body(hopper), np.array(matrix_rows(plan.attitude))
+    now, R = state.body(hopper), rotation_matrix(plan.attitude)
     _, _, p1 = lift_off_point(hopper, state, plan.velocity)
-    start, lift = now.origin, p1 - R @ hopper.mass.centre
+    start, lift_off_origin = now.origin, p1 - R @ hopper.mass.centre
     t = PHASE_SAMPLES[:, None] * plan.flight_time
-    flight = lift + t * plan.velocity
+    flight = lift_off_origin + t * plan.velocity
     flight[:, 1] -= 0.5 * GRAVITY * t[:, 0] ** 2
-    falls = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
+    landing_velocity = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
     # The constant accelerations of push and landing start and end at rest.
-    rises = start + PHASE_SAMPLES[:, None] ** 2 * (lift - start)
-    way = _landing_time(hopper, plan, falls) * falls
-    lands = flight[-1] + (2.0 * PHASE_SAMPLES - PHASE_SAMPLES**2)[:, None] * 0.5 * way
-    origins = np.concatenate([rises, flight, lands])
-    stood = np.where(state.down[:, None], state.tips, now.to_world(hopper.rest_feet))
+    push_origins = start + PHASE_SAMPLES[:, None] ** 2 * (lift_off_origin - start)
+    landing_travel = _landing_time(hopper, plan, landing_velocity) * landing_velocity
+    landing_origins = (
+        flight[-1] + (2.0 * PHASE_SAMPLES - PHASE_SAMPLES**2)[:, None] * 0.5 * landing_travel
+    )
+    origins = np.concatenate([push_origins, flight, landing_origins])
+    planted_feet = np.where(state.down[:, None], state.tips, now.to_world(hopper.rest_feet))
     swing = flight_swing(
         hopper,
-        (stood - lift) @ R,
+        (planted_feet - lift_off_origin) @ R,
         plan.landing_feet,
         0.0,
         plan.flight_time,
         plan.velocity @ R,
         True,
     )
-    aloft = np.array([swing.tips(float(time)) for time in t[:, 0]])
-    landed = flight[-1] + plan.landing_feet @ R.T
+    air_feet = np.array([swing.tips(float(time)) for time in t[:, 0]])
+    landed_feet = flight[-1] + plan.landing_feet @ R.T
     feet = np.concatenate(
-        [(stood - rises[:, None]) @ R, aloft, (landed - lands[:, None]) @ R], axis=0
+        [
+            (planted_feet - push_origins[:, None]) @ R,
+            air_feet,
+            (landed_feet - landing_origins[:, None]) @ R,
+        ],
+        axis=0,
     )
     body = np.broadcast_to(hopper.outline.body, (len(feet), *hopper.outline.body.shape))
     points = origins[:, None] + np.concatenate([body, hopper.outline.legs(feet)], axis=1) @ R.T
@@ -248,21 +265,11 @@ def _landing_time(hopper: Hopper, plan: JumpPlan, velocity: Array) -> float:
 
 def _is_overrunning(hopper: Hopper, plan: JumpPlan) -> bool:
     """Return whether the body travels farther during the landing than its feet are held ahead."""
-    falls = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
+    landing_velocity = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
     v = plan.velocity[[0, 2]]
     ahead = np.linalg.norm((plan.landing_feet - hopper.rest_feet)[:, [0, 2]].mean(axis=0))
-    travel = 0.5 * _landing_time(hopper, plan, falls) * float(np.hypot(*v))
+    travel = 0.5 * _landing_time(hopper, plan, landing_velocity) * float(np.hypot(*v))
     return bool(travel - ahead > MAX_OVERRUN * hopper.leg_length)
-
-
-PROFILE_SAMPLES = 49
-"""Number of samples along a profile."""
-
-PROFILE_DECIMALS = 10
-"""Decimals of the distances along a profile: they keep upright sides upright."""
-
-EMPTY_HEIGHT = -1e6
-"""Height outside of a solid [m]."""
 
 
 @dataclass(frozen=True, eq=False)

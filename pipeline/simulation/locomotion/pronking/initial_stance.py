@@ -23,7 +23,7 @@ from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.jump_planner import landing_feet
 from pipeline.simulation.locomotion.pronking.leg_forces import ZERO_VECTOR
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
-from pipeline.simulation.scalar_rotation import matrix_rows
+from pipeline.simulation.scalar_rotation import rotation_matrix
 from pipeline.simulation.spatial import Array, quaternion
 from pipeline.simulation.terrain import Ground
 
@@ -46,7 +46,7 @@ def initial_state(hopper: Hopper, ground: Ground, above: float | None) -> HopSta
 def _standing_on_ground(hopper: Hopper, ground: Ground) -> HopState:
     """Return the state standing on the legs that reach the ground."""
     state = _at_start(hopper, ground)
-    R = np.array(matrix_rows(state.attitude[0]))
+    R = rotation_matrix(state.attitude[0])
     x, z = (float(c) for c in hopper.start)
     feet = hopper.rest_feet @ R.T + [x, 0.0, z]
     feet[:, 1] = lowest_center_height(ground, feet[:, 0], feet[:, 2], hopper.sole_radii)
@@ -72,7 +72,7 @@ def _standing_on_ground(hopper: Hopper, ground: Ground) -> HopState:
 def _held_above_ground(hopper: Hopper, ground: Ground, above: float) -> HopState:
     """Return the state with the feet `above` the ground, raised until the body is clear of it."""
     state = _at_start(hopper, ground)
-    R = np.array(matrix_rows(state.attitude[0]))
+    R = rotation_matrix(state.attitude[0])
     feet = landing_feet(hopper, R, np.zeros(3), 1.0, stops=False)
     base = float(ground.height(hopper.start[0], hopper.start[1]))
     state.p[1] += base + above - float((feet[:, 1] - hopper.sole_radii).min())
@@ -91,7 +91,7 @@ def _at_start(hopper: Hopper, ground: Ground) -> HopState:
     q = leaning_attitude(
         hopper, ground, float(hopper.start[0]), float(hopper.start[1]), hopper.heading
     )
-    n, R = len(hopper.hips), np.array(matrix_rows(q))
+    n, R = len(hopper.hips), rotation_matrix(q)
     return HopState(
         phase="flight",
         time=0.0,

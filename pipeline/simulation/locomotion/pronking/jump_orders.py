@@ -56,6 +56,10 @@ EXTRA_ATTEMPTS = 12
 """Jumps allowed to reach a place before a hurdle, beyond those of the way."""
 
 
+Solids = Mapping[str, Sequence[Array]]
+"""Corners (n, 3) of the solids of performers, by name, in the world [m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class SingleJump:
     """One jump straight on.
@@ -227,18 +231,13 @@ def heading_towards(hopper: Hopper, solids: Sequence[Array], here: Array, going:
 def _feet_centre(hopper: Hopper, state: HopState) -> Array:
     """Return the mean (x, z) of the feet that are down [m]."""
     tips = state.tips[state.down]
-    result: Array = tips[:, [0, 2]].mean(axis=0) if len(tips) else state.body(hopper).origin[[0, 2]]
-    return result
+    return tips[:, [0, 2]].mean(axis=0) if len(tips) else state.body(hopper).origin[[0, 2]]
 
 
 def _upward_speed(state: HopState, ground: Ground, spot: tuple[float, float], jump: Jump) -> float:
     """Return the speed of a jump that rises as high above its landing as above its start [m/s]."""
     rise = max(float(ground.height(np.array(spot[0]), np.array(spot[1]))) - state.floor_height, 0.0)
     return Jump(0.0, jump.height + rise).up
-
-
-Solids = Mapping[str, Sequence[Array]]
-"""Corners (n, 3) of the solids of performers, by name, in the world [m]."""
 
 
 def apply_order(simulation: HopSimulation, order: Do, solids: Solids) -> None:

@@ -26,7 +26,7 @@ from pipeline.simulation.locomotion.pronking.hopper import (
 )
 from pipeline.simulation.scalar_rotation import (
     Quaternion,
-    matrix_rows,
+    rotation_matrix,
 )
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -54,6 +54,12 @@ SPEED_SCALES = (1.0, 0.85, 1.15, 0.65, 0.4, 0.2)
 """Speed scales and turns [rad] of the alternative jumps tried to avoid forbidden zones."""
 TURN_ANGLES = tuple(math.radians(a) for a in (0, 12, -12, 30, -30, 55, -55))
 """Jumps that are tried where landings are chosen, by the one that is asked for."""
+
+
+TIME_TOLERANCE = 1e-13
+"""Precision of event times [s]."""
+
+MAX_ITERATIONS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,12 +142,12 @@ def _has_own_jump(hopper: Hopper, state: HopState, jumps_made: int) -> bool:
 
 def _alternatives() -> Iterator[tuple[float, float]]:
     pairs = [(s, t) for s in SPEED_SCALES for t in TURN_ANGLES]
-    yield from sorted(pairs, key=lambda one: 2.0 * abs(one[0] - 1.0) + abs(one[1]))[1:]
+    yield from sorted(pairs, key=lambda pair: 2.0 * abs(pair[0] - 1.0) + abs(pair[1]))[1:]
 
 
 def _is_steppable(hopper: Hopper, ground: Ground, plan: JumpPlan) -> bool:
     """Return whether all feet land on steppable ground."""
-    R = np.array(matrix_rows(plan.attitude))
+    R = rotation_matrix(plan.attitude)
     feet = (plan.landing_feet - plan.landing_feet.mean(axis=0)) @ R.T
     x, z = plan.spot[0] + feet[:, 0], plan.spot[1] + feet[:, 2]
     around = LANDING_MARGIN * hopper.leg_length * LANDING_OFFSETS
@@ -177,7 +183,7 @@ def _jump_to_spot(
     height = float(ground.height(spot[0], spot[1]))
     v = np.array([0.0, up, 0.0])
     lean = leaning_attitude(hopper, ground, spot[0], spot[1], heading)
-    R = np.array(matrix_rows(lean))
+    R = rotation_matrix(lean)
     for _ in range(iterations):
         rise, _, p1 = lift_off_point(hopper, state, v)
         feet = landing_feet(
@@ -225,7 +231,7 @@ def _jump_with_velocity(
     time = 2.0 * v[1] / GRAVITY
     attitude = yaw_quaternion(heading)
     for last in (False, False, True):
-        R = np.array(matrix_rows(attitude))
+        R = rotation_matrix(attitude)
         fall_speed, lift_height = (
             max(GRAVITY * time - v[1], 0.3 * v[1]),
             _lift_off_height(hopper, state, rise),
@@ -317,7 +323,7 @@ def lift_off_point(hopper: Hopper, state: HopState, v: Array) -> tuple[float, fl
         state: at the start of the push.
         v: (3,) velocity at lift-off [m/s].
     """
-    R = np.array(matrix_rows(state.attitude[0]))
+    R = rotation_matrix(state.attitude[0])
     down = state.down
     levers = (hopper.hips[down] - hopper.mass.centre) @ R.T - state.tips[down]
     reach = (LIFT_OFF_STRETCH * hopper.leg_lengths[down]) ** 2
@@ -341,12 +347,6 @@ def lift_off_point(hopper: Hopper, state: HopState, v: Array) -> tuple[float, fl
 def _lift_off_height(hopper: Hopper, state: HopState, rise: float) -> float:
     """Return the body height above the footholds at lift-off [m]."""
     return level_height(hopper, state.p) + rise - state.floor_height
-
-
-TIME_TOLERANCE = 1e-13
-"""Precision of event times [s]."""
-
-MAX_ITERATIONS = 60
 
 
 def find_crossing(gap: Callable[[float], float], left: float, right: float) -> float:

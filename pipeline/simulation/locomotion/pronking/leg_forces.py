@@ -41,6 +41,23 @@ from pipeline.simulation.scalar_rotation import (
 )
 from pipeline.simulation.spatial import Array
 
+MAX_CONTROL_STEP, MAX_FREE_STEP = 1.0 / 90.0, 1.0 / 60.0
+"""Longest step of the integration, while legs control attitude and in flight [s]."""
+
+MIN_CORRECTION_TIME = 0.08
+"""Shortest time in which legs correct an attitude [s]."""
+
+TIME_TOLERANCE = 1e-12
+"""Times shorter than this count as zero [s]."""
+
+RATE_ITERATIONS = 5
+"""Iterations that find the lift-off rate."""
+
+AttitudeState = tuple[Quaternion, Vector]
+"""Attitude, and angular velocity in the world [rad/s]."""
+
+ZERO_VECTOR: Vector = (0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True, slots=True)
 class PhaseForce:
@@ -108,24 +125,6 @@ def distribute_force(force: Array, moment: Array, levers: Array, max_force: floa
     part = min(1.0, room / greatest) if greatest > 0.0 else 0.0
     equal[:, 1] += part * couple
     return equal
-
-
-MAX_CONTROL_STEP, MAX_FREE_STEP = 1.0 / 90.0, 1.0 / 60.0
-"""Longest step of the integration, while legs control attitude and in flight [s]."""
-
-MIN_CORRECTION_TIME = 0.08
-"""Shortest time in which legs correct an attitude [s]."""
-
-TIME_TOLERANCE = 1e-12
-"""Times shorter than this count as zero [s]."""
-
-RATE_ITERATIONS = 5
-"""Iterations that find the lift-off rate."""
-
-AttitudeState = tuple[Quaternion, Vector]
-"""Attitude, and angular velocity in the world [rad/s]."""
-
-ZERO_VECTOR: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,19 @@ LIFT_DEPTH = 2e-4
 """Depth in the ground from which a foot is lifted [m]."""
 
 
+SOLVED_DISTANCE = 1e-4
+"""Distance of a foot from a place that counts as unreached [m]."""
+
+FREE_HEIGHT = 2e-4
+"""Least height above the ground of a free foot [m]."""
+
+LATITUDES, LONGITUDES = 9, 16
+"""Search directions, from top to bottom and around the hip."""
+
+STRETCH_LEVELS = (0.97, 0.85, 0.7, 0.55, 0.4, 0.28)
+"""Search distances, in leg lengths; at least the folded length."""
+
+
 class LegSolver:
     """Solves the legs of one herd.
 
@@ -175,19 +188,6 @@ class LegSolver:
             offset[near] = np.stack([out[:, 0], offset[near][:, 1], out[:, 1]], axis=-1)
         # Feet that are down keep their exact goals, whatever other legs do.
         return np.where(down[..., None], goals, herd.hips + offset)
-
-
-SOLVED_DISTANCE = 1e-4
-"""Distance of a foot from a place that counts as unreached [m]."""
-
-FREE_HEIGHT = 2e-4
-"""Least height above the ground of a free foot [m]."""
-
-LATITUDES, LONGITUDES = 9, 16
-"""Search directions, from top to bottom and around the hip."""
-
-STRETCH_LEVELS = (0.97, 0.85, 0.7, 0.55, 0.4, 0.28)
-"""Search distances, in leg lengths; at least the folded length."""
 
 
 def free_foot_place(

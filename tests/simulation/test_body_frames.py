@@ -33,21 +33,21 @@ def bent(proportions: Proportions, limb: str, side: str, swing: Array, angle: fl
     return joints
 
 
-def test_every_frame_has_a_joint_and_a_frame_that_it_hangs_on() -> None:
+def test_every_frame_has_an_origin_and_a_parent() -> None:
     assert len(FRAMES) == len(set(FRAMES)) == len(ORIGINS) == len(PARENTS) == 15
     assert set(ORIGINS) <= set(JOINTS)
     assert all(parent < number for number, parent in enumerate(PARENTS))
 
 
 @PEOPLE
-def test_at_rest_no_frame_is_turned(proportions: Proportions) -> None:
+def test_rest_frames_are_not_rotated(proportions: Proportions) -> None:
     R, p = frames_from_joints(proportions.rest())
     np.testing.assert_allclose(R, np.broadcast_to(np.eye(3), R.shape), atol=1e-12)
     np.testing.assert_array_equal(p, frame_origins(proportions))
 
 
 @PEOPLE
-def test_who_is_turned_as_a_whole_has_all_frames_turned(proportions: Proportions) -> None:
+def test_frames_rotate_with_the_whole_body(proportions: Proportions) -> None:
     chance = np.random.default_rng(3)
     whole = rotation(normalized(chance.normal(size=(50, 3))), chance.uniform(0, 3, 50))
     shift = chance.normal(size=(50, 1, 3))
@@ -56,7 +56,7 @@ def test_who_is_turned_as_a_whole_has_all_frames_turned(proportions: Proportions
     np.testing.assert_allclose(R, np.broadcast_to(whole[:, None], R.shape), atol=1e-9)
 
 
-def test_frames_are_rotations_and_the_same_alone_or_among_others() -> None:
+def test_frames_are_rotations_and_batches_match_single_poses() -> None:
     chance = np.random.default_rng(1)
     joints = ADULT.rest() + chance.normal(size=(400, 16, 3)) * 0.08
     gaze = chance.normal(size=(400, 3))
@@ -99,7 +99,7 @@ def test_frames_lie_along_their_bones(limb: str) -> None:
 
 
 def _fastest(joints: Array, gaze: Array | None = None) -> float:
-    """Return by how much any frame turns from one row to the next at most [rad]."""
+    """Return the largest rotation of any frame between rows [rad]."""
     R, _ = frames_from_joints(joints, gaze)
     step = np.swapaxes(R[:-1], -1, -2) @ R[1:]
     trace = np.clip((np.trace(step, axis1=-2, axis2=-1) - 1.0) / 2.0, -1.0, 1.0)
@@ -122,14 +122,14 @@ def test_limbs_turn_smoothly_from_straight_to_bent_and_overhead() -> None:
     assert _fastest(np.array(rows)) < 0.04
 
 
-def test_a_knee_that_gives_back_a_little_does_not_flip() -> None:
+def test_a_slightly_reversed_knee_does_not_flip() -> None:
     straight = np.linspace(-np.radians(5), np.radians(30), 500)
     rows = np.array([bent(CHILD, "leg", "r", np.eye(3), angle) for angle in straight])
     R, _ = frames_from_joints(rows)
     assert (R[:, FRAMES.index("thigh_r"), 2, 2] > 0.999).all()
 
 
-def test_a_head_faces_where_it_looks_and_nods_no_farther_than_a_neck_lets_it() -> None:
+def test_heads_face_the_gaze_within_the_nod_limit() -> None:
     chance = np.random.default_rng(5)
     gaze = normalized(chance.normal(size=(200, 3)) * [1.0, 0.4, 1.0])
     R, _ = frames_from_joints(np.broadcast_to(ADULT.rest(), (200, 16, 3)), gaze)
@@ -144,7 +144,7 @@ def test_a_head_faces_where_it_looks_and_nods_no_farther_than_a_neck_lets_it() -
     assert np.isfinite(upward).all()
 
 
-def test_soles_lie_on_the_ground_as_far_as_ankles_let_them() -> None:
+def test_soles_lie_flat_within_the_ankle_limit() -> None:
     foot = FRAMES.index("foot_r")
     forward = rotation(Z, np.radians(20))
     R, _ = frames_from_joints(bent(ADULT, "leg", "r", forward, 0.6))
@@ -159,7 +159,7 @@ def test_soles_lie_on_the_ground_as_far_as_ankles_let_them() -> None:
     assert np.degrees(np.arccos((shin[:, 1] * R[foot, :, 1]).sum())) < 20
 
 
-def test_hands_around_somebody_bend_inward_and_others_go_on_straight() -> None:
+def test_clasping_hands_bend_inward_and_others_stay_straight() -> None:
     rest = np.stack([ADULT.rest()] * 2)
     R, _ = frames_from_joints(rest)
     forearms = R[:, [FRAMES.index("forearm_l"), FRAMES.index("forearm_r")]]

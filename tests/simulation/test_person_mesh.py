@@ -80,7 +80,7 @@ def posed(
     return [places[a:b] for a, b in zip(skin.starts[:-1], skin.starts[1:], strict=True)]
 
 
-def test_every_word_of_clothes_is_tried() -> None:
+def test_every_clothing_option_occurs() -> None:
     tried = [clothes for _, clothes in ALL]
     assert {c.style for c in tried} == set(get_args(Hair))
     assert {c.build for c in tried} == set(get_args(Stature))
@@ -107,7 +107,7 @@ def _volumes(solid: trimesh.Trimesh) -> list[float]:
 
 
 @EVERYONE
-def test_they_are_light_and_hang_on_frames_that_hang_together(
+def test_meshes_are_small_and_follow_adjacent_frames(
     proportions: Proportions, clothes: Clothes
 ) -> None:
     layers = person_layers(proportions, clothes)
@@ -120,7 +120,7 @@ def test_they_are_light_and_hang_on_frames_that_hang_together(
         assert mesh.nodes.shape == mesh.weights.shape == (len(mesh.vertices), 2)
         for pair in {tuple(pair) for pair in mesh.nodes[mesh.weights[:, 1] > 0].tolist()}:
             assert pair[0] == pair[1] or pair in beside or pair[::-1] in beside
-        # What follows a frame of one side lies on that side.
+        # Vertices of a frame of one side lie on that side.
         names = np.array([f"{name:_>12}"[-2:] for name in FRAMES])[mesh.nodes[:, 0]]
         z = mesh.vertices[:, 2]
         assert (z[names == "_r"] > -1e-6).all()
@@ -128,7 +128,7 @@ def test_they_are_light_and_hang_on_frames_that_hang_together(
 
 
 @EVERYONE
-def test_they_are_the_same_on_both_sides(proportions: Proportions, clothes: Clothes) -> None:
+def test_meshes_are_symmetric(proportions: Proportions, clothes: Clothes) -> None:
     for layer in person_layers(proportions, clothes):
         places = layer.mesh.vertices.astype(float)
         other, mirror = cKDTree(places).query(places * [1.0, 1.0, -1.0])
@@ -137,7 +137,7 @@ def test_they_are_the_same_on_both_sides(proportions: Proportions, clothes: Clot
 
 
 @EVERYONE
-def test_what_is_in_the_middle_follows_no_side(proportions: Proportions, clothes: Clothes) -> None:
+def test_vertices_in_the_middle_follow_no_side(proportions: Proportions, clothes: Clothes) -> None:
     sides = np.array([name[-2:] in ("_l", "_r") for name in FRAMES])
     for layer in person_layers(proportions, clothes):
         mesh = layer.mesh
@@ -148,7 +148,7 @@ def test_what_is_in_the_middle_follows_no_side(proportions: Proportions, clothes
 
 @pytest.mark.slow
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
-def test_they_weigh_what_they_should(proportions: Proportions) -> None:
+def test_volumes_match_the_body_mass(proportions: Proportions) -> None:
     """The space that flesh and clothes fill is the body's, to a tenth."""
     layers = person_layers(proportions, Clothes(style="none"))
     bodies = [judge(layer) for layer in layers if layer.name not in ("whites", "pupils", "hair")]
@@ -194,7 +194,7 @@ def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
         assert (_winding(shirt, covered) > 0.5).all()
 
 
-def test_those_who_wear_the_same_share_their_meshes() -> None:
+def test_equal_clothes_share_meshes() -> None:
     one = person_layers(ADULT, Clothes(shirt="red cloth"))
     other = person_layers(ADULT, Clothes(shirt="blue cloth"))
     for a, b in zip(one, other, strict=True):
@@ -203,7 +203,7 @@ def test_those_who_wear_the_same_share_their_meshes() -> None:
     assert [layer.material for layer in one] != [layer.material for layer in other]
 
 
-def test_names_dress_people_and_not_their_neighbours() -> None:
+def test_clothes_depend_on_the_name_alone() -> None:
     looks = [random_clothes(f"p{k}", 1) for k in range(40)]
     assert looks == [random_clothes(f"p{k}", 1) for k in range(40)]
     assert random_clothes("p0", 1) != random_clothes("p0", 2) or random_clothes(
@@ -223,7 +223,7 @@ def test_names_dress_people_and_not_their_neighbours() -> None:
         ("trousers", ("hip", "knee", "foot"), -1.0, 0.25),
     ],
 )
-def test_a_limb_that_is_bent_by_140_degrees_keeps_its_girth(
+def test_a_limb_bent_by_140_degrees_keeps_its_girth(
     layer: str, joints: tuple[str, str, str], way: float, most: float
 ) -> None:
     """Behind the hinge the surface stays as far from it as it was, and no vertex falls in."""

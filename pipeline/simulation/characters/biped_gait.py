@@ -126,7 +126,6 @@ def _is_closed(person: Record) -> bool:
 
 @compiled
 def _start_stepping(person: Record, walks: bool) -> None:
-    """Start the gait clock where the worse placed foot is due."""
     offsets = [foot_offset(person, 0), foot_offset(person, 1)]
     if walks or max(offsets[0], offsets[1]) > 1.0:
         first = 0 if offsets[0] >= offsets[1] else 1
@@ -158,15 +157,9 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
 def _choose_landing(
     person: Record, k: int, left: float, share: float, frame: Record, vertices: Array
 ) -> None:
-    """Choose the landing place of a foot.
+    """Choose the landing place of a foot with a remaining fraction of its swing left.
 
-    Args:
-        person: `PERSON` record; changed.
-        k: which foot.
-        left: remaining fraction of its swing, 1 to 0.
-        share: of a change that is taken over now, so that the foot does not dart aside.
-        frame: of the terrain grid.
-        vertices: of the terrain grid.
+    Only a share of a change is taken over, so that the foot does not dart aside.
     """
     rate, stance = gait_pace(person)
     time = left * (1.0 - stance) / rate
@@ -223,7 +216,6 @@ def _on_own_side(person: Record, k: int, x: float, z: float, heading: float) -> 
 
 @compiled
 def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) -> None:
-    """Raise the arch of a swing until the foot clears the ground."""
     a, b = row(person.liftoff_place, k), row(person.landing_place, k)
     run = run_blend(ground_speed(person), leg_length(person))
     clear = (0.035 + 0.02 * person.walk_blend + 0.13 * run) * leg_length(person)
@@ -247,17 +239,11 @@ def minimum_jerk(u: float) -> float:
 
 @compiled
 def _detoured(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[float, float]:
-    """Return x and z of a foot on its way round the other leg.
+    """Return x and z of a foot on its way round the other leg to the ankle's end place.
 
-    In the turning frame of the pelvis the way is straight; where it would cross the other leg or
-    pass on the wrong side it bends outward.
-
-    Args:
-        person: `PERSON` record.
-        k: which foot.
-        end: landing place of its ankle.
-        u: fraction of its time.
-        s: fraction of its way.
+    At a fraction u of its time it has done a fraction s of its way. In the turning frame of the
+    pelvis the way is straight; where it would cross the other leg, or pass on the wrong side, it
+    bends outward.
     """
     pivot_x, pivot_z, from_heading = (
         person.pivot[k, 0],
@@ -306,12 +292,7 @@ def _swing(
 ) -> None:
     """Advance a swinging foot, and land it at the end.
 
-    Args:
-        person: `PERSON` record; changed.
-        k: which foot.
-        pace: cycles per second, stance fraction of a cycle, sub-step [s].
-        frame: of the terrain grid.
-        vertices: of the terrain grid.
+    The pace is cycles per second, stance fraction and sub-step [s].
     """
     rate, stance, dt = pace
     u = leg_phase(person, k) / (1.0 - stance)

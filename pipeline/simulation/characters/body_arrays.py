@@ -82,7 +82,7 @@ LINK = np.dtype(
         ("radius", "f8"),
         ("damping", "f8"),
         ("owner", "i8"),
-        # Whether it belongs to an arm, which passes through the arms of whom it embraces.
+        # Whether it belongs to an arm, which passes through those of an embraced character.
         ("is_arm", "?"),
         # The touched link, or NOBODY, TERRAIN, SOLID - k; and its owner, or NOBODY.
         ("touched", "i8"),

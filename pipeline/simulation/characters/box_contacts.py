@@ -208,6 +208,37 @@ def nearest_corner(weights: CornerWeights) -> int:
     return best
 
 
+@inlined
+def corner_mobility(nodes: Records, first: int, weights: CornerWeights) -> float:
+    """Return the inverse mass of a place in a box whose first corner is a node [1/kg]."""
+    mobility = 0.0
+    for k in range(8):
+        mobility += weights[k] ** 2 * nodes[first + k].mobility
+    return mobility
+
+
+@inlined
+def damp_corners(nodes: Records, box: Record, weights: CornerWeights, speed: float) -> None:
+    """Damp the corners of a box near a place that touches at a speed [m/s]."""
+    for k in range(8):
+        if weights[k] > MIN_DAMPED_WEIGHT:
+            damp_resting(nodes[box.nodes[0] + k], box, speed)
+
+
+@inlined
+def move_corners(
+    nodes: Records,
+    first: int,
+    weights: CornerWeights,
+    share: float,
+    moves: tuple[Vector, Vector, Vector],
+) -> None:
+    """Move the corners of a box by a share of the moves of a place, see `move_node`."""
+    for k in range(8):
+        corner = nodes[first + k]
+        move_node(corner, share * corner.mobility * weights[k], moves[0], moves[1], moves[2])
+
+
 @compiled
 def _meet_ball(
     nodes: Records,
@@ -224,7 +255,7 @@ def _meet_ball(
     The box is where it was at the first look: other balls move it by less than a round leaves.
     """
     n, t = ball
-    h, slack, moment = sub_step
+    h, moment = sub_step.h, sub_step.moment
     link = links[n]
     i, j = nodes[link.ends[0]], nodes[link.ends[1]]
     at = place_between(i.p, j.p, t)
@@ -246,11 +277,8 @@ def _meet_ball(
     damp_resting(j, one, approach / h)
     near, far = (i, i) if t == 0.0 else (i, j)
     own = (1.0 - t) ** 2 * i.mobility + t * t * j.mobility if t > 0.0 else i.mobility
-    others = 0.0
-    for k in range(8):
-        others += weights[k] ** 2 * nodes[first + k].mobility
-        if weights[k] > MIN_DAMPED_WEIGHT:
-            damp_resting(nodes[first + k], other, approach / h)
+    others = corner_mobility(nodes, first, weights)
+    damp_corners(nodes, other, weights, approach / h)
     corner = nodes[first + nearest_corner(weights)]
     kept = support_factor(near, far, normal[1], own, others)
     box_kept = support_factor(corner, corner, -normal[1], others, own)
@@ -260,18 +288,40 @@ def _meet_ball(
     speed = max(approach, 0.0) / h
     energy = 0.5 * speed * speed / weight
     touch_links(links, (n, other.links[0]), (at, normal), speed, energy, moment, log)
-    stopped = min(depth, max(approach, 0.0))
-    parted = min(depth - stopped, slack)
     friction = 0.5 * (one.friction + other.friction)
-    sliding = friction_move(moved, normal, friction * stopped)
-    move = times(1.0 / weight, plus(times(stopped, normal), sliding))
-    part = times(parted / weight, normal)
-    back = (0.0, 0.0, 0.0)
-    if one.bounciness > 0.0 and approach > 2.0 * WAKE_SPEED * h:
-        back = times((one.bounciness * approach + approach - stopped) / weight, normal)
+    contact = depth, approach, weight
+    move, part, back = _moves(contact, moved, normal, friction, one.bounciness, sub_step)
     move_node(i, kept * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
         move_node(j, kept * j.mobility * t, move, part, back)
-    for k in range(8):
-        corner = nodes[first + k]
-        move_node(corner, -box_kept * corner.mobility * weights[k], move, part, back)
+    move_corners(nodes, first, weights, -box_kept, (move, part, back))
+
+
+@inlined
+def _moves(
+    contact: tuple[float, float, float],
+    moved: Vector,
+    normal: Vector,
+    friction: float,
+    bounciness: float,
+    sub_step: SubStep,
+) -> tuple[Vector, Vector, Vector]:
+    """Return the moves of a contact for `move_node`, per inverse mass [kg m].
+
+    Args:
+        contact: depth and approach [m], and inverse mass of both sides [1/kg].
+        moved: motion past the box in this sub-step [m].
+        normal: of the contact.
+        friction: Coulomb's coefficient.
+        bounciness: speed after / before an impact.
+        sub_step: the sub-step.
+    """
+    depth, approach, weight = contact
+    stopped = min(depth, max(approach, 0.0))
+    parted = min(depth - stopped, sub_step.slack)
+    sliding = friction_move(moved, normal, friction * stopped)
+    move = times(1.0 / weight, plus(times(stopped, normal), sliding))
+    back = (0.0, 0.0, 0.0)
+    if bounciness > 0.0 and approach > 2.0 * WAKE_SPEED * sub_step.h:
+        back = times((bounciness * approach + approach - stopped) / weight, normal)
+    return move, times(parted / weight, normal), back

@@ -167,7 +167,6 @@ def _links_overlap(nodes: Records, one: Record, other: Record) -> bool:
 
 @inlined
 def _sort_pairs(near: IntArray, count: int) -> None:
-    """Sort pairs, most of which are in order already."""
     for n in range(1, count):
         a, b = near[n, 0], near[n, 1]
         m = n - 1

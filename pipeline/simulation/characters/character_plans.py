@@ -184,7 +184,6 @@ def _radii(proportions: Proportions, skull: float) -> Array:
 
 
 def _limits(rest: Array) -> list[Link]:
-    """Return untouchable links that limit the distances of nodes."""
     limits = [
         _bend_limit("pelvis", "spine", "shoulders", MAX_SPINE_BEND, rest),
         _bend_limit("spine", "shoulders", "head", MAX_HEAD_TILT, rest),
@@ -206,28 +205,24 @@ def _sides(a: str, b: str, c: str, rest: Array) -> tuple[float, float]:
 
 
 def _bend_limit(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
-    """Limit the bend of two links in a row."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(angle))
     return Link(_ends(a, c), shortest=least, longest=math.inf)
 
 
 def _tilt_limit(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
-    """Limit the tilt of two links that stand on one another."""
     x, y = _sides(a, b, c, rest)
     least, most = (math.sqrt(x * x + y * y + s * 2 * x * y * math.sin(angle)) for s in (-1, 1))
     return Link(_ends(a, c), shortest=least, longest=most)
 
 
 def _fold_limit(a: str, b: str, c: str, rest: Array) -> Link:
-    """Limit the fold and the stretch of a limb."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(MAX_FOLD))
     return Link(_ends(a, c), shortest=least, longest=x + y)
 
 
 def _limbs(rest: Array) -> RecordArray:
-    """Return the legs and arms."""
     limbs = np.zeros(4, LIMB)
     for k, (side, stems) in enumerate(
         (side, stems)

@@ -104,7 +104,6 @@ class Characters(Troupe):
         return CharacterView(names, self.arrays, ground, frozenset(people), self.obstacle_circles)
 
     def _start_minds(self, view: CharacterView) -> MindScheduler | None:
-        """Return the minds of characters that have one, None if there are none."""
         if not any(member.has_mind for member in self.cast):
             return None
         heights = [p.height if (p := proportions_of(member)) else 0.0 for member in self.cast]
@@ -115,7 +114,6 @@ class Characters(Troupe):
         )
 
     def _start_persons(self) -> Records:
-        """Return the records of acting people."""
         owners = self.arrays.owners
         acting = [i for i, member in enumerate(self.cast) if member.acts]
         at = np.array([[self.cast[i].at[0], self.cast[i].at[-1]] for i in acting]).reshape(-1, 2)

@@ -171,7 +171,6 @@ def _obstruction(solid: Record, mass: float) -> float:
 
 @compiled
 def _limit_approach(person: Record, mass: float, solids: Solids, s: int) -> None:
-    """Limit the speed of approach to a solid."""
     solid, obstruction = solids.bodies[s], _obstruction(solids.bodies[s], mass)
     if obstruction == 0.0:
         return

@@ -161,7 +161,6 @@ class Hug:
         return self.touched > PATIENCE
 
     def _bow(self, controller: PersonController) -> None:
-        """Come down to a smaller partner."""
         level = self._arm_level(controller, 0)
         controller.record.stoop_depth = max(
             shoulder_height(controller) - level - 0.3 * controller.arm, 0.0

@@ -123,7 +123,6 @@ def trunk_axes(nodes: Records, limb: Record) -> tuple[Vector, Vector, Vector]:
 
 @inlined
 def _in_world(a: Vector, x: Vector, y: Vector, z: Vector) -> Vector:
-    """Return a vector of the trunk's frame in the world."""
     return plus(plus(times(a[0], x), times(a[1], y)), times(a[2], z))
 
 

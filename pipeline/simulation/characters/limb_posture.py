@@ -165,7 +165,6 @@ def _hand_target(person: Record, k: int, chest: Vector, frame: Frame) -> Vector:
 
 @compiled
 def _in_lap(person: Record, k: int, chest: Vector, frame: Frame) -> Vector:
-    """Return the place of a hand on the thigh of a sitting person."""
     hip, knee = row(person.targets, HIP + k), row(person.targets, KNEE + k)
     place = plus(times(0.35, hip), times(0.65, knee))
     place = (place[0], place[1] + 0.075 * person.height * 0.9, place[2])

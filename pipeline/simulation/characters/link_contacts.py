@@ -13,6 +13,7 @@ Source: Horswill 2008, "Collision handling" and "Tactile sensing". Printed there
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from pipeline.simulation.characters.body_arrays import LOCKED
 from pipeline.simulation.characters.contact_response import (
@@ -46,6 +47,25 @@ TANGLE_DEPTH = 0.003  # of links of one character that tire of parting [m]
 WEDGE_DEPTH = 0.003  # of a link in another one beyond which it pushes its locked end [m]
 STRETCH_MARGIN = 0.1  # by which a link may be too long, in its length
 MIN_LEVER = 0.2  # from a held end, in the link's length: nearer the other end would go too far
+
+
+class Overlap(NamedTuple):
+    """An overlap of two links.
+
+    Attributes:
+        s: fraction along the first link.
+        t: fraction along the second link.
+        place: on the axis of the second link [m].
+        n: normal towards the first link.
+        depth: [m].
+    """
+
+    s: float
+    t: float
+    place: Vector
+    n: Vector
+    depth: float
+
 
 Moves = tuple[Vector, Vector, Vector]
 """Moves of position and velocity, of position alone, of velocity alone; see `move_node` [m]."""
@@ -121,7 +141,6 @@ def separate_links(
     reach = a.radius + b.radius
     if squared >= reach * reach:
         return
-    h, slack, moment = sub_step
     one, other = owners[a.owner], owners[b.owner]
     distance = math.sqrt(squared)
     n = times(1.0 / distance, offset) if distance > TINY else _crossing_normal(one, other, u, v)
@@ -131,12 +150,31 @@ def separate_links(
         distance, n = -distance, times(-1.0, n)
         if -distance > 0.5 * reach:
             return
+    overlap = Overlap(s, t, place, n, reach - distance)
+    _separate(nodes, links, owners, pair, overlap, sub_step, log)
+
+
+@inlined
+def _separate(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    pair: tuple[int, int],
+    overlap: Overlap,
+    sub_step: SubStep,
+    log: TouchLog,
+) -> None:
+    """Move two overlapping links apart, with friction, and let them sense one another."""
+    a, b = links[pair[0]], links[pair[1]]
+    one, other = owners[a.owner], owners[b.owner]
+    h, slack, moment = sub_step
+    s, t, place, n, depth = overlap
+    boxes = one.edge_radius > 0.0 and other.edge_radius > 0.0
     slip = minus(
         move_between(nodes[a.ends[0]], nodes[a.ends[1]], s),
         move_between(nodes[b.ends[0]], nodes[b.ends[1]], t),
     )
     approach = -dot(slip, n)
-    depth = reach - distance
     wake_touching(nodes, one, other, depth, approach / h)
     turns_a, turns_b = boxes or _is_hinged(nodes, a), boxes or _is_hinged(nodes, b)
     w_a, w_b = _mobility(nodes, a, s, turns_a), _mobility(nodes, b, t, turns_b)
@@ -187,7 +225,6 @@ def _damp_and_push(
 
 @inlined
 def _is_hinged(nodes: Records, link: Record) -> bool:
-    """Tell whether exactly one end of a link is held."""
     hinged: bool = (nodes[link.ends[0]].mobility == 0.0) != (nodes[link.ends[1]].mobility == 0.0)
     return hinged
 

@@ -2,7 +2,7 @@
 
 Feet that stand are locked on the ground, swinging feet are given the velocity along their line.
 All other nodes are drawn to their targets by critically damped springs, slackened by blows;
-gravity is taken off those who hold themselves, for a spring alone would let them sag.
+gravity is taken off acting people, for a spring alone would let them sag.
 
 Source: Horswill 2008, "Low-level character control", "Limb control" and "Node control" (by
 velocity, by acceleration, and locked in place). Loops there are proportional, and the damping of
@@ -143,7 +143,6 @@ def drive_nodes(person: Record, nodes: Records, dt: float) -> None:
 
 @compiled
 def _is_placed(person: Record, node: Record, k: int) -> bool:
-    """Tell whether a landed foot is about where it should stand."""
     squared = 0.0
     for c in range(3):
         squared += (node.p[c] - person.ankles[k, c]) ** 2

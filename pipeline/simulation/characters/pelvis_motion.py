@@ -86,7 +86,7 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         wx, wz = 0.0, 0.0
     speed = math.hypot(wx, wz)
     if speed > 1e-6 and not person.has_facing:
-        # Who has to turn far first turns, and then walks.
+        # A far turn comes before the walk.
         turn_angle = abs(wrap_angle(math.atan2(-wz, wx) - person.heading))
         share = min(max((math.radians(115.0) - turn_angle) / math.radians(60.0), 0.0), 1.0)
         wx, wz = wx * share, wz * share

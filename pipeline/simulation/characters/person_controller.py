@@ -72,7 +72,6 @@ class CharacterView:
 
     @cached_property
     def _spans(self) -> list[list[int]]:
-        """First node and number of nodes of each character."""
         spans: list[list[int]] = self.arrays.owners["nodes"].tolist()
         return spans
 

@@ -181,7 +181,6 @@ def _ball_solids(radius: float, material: str) -> NamedSolids:
 
 
 def _bench_solids(size: tuple[float, float, float], material: str) -> NamedSolids:
-    """Return a seat on two boards."""
     x, y, z = size
     thickness = 0.11 * y
     seat = _slab((x, thickness, z), (0.0, y - 0.5 * thickness, 0.0))
@@ -214,7 +213,6 @@ def _merry_go_round_solids(plan: BodyPlan, radius: float, material: str) -> Name
 
 
 def _bar(a: Array, b: Array, radius: float) -> Solid:
-    """Return a round bar with rounded ends."""
     along = normalized(b - a)
     across = normalized(cross(along, np.array([1.0, 0.3, 0.2])))
     other = cross(along, across)
@@ -235,7 +233,6 @@ def _revolved(profile: list[tuple[float, float]]) -> Solid:
 
 
 def _slab(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Solid:
-    """Return a box with bevelled edges."""
     bevel = 0.06 * min(size)
     half = np.array(size) / 2.0
     corners = []

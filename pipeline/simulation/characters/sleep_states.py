@@ -126,7 +126,6 @@ def _fastest_move(nodes: Records, owner: Record) -> float:
 
 @inlined
 def _watch_movement(nodes: Records, links: Records, owner: Record) -> None:
-    """Let a still character sleep, or remember where it is."""
     owner.watch_time = 0.0
     first, end = owner.nodes[0], owner.nodes[0] + owner.nodes[1]
     farthest, is_supported = 0.0, False

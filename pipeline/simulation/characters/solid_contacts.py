@@ -14,10 +14,12 @@ from typing import NamedTuple
 
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
 from pipeline.simulation.characters.box_contacts import (
-    MIN_DAMPED_WEIGHT,
     Box,
     box_of,
+    corner_mobility,
     corner_weights,
+    damp_corners,
+    move_corners,
     nearest_corner,
     nearest_on_box,
 )
@@ -75,6 +77,7 @@ class Contact(NamedTuple):
     """A contact of a character with a solid.
 
     Attributes:
+        place: in the world [m].
         depth: of the overlap [m].
         approach: by which the two came nearer in this sub-step [m].
         moved: motion past the solid in this sub-step [m].
@@ -82,6 +85,7 @@ class Contact(NamedTuple):
         arm: from the origin of the solid to the contact [m].
     """
 
+    place: Vector
     depth: float
     approach: float
     moved: Vector
@@ -202,19 +206,16 @@ def _meet_ball(
     if t > 0.0:
         own = (1.0 - t) ** 2 * own + t * t * j.mobility
     kept = support_factor(near, far, normal[1], own, against)
-    own *= kept
-    weight = own + against
-    if weight == 0.0:
+    if kept * own + against == 0.0:
         return
-    speed = max(approach, 0.0) / sub_step.h
-    _touch_solid(link, solids.bodies, pair, (place, normal), speed, weight, sub_step.moment, log)
-    free = own if kept == 1.0 else 0.0
-    contact = Contact(depth, approach, moved, normal, arm)
-    move, part, back = _moves(owner, solid, contact, (own, free, weight), sub_step)
+    contact = Contact(place, depth, approach, moved, normal, arm)
+    mobilities = own, kept, against
+    move, part, back = _respond(
+        link, owner, solids.bodies, pair, contact, mobilities, sub_step, log
+    )
     move_node(i, kept * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
         move_node(j, kept * j.mobility * t, move, part, back)
-    _push_solid(solid, contact, plus(move, back), free == 0.0, weight, sub_step)
 
 
 @compiled
@@ -282,86 +283,79 @@ def _meet_corner(
         _wake_by_solid(nodes, owner, solid, depth, approach / sub_step.h)
     owner.penetration = max(owner.penetration, depth)
     nearest = nodes[first + nearest_corner(weights)]
-    own, against = 0.0, mobility_at(solid, arm, normal)
-    for k in range(8):
-        own += weights[k] ** 2 * nodes[first + k].mobility
-        if weights[k] > MIN_DAMPED_WEIGHT and _max_speed(solid) < FIXED_WAKE_SPEED:
-            damp_resting(nodes[first + k], owner, approach / sub_step.h)
+    own, against = corner_mobility(nodes, first, weights), mobility_at(solid, arm, normal)
+    if _max_speed(solid) < FIXED_WAKE_SPEED:
+        damp_corners(nodes, owner, weights, approach / sub_step.h)
     kept = support_factor(nearest, nearest, normal[1], own, against)
-    own *= kept
-    weight = own + against
-    if weight == 0.0:
+    if kept * own + against == 0.0:
         return
-    n, speed = owner.links[0], max(approach, 0.0) / sub_step.h
-    _touch_solid(links[n], solids, (n, s), (at, normal), speed, weight, sub_step.moment, log)
-    free = own if kept == 1.0 else 0.0
-    contact = Contact(depth, approach, moved, normal, arm)
-    move, part, back = _moves(owner, solid, contact, (own, free, weight), sub_step)
-    for k in range(8):
-        corner = nodes[first + k]
-        move_node(corner, kept * corner.mobility * weights[k], move, part, back)
-    _push_solid(solid, contact, plus(move, back), free == 0.0, weight, sub_step)
+    pair, mobilities = (owner.links[0], s), (own, kept, against)
+    contact = Contact(at, depth, approach, moved, normal, arm)
+    link = links[pair[0]]
+    moves = _respond(link, owner, solids, pair, contact, mobilities, sub_step, log)
+    move_corners(nodes, first, weights, kept, moves)
 
 
 @inlined
-def _moves(
+def _respond(
+    link: Record,
     owner: Record,
-    solid: Record,
+    solids: Records,
+    pair: tuple[int, int],
     contact: Contact,
     mobilities: tuple[float, float, float],
     sub_step: SubStep,
+    log: TouchLog,
 ) -> tuple[Vector, Vector, Vector]:
-    """Return the moves of a contact for `move_node`, per inverse mass [kg m].
+    """Sense a contact, push the solid, and return the moves of the character for `move_node`.
 
     Args:
+        link: of the character.
         owner: the character.
-        solid: the solid.
+        solids: of other rooms.
+        pair: numbers of the link and the solid.
         contact: of the two.
-        mobilities: of the character's place, of it if nothing supports it, and of both [1/kg].
+        mobilities: of the character's place [1/kg], the fraction of it that it keeps where the
+            ground bears it, and that of the solid [1/kg].
         sub_step: the sub-step.
+        log: of touches.
     """
-    own, free, weight = mobilities
+    solid, h = solids[pair[1]], sub_step.h
+    own, weight = mobilities[1] * mobilities[0], mobilities[1] * mobilities[0] + mobilities[2]
+    is_supported = mobilities[1] != 1.0 or own == 0.0
+    _touch_solid(link, solids, pair, contact, weight, sub_step, log)
     normal, approach = contact.normal, contact.approach
     stopped = min(contact.depth, max(approach, 0.0))
     parted = min(contact.depth - stopped, sub_step.slack)
     friction = 0.5 * (owner.friction + solid.friction)
     limit = friction * stopped
-    if (
-        solid.fall_acceleration > 0.0
-        and dot(contact.moved, contact.moved) < (CREEP_SPEED * sub_step.h) ** 2
-    ):
+    is_creeping = dot(contact.moved, contact.moved) < (CREEP_SPEED * h) ** 2
+    if solid.fall_acceleration > 0.0 and is_creeping:
         # It weighs on all its corners in every round, not on the first in the first alone.
-        limit += friction * solid.fall_acceleration * sub_step.h * sub_step.h
+        limit += friction * solid.fall_acceleration * h * h
     move = plus(times(stopped, normal), friction_move(contact.moved, normal, limit))
-    part, back = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    move, part, back = times(1.0 / weight, move), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if own > 0.0:
         # A free character parts alone, which changes no velocity.
-        part = times(parted / (weight if free == 0.0 else free), normal)
+        part = times(parted / (weight if is_supported else own), normal)
     bounciness = max(owner.bounciness, solid.bounciness)
-    if bounciness > 0.0 and approach > MIN_BOUNCE_SPEED * sub_step.h:
+    if bounciness > 0.0 and approach > MIN_BOUNCE_SPEED * h:
         back = times((bounciness * approach + approach - stopped) / weight, normal)
-    return times(1.0 / weight, move), part, back
+    apply_impulse(solid, contact.arm, times(-1.0 / h, plus(move, back)), h)
+    if is_supported:
+        _drive_out(solid, contact, weight, sub_step)
+    return move, part, back
 
 
 @inlined
-def _push_solid(
-    solid: Record,
-    contact: Contact,
-    move: Vector,
-    is_supported: bool,
-    weight: float,
-    sub_step: SubStep,
-) -> None:
-    """Push a solid by the reaction, and drive it out of a character that cannot part from it."""
-    h = sub_step.h
-    apply_impulse(solid, contact.arm, times(-1.0 / h, move), h)
-    if is_supported:
-        excess = contact.depth - max(contact.approach, 0.0) - ALLOWED_OVERLAP
-        drive = min(DRIVE_FRACTION * excess, sub_step.slack)
-        parting = max(-contact.approach, 0.0)
-        if drive > parting:
-            impulse = times((parting - drive) / (weight * h), contact.normal)
-            apply_impulse(solid, contact.arm, impulse, h)
+def _drive_out(solid: Record, contact: Contact, weight: float, sub_step: SubStep) -> None:
+    """Drive a solid out of a character that cannot part from it, held or lying on the ground."""
+    excess = contact.depth - max(contact.approach, 0.0) - ALLOWED_OVERLAP
+    drive = min(DRIVE_FRACTION * excess, sub_step.slack)
+    parting = max(-contact.approach, 0.0)
+    if drive > parting:
+        impulse = times((parting - drive) / (weight * sub_step.h), contact.normal)
+        apply_impulse(solid, contact.arm, impulse, sub_step.h)
 
 
 @inlined
@@ -374,26 +368,21 @@ def _wake_by_solid(
 
 
 @inlined
-def _is_same_thing(solids: Records, touched: int, s: int) -> bool:
-    """Tell whether the number of a touched solid belongs to the same thing as a solid."""
-    same: bool = touched <= SOLID and solids[SOLID - touched].thing == solids[s].thing
-    return same
-
-
-@inlined
 def _touch_solid(
     link: Record,
     solids: Records,
     pair: tuple[int, int],
-    where: tuple[Vector, Vector],
-    speed: float,
+    contact: Contact,
     weight: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
-    """Let a link sense a solid that it meets at a speed [m/s], of both mobilities [1/kg]."""
-    energy, number = 0.5 * speed * speed / weight, SOLID - pair[1]
-    is_new = link.age[0] > TOUCH_PAUSE or not _is_same_thing(solids, link.touched, pair[1])
-    if is_new and speed > MIN_TOUCH_SPEED:
-        log_touch(log, moment, (pair[0], number), where, speed, energy)
+    """Let a link sense a solid, with the mobility of both [1/kg], and log the onset."""
+    speed, number = max(contact.approach, 0.0) / sub_step.h, SOLID - pair[1]
+    energy = 0.5 * speed * speed / weight
+    touched = link.touched
+    is_same = touched <= SOLID and solids[SOLID - touched].thing == solids[pair[1]].thing
+    if (link.age[0] > TOUCH_PAUSE or not is_same) and speed > MIN_TOUCH_SPEED:
+        where = contact.place, contact.normal
+        log_touch(log, sub_step.moment, (pair[0], number), where, speed, energy)
     sense_touch(link, number, NOBODY, energy)

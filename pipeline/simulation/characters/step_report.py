@@ -135,7 +135,6 @@ class ContactReporter:
         return self._cast[int(self._links["owner"][link])]
 
     def _touched_thing(self, other: int) -> tuple[str, str]:
-        """Return the name and the material of what is touched."""
         if other == TERRAIN:
             return "terrain", self._surface
         if other <= SOLID:

@@ -144,7 +144,6 @@ class TaskDispatcher:
         return tuple(self._arrived)
 
     def _persists(self, k: int) -> bool:
-        """Tell whether a person stays as ordered until the next order."""
         frozen = bool(self.controllers[k].record.frozen)
         return frozen or isinstance(self._tasks[k], SitDown | SitOn)
 
@@ -213,7 +212,6 @@ class TaskDispatcher:
         self._begin(k, Walk())
 
     def _start_ordered(self, k: int, controller: PersonController, order: Do) -> None:
-        """Start the task of an order."""
         number = self.view.number
         controller.record.posture = STANDING
         if isinstance(order, spec.GoTo):

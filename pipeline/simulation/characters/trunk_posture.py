@@ -139,7 +139,6 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
 
 @compiled
 def _follow_ground(person: Record, dt: float) -> None:
-    """Let the ground height follow the feet."""
     target = 0.5 * (person.stance_place[0, 1] + person.stance_place[1, 1]) - person.ankle
     for k in range(2):
         if person.foot_state[k] != STANCE:
@@ -192,23 +191,17 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
             top = person.ankles[k, 1] + math.sqrt(leg_bones * leg_bones - away) - person.floor
             highest = min(highest, top)
         else:
-            highest = min(highest, height - _soon(person, k, height, leg_bones))
+            highest = min(highest, height - _early_lowering(person, k, height, leg_bones))
     person.pelvis_drop = max(height - highest, person.pelvis_drop * math.exp(-RISE_RATE * dt))
     held: float = height - person.pelvis_drop
     return held
 
 
 @compiled
-def _soon(person: Record, k: int, height: float, bones: float) -> float:
-    """Return how much lower the pelvis is to be for a foot that is about to come down [m].
+def _early_lowering(person: Record, k: int, height: float, bones: float) -> float:
+    """Return the lowering of a pelvis at a height for a foot that soon lands far off [m].
 
-    Who sank at the moment it did would be thrown down.
-
-    Args:
-        person: whose.
-        k: which foot.
-        height: that the pelvis has otherwise, above the ground [m].
-        bones: how long the leg may be [m].
+    Sinking at touchdown would be a drop. Legs are at most as long as their bones.
     """
     rate, stance = gait_pace(person)
     left = max(1.0 - leg_phase(person, k) / (1.0 - stance), 0.0)
@@ -226,11 +219,11 @@ def _soon(person: Record, k: int, height: float, bones: float) -> float:
 @compiled
 def backward_shift(person: Record) -> float:
     """Return how far behind the feet the pelvis is in sitting and bowing [m]."""
-    # First back, then down: whoever folds straight down falls on their heels.
+    # First back, then down: folding straight down would fall on the heels.
     backward: float = person.seat[0] * math.sin(0.5 * math.pi * smoothstep(person.sit_blend))
-    # Who bows or crouches keeps the balance with the hips.
+    # The hips balance a bow or a crouch.
     balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_length(person)
-    # Who holds somebody leans on them.
+    # In an embrace the person leans on the partner instead.
     backward += (1.0 - person.embrace_lean) * balance
     return backward
 
@@ -283,7 +276,6 @@ def _balance_error(person: Record, nodes: Records) -> tuple[float, float]:
 
 @compiled
 def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> None:
-    """Set the targets of spine, shoulders and head."""
     gaze_yaw = wrap_angle(person.gaze[0] - person.heading)
     twist_target = min(max(0.4 * gaze_yaw, -MAX_TWIST), MAX_TWIST)
     person.twist, person.twist_rate = spring_step(
@@ -301,7 +293,7 @@ def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> N
     for k in range(2):
         side = person.shoulders if k == 1 else -person.shoulders
         put(person.targets, SHOULDER + k, place_in_world(shoulders, chest, 0.0, 0.0, side))
-    # The neck keeps the head upright, and bends with what is looked at.
+    # The neck keeps the head upright, and bends with the gaze.
     nod = -0.35 * person.gaze[1]
     c, s = math.cos(person.gaze[0]), math.sin(person.gaze[0])
     neck = trunk_frame(yaw, 0.35 * x + nod * c, 0.35 * z - nod * s, 0.0)

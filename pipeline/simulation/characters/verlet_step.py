@@ -237,7 +237,6 @@ def _meet_boxes(
 
 @compiled
 def _update_pain(links: Records, owners: Records, dt: float) -> None:
-    """Add the pain of hard touches, and let pain decay."""
     for c in range(len(owners)):
         owner = owners[c]
         owner.pain *= math.exp(-PAIN_DECAY * dt)

@@ -238,7 +238,6 @@ class Route:
         return self.places[0], float(np.sqrt((segments * segments).sum(axis=1)).sum())
 
     def _needs_search(self, at: Array, goal: Array, middles: Array, reaches: Array) -> bool:
-        """Tell whether a new search is needed."""
         if len(self.places) < 2 or math.dist(goal, self.goal) > REPLAN_DISTANCE:
             return True
         if len(middles) != len(self.middles):

@@ -48,7 +48,7 @@ TORSO = (
     (0.832, -0.009, 0.037, 0.039, 0.046),
     (0.844, -0.010, 0.034, 0.036, 0.037),
 )
-"""Outline of chest and waist in a shirt, from its hem to its collar; see `Build.outline`."""
+"""Outline of chest and waist in a shirt, from its hem to its collar; see `BodyMeasures.outline`."""
 
 SHIRT_HEM = 0.520  # height
 SHOULDER_RADIUS = 0.0255
@@ -96,7 +96,7 @@ ARM = (
     (0.740, 0.003, 0.0255, 0.0245, 0.0235),
     (0.770, 0.001, 0.0240, 0.0235, 0.0225),
 )
-"""Outline of a bare arm from the wrist to under the sleeve; see `Build.outline`."""
+"""Outline of a bare arm from the wrist to under the sleeve; see `BodyMeasures.outline`."""
 
 SLEEVE_THICKNESS = 0.0042  # with the air in it
 
@@ -169,7 +169,6 @@ def _below_elbow(build: BodyMeasures, net: Surface) -> Array:
 
 
 def _palm(build: BodyMeasures) -> list[Field]:
-    """Return the palm and the thumb of a right hand, the palm towards the thigh."""
     g, z = build.girth, build.shoulders
     level = build.level
     palm = round_cone(
@@ -209,7 +208,7 @@ SEAT = (
     (0.595, 0.001, 0.055, 0.050, 0.081),
     (0.625, 0.002, 0.053, 0.047, 0.076),
 )
-"""Outline of the pelvis in trousers; see `Build.outline`."""
+"""Outline of the pelvis in trousers; see `BodyMeasures.outline`."""
 
 LEG = (
     (0.046, -0.005, 0.028, 0.031, 0.028),
@@ -273,7 +272,6 @@ def _spread(build: BodyMeasures, y: Array) -> Array:
 
 
 def _skinned_trousers(build: BodyMeasures, places: Array, surface: Surface) -> SkinnedPatch:
-    """Return the surface of the legs, between pelvis, thighs and shins."""
     x, y, z = places.T
     girth = build.girth
     right = z > 0.0

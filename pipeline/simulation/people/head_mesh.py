@@ -168,7 +168,6 @@ def pupils(head: Head) -> SkinnedPatch:
 
 
 def _lens(centre: Array, along: Array, radius: float) -> Surface:
-    """Return a ball with poles along a direction."""
     surface = ellipsoid_surface(np.zeros(3), np.array([radius, 0.86 * radius, radius]), 5, 10)
     x = normalized(np.cross(along, [0.0, 0.0, 1.0]))
     z = np.cross(x, along)

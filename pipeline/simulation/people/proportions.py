@@ -176,24 +176,24 @@ class BodyMeasures:
 
     @cached_property
     def girth(self) -> float:
-        """What a grown-up's breadths, as parts of its height, are multiplied by [m]."""
+        """Factor from an adult's breadths, as fractions of its height, to metres [m]."""
         own, grown = self.proportions, ADULT
         dense = own.mass / own.height**3 / (grown.mass / grown.height**3)
         return self.stoutness * own.height * float(np.sqrt(dense))
 
     @property
     def childish(self) -> float:
-        """How large the head is: 0 a grown-up's, 1 a child's of six."""
+        """Size of the head: 0 an adult's, 1 that of a child of six."""
         part = self.proportions.head_size
         return float(np.clip((part - ADULT.head_size) / 0.05, 0.0, 1.0))
 
-    def level(self, part: float) -> float:
-        """Return the height of what a grown-up has at `part` of its height [m]."""
-        return float(self.levels(np.array([part]))[0])
+    def level(self, fraction: float) -> float:
+        """Return the height of an adult's landmark at a fraction of its height [m]."""
+        return float(self.levels(np.array([fraction]))[0])
 
-    def levels(self, parts: Array) -> Array:
-        """Return the heights (n,) of what a grown-up has at `parts` (n,) of its height [m]."""
-        own = np.interp(parts, _landmarks(ADULT), _landmarks(self.proportions))
+    def levels(self, fractions: Array) -> Array:
+        """Return the heights (n,) of landmarks at fractions (n,) of an adult's height [m]."""
+        own = np.interp(fractions, _landmarks(ADULT), _landmarks(self.proportions))
         result: Array = own * self.proportions.height
         return result
 
@@ -208,11 +208,11 @@ class BodyMeasures:
         return self.proportions.shoulders * self.proportions.height
 
     def outline(self, rows: Sequence[Sequence[float]], breadth: float | Array = 1.0) -> Array:
-        """Return the rows of a `stack` in metres.
+        """Return the rows of an `oval_stack` in metres.
 
         Args:
-            rows: (n, 5) as parts of a grown-up's height.
-            breadth: what reaches to either side is multiplied by, of all rows or (n,) of each.
+            rows: (n, 5) as fractions of an adult's height.
+            breadth: factor of the reach to either side, of all rows or (n,) of each.
         """
         table = np.array(rows, dtype=float)
         table[:, 0] = self.levels(table[:, 0])
@@ -222,12 +222,12 @@ class BodyMeasures:
 
     @property
     def hip_breadth(self) -> float:
-        """How much wider its pelvis is for its girth than a grown-up's."""
+        """Width of the pelvis for the girth, relative to an adult's."""
         return self.hips / (ADULT.hips * self.girth / self.stoutness)
 
     @property
     def shoulder_breadth(self) -> float:
-        """How much wider its chest is for its girth than a grown-up's."""
+        """Width of the chest for the girth, relative to an adult's."""
         return self.shoulders / (ADULT.shoulders * self.girth / self.stoutness)
 
 

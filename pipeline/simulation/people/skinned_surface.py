@@ -72,7 +72,7 @@ class SkinnedPatch:
     share: Array
 
     def mirrored(self) -> SkinnedPatch:
-        """Return the same on the other side of the body, following its frames."""
+        """Return the patch mirrored to the other side of the body, with its frames."""
         return SkinnedPatch(
             self.vertices * MIRROR, self.faces[:, ::-1], MIRRORED_FRAMES[self.frames], self.share
         )
@@ -194,7 +194,7 @@ def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
 
 
 def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
-    """Return places drawn onto the zero surface of a field, by `most` at most [m].
+    """Return places drawn onto the zero surface of a field, by a limit at most [m].
 
     A net lies inside of round solids, by its cells' size; drawn out, few vertices are enough.
     """
@@ -212,7 +212,7 @@ def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
 
 
 def ramp(values: Array, start: float | Array, end: float | Array) -> Array:
-    """Return 0 up to `begin`, 1 from `end` on, smooth between; `end` may be the lower."""
+    """Return 0 up to `start`, 1 from `end` on, smooth between; `end` may be the lower."""
     s = np.clip((values - start) / (end - start), 0.0, 1.0)
     result: Array = s * s * (3.0 - 2.0 * s)
     return result

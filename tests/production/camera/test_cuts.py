@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.moves import VIEWS
+from pipeline.production.camera.moves import VIEW_ANGLES
 from pipeline.production.shots.skinning import Skin
 from pipeline.simulation.spatial import matrix
 from pipeline.simulation.take import Take
@@ -53,7 +53,7 @@ def ground(take: Take) -> HeightField:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("view", VIEW_ANGLES)
 @pytest.mark.parametrize("fov", [20.0, 60.0])
 def test_performers_are_in_the_picture_at_every_frame(
     hills: tuple[Scene, Take], view: str, fov: float
@@ -75,7 +75,7 @@ def test_performers_are_in_the_picture_at_every_frame(
 
 
 @pytest.mark.parametrize("elevation", [None, -60.0, 0.0])
-@pytest.mark.parametrize("view", [view for view in VIEWS if view != "top"])
+@pytest.mark.parametrize("view", [view for view in VIEW_ANGLES if view != "top"])
 def test_a_camera_is_never_below_the_ground_and_sees_over_hills(
     hills: tuple[Scene, Take], view: str, elevation: float | None
 ) -> None:
@@ -113,7 +113,7 @@ def test_a_steady_walk_is_followed_without_lag(take: Take) -> None:
     np.testing.assert_allclose(np.diff(targets(poses), axis=0), steps, atol=3e-6)
 
 
-@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("view", VIEW_ANGLES)
 def test_a_view_looks_from_its_side(take: Take, view: str) -> None:
     (pose, *_) = camera_poses(take, cuts({"view": view, "distance": 5.0}), ASPECT)
     ahead = matrix(take.rotations[0, 0])[:, 0]
@@ -125,7 +125,7 @@ def test_a_view_looks_from_its_side(take: Take, view: str) -> None:
         # What is ahead is at the top of the picture.
         assert np.dot(pose.up, ahead) > 0.99
         return
-    azimuth, least = (math.radians(angle) for angle in VIEWS[view])  # type: ignore[index]
+    azimuth, least = (math.radians(angle) for angle in VIEW_ANGLES[view])  # type: ignore[index]
     assert elevation >= least - 1e-6
     # Headings turn to the left about +Y, a view's azimuth to the right.
     turn = heading - math.atan2(-offset[2], offset[0]) - azimuth

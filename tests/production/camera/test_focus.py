@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
+from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
@@ -43,7 +43,7 @@ def filmed(take: Take, camera: str) -> tuple[CameraPose, ...]:
     scene = scene_of(camera)
     names = NodeNames.of(take)
     return camera_poses(
-        take, scene.camera, 1.5, mounts_of(scene, names), sharp_nodes_of(scene, names)
+        take, scene.camera, 1.5, camera_parents(scene, names), focus_nodes(scene, names)
     )
 
 
@@ -81,7 +81,7 @@ def test_it_is_sharp_where_it_is_told(take: Take, word: str, expected: Array) ->
 
 def test_it_is_sharp_on_a_link(take: Take) -> None:
     scene = scene_of(f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
-    (node,) = sharp_nodes_of(scene, NodeNames.of(take)).values()
+    (node,) = focus_nodes(scene, NodeNames.of(take)).values()
     poses = filmed(take, f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
     rows = np.arange(48) * take.header.samples
     np.testing.assert_allclose(focus(poses), take.positions[rows, node, 0], atol=2e-6)
@@ -162,6 +162,6 @@ def test_a_changed_lens_does_not_simulate() -> None:
 )
 def test_refuses(take: Take, camera: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
-        sharp_nodes_of(scene_of(camera), NodeNames.of(take))
+        focus_nodes(scene_of(camera), NodeNames.of(take))
     for problem in caught.value.problems:
         assert problem.line > 0

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.production.camera.clearance import Ground
+from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.lead_room import LEAD
+from pipeline.production.camera.framing import LEAD_ROOM
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -175,7 +175,7 @@ def test_a_camera_is_calm_whatever_its_performer_does(
 def test_no_camera_that_frames_is_in_a_hill_or_behind_one(
     hilly: Take, move: dict[str, Any], view: str
 ) -> None:
-    ground = Ground(hilly.terrain)
+    ground = VisibleGround(hilly.terrain)
     path = line((-4, 0, -3), (2, 0, 1.5))
     path[:, 1] = ground.height(path) + 0.5
     poses = filmed(along(hilly, path), {"follow": "a", "view": view, "distance": 6} | move)
@@ -196,7 +196,7 @@ def test_no_camera_that_frames_is_in_a_hill_or_behind_one(
 )
 def test_no_camera_of_an_author_is_in_the_ground(hilly: Take, words: dict[str, Any]) -> None:
     eye = column(filmed(hilly, words), "p_WC")
-    assert (eye[:, 1] > Ground(hilly.terrain).height(eye)).all()
+    assert (eye[:, 1] > VisibleGround(hilly.terrain).height(eye)).all()
     assert np.abs(np.diff(eye, 3, axis=0)).max() * RATE**3 < 120
 
 
@@ -246,7 +246,7 @@ def test_there_is_more_room_ahead_than_behind(flat: Take, direction: int) -> Non
         right = np.cross(np.subtract(poses[0].p_WT, poses[0].p_WC), (0, 1, 0))
         # It goes to one side of the picture, and stands on the other.
         went = direction * np.sign(right[0])
-        assert all(-2 * LEAD - 1e-6 <= one * went <= -0.6 * LEAD for one in x)
+        assert all(-2 * LEAD_ROOM - 1e-6 <= one * went <= -0.6 * LEAD_ROOM for one in x)
 
 
 def test_a_camera_on_a_tripod_leads_as_well(flat: Take) -> None:

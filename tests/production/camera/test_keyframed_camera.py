@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.parent_nodes import mounts_of
+from pipeline.production.camera.parent_nodes import camera_parents
 from pipeline.production.shots.skinning import Skin
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import simulate
@@ -41,7 +41,7 @@ def take() -> Take:
 
 def poses_of(take: Take, camera: str) -> tuple[CameraPose, ...]:
     scene = scene_of(camera)
-    return camera_poses(take, scene.camera, 1.5, mounts_of(scene, NodeNames.of(take)))
+    return camera_poses(take, scene.camera, 1.5, camera_parents(scene, NodeNames.of(take)))
 
 
 def column(poses: tuple[CameraPose, ...], word: str) -> Array:
@@ -92,7 +92,7 @@ def test_it_goes_and_turns_by_velocity(take: Take) -> None:
 @pytest.mark.parametrize("parent", ["cart", "arm.hand", "arm"])
 def test_it_goes_along_with_a_prop_and_with_a_link(take: Take, parent: str) -> None:
     scene = scene_of(f"{{parent: {parent}, at: [0.5, 0.2, 0], rotation_deg: [0, 0, 30]}}")
-    (node,) = mounts_of(scene, NodeNames.of(take))
+    (node,) = camera_parents(scene, NodeNames.of(take))
     rows = np.arange(48) * take.header.samples
     R, p = matrix(take.rotations[rows, node]), take.positions[rows, node]
     poses = camera_poses(take, scene.camera, 1.5, [node])
@@ -147,10 +147,10 @@ def test_a_bird_may_carry_the_camera() -> None:
     text = f"pronk: 1\nduration: 1\ncast: [{words}]\ncamera: {{parent: PART, at: [0, 0.2, 0]}}\n"
     scene = read_scene(text.replace("PART", "they.1"))
     take = simulate(scene)
-    (node,) = mounts_of(scene, NodeNames.of(take))
+    (node,) = camera_parents(scene, NodeNames.of(take))
     assert take.nodes[node].name == "they.1"
     with pytest.raises(SceneError, match=r"name a member, such as they.0"):
-        mounts_of(read_scene(text.replace("PART", "they")), NodeNames.of(take))
+        camera_parents(read_scene(text.replace("PART", "they")), NodeNames.of(take))
 
 
 @pytest.mark.parametrize(
@@ -184,5 +184,5 @@ def test_a_bird_may_carry_the_camera() -> None:
 )
 def test_refuses(take: Take, camera: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
-        mounts_of(scene_of(camera), NodeNames.of(take))
+        camera_parents(scene_of(camera), NodeNames.of(take))
     assert all(problem.line > 0 for problem in caught.value.problems)

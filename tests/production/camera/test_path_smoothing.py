@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.production.camera.path_smoothing import envelope, smoothed
+from pipeline.production.camera.camera_path import envelope, smoothed
 
 values = st.lists(st.floats(-5, 5), min_size=1, max_size=120)
 sigmas = st.floats(0.5, 30)

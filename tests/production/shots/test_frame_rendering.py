@@ -12,7 +12,7 @@ import pytest
 from pipeline.production.run.production import score_only, simulate_only, take_key
 from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.frame_rendering import frame_key
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_take
 
@@ -106,7 +106,7 @@ def test_simulating_is_due_only_for_words_that_the_simulation_reads(unmade: Stud
 
 def test_a_frames_key_follows_what_the_renderer_is_given(unmade: Studio, take: Take) -> None:
     def keys(*sets: str, extra: str = "llvm") -> list[str]:
-        shooting = Shooting(unmade.load(*sets), take)
+        shooting = ShotBuilder(unmade.load(*sets), take)
         return [frame_key(shooting, frame, extra) for frame in range(1, 9)]
 
     own = keys()

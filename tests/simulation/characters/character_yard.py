@@ -1,4 +1,4 @@
-"""Yards: characters without a scene, and what is measured of them."""
+"""Character yard: characters without a scene, and measures of them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FLAT = grid_of(HeightField(np.zeros((3, 3)), (60.0, 60.0)))
 
 @dataclass
 class Yard:
-    """Characters and where they are."""
+    """Characters with their terrain and buffers."""
 
     arrays: CharacterArrays
     grid: Grid = FLAT
@@ -63,7 +63,7 @@ class Yard:
         self.arrays.nodes["previous"] = self.arrays.p - self.h * v
 
     def step(self, steps: int = 1) -> None:
-        """Go on by so many steps."""
+        """Advance by a number of steps."""
         for _ in range(steps):
             advance(
                 *(
@@ -79,13 +79,13 @@ class Yard:
 
 
 def attitude(chance: np.random.Generator) -> Array:
-    """Return any rotation, all alike."""
+    """Return a uniformly random rotation."""
     q = chance.normal(size=4)
     return matrix(q / np.linalg.norm(q))
 
 
-def yard_of(plans: Sequence[BodyPlan], places: Sequence[Array], **words: object) -> Yard:
-    return Yard(character_arrays(plans, places), **words)  # type: ignore[arg-type]
+def yard_of(plans: Sequence[BodyPlan], places: Sequence[Array], **settings: object) -> Yard:
+    return Yard(character_arrays(plans, places), **settings)  # type: ignore[arg-type]
 
 
 def free(plan: BodyPlan) -> BodyPlan:
@@ -97,7 +97,7 @@ def free(plan: BodyPlan) -> BodyPlan:
 
 
 PLANS = (
-    *(person_plan(who) for who in (ADULT, CHILD, RAGDOLL)),
+    *(person_plan(body) for body in (ADULT, CHILD, RAGDOLL)),
     ball_plan(0.12, 0.4),
     box_plan((0.5, 0.5, 0.5), 9.0),
     box_plan((0.42, 0.42, 1.5), 26.0),
@@ -105,7 +105,7 @@ PLANS = (
 
 
 def random_crowd(seed: int) -> Yard:
-    """Return two to six of whatever there is, in one another, thrown and turning.
+    """Return two to six overlapping characters of any kind, thrown and spinning.
 
     One box or bench at most; for more of them see `pile`.
     """
@@ -127,7 +127,7 @@ def random_crowd(seed: int) -> Yard:
 
 
 def pile(seed: int) -> Yard:
-    """Return one or two people, and two to four boxes and benches thrown upon them."""
+    """Return one or two people under two to four thrown boxes and benches."""
     chance = np.random.default_rng(seed + 5000)
     plans = [PLANS[int(chance.integers(3))] for _ in range(int(chance.integers(1, 3)))]
     plans += [PLANS[int(chance.integers(4, 6))] for _ in range(int(chance.integers(2, 5)))]
@@ -146,7 +146,7 @@ def pile(seed: int) -> Yard:
 
 
 def lengths_off(arrays: CharacterArrays) -> float:
-    """Return how much the worst rigid link is off, as a part of its length."""
+    """Return the largest relative length error of rigid links."""
     least, most = arrays.links["length_limits"].T
     rigid = (least == most) & (least > 0.0)
     apart = arrays.p[arrays.links["ends"][:, 0]] - arrays.p[arrays.links["ends"][:, 1]]
@@ -155,7 +155,7 @@ def lengths_off(arrays: CharacterArrays) -> float:
 
 @entry
 def least_bend(nodes: Records, limbs: Records) -> float:
-    """Return the least bend of all joints, negative where one points where it may not [rad]."""
+    """Return the least bend of all joints, negative where one is reversed [rad]."""
     least = 9.0
     for n in range(len(limbs)):
         least = min(least, joint_angle(nodes, limbs[n]))
@@ -164,7 +164,7 @@ def least_bend(nodes: Records, limbs: Records) -> float:
 
 @entry
 def depth(nodes: Records, links: Records) -> float:
-    """Return how deep links of different characters are in one another at most [m]."""
+    """Return the deepest overlap of links of different characters [m]."""
     deepest = 0.0
     for a in range(len(links)):
         for b in range(a + 1, len(links)):
@@ -176,7 +176,7 @@ def depth(nodes: Records, links: Records) -> float:
 
 @entry
 def legs_depth(nodes: Records, links: Records) -> float:
-    """Return how deep the legs of the first person are in one another [m], less than 0 if apart."""
+    """Return the overlap of the first person's legs [m], less than 0 if apart."""
     deepest = -9.0
     for a in LEFT_LEG:
         for b in RIGHT_LEG:
@@ -186,7 +186,7 @@ def legs_depth(nodes: Records, links: Records) -> float:
 
 @compiled
 def overlap(nodes: Records, one: Record, other: Record) -> float:
-    """Return how deep two links are in one another [m], less than 0 if they are apart."""
+    """Return the overlap of two links [m], less than 0 if they are apart."""
     p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
     r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
     u = (q[0] - p[0], q[1] - p[1], q[2] - p[2])

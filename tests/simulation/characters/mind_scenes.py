@@ -1,4 +1,4 @@
-"""Minded: scenes of characters that act by themselves, and what is measured of them."""
+"""Mind scenes: simulations of characters with minds, and measures of them."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ def simulation(cast: str, duration: float, more: str = "") -> Simulation:
     return Simulation(read_scene(f"{head}{more}\ncast:\n{cast}"))
 
 
-def troupe(of: Simulation) -> Characters:
+def troupe(simulation: Simulation) -> Characters:
     """Return the characters of a simulation."""
-    return next(one for one in of.troupes if isinstance(one, Characters))
+    return next(t for t in simulation.troupes if isinstance(t, Characters))
 
 
-def steps(of: Simulation) -> Iterator[Characters]:
-    """Go on to the end, and give the characters after each step."""
-    characters = troupe(of)
-    while not of.finished:
-        of.step()
+def steps(simulation: Simulation) -> Iterator[Characters]:
+    """Yield the characters after each step to the end."""
+    characters = troupe(simulation)
+    while not simulation.finished:
+        simulation.step()
         yield characters
 
 
@@ -42,16 +42,16 @@ def channel(take: Take, name: str) -> Array:
     return np.asarray(take.values[:, column])
 
 
-def doing(take: Take, who: str) -> list[str]:
-    """Return what somebody did in each row, by name."""
-    numbers = np.rint(channel(take, f"{who}.behaviour")).astype(int)
+def doing(take: Take, name: str) -> list[str]:
+    """Return the name of a character's behaviour in each row."""
+    numbers = np.rint(channel(take, f"{name}.behaviour")).astype(int)
     return [NAMES[n] if n >= 0 else "" for n in numbers.tolist()]
 
 
-def layout(seed: int, count: int = 12) -> str:
-    """Return a cast: a child, a ball 12 m away that it goes to, and obstacles between.
+def obstacle_course(seed: int, count: int = 12) -> str:
+    """Return a cast: a child, a ball 12 m away to go to, and random obstacles between.
 
-    Gaps are never too narrow for the child; what lies in between is left to chance.
+    Gaps are never too narrow for the child.
     """
     rng = np.random.Generator(np.random.PCG64(seed))
     cast = [

@@ -1,4 +1,4 @@
-"""Acting: people in a scene who do what a script tells them, and what is measured of them."""
+"""Scripted people: simulations of people under orders, and measures of them."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from pipeline.simulation.take import Contact
 from pipeline.spec import read_scene
 
 STEPS = 96
-"""Of a second."""
+"""Steps per second."""
 
 J = {name: k for k, name in enumerate(JOINTS)}
 
 
 @dataclass
 class Play:
-    """What happened in a scene, step by step.
+    """The course of a simulation, step by step.
 
     Attributes:
         p: (K, N, 3) all nodes [m].
         firsts: the first node of each character, by name.
-        records: (K, P) of those who act.
-        arrived: who has done what it was told, and when [s].
+        records: (K, P) of acting people.
+        arrived: times [s] and names of people whose orders were done.
         contacts: all.
         frames: (K, J, 3, 3) and (K, J, 3) of the take's nodes, by name.
     """
@@ -41,14 +41,14 @@ class Play:
     contacts: list[Contact]
     frames: dict[str, tuple[Array, Array]] = field(default_factory=dict)
 
-    def joint(self, who: str, name: str) -> Array:
-        """Return (K, 3) a joint [m]."""
-        result: Array = self.p[:, self.firsts[who] + J[name]]
+    def joint(self, name: str, joint: str) -> Array:
+        """Return (K, 3) a joint of a person [m]."""
+        result: Array = self.p[:, self.firsts[name] + J[joint]]
         return result
 
-    def when(self, who: str) -> list[float]:
-        """Return when somebody arrived [s]."""
-        return [time for time, name in self.arrived if name == who]
+    def when(self, name: str) -> list[float]:
+        """Return the times when a person arrived [s]."""
+        return [time for time, arrived in self.arrived if arrived == name]
 
 
 def troupe_of(simulation: Simulation) -> Characters:
@@ -56,10 +56,10 @@ def troupe_of(simulation: Simulation) -> Characters:
 
 
 def play_scene(
-    words: str, each: Callable[[Characters, int], None] | None = None, frames: bool = False
+    scene: str, each: Callable[[Characters, int], None] | None = None, frames: bool = False
 ) -> Play:
     """Play a scene; `each` is called before every step."""
-    simulation = Simulation(read_scene("pronk: 1\n" + words))
+    simulation = Simulation(read_scene("pronk: 1\n" + scene))
     troupe = troupe_of(simulation)
     owners = troupe.arrays.owners
     p, records, arrived, contacts = [], [], [], list[Contact]()
@@ -84,8 +84,8 @@ def play_scene(
     return play
 
 
-def walk_words(kind: str, speed: float, terrain: str = "flat", length: float = 4.0) -> str:
-    """Return the scene of one who walks straight on."""
+def walk_scene(kind: str, speed: float, terrain: str = "flat", length: float = 4.0) -> str:
+    """Return the scene of a straight walk."""
     seconds = length / speed + 2.6
     return (
         f"duration: {seconds:.2f}\nterrain: {terrain}\n"
@@ -97,11 +97,11 @@ def walk_words(kind: str, speed: float, terrain: str = "flat", length: float = 4
 
 @cache
 def walk(kind: str, speed: float, terrain: str = "flat", length: float = 4.0) -> Play:
-    """Play one who walks."""
-    return play_scene(walk_words(kind, speed, terrain, length), frames=True)
+    """Simulate a straight walk."""
+    return play_scene(walk_scene(kind, speed, terrain, length), frames=True)
 
 
 def spells(on: np.ndarray) -> list[tuple[int, int]]:
-    """Return first and last of the rows of each spell in which something holds."""
+    """Return the first and last row of each run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]

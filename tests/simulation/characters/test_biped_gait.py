@@ -18,11 +18,11 @@ from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
 
 from .character_yard import least_bend, legs_depth
-from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_words
+from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_scene
 
 pytestmark = pytest.mark.slow
 
-WHO = {"adult": ADULT, "child": CHILD}
+BODIES = {"adult": ADULT, "child": CHILD}
 
 WALKS = [
     ("adult", 1.35, "flat"),
@@ -38,7 +38,7 @@ WALKS = [
 
 @entry
 def strides_at(speed: float, leg: float) -> tuple[float, float]:
-    """Return the rate of strides, and the part of one for which a foot stands."""
+    """Return the stride rate and the duty factor."""
     return stride_rate(speed, leg), duty_factor(speed, leg)
 
 
@@ -48,18 +48,16 @@ ON_GROUND = 0.006
 
 def soles(play: Play, kind: str, side: str) -> list[Array]:
     """Return the places of heel and ball (K, 3) as they are seen [m]."""
-    who = WHO[kind]
+    body = BODIES[kind]
     R, p = play.frames[f"a.foot_{side}"]
-    length, ankle = who.foot * who.height, who.ankle * who.height
+    length, ankle = body.foot * body.height, body.ankle * body.height
     return [p + R @ [x * length, -ankle, 0.0] for x in (-0.24, 0.48)]
 
 
 @pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
-def test_what_stands_of_a_sole_slips_less_than_two_centimetres(
-    kind: str, speed: float, terrain: str
-) -> None:
+def test_stance_soles_slip_less_than_two_centimetres(kind: str, speed: float, terrain: str) -> None:
     play = walk(kind, speed, terrain)
-    scene = read_scene("pronk: 1\n" + walk_words(kind, speed, terrain))
+    scene = read_scene("pronk: 1\n" + walk_scene(kind, speed, terrain))
     ground = build_ground(scene.terrain, scene.seed)
     stands = 0
     for side in "lr":
@@ -92,7 +90,7 @@ def test_knees_bend_forward_and_elbows_back(kind: str, speed: float, terrain: st
 
 
 def corners(kind: str, speed: float, turn_deg: float, every: float = 1.176) -> str:
-    """Return the scene of one who is sent on around sharp corners before it has got there.
+    """Return the scene of a walker that is sent on around sharp corners before arriving.
 
     Args:
         kind: of the person.
@@ -101,17 +99,17 @@ def corners(kind: str, speed: float, turn_deg: float, every: float = 1.176) -> s
         every: after which it is sent on [s].
     """
     legs, far, heading, x, z = 4, 1.2 * speed, 0.0, 0.0, 0.0
-    words = f"duration: {1.2 * legs + 2.0}\ncast: [{{name: a, character: {kind}, at: [0, 0]}}]\n"
-    words += f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n"
+    scene = f"duration: {1.2 * legs + 2.0}\ncast: [{{name: a, character: {kind}, at: [0, 0]}}]\n"
+    scene += f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n"
     for k in range(legs):
         x, z = x + far * math.cos(heading), z - far * math.sin(heading)
-        words += f"  - {{at: {every * k:.3f}, who: a, do: {{go_to: [{x:.3f}, {z:.3f}]}}}}\n"
+        scene += f"  - {{at: {every * k:.3f}, who: a, do: {{go_to: [{x:.3f}, {z:.3f}]}}}}\n"
         heading += math.radians(turn_deg if k % 2 == 0 else -turn_deg)
-    return words
+    return scene
 
 
 def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) -> Array:
-    """Return (K,) how deep the legs of one who goes round `corners` are in one another [m]."""
+    """Return (K,) the overlap of the legs of a walker around `corners` [m]."""
     deep: list[float] = []
 
     def look(troupe: Characters, _: int) -> None:
@@ -137,17 +135,17 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
         ("child", 1.7, 160.0, 1.05),
     ],
 )
-def test_legs_go_round_one_another_in_zigzags(
+def test_legs_do_not_collide_on_zigzag_routes(
     kind: str, speed: float, turn_deg: float, every: float
 ) -> None:
     assert depths_in_corners(kind, speed, turn_deg, every).max() < 0.008
 
 
 @pytest.mark.parametrize(("kind", "speed", "most"), [("adult", 1.3, 0.03), ("child", 1.2, 0.008)])
-def test_legs_keep_apart_in_whatever_part_of_a_step_somebody_turns_round(
+def test_legs_do_not_collide_for_a_turn_at_any_gait_phase(
     kind: str, speed: float, most: float
 ) -> None:
-    """Thighs of a grown-up, 16 cm thick, press one another for a few hundredths of a second.
+    """Thighs of an adult, 16 cm thick, press one another for a few hundredths of a second.
 
     A knee that swings is thrown forward past the other one quicker than it is turned outward.
     """
@@ -158,29 +156,27 @@ def test_legs_keep_apart_in_whatever_part_of_a_step_somebody_turns_round(
 
 
 @pytest.mark.parametrize(("kind", "speed"), [("adult", 1.0), ("adult", 1.3), ("adult", 1.6)])
-def test_who_turns_round_is_not_thrown_by_a_foot_that_comes_down_far_off(
-    kind: str, speed: float
-) -> None:
-    """The pelvis lists by 4 degrees in a walk; who is thrown down on one side, by 30."""
+def test_a_far_landing_place_in_a_turn_does_not_throw_the_body(kind: str, speed: float) -> None:
+    """The pelvis tilts by 4 degrees in a walk, and by 30 in a fall to one side."""
     play = play_scene(corners(kind, speed, 160.0, 0.95))
     across = play.joint("a", "hip_r") - play.joint("a", "hip_l")
     lists = np.arcsin(across[:, 1] / np.linalg.norm(across, axis=1))
     assert np.abs(lists).max() < math.radians(9.0)
 
 
-def test_no_joint_is_ever_reversed() -> None:
+def test_joints_never_bend_backwards() -> None:
     from .scripted_people import play_scene
 
     seen = []
     play_scene(
-        walk_words("adult", 1.35),
+        walk_scene("adult", 1.35),
         lambda troupe, _: seen.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs)),
     )
     assert min(seen) > -math.radians(2.0)
 
 
 @pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
-def test_elbows_swing_and_do_not_wiggle(kind: str, speed: float, terrain: str) -> None:
+def test_elbows_swing_smoothly(kind: str, speed: float, terrain: str) -> None:
     """A human elbow goes through some 15 to 30 degrees and back once a stride.
 
     The bound is the jerk, over differences of three rows, of a wiggle of three degrees at 8 Hz: a
@@ -200,7 +196,7 @@ def test_elbows_swing_and_do_not_wiggle(kind: str, speed: float, terrain: str) -
         assert np.ptp(angle[STEPS:-STEPS]) > math.radians(4.0)
 
 
-def test_steps_come_as_often_as_people_take_them() -> None:
+def test_step_rate_matches_measured_walking() -> None:
     # 115 steps a minute at 1.4 m/s; children of six take 140 at 1.0 m/s.
     assert 120.0 * strides_at(1.4, ADULT.hip * ADULT.height)[0] == pytest.approx(115.0, abs=2.0)
     assert 120.0 * strides_at(1.0, CHILD.hip * CHILD.height)[0] == pytest.approx(140.0, abs=5.0)
@@ -213,7 +209,7 @@ def test_steps_come_as_often_as_people_take_them() -> None:
 
 @pytest.mark.parametrize(("speed", "flies"), [(1.35, False), (3.2, True)])
 @pytest.mark.slow
-def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
+def test_walkers_always_have_stance_and_runners_have_flight(speed: float, flies: bool) -> None:
     play = walk("adult", speed, "flat", 9.0 if flies else 4.0)
     doing = play.records["foot_state"][:, 0]
     going = np.hypot(*play.records["velocity"][:, 0].T) > 0.85 * speed
@@ -222,7 +218,7 @@ def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None
     assert (strides_at(speed, ADULT.hip * ADULT.height)[1] < 0.5) == flies
 
 
-def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
+def test_arms_swing_against_legs_and_the_pelvis_bobs() -> None:
     play = walk("adult", 1.35)
     going = np.hypot(*play.records["velocity"][:, 0].T) > 1.25
     for arm, leg in (("l", "r"), ("r", "l")):
@@ -234,7 +230,7 @@ def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
     assert 0.015 < np.ptp(height) < 0.07
 
 
-def test_who_arrives_stands_there_with_both_feet_side_by_side() -> None:
+def test_an_arriving_walker_closes_the_feet() -> None:
     play = walk("adult", 1.35)
     assert len(play.when("a")) == 1
     end = play.p[-1]
@@ -258,7 +254,7 @@ def test_footfalls_are_contacts_with_the_ground() -> None:
 
 
 def zigzag(kind: str, speed: float, seed: int) -> tuple[float, float]:
-    """Let somebody turn in the middle of steps, for 8 s.
+    """Turn a person in mid-step, for 8 s.
 
     Returns:
         Its greatest pain, and how fast its fastest node was [m/s].
@@ -295,18 +291,18 @@ TURNS = [
 
 
 @pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
-def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float, seed: int) -> None:
+def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -> None:
     pain, fastest = zigzag(kind, speed, seed)
     assert pain == 0.0
-    # Feet and hands swing at a few times the speed of who runs.
+    # Feet and hands swing at a few times the running speed.
     assert fastest < 5.0 * speed + 5.0
 
 
 @pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
-def test_who_stumbles_over_something_is_not_torn_to_where_its_foot_should_stand(
+def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # What is nearest to stumble over are one's own legs, if they are made to meet.
+    # The nearest things to stumble over are the own legs, if they are made to touch.
     meetings = (*character_plans.MEETINGS, *character_plans.LEGS_MEET)
     monkeypatch.setattr("pipeline.simulation.characters.character_plans.MEETINGS", meetings)
     pain, fastest = zigzag(kind, speed, seed)

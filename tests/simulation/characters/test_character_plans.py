@@ -18,15 +18,15 @@ from .scripted_people import STEPS, troupe_of
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("who", [ADULT, CHILD])
-def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:
-    plan = person_plan(who)
+@pytest.mark.parametrize("body", [ADULT, CHILD])
+def test_a_person_is_sixteen_nodes_and_thirteen_links(body: Proportions) -> None:
+    plan = person_plan(body)
     assert len(plan.rest) == len(JOINTS) == 16
     touched = [link for link in plan.links if link.radius > 0.0]
     # And a skull, which is a ball about a node.
     assert len([link for link in touched if link.ends[0] != link.ends[1]]) == len(SEGMENTS) == 13
     assert [name for name in LINK_NAMES if name not in SEGMENTS] == ["skull"]
-    assert plan.mass.sum() == pytest.approx(who.mass, rel=1e-9)
+    assert plan.mass.sum() == pytest.approx(body.mass, rel=1e-9)
 
 
 def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
@@ -36,11 +36,11 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
     assert len([link for link in plan.links if link.radius > 0.0]) == 25
 
 
-@pytest.mark.parametrize("who", [ADULT, CHILD])
+@pytest.mark.parametrize("body", [ADULT, CHILD])
 @pytest.mark.parametrize("seed", range(4))
-def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: int) -> None:
+def test_reversed_knees_and_elbows_recover(body: Proportions, seed: int) -> None:
     chance = np.random.default_rng(seed)
-    plan = person_plan(who)
+    plan = person_plan(body)
     turn = attitude(chance)
     rest = plan.rest.copy()
     # Knees back and elbows forward by a hand's breadth: the wrong way round.
@@ -61,7 +61,7 @@ def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: 
         assert aside @ forward > -1e-9
 
 
-def test_numbers_count_from_each_ones_first() -> None:
+def test_node_and_link_numbers_are_offset_by_each_characters_first() -> None:
     plans = [person_plan(CHILD), merry_go_round_plan(1.3, 90.0), person_plan(ADULT)]
     arrays = character_arrays(plans, [plan.rest for plan in plans])
     for k, owner in enumerate(arrays.owners):
@@ -74,7 +74,7 @@ def test_numbers_count_from_each_ones_first() -> None:
     assert (arrays.links.owner[arrays.nodes.ground_link] == arrays.nodes.owner).all()
 
 
-def test_a_merry_go_round_in_a_scene_stands_on_its_base_and_turns_on() -> None:
+def test_a_merry_go_round_rests_on_its_base_and_keeps_turning() -> None:
     simulation = Simulation(
         read_scene(
             "pronk: 1\nduration: 2\ncast: [{character: merry-go-round, spin_deg: [0, 60, 0]}]\n"

@@ -39,7 +39,7 @@ def pairs(kind: str) -> tuple[Array, Array, Array, Array]:
 
 
 @pytest.mark.parametrize("kind", ["any", "parallel", "nearly parallel", "points", "crossing"])
-def test_neither_point_can_go_nearer(kind: str) -> None:
+def test_closest_points_are_optimal(kind: str) -> None:
     p, u, q, v = pairs(kind)
     s, t = all_closest(p, u, q, v).T
     assert (s >= 0).all() and (s <= 1).all() and (t >= 0).all() and (t <= 1).all()  # noqa: PT018
@@ -52,7 +52,7 @@ def test_neither_point_can_go_nearer(kind: str) -> None:
         assert (slope[place > 0.0] < scale).all()
 
 
-def test_parallel_segments_meet_in_the_middle_of_what_they_share() -> None:
+def test_parallel_segments_touch_in_the_middle_of_the_shared_stretch() -> None:
     one = np.array([[0.0, 0.0, 0.0]]), np.array([[2.0, 0.0, 0.0]])
     other = np.array([[1.0, 1.0, 0.0]]), np.array([[3.0, 0.0, 0.0]])
     assert all_closest(*one, *other)[0] == pytest.approx([0.75, 1.0 / 6.0])

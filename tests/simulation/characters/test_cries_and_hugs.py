@@ -1,4 +1,4 @@
-"""Voices: cries and hugs are heard, on the frame on which they begin, in score and sound."""
+"""Cries and hugs in events, score and sound, on the frame of their onset."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from audio.general_midi import program_number
 from audio.midi_file import write_midi
 from audio.notes import notes_of
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.characters.mind.mind_scheduler import (
     DISTRESS_ANXIETY,
@@ -58,20 +58,20 @@ def heard(take: Take, cause: str) -> list[SoundEvent]:
     return [event for event in take.events if event.cause == cause]
 
 
-def played(words: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
-    """Return a scene, its take, and what has happened in it: step, kind, who, with whom."""
-    scene = read_scene(words)
+def played(text: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
+    """Return a scene, its take, and its signals: step, kind, performer, other."""
+    scene = read_scene(text)
     simulation, happened = Simulation(scene), []
     while not simulation.finished:
         simulation.step()
         step = simulation.step_number
-        happened += [(step, one.kind, one.who, one.other) for one in simulation.signals]
+        happened += [(step, s.kind, s.who, s.other) for s in simulation.signals]
     return scene, simulation.take(), happened
 
 
 def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path: Path) -> None:
     """Its note begins at the tick of its frame, on the instrument of its cause."""
-    score, _ = build_score(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
     (note,) = [
         n for n in notes_of(score) if (n.event.cause, n.event.frame) == (event.cause, event.frame)
     ]
@@ -92,13 +92,13 @@ def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path:
     assert (event.frame - 1) * 40 in ticks
 
 
-def test_who_is_hit_hard_cries_on_the_frame_of_the_blow(tmp_path: Path) -> None:
+def test_a_hard_blow_is_cried_out_on_its_frame(tmp_path: Path) -> None:
     scene, take, happened = played(BLOW)
     first, *_ = heard(take, "cry")
     blow = next(c for c in take.contacts if {c.performer, c.other} == {"a", "ball"})
     assert first.frame == 1 + math.ceil((blow.step + blow.fraction) / take.header.steps)
     assert (first.who, first.other, first.part) == ("a", "ball", "a.head")
-    assert next(one[0] for one in happened if one[1] == "cry") == first.step
+    assert next(signal[0] for signal in happened if signal[1] == "cry") == first.step
     row = first.track[0]
     head = take.positions[row, [node.name for node in take.nodes].index("a.head")]
     assert math.dist(first.place, head) < 0.25
@@ -106,7 +106,7 @@ def test_who_is_hit_hard_cries_on_the_frame_of_the_blow(tmp_path: Path) -> None:
     assert_in_midi(scene, take, first, "choir aahs", tmp_path)
 
 
-def test_what_hurts_more_is_cried_out_louder_up_to_a_scream() -> None:
+def test_cries_grow_louder_with_pain_up_to_a_limit() -> None:
     strengths = [loudness(pain) for pain in (0.0, 0.5, 1.0, 2.0)]
     assert strengths[0] == CRY.faintest
     assert all(a < b for a, b in pairwise(strengths))
@@ -116,15 +116,15 @@ def test_what_hurts_more_is_cried_out_louder_up_to_a_scream() -> None:
 def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
     scene, take, happened = played(HUG)
     (event,) = heard(take, "hug")
-    ((step, _, who, whom),) = [one for one in happened if one[1] == "hug"]
-    assert (event.step, event.who, event.other) == (step, who, whom) == (step, "b", "a")
+    ((step, _, hugger, hugged),) = [signal for signal in happened if signal[1] == "hug"]
+    assert (event.step, event.who, event.other) == (step, hugger, hugged) == (step, "b", "a")
     assert event.frame == 1 + math.ceil(step / take.header.steps)
     assert 0.1 < event.strength < 0.6
     assert_in_midi(scene, take, event, "voice oohs", tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("words", "cause", "left"),
+    ("options", "cause", "is_heard"),
     [
         ("{cry: {heard: false}}", "cry", False),
         ("{cry: {above: 100}}", "cry", False),
@@ -134,13 +134,13 @@ def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
         ("{hug: {who: 'b*'}}", "hug", True),
     ],
 )
-def test_the_author_says_what_of_it_is_heard(words: str, cause: str, left: bool) -> None:
+def test_detection_options_select_cries_and_hugs(options: str, cause: str, is_heard: bool) -> None:
     base = BLOW.replace("{name: ball", "{name: b") if cause == "cry" else HUG
-    _, take, _ = played(f"{base}sound: {{detect: {words}}}\n")
-    assert bool(heard(take, cause)) == left
+    _, take, _ = played(f"{base}sound: {{detect: {options}}}\n")
+    assert bool(heard(take, cause)) == is_heard
 
 
-def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
+def test_a_distressed_child_cries_on_the_way_back_and_not_in_arms() -> None:
     simulation = Simulation(read_scene(LOST))
     minds = troupe(simulation).minds
     assert minds is not None

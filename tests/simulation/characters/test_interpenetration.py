@@ -1,4 +1,4 @@
-"""Those who go about by themselves do not go through one another, nor through things."""
+"""Interpenetration of people with minds and things."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ THINGS = """
 """
 
 RESTS, DEEPEST = 0.005, 0.025
-"""How deep bodies are in one another that touch, and when two run into one another [m]."""
+"""Overlap of resting contacts, and of collisions [m]."""
 
 
 def yard() -> str:
-    """Return a cast of six who wander across a yard with things in it, all at other speeds."""
+    """Return a cast of six wanderers of different speeds in a yard with things."""
     people = [
         f"- {{name: w{k}, character: {'adult' if k % 3 == 0 else 'child'}, "
         f"at: [{5.0 * math.cos(k):.2f}, {5.0 * math.sin(k):.2f}], "
@@ -75,7 +75,7 @@ def depth_in_box(characters: Characters, name: str) -> float:
         pytest.param(4, marks=pytest.mark.nightly),
     ],
 )
-def test_nobody_goes_through_anybody_or_anything_in_a_minute(seed: int) -> None:
+def test_wanderers_do_not_interpenetrate_in_a_minute(seed: int) -> None:
     depths, gone = [], np.zeros(WALKERS)
     before: Array | None = None
     for n, characters in enumerate(steps(simulation(yard(), 60, f"seed: {seed}"))):
@@ -92,7 +92,7 @@ def test_nobody_goes_through_anybody_or_anything_in_a_minute(seed: int) -> None:
     assert gone.min() > 12.0
 
 
-def test_a_box_is_deep_in_where_it_is() -> None:
+def test_depth_in_a_box_is_measured_in_its_own_frame() -> None:
     characters = troupe(simulation(yard(), 1))
     arrays = characters.arrays
     assert depth_in_box(characters, "box") < -2.0

@@ -1,4 +1,4 @@
-"""Touches: what meets, what it feels, and what it does not do."""
+"""Link contacts: collisions, tactile sensing and pain."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .character_yard import DT, depth, lengths_off, yard_of
 pytestmark = pytest.mark.slow
 
 
-def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
+def test_a_link_senses_the_striker_and_the_energy() -> None:
     plans = [person_plan(CHILD), ball_plan(0.1, 0.4)._replace(air_damping=0.0)]
     shin = plans[0].rest[[12, 14]].mean(axis=0)
     yard = yard_of(
@@ -45,7 +45,7 @@ def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
     assert links.touched[struck] == NOBODY
 
 
-def test_what_hurts_is_forgotten_at_a_rate() -> None:
+def test_pain_decays_exponentially() -> None:
     plan = person_plan(CHILD)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
     yard.arrays.owners["pain"][0] = 2.0
@@ -69,7 +69,7 @@ def test_a_fall_hurts_and_lying_does_not() -> None:
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.02, 0.15])
-def test_who_begins_in_somebody_is_not_shot_off(apart: float) -> None:
+def test_initial_overlap_resolves_slowly(apart: float) -> None:
     plan = person_plan(ADULT)
     up = np.array([0.0, 20.0, 0.0])
     places = [plan.rest + up, plan.rest + up + [apart, 0.0, 0.01]]
@@ -112,7 +112,7 @@ def rod(length: float, girth: float, mass: float) -> BodyPlan:
 
 
 @pytest.mark.parametrize("along", [0.0, 0.03, 0.05])
-def test_an_edge_is_met_wherever_it_crosses_a_limb(along: float) -> None:
+def test_box_edges_touch_limbs_anywhere_along_them(along: float) -> None:
     crate, limb = box_plan((0.5, 0.5, 0.5), 9.0), rod(0.4, 0.03, 2.0)
     # Across the upper edge of a box that stands on one, high above the ground.
     standing = crate.rest @ quarter().T + [0.0, 2.0, 0.0]
@@ -132,7 +132,7 @@ def quarter() -> np.ndarray:
     return np.array([[c, -c, 0.0], [c, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def test_what_is_heavy_does_not_press_what_is_light_into_the_ground() -> None:
+def test_heavy_things_do_not_press_light_ones_into_the_ground() -> None:
     bench, limb = box_plan((0.42, 0.42, 1.5), 26.0), rod(0.15, 0.015, 0.04)
     # One end lies below the bench, near its side.
     lying = limb.rest + np.array([0.21 + 0.05, 0.015, -0.1])
@@ -154,7 +154,7 @@ KNOT = """
 """
 
 
-def test_who_has_knotted_legs_lies_still_all_the_same() -> None:
+def test_tangled_legs_come_to_rest() -> None:
     plan = person_plan(RAGDOLL)
     yard = yard_of([plan], [np.array(KNOT.split(), dtype=float).reshape(16, 3) / 1000.0])
     yard.step(3 * 96)
@@ -165,7 +165,7 @@ def test_who_has_knotted_legs_lies_still_all_the_same() -> None:
     assert yard.arrays.owners["asleep"][0]
 
 
-def test_links_beside_the_ground_and_far_from_it() -> None:
+def test_links_touch_steep_ground_and_ignore_distant_ground() -> None:
     """A ragdoll on stairs: neither nodes nor links lie deep in them."""
     from pipeline.simulation.dynamics.terrain_grid import grid_of
     from pipeline.simulation.terrain.heightfield import HeightField
@@ -190,7 +190,7 @@ def test_links_beside_the_ground_and_far_from_it() -> None:
     assert lengths_off(arrays) < 0.005
 
 
-def test_a_merry_go_round_turns_when_it_is_pushed_and_stays_where_it_is() -> None:
+def test_a_pushed_merry_go_round_turns_in_place() -> None:
     plan = merry_go_round_plan(1.3, 90.0)
     yard = yard_of([plan], [plan.rest])
     nodes = yard.arrays.nodes
@@ -210,7 +210,7 @@ def test_a_merry_go_round_turns_when_it_is_pushed_and_stays_where_it_is() -> Non
 
 
 @pytest.mark.parametrize("beside", [0.03, 0.08])
-def test_what_is_held_at_one_end_is_no_gap_beside_it(beside: float) -> None:
+def test_a_link_with_a_locked_end_stays_solid(beside: float) -> None:
     """Somebody's shin is a lever about the foot that stands: hard to push near it."""
     lever, bar = rod(0.4, 0.04, 2.0), rod(0.4, 0.04, 8.0)
     lever = lever._replace(mass=np.array([np.inf, 1.0]))

@@ -1,4 +1,4 @@
-"""Whatever is thrown together stays whole, comes to rest, and lies beside one another."""
+"""Many characters: random heaps stay whole, come to rest, and do not interpenetrate."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
         comes_to_rest(seed)
 
 
-def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() -> None:
+def test_motion_is_bitwise_independent_of_distant_characters() -> None:
 
     from .character_yard import PLANS, Yard
 

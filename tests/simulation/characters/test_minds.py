@@ -39,7 +39,7 @@ def test_every_behaviour_has_a_model_an_implementation_and_a_scene() -> None:
     assert {key for key in FORMS if f"{{{key}: " in text} == set(FORMS)
 
 
-def test_a_second_behaviour_of_a_kind_counts_as_the_kind() -> None:
+def test_numbered_behaviours_share_the_number_of_their_kind() -> None:
     assert behaviour_number("comfort 2") == behaviour_number("comfort") == NAMES.index("comfort")
     assert behaviour_number("") == -1
 
@@ -59,7 +59,7 @@ def test_anxiety_grows_with_distance_and_trait_and_falls_by_a_closed_form_in_a_h
     assert exposure(ANXIETY.exposed) == 1.0
 
 
-def test_glances_come_as_often_as_the_priority_says() -> None:
+def test_glance_rate_grows_with_priority() -> None:
     def seen(priority: float) -> int:
         glances = Glances(3, np.random.Generator(np.random.PCG64(1)))
         count, before = 0, False
@@ -75,7 +75,7 @@ def test_glances_come_as_often_as_the_priority_says() -> None:
     assert all(np.diff(counts) > 0)
 
 
-def test_what_was_out_of_view_for_long_is_forgotten() -> None:
+def test_characters_out_of_view_are_forgotten() -> None:
     cast = """
 - {name: one, character: child, at: [0, 0], traits: {}, behaviours: [{wander: 0}]}
 - {name: ball, character: ball, at: [-6, 0]}
@@ -92,7 +92,7 @@ def test_what_was_out_of_view_for_long_is_forgotten() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "where", "told"),
+    ("behaviour", "where", "message"),
     [
         ("{attachment: nobody}", "behaviours[0].attachment", "nobody in the cast is called"),
         ("{attachment: one}", "behaviours[0].attachment", "cannot do that to itself"),
@@ -100,29 +100,29 @@ def test_what_was_out_of_view_for_long_is_forgotten() -> None:
         ("{fight: ball}", "behaviours[0].fight", "name a child, an adult or a ragdoll"),
     ],
 )
-def test_behaviours_towards_who_is_not_fit_for_them_are_refused(
-    words: str, where: str, told: str
+def test_behaviours_with_unsuitable_targets_are_rejected(
+    behaviour: str, where: str, message: str
 ) -> None:
     cast = f"""
-- {{name: one, character: child, behaviours: [{words}]}}
+- {{name: one, character: child, behaviours: [{behaviour}]}}
 - {{name: mum, character: adult, at: [3, 0]}}
 - {{name: ball, character: ball, at: [5, 0]}}
 """
     with pytest.raises(SceneError) as caught:
         read_scene(f"pronk: 1\ncast:\n{cast}")
     assert where in str(caught.value)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
-def test_things_have_no_mind_and_urges_need_one() -> None:
+def test_things_have_no_mind_and_urges_need_a_mind() -> None:
     with pytest.raises(SceneError, match="has no mind"):
         read_scene("pronk: 1\ncast:\n- {character: ball, traits: {}}")
     script = "script:\n- {at: 1, who: a, do: {urge: {play: 1}}}"
     with pytest.raises(SceneError, match="does only what it is told"):
         read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child}}\n{script}")
-    told = script.replace("play", "pley")
+    misspelt = script.replace("play", "pley")
     with pytest.raises(SceneError, match="no behaviour is called 'pley'"):
-        read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child, traits: {{}}}}\n{told}")
+        read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child, traits: {{}}}}\n{misspelt}")
 
 
 def test_scripts_override_minds_and_urges_bias_them() -> None:
@@ -147,7 +147,7 @@ script:
     assert did[8 * a_second] == ""
 
 
-def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
+def test_a_blow_causes_withdrawal_from_the_striker() -> None:
     cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
     cast += "- {name: two, character: child, at: [0.8, 0]}"
     made = simulation(cast, 1.5)
@@ -165,7 +165,7 @@ def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_who_is_hurt_does_not_step_back_into_what_stands_there(seed: int) -> None:
+def test_withdrawal_avoids_obstacles(seed: int) -> None:
     cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
     cast += "- {name: two, character: child, at: [0.8, 0]}\n"
     cast += "- {name: carousel, character: merry-go-round, at: [-1.9, 0]}"
@@ -180,11 +180,11 @@ def test_who_is_hurt_does_not_step_back_into_what_stands_there(seed: int) -> Non
         x, z = characters.persons[0].at
         nearest = min(nearest, math.hypot(x + 1.9, z))
     assert nearest > 1.5
-    # Away from who has hurt it, all the same.
+    # Away from the striker all the same.
     assert math.hypot(x - 0.8, z) > 1.2
 
 
-def test_nobody_strolls_to_where_something_stands() -> None:
+def test_wandering_avoids_occupied_places() -> None:
     cast = "- {name: one, character: child, at: [3, 0], behaviours: [{wander: 3.5}]}\n"
     cast += "- {name: carousel, character: merry-go-round, at: [0.9, 0]}"
     made = simulation(cast, 1.0)
@@ -206,7 +206,7 @@ def test_nobody_strolls_to_where_something_stands() -> None:
 
 
 @pytest.mark.slow
-def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
+def test_a_running_hug_hurts_only_in_slapstick() -> None:
     cast = """
 - {name: mum, character: adult, at: [0, 0], traits: {}, behaviours: [{comfort: kid}]}
 - {name: kid, character: child, at: [6, 0.5], heading_deg: 180, slapstick: SLAP,
@@ -248,9 +248,9 @@ def test_the_schoolyard_is_a_safe_home_base(seed: int) -> None:
     assert len(soothed) >= 2
     assert left >= 2
     # In between it plays.
-    assert sum(one == "play" for one in did) * dt > 10.0
+    assert sum(name == "play" for name in did) * dt > 10.0
     # It looks back more often the farther it is.
-    away = np.array([one in ("play", "carry") for one in did])
+    away = np.array([name in ("play", "carry") for name in did])
     begins = np.append(False, (gaze[1:] == 0) & (gaze[:-1] != 0))
     near, far = away & (distance < 4.0), away & (distance >= 4.0)
     rates = [float(begins[where].sum() / (where.sum() * dt)) for where in (near, far)]

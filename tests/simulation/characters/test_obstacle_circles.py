@@ -1,4 +1,4 @@
-"""Barriers: people go round what other rooms put there and move, and step over what is low."""
+"""Obstacle circles: people walk around solids of other rooms."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ sizes = st.tuples(*[st.floats(0.05, 4.0)] * 3)
 angles = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
 
 
-def around(
+def circles_of(
     *solids: tuple[Array, Array, Array], mass: float = 0.0, here: bool = True
 ) -> ObstacleCircles:
-    """Return what is in the way of boxes: middles (3,), rotations (3, 3), half extents (3,)."""
+    """Return the circles of boxes: middles (3,), rotations (3, 3), half extents (3,)."""
     bodies = zero_records(len(solids), SOLID)
     for n, (body, (p, R, half)) in enumerate(zip(bodies, solids, strict=True)):
         body["p"], body["R"], body["half"], body["is_present"], body["thing"] = p, R, half, here, n
         body["inverse_mass"] = 1.0 / mass if mass else 0.0
-    barriers = ObstacleCircles(GROUND)
-    barriers.set_solids(bodies)
-    barriers.update()
-    return barriers
+    circles = ObstacleCircles(GROUND)
+    circles.set_solids(bodies)
+    circles.update()
+    return circles
 
 
 def turned(angles: tuple[float, float, float]) -> Array:
@@ -56,44 +56,44 @@ def turned(angles: tuple[float, float, float]) -> Array:
 
 
 @given(sizes, angles)
-def test_circles_cover_all_that_is_above_the_ground(half, angles) -> None:
+def test_circles_cover_the_shadow_of_a_box(half, angles) -> None:
     p, R = np.array([1.0, 0.9, -2.0]), turned(angles)
-    barriers = around((p, R, np.array(half)))
+    circles = circles_of((p, R, np.array(half)))
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     chance = np.random.default_rng(1).uniform(-1, 1, (200, 3))
     shadow = (p + (np.concatenate([corners, chance]) * half) @ R.T)[:, [0, 2]]
-    off = np.linalg.norm(shadow[:, None] - barriers.middles, axis=2) - barriers.radii
+    off = np.linalg.norm(shadow[:, None] - circles.middles, axis=2) - circles.radii
     assert off.min(axis=1).max() <= 1e-9
-    assert len(barriers.radii) <= MAX_CIRCLES
+    assert len(circles.radii) <= MAX_CIRCLES
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 2.0])
-def test_a_wall_is_a_row_of_circles_little_wider_than_it(angle: float) -> None:
+def test_a_wall_is_a_row_of_narrow_circles(angle: float) -> None:
     R = turned((0.0, angle, 0.0))
-    barriers = around((np.array([0.0, 1.0, 0.0]), R, np.array([0.15, 1.0, 2.0])))
-    assert barriers.radii.max() < 1.5 * 0.15
-    along = np.abs(barriers.middles @ R[[0, 2], 2])
+    circles = circles_of((np.array([0.0, 1.0, 0.0]), R, np.array([0.15, 1.0, 2.0])))
+    assert circles.radii.max() < 1.5 * 0.15
+    along = np.abs(circles.middles @ R[[0, 2], 2])
     assert 1.8 < along.max() < 2.0
-    assert len(set(barriers.keys.tolist())) == len(barriers.keys)
-    assert set(barriers.things.tolist()) == {0}
+    assert len(set(circles.keys.tolist())) == len(circles.keys)
+    assert set(circles.things.tolist()) == {0}
 
 
-def test_what_is_low_or_high_or_light_or_not_there_is_in_nobodys_way() -> None:
+def test_low_high_light_and_absent_solids_are_no_obstacles() -> None:
     half = np.array([0.5, 0.02, 0.5])
-    assert not around((np.array([0.0, 0.02, 0.0]), UPRIGHT, half)).update()
-    assert around((np.array([0.0, STEP_OVER_HEIGHT, 0.0]), UPRIGHT, half)).update()
-    assert not around((np.array([0.0, HEADROOM + 0.03, 0.0]), UPRIGHT, half)).update()
-    assert around((np.array([0.0, HEADROOM - 0.03, 0.0]), UPRIGHT, half)).update()
-    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=1.0).update()
-    assert around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=20.0).update()
-    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), here=False).update()
-    assert not around().update()
+    assert not circles_of((np.array([0.0, 0.02, 0.0]), UPRIGHT, half)).update()
+    assert circles_of((np.array([0.0, STEP_OVER_HEIGHT, 0.0]), UPRIGHT, half)).update()
+    assert not circles_of((np.array([0.0, HEADROOM + 0.03, 0.0]), UPRIGHT, half)).update()
+    assert circles_of((np.array([0.0, HEADROOM - 0.03, 0.0]), UPRIGHT, half)).update()
+    assert not circles_of((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=1.0).update()
+    assert circles_of((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=20.0).update()
+    assert not circles_of((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), here=False).update()
+    assert not circles_of().update()
 
 
 def touches(simulation: Simulation) -> list[Contact]:
-    """Return what ann touches but the ground."""
+    """Return the contacts of ann except with the ground."""
     contacts = simulation.take().contacts
-    return [one for one in contacts if one.performer == "ann" and one.other != "terrain"]
+    return [c for c in contacts if c.performer == "ann" and c.other != "terrain"]
 
 
 THINGS = {
@@ -111,10 +111,10 @@ THINGS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", THINGS)
-def test_who_is_told_to_go_somewhere_goes_round_what_is_in_between(thing: str) -> None:
-    words, aside = THINGS[thing]
+def test_go_to_avoids_obstacles(thing: str) -> None:
+    member, aside = THINGS[thing]
     simulation = played(
-        f"- {{name: ann, character: adult, at: [-2.8, 0.1]}}\n- {{name: it, {words}, at: [0, 0]}}",
+        f"- {{name: ann, character: adult, at: [-2.8, 0.1]}}\n- {{name: it, {member}, at: [0, 0]}}",
         9,
         "- {at: 0, who: ann, do: {go_to: [2.4, 0.1]}}",
     )
@@ -126,7 +126,7 @@ def test_who_is_told_to_go_somewhere_goes_round_what_is_in_between(thing: str) -
 
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", THINGS)
-def test_who_walks_on_meets_it(thing: str) -> None:
+def test_walk_does_not_avoid_obstacles(thing: str) -> None:
     simulation = played(
         f"- {{name: ann, character: adult, at: [-2, 0.1]}}\n"
         f"- {{name: it, {THINGS[thing][0]}, at: [0, 0]}}",
@@ -138,7 +138,7 @@ def test_who_walks_on_meets_it(thing: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", ["wall", "crate", "dancer"])
-def test_who_has_a_mind_goes_round_it_as_well(thing: str) -> None:
+def test_a_person_with_a_mind_avoids_obstacles(thing: str) -> None:
     simulation = played(
         "- {name: ann, character: adult, at: [-2.8, 0.1], behaviours: [{approach: box}]}\n"
         "- {name: box, character: box, at: [2.8, 0.1]}\n"
@@ -152,25 +152,25 @@ def test_who_has_a_mind_goes_round_it_as_well(thing: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [0.01, 0.05])
-def test_nobody_minds_a_rug(height: float) -> None:
+def test_a_rug_does_not_disturb_a_walk(height: float) -> None:
     cast = "- {name: ann, character: adult, at: [-2, 0.1]}"
-    told = "- {at: 0, who: ann, do: {go_to: [2, 0.1]}}"
+    script = "- {at: 0, who: ann, do: {go_to: [2, 0.1]}}"
     rug = f"- {{name: rug, prop: {{shape: box, size: [1.5, {height}, 3]}}, at: [0, 0]}}"
-    free, over = (path(played(one, 5, told), "ann") for one in (cast, f"{cast}\n{rug}"))
+    free, over = (path(played(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{rug}"))
     assert np.abs(free - over)[:, [0, 2]].max() < 0.1
 
 
 @pytest.mark.slow
-def test_a_straight_way_that_can_be_gone_is_kept() -> None:
+def test_a_free_straight_way_is_kept() -> None:
     cast = "- {name: ann, character: adult, at: [-2, 0]}"
-    told = "- {at: 0, who: ann, do: {go_to: [2, 0]}}"
+    script = "- {at: 0, who: ann, do: {go_to: [2, 0]}}"
     beside = "- {name: it, prop: {shape: box, size: [1, 1, 1]}, at: [0, -1.2]}"
-    free, past = (path(played(one, 5, told), "ann") for one in (cast, f"{cast}\n{beside}"))
+    free, past = (path(played(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{beside}"))
     np.testing.assert_array_equal(free, past)
 
 
 @pytest.mark.slow
-def test_a_door_that_shuts_is_gone_round() -> None:
+def test_go_to_avoids_a_closing_door() -> None:
     door = (
         "- {name: it, prop: {shape: box, size: [0.2, 2, 2]}, at: [0, -4], "
         "keyframes: [{at: 0.5, position: [0, 0, -4]}, {at: 1.5, position: [0, 0, 0]}]}"
@@ -186,7 +186,7 @@ def test_a_door_that_shuts_is_gone_round() -> None:
     assert troupe_of(simulation).obstacle_circles.update()
 
 
-def test_barriers_are_those_of_the_scene() -> None:
+def test_obstacle_circles_follow_the_props_of_a_scene() -> None:
     scene = read_scene(
         "pronk: 1\nduration: 1\ncast:\n- {name: ann, character: child}\n"
         "- {name: it, prop: {shape: box, size: [1, 1, 1]}, at: [3, 0]}\n"
@@ -194,7 +194,7 @@ def test_barriers_are_those_of_the_scene() -> None:
     simulation = Simulation(scene)
     simulation.step()
     simulation.step()
-    barriers = troupe_of(simulation).obstacle_circles
-    assert barriers.update()
-    np.testing.assert_allclose(barriers.middles, [[3.0, 0.0]], atol=1e-6)
-    np.testing.assert_allclose(barriers.radii, np.sqrt(0.5), rtol=0.02)
+    circles = troupe_of(simulation).obstacle_circles
+    assert circles.update()
+    np.testing.assert_allclose(circles.middles, [[3.0, 0.0]], atol=1e-6)
+    np.testing.assert_allclose(circles.radii, np.sqrt(0.5), rtol=0.02)

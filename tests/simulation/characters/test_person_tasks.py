@@ -1,4 +1,4 @@
-"""What people are told, they do: sit, stand, look, reach, hold, hug, freeze, turn, give way."""
+"""Person tasks: sitting, looking, reaching, holding, hugging, freezing, turning, stepping aside."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ script:
 """
 
 
-def test_who_is_told_to_sits_down_and_stands_up() -> None:
+def test_sit_and_stand_orders_are_carried_out() -> None:
     bends = []
     play = play_scene(
         SIT, lambda troupe, _: bends.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs))
@@ -67,21 +67,21 @@ script:
 """
 
 
-def test_two_hug_with_arms_around_one_another() -> None:
+def test_a_mutual_hug_closes_both_pairs_of_arms() -> None:
     play = play_scene(MEET)
     assert play.when("a")
     assert play.when("b")
     row = int(4.9 * STEPS)
-    for who, other in (("a", "b"), ("b", "a")):
+    for name, other in (("a", "b"), ("b", "a")):
         back = 0.5 * (play.joint(other, "spine")[row] + play.joint(other, "shoulders")[row])
-        way = (play.joint(other, "pelvis")[row] - play.joint(who, "pelvis")[row]) * [1.0, 0.0, 1.0]
+        way = (play.joint(other, "pelvis")[row] - play.joint(name, "pelvis")[row]) * [1.0, 0.0, 1.0]
         way /= np.hypot(*way[[0, 2]])
-        hands = [play.joint(who, f"hand_{side}")[row] for side in "lr"]
+        hands = [play.joint(name, f"hand_{side}")[row] for side in "lr"]
         # Around the other: both hands lie behind the middle of the other's chest.
         assert min((hand - back) @ way for hand in hands) > 0.05
         assert min(math.dist(hand, back) for hand in hands) < 0.3
     # Arms too short to close behind a grown-up end on its back, and not in the air.
-    a, b = (play.joint(who, "pelvis")[row] for who in "ab")
+    a, b = (play.joint(name, "pelvis")[row] for name in "ab")
     way = (a - b) * [1.0, 0.0, 1.0] / np.hypot(*(a - b)[[0, 2]])
     assert max((play.joint("b", f"hand_{s}")[row] - a) @ way for s in "lr") < 0.11
     # The longer arms meet behind the back of the smaller one, and hold one another.
@@ -102,7 +102,7 @@ script:
 """
 
 
-def test_what_is_held_hangs_from_the_hand_until_it_is_let_go() -> None:
+def test_a_grabbed_thing_hangs_from_the_hand_until_released() -> None:
     grips = []
 
     def look(troupe: Characters, _: int) -> None:
@@ -124,7 +124,7 @@ def test_what_is_held_hangs_from_the_hand_until_it_is_let_go() -> None:
 
 
 @pytest.mark.slow
-def test_a_girl_takes_her_doll_and_a_merry_go_round_and_both_are_in_her_hands() -> None:
+def test_each_hand_can_grab_a_different_thing() -> None:
     simulation = Simulation(load_scene(library() / "merry_go_round.yaml"))
     troupe = troupe_of(simulation)
     arrays, first = troupe.arrays, int(troupe.persons[0].grip)
@@ -157,7 +157,7 @@ script:
 """
 
 
-def test_heads_turn_smoothly_and_hands_come_where_they_are_told() -> None:
+def test_heads_turn_smoothly_and_hands_reach_their_places() -> None:
     play = play_scene(LOOK)
     gaze = play.records["gaze"][:, 0]
     head = play.joint("a", "head")
@@ -189,7 +189,7 @@ script:
 """
 
 
-def test_who_freezes_is_still_and_who_turns_does_not_cross_its_feet() -> None:
+def test_freeze_is_still_and_turning_does_not_cross_feet() -> None:
     play = play_scene(STILL)
     first = play.firsts["a"]
     frozen = play.p[int(1.9 * STEPS) : int(2.5 * STEPS), first : first + 16]
@@ -206,7 +206,7 @@ def test_who_freezes_is_still_and_who_turns_does_not_cross_its_feet() -> None:
 
 
 @pytest.mark.parametrize("way", [(2.0, 0.6), (-1.2, 1.2)])
-def test_who_is_shoved_staggers_and_stands_again(way: tuple[float, float]) -> None:
+def test_a_shoved_person_staggers_and_recovers(way: tuple[float, float]) -> None:
     def shove(troupe: Characters, step: int) -> None:
         if step == 48:
             own = slice(0, 16)
@@ -223,14 +223,14 @@ def test_who_is_shoved_staggers_and_stands_again(way: tuple[float, float]) -> No
     assert np.abs(pelvis[-1] - pelvis[-25]).max() < 0.01
 
 
-def test_breath_lifts_the_shoulders_and_more_in_a_walk() -> None:
-    words = "duration: 5\ncast: [{name: a, character: adult}]\n"
-    rest = play_scene(words)
+def test_breath_lifts_the_shoulders_more_in_walking() -> None:
+    scene = "duration: 5\ncast: [{name: a, character: adult}]\n"
+    rest = play_scene(scene)
     lift = rest.joint("a", "shoulders")[:, 1] - rest.joint("a", "spine")[:, 1]
     assert 0.006 < np.ptp(lift[STEPS:]) < 0.02
     walk = "script: [{at: 0, who: a, do: walk}]\n"
-    faster = play_scene(words + walk)
-    gone = [np.unwrap(2 * np.pi * one.records["breath"][:, 0])[-1] for one in (rest, faster)]
+    faster = play_scene(scene + walk)
+    gone = [np.unwrap(2 * np.pi * play.records["breath"][:, 0])[-1] for play in (rest, faster)]
     assert gone[1] > 1.3 * gone[0]
 
 
@@ -249,17 +249,17 @@ cast:
 """
 
 
-def test_hands_go_along_the_keys_of_a_pose() -> None:
+def test_posed_hands_follow_their_keys() -> None:
     play = play_scene(POSED)
     row = int(2.8 * STEPS)
-    # Ahead of one who looks along -Z is -Z, and to the right +X.
+    # A person who faces -Z has -Z ahead and +X to the right.
     assert math.dist(play.joint("a", "hand_r")[row], [0.6, 1.7, -0.3]) < 0.04
     assert math.dist(play.joint("a", "hand_l")[row], [-0.3, 1.0, -0.4]) < 0.04
     assert play.joint("a", "hand_r")[-1, 1] < 1.1
 
 
 def crossing(count: int) -> str:
-    """Return the words of so many who cross the way of as many others."""
+    """Return the scene of a number of walkers who cross the way of as many others."""
     lanes = [f"{1.0 * (k - (count - 1) / 2)}" for k in range(count)]
     cast = [f"  - {{name: e{k}, character: adult, at: [-4, {z}]}}" for k, z in enumerate(lanes)]
     cast += [
@@ -272,7 +272,7 @@ def crossing(count: int) -> str:
 
 
 @pytest.mark.slow
-def test_people_who_cross_step_aside_for_one_another() -> None:
+def test_crossing_walkers_step_aside() -> None:
     play = play_scene(crossing(3))
     names = [name for name in play.firsts if name[0] in "en"]
     assert sorted(name for _, name in play.arrived) == sorted(names)
@@ -295,7 +295,7 @@ def test_people_who_cross_step_aside_for_one_another() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["fight", "square"])
-def test_nobodys_limbs_fly_in_a_throng(name: str) -> None:
+def test_limbs_stay_together_in_a_dense_crowd(name: str) -> None:
     """Who runs has feet of ten meters a second; a foot put elsewhere at once had two hundred."""
     simulation = Simulation(load_scene(library() / f"{name}.yaml"))
     troupe = troupe_of(simulation)
@@ -310,7 +310,7 @@ def test_nobodys_limbs_fly_in_a_throng(name: str) -> None:
     assert (fastest > 25.0).sum() <= len(people) // 25
 
 
-def test_who_is_far_from_all_others_moves_to_the_last_bit_as_alone() -> None:
+def test_a_distant_persons_motion_is_bitwise_the_same_as_alone() -> None:
     alone = "duration: 2\ncast:\n  - {name: a, character: adult}\n"
     other = "  - {name: b, character: child, at: [20, 20]}\n"
     script = "script:\n  - {at: 0, who: a, do: {go_to: [2, 1]}}\n"
@@ -338,7 +338,7 @@ script: [%s]
         ("{character: ragdoll, pose: [{at: 0, limb: arm_l, reach: [0, 0, 0]}]}", "holds no pose"),
     ],
 )
-def test_only_hands_of_people_are_posed(member: str, said: str) -> None:
+def test_only_hands_of_people_can_be_posed(member: str, said: str) -> None:
     with pytest.raises(SceneError, match=said):
         read_scene(f"pronk: 1\nduration: 1\ncast: [{member}]\n")
 
@@ -355,18 +355,18 @@ script:
 """
 
 
-def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
+def test_a_hug_trigger_distinguishes_the_two_people() -> None:
     hugs = []
     simulation = Simulation(read_scene("pronk: 1\n" + HUGGED))
     while not simulation.finished:
         simulation.step()
         step = simulation.step_number
         hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
-    told = [order for order in simulation.recorder.orders if order.who == "c"]
-    (step, who, whom), *others = hugs
-    assert (who, whom, others) == ("b", "a", [])
-    # In the next step, once, and not what waits for a hug the other way round.
-    assert [(order.step, order.text) for order in told] == [(step, "go_to [-1, 3]")]
+    followed = [order for order in simulation.recorder.orders if order.who == "c"]
+    (step, hugger, hugged), *others = hugs
+    assert (hugger, hugged, others) == ("b", "a", [])
+    # In the next step, once; the trigger of the reverse hug does not fire.
+    assert [(order.step, order.text) for order in followed] == [(step, "go_to [-1, 3]")]
     assert 0.9 < step / STEPS < 3.0
 
 
@@ -377,13 +377,13 @@ def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
         ("{at: 0, who: a, do: {hug: ball}}", "'ball' is a ball; name a child"),
         ("{at: 0, who: a, do: {hug: a}}", "'a' cannot do that to itself"),
         ("{at: 0, who: a, do: {grab: doll, part: arm}}", "no part of 'doll' is called 'arm'"),
-        ("{at: 0, who: a, do: {grab: ball, part: head}}", "'ball' has no parts with names"),
+        ("{at: 0, who: a, do: {grab: ball, part: head}}", "'ball' has no named parts"),
         ("{at: 0, who: a, do: {sit: doll}}", "'doll' is a ragdoll; name a box or a bench"),
-        ("{at: 0, who: a, do: hop}", "'a' is a person, who can be told go_to"),
+        ("{at: 0, who: a, do: hop}", "'a' is a person, who can go_to"),
         ("{at: 0, who: doll, do: stop}", "'doll' is a ragdoll, which no script moves"),
         ("{at: 0, who: bug, do: sit}", "'bug' is a creature; only a child or an adult"),
         ("{at: 0, who: a, do: {look_at: bug}}", "'bug' is no character"),
-        ("{when: {touch: [a, pebble]}, who: a, do: stop}", "'pebble' is nothing that a character"),
+        ("{when: {touch: [a, pebble]}, who: a, do: stop}", "characters do not feel 'pebble'"),
         (
             "{when: {touch: [gate, bug]}, who: a, do: stop}",
             "neither 'gate' nor 'bug' is a",
@@ -401,13 +401,13 @@ def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
         ("{at: 0, who: a, do: {let_go: up}}", "must be 'left', 'right' or 'both'"),
     ],
 )
-def test_what_people_cannot_do_is_refused_with_its_place(entry: str, said: str) -> None:
+def test_impossible_orders_are_rejected_with_their_position(entry: str, said: str) -> None:
     with pytest.raises(SceneError, match=r"script\[0\]") as caught:
         read_scene(CAST % entry)
     assert said in str(caught.value)
 
 
-def test_a_slip_in_a_kind_is_told_once_and_not_wherever_it_is_named() -> None:
+def test_a_misspelt_kind_is_reported_once() -> None:
     text = CAST % "{when: {hug: [a, doll]}, who: a, do: {hug: doll}}"
     with pytest.raises(SceneError) as caught:
         read_scene(text.replace("character: adult", "character: adlt"))
@@ -415,7 +415,7 @@ def test_a_slip_in_a_kind_is_told_once_and_not_wherever_it_is_named() -> None:
     assert "did you mean 'adult'" in str(caught.value)
 
 
-def test_parts_have_the_names_of_joints() -> None:
+def test_parts_are_named_by_joints() -> None:
     from pipeline.spec.character import PARTS
 
     assert set(PARTS) == set(J)

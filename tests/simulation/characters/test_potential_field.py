@@ -1,4 +1,4 @@
-"""Approach: the potential field by closed forms, and ways around obstacles."""
+"""Potential field by closed forms, and routes around obstacles."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from pipeline.simulation.characters.visibility_route import (
     are_free,
     shortest_way,
 )
-from tests.simulation.characters.mind_scenes import layout, simulation, steps, troupe
+from tests.simulation.characters.mind_scenes import obstacle_course, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 
 EMPTY = np.zeros((0, 2)), np.zeros(0), np.zeros(0)
 
 
-def test_without_obstacles_it_goes_straight_and_no_faster_than_its_pace() -> None:
+def test_without_obstacles_the_walk_is_straight_and_limited_to_the_pace() -> None:
     for to in ([3.0, 4.0], [30.0, 40.0], [0.3, 0.4]):
         w = walk_vector(np.array(to), *EMPTY, 1.5)
         np.testing.assert_allclose(w, np.array([0.9, 1.2]), rtol=1e-12)
@@ -44,13 +44,13 @@ def test_an_obstacle_ahead_pushes_back_and_round(sense: float) -> None:
         np.testing.assert_allclose(w, [1.0 - push, -sense * push], rtol=1e-12)
 
 
-def test_what_lies_behind_does_not_push() -> None:
+def test_obstacles_behind_do_not_push() -> None:
     to, away = np.array([5.0, 0.0]), np.array([[1.0, 0.0]])
     w = walk_vector(to, away, np.array([0.2]), np.array([1.0]), 1.0)
     np.testing.assert_allclose(w, [1.0, 0.0])
 
 
-def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
+def test_a_stalled_walk_tries_both_ways_round() -> None:
     way = DetourState()
     forced = []
     for k in range(200):
@@ -67,7 +67,7 @@ def length_of(way: np.ndarray, start: np.ndarray) -> float:
     return float(np.linalg.norm(np.diff(np.vstack([start, way]), axis=0), axis=1).sum())
 
 
-def test_lines_are_free_that_pass_all_circles() -> None:
+def test_lines_are_free_outside_all_circles() -> None:
     start, ends = np.zeros(2), np.array([[4.0, 0.0], [1.2, 0.0], [0.0, 4.0], [4.0, 4.0]])
     middles, reaches = np.array([[2.0, 0.0], [2.0, 3.0]]), np.array([0.9, 0.8])
     np.testing.assert_array_equal(
@@ -76,7 +76,7 @@ def test_lines_are_free_that_pass_all_circles() -> None:
     assert are_free(start, ends, middles, 0.5 * reaches).tolist() == [False, True, True, True]
 
 
-def test_the_way_round_a_circle_is_little_longer_than_a_thread() -> None:
+def test_the_way_round_a_circle_is_near_the_taut_string() -> None:
     start, goal, radius = np.array([-3.0, 0.0]), np.array([3.0, 0.0]), 1.0
     way = shortest_way(start, goal, np.zeros((1, 2)), np.array([radius]), WIDE)
     np.testing.assert_array_equal(way[-1], goal)
@@ -88,7 +88,7 @@ def test_the_way_round_a_circle_is_little_longer_than_a_thread() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_no_way_is_shorter_than_the_straight_one_and_all_lead_past_circles(seed: int) -> None:
+def test_ways_are_free_and_no_shorter_than_straight(seed: int) -> None:
     rng = np.random.Generator(np.random.PCG64(seed))
     start, goal = np.array([-4.0, 0.0]), np.array([4.0, 0.0])
     middles, reaches = rng.uniform(-3.0, 3.0, (6, 2)), rng.uniform(0.2, 0.9, 6)
@@ -99,7 +99,7 @@ def test_no_way_is_shorter_than_the_straight_one_and_all_lead_past_circles(seed:
         assert are_free(a, b[None], middles, reaches)[0]
 
 
-def test_narrow_ways_are_gone_only_where_there_are_no_others_and_walls_have_none() -> None:
+def test_narrow_gaps_are_a_last_resort_and_walls_have_none() -> None:
     start, goal = np.array([-3.0, 0.0]), np.array([3.0, 0.0])
     wall = np.stack([np.zeros(41), np.linspace(-20.0, 20.0, 41)], axis=1)
     assert len(shortest_way(start, goal, wall, np.full(41, 0.6), WIDE)) == 0
@@ -113,7 +113,7 @@ def test_narrow_ways_are_gone_only_where_there_are_no_others_and_walls_have_none
     assert place[1] > 1.0
 
 
-def test_a_way_is_kept_until_something_moves() -> None:
+def test_a_route_is_kept_until_something_moves() -> None:
     route, goal = Route(), np.array([3.0, 0.02])
     middles, reaches = np.zeros((1, 2)), np.array([0.5])
     first, _ = route.next(np.array([-3.0, 0.0]), goal, middles, reaches, WIDE)
@@ -133,10 +133,10 @@ COUNTS = [
 
 
 @pytest.mark.parametrize("seeds", COUNTS)
-def test_it_finds_its_way_around_obstacles(seeds: range) -> None:
+def test_random_obstacle_courses_are_solved(seeds: range) -> None:
     failed = []
     for seed in seeds:
-        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nrows_per_frame: 1")
+        made = simulation(obstacle_course(seed), 24, f"seed: {seed}\nsteps: 1\nrows_per_frame: 1")
         characters = troupe(made)
         minds = characters.minds
         assert minds is not None

@@ -1,4 +1,4 @@
-"""Solids of other rooms: characters do not go into them, push what gives way, and are heard."""
+"""Solid contacts: characters collide with solids of other rooms, push them, and are heard."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ pytestmark = pytest.mark.slow
 WALL = "{name: wall, prop: {shape: box, size: [0.4, 1, 3]}, at: [0, 0]}"
 
 
-def played(cast: str, seconds: float, script: str = "", **words: object) -> Simulation:
-    """Return a scene after so many seconds."""
-    more = "".join(f"{word}: {value}\n" for word, value in words.items())
-    told = f"script:\n{script}" if script else ""
-    scene = read_scene(f"pronk: 1\nduration: {seconds}\n{more}cast:\n{cast}\n{told}")
+def played(cast: str, seconds: float, script: str = "", **settings: object) -> Simulation:
+    """Return the finished simulation of a scene."""
+    more = "".join(f"{key}: {value}\n" for key, value in settings.items())
+    orders = f"script:\n{script}" if script else ""
+    scene = read_scene(f"pronk: 1\nduration: {seconds}\n{more}cast:\n{cast}\n{orders}")
     simulation = Simulation(scene)
     while not simulation.finished:
         simulation.step()
     return simulation
 
 
-def path(simulation: Simulation, who: str, name: str = "") -> Array:
-    """Return where a node of somebody was (K, 3), the first unless it is named [m]."""
+def path(simulation: Simulation, performer: str, name: str = "") -> Array:
+    """Return (K, 3) the places of a performer's node, the first unless it is named [m]."""
     take = simulation.take()
     nodes = enumerate(take.nodes)
-    node = next(k for k, one in nodes if one.performer == who and name in ("", one.name))
+    node = next(k for k, n in nodes if n.performer == performer and name in ("", n.name))
     return np.array(take.positions[:, node])
 
 
@@ -84,7 +84,7 @@ def _solid(corners: Array, chance: np.random.Generator) -> tuple[Solids, Array, 
     return solids, p, R
 
 
-def test_the_way_out_of_a_polyhedron_leads_to_its_surface() -> None:
+def test_signed_distance_leads_to_the_surface_of_a_polyhedron() -> None:
     chance = np.random.default_rng(3)
     for _ in range(8):
         corners = chance.normal(size=(12, 3)) * [0.5, 0.3, 1.0]
@@ -110,7 +110,7 @@ def test_the_way_out_of_a_polyhedron_leads_to_its_surface() -> None:
         assert (nearest[outside] <= out[outside, 0] + 0.35).all()
 
 
-def test_a_ball_is_a_ball_and_a_box_with_round_edges_is_none() -> None:
+def test_balls_are_recognised_and_rounded_boxes_are_not() -> None:
     ball = played(
         "- {character: ball, at: [5, 5]}\n"
         "- {prop: {shape: ball, radius: 0.3}, at: [0, 1, 0]}\n"
@@ -144,13 +144,13 @@ def test_a_doll_falls_on_a_table_lies_there_and_is_heard() -> None:
     assert first.energy > 0.0
 
 
-def test_a_crate_stays_on_a_post_that_is_thinner_than_it() -> None:
+def test_a_crate_rests_on_a_thinner_post() -> None:
     post = "{name: post, prop: {shape: box, size: [0.2, 0.6, 0.2]}, at: [0, 0]}"
     simulation = played(f"- {{name: crate, character: box, at: [0, 0.8, 0]}}\n- {post}", 3)
     assert path(simulation, "crate")[-1] == pytest.approx([0.0, 0.6, 0.0], abs=0.01)
 
 
-def test_a_prop_that_comes_along_pushes_a_doll_before_it() -> None:
+def test_a_moving_prop_pushes_a_doll() -> None:
     ram = "{name: ram, prop: {shape: box, size: [0.4, 0.6, 2]}, at: [-1.5, 0.3, 0], velocity: V}"
     for speed in (0.5, 1.5):
         moving = ram.replace("V", f"[{speed}, 0, 0]")
@@ -186,7 +186,7 @@ def test_a_person_stops_before_a_wall_and_stands() -> None:
     assert depth(simulation) < 0.005
 
 
-def test_a_script_waits_for_a_ball_that_hits_somebody() -> None:
+def test_a_touch_trigger_waits_for_a_rigid_ball() -> None:
     simulation = played(
         "- {name: bob, character: adult, at: [0, 0]}\n"
         "- {name: ball, at: [-2, 1.2, 0], velocity: [6, 1, 0], body: "
@@ -199,7 +199,7 @@ def test_a_script_waits_for_a_ball_that_hits_somebody() -> None:
     assert pelvis[-1, 2] == pytest.approx(2.0, abs=0.2)
 
 
-def test_a_horse_pushes_who_is_in_its_way() -> None:
+def test_a_horse_pushes_people_out_of_its_way() -> None:
     simulation = played(
         "- {name: doll, character: adult, limp: true, at: [1.8, 0], rotation_deg: [0, 90, 0]}\n"
         "- {name: bob, character: adult, at: [3, 0.1], heading_deg: 180}\n"
@@ -209,10 +209,10 @@ def test_a_horse_pushes_who_is_in_its_way() -> None:
     contacts = simulation.take().contacts
     touches = [c for c in contacts if c.performer == "doll" and c.other.startswith("horse.")]
     assert touches
-    # A link is not told of each limb that it slides along.
+    # A link does not touch anew each limb that it slides along.
     when = [c.step for c in touches if c.part == touches[0].part]
     assert len(when) == 1 or min(np.diff(when)) > 0.08 * STEPS - 1
-    # The horse goes its way, and who stands there backs off.
+    # The horse keeps its way, and the person there backs off.
     horse, bob = path(simulation, "horse"), path(simulation, "bob")
     assert horse[-1, 0] == pytest.approx(4.2, abs=0.2)
     assert np.linalg.norm(horse - bob, axis=1).min() > 0.3
@@ -220,7 +220,7 @@ def test_a_horse_pushes_who_is_in_its_way() -> None:
     assert lengths_off(troupe_of(simulation).arrays) < 0.05
 
 
-def test_what_somebody_carries_is_not_in_its_way() -> None:
+def test_carried_things_are_no_obstacles() -> None:
     simulation = played(
         "- {name: bob, character: adult, at: [0, 0]}\n"
         "- {name: hat, prop: {shape: ball, radius: 0.2}, at: [0, 0, 0], parent: bob.head}",
@@ -229,7 +229,7 @@ def test_what_somebody_carries_is_not_in_its_way() -> None:
     assert simulation.coupling is None
 
 
-def test_who_begins_in_a_room_is_not_thrown_out_of_it() -> None:
+def test_a_solid_around_a_character_at_the_start_is_ignored() -> None:
     simulation = played(
         "- {name: bob, character: adult, at: [0.5, 0]}\n"
         "- {name: sky, prop: {shape: ball, radius: 9}, at: [0, 0, 0]}\n"
@@ -243,7 +243,7 @@ def test_who_begins_in_a_room_is_not_thrown_out_of_it() -> None:
 # --- what gives way --------------------------------------------------------------------------
 
 
-def test_momentum_goes_over_from_a_rigid_ball_to_a_ball_of_nodes() -> None:
+def test_a_rigid_ball_passes_momentum_to_a_ball_of_nodes() -> None:
     rock = (
         "{name: rock, body: {shape: sphere, radius: 0.1, collide: all, density: 200, "
         "bounciness: 0.3}, at: [-1, 3, 0], velocity: [5, 0, 0]}"
@@ -262,7 +262,7 @@ def test_momentum_goes_over_from_a_rigid_ball_to_a_ball_of_nodes() -> None:
     assert hit.step / STEPS == pytest.approx((1.0 - 0.22) / 5.0, abs=2.5 / STEPS)
 
 
-def test_a_person_who_is_struck_by_a_rigid_ball_staggers() -> None:
+def test_a_person_struck_by_a_rigid_ball_staggers() -> None:
     cast = (
         "- {name: bob, character: adult, at: [0, 0]}\n"
         "- {name: rock, body: {shape: sphere, radius: 0.12, collide: all, density: D}, "
@@ -285,7 +285,7 @@ def test_a_person_who_is_struck_by_a_rigid_ball_staggers() -> None:
 
 
 @pytest.mark.parametrize(("density", "goes"), [(20, (1.0, 9.0)), (2500, (-0.01, 0.05))])
-def test_a_person_pushes_what_is_light_and_stops_at_what_is_heavy(
+def test_people_push_light_bodies_and_stop_at_heavy_ones(
     density: float, goes: tuple[float, float]
 ) -> None:
     cast = (
@@ -324,7 +324,7 @@ def test_a_rigid_ball_does_not_go_through_the_side_of_a_crate() -> None:
     assert crate[-1, 0] > 0.02
 
 
-def test_links_know_the_solid_that_they_touch() -> None:
+def test_links_sense_the_solids_they_touch() -> None:
     scene = read_scene(
         "pronk: 1\nduration: 2\ncast:\n- {name: ball, character: ball, at: [0, 0.6, 0]}\n"
         "- {prop: {shape: box, size: [9, 0.1, 9]}, at: [30, 0]}\n"
@@ -341,7 +341,7 @@ def test_links_know_the_solid_that_they_touch() -> None:
     assert pairs[0] == ("ball", "table")
 
 
-# --- nothing explodes, and nobody pays for what is not there ------------------------------------
+# --- stability and batches ---------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -389,7 +389,7 @@ def test_nothing_explodes_among_props_and_bodies(seed: int) -> None:
     assert depth(simulation) < 0.08
 
 
-def test_who_is_alone_meets_nothing_and_rows_are_written_by_the_dozen() -> None:
+def test_a_lone_character_has_no_coupling_and_large_batches() -> None:
     alone = Simulation(
         read_scene(
             "pronk: 1\nduration: 1\ncast:\n- {character: adult, at: [0, 0]}\n"
@@ -401,12 +401,12 @@ def test_who_is_alone_meets_nothing_and_rows_are_written_by_the_dozen() -> None:
     assert len(troupe_of(alone).workspace.solids.bodies) == 0
 
 
-def test_what_stands_is_felt_once_and_rows_are_written_by_the_dozen() -> None:
-    words = (
+def test_fixed_obstacles_are_updated_once_and_keep_large_batches() -> None:
+    text = (
         "pronk: 1\nduration: 1\ncast:\n- {name: doll, character: ragdoll, at: [0, 0.7, 0]}\n"
         "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0]}"
     )
-    once, always = Simulation(read_scene(words)), Simulation(read_scene(words))
+    once, always = Simulation(read_scene(text)), Simulation(read_scene(text))
     assert once.scheduler.batch_size > 16
     assert always.coupling is not None
     always.coupling.still, always.scheduler.batch_size = False, 1
@@ -416,8 +416,8 @@ def test_what_stands_is_felt_once_and_rows_are_written_by_the_dozen() -> None:
     assert np.array_equal(once.take().positions, always.take().positions)
 
 
-def test_what_moves_is_felt_in_every_row_and_rows_are_written_by_the_dozen() -> None:
-    words = (
+def test_moving_obstacles_give_the_same_take_in_any_batch_size() -> None:
+    text = (
         "pronk: 1\nduration: 1.5\ncast:\n- {name: doll, character: ragdoll, at: [0, 0.7, 0]}\n"
         "- {name: bob, character: child, at: [-1, 0]}\n"
         "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0], spin_deg: [0, 40, 0]}\n"
@@ -426,7 +426,7 @@ def test_what_moves_is_felt_in_every_row_and_rows_are_written_by_the_dozen() -> 
         " velocity: [4, 1, 0]}\n"
         "- {name: fly, prop: {shape: ball, radius: 0.03}, at: [0, 0.2, 0], parent: rock}"
     )
-    often, seldom = Simulation(read_scene(words)), Simulation(read_scene(words))
+    often, seldom = Simulation(read_scene(text)), Simulation(read_scene(text))
     assert seldom.scheduler.batch_size > 4
     often.scheduler.batch_size = 1
     for simulation in (often, seldom):

@@ -1,4 +1,4 @@
-"""Nodes by themselves: flight, damping, momentum, other steps, locks."""
+"""Verlet step: flight, damping, momentum, step rates, locks."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def test_a_free_person_keeps_its_momentum() -> None:
         np.testing.assert_allclose(momentum(yard), before, rtol=0, atol=1e-9 * size)
 
 
-def test_people_who_run_into_one_another_keep_it_too() -> None:
-    plans = [free(person_plan(who)) for who in (ADULT, CHILD)]
+def test_colliding_people_keep_their_momentum() -> None:
+    plans = [free(person_plan(body)) for body in (ADULT, CHILD)]
     places = [plans[0].rest + HIGH, plans[1].rest + HIGH + [1.0, 0.2, 0.1]]
     yard = yard_of(plans, places, gravity=0.0)
     v = np.zeros_like(yard.arrays.p)
@@ -73,7 +73,7 @@ def test_people_who_run_into_one_another_keep_it_too() -> None:
     assert met
 
 
-def test_at_another_rate_the_motion_is_the_same() -> None:
+def test_motion_converges_across_step_rates() -> None:
     chance = np.random.default_rng(8)
     plan, turn = person_plan(CHILD), attitude(np.random.default_rng(2))
     v, w = np.array([2.0, 3.0, 1.0]), chance.normal(size=3)
@@ -89,7 +89,7 @@ def test_at_another_rate_the_motion_is_the_same() -> None:
     assert errors[1] < 0.1
 
 
-def test_a_locked_node_stays_and_one_that_lands_locks_itself() -> None:
+def test_locked_nodes_stay_and_landing_nodes_lock() -> None:
     plan = person_plan(CHILD)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 0.3, 0.0])])
     nodes, foot, hand = yard.arrays.nodes, 14, 8
@@ -117,7 +117,7 @@ def test_a_ball_bounces_by_its_bounciness() -> None:
     assert max(heights[low:]) == pytest.approx(plan.bounciness**2, rel=0.05)
 
 
-def test_a_ball_that_rolls_slows_down_by_its_friction() -> None:
+def test_a_rolling_ball_slows_by_its_friction() -> None:
     plan = ball_plan(0.12, 0.4)._replace(air_damping=0.0, ground_damping=0.0)
     yard = yard_of([plan], [plan.rest])
     yard.throw(np.array([[2.0, 0.0, 0.0]]))

@@ -158,7 +158,6 @@ class MindScheduler:
         return set(hurt)
 
     def _act(self, k: int, mind: Mind) -> None:
-        """Hand the motor command of a mind to the controls."""
         command, controller, dispatcher = mind.command, mind.controller, self._dispatcher
         person = controller.record
         person.frozen = command.frozen
@@ -180,7 +179,6 @@ class MindScheduler:
 
 
 def _walk(mind: Mind, command: MotorCommand) -> None:
-    """Walk or stand, as a motor command says."""
     controller, goal = mind.controller, command.goal
     glances_back = mind.glances.glancing and command.facing is None
     if goal is not None and glances_back and mind.anxiety > STOPPING_ANXIETY:
@@ -211,7 +209,6 @@ def _mind(
     records: Mapping[int, Record],
     seed: int,
 ) -> Mind:
-    """Return the mind of a member of the cast."""
     configs = member.behaviours or _default_behaviours(member, cast)
     bonds = [config.attachment for config in configs if isinstance(config, Attachment)]
     mind = Mind(

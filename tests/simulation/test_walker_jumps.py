@@ -400,7 +400,7 @@ def test_arrival_of_a_hopper_triggers_orders() -> None:
         ("walk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
         ("pronk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
         ("walk: {}, pose: [{at: 1, limb: arm_r, reach: [0, 1, 0]}]", "{jump: {}}", "has a pose"),
-        ("walk: {}, pronk: {jumps: 3}", "stop", "conflicts with walk"),
+        ("walk: {}, pronk: {jumps: 3}", "stop", "which jumps by script"),
         ("walk: {}, pronk: {max_force: 0.1}", "{jump: {}}", "leave the ground"),
         ("at: [0, 0]", "{jump: {}}", "neither walks nor hops"),
     ],

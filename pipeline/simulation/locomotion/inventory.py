@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.figure_skin import figure_skin
 from pipeline.simulation.figures.inverse_dynamics import FrameMasses
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.inventory import Inventory
@@ -177,8 +178,9 @@ def creature_solids(
 
 def assign_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
     """Return the parts of a creature with the numbers of their render meshes, `look` the first."""
-    numbers = {piece: look + k for k, piece in enumerate(figure.looks.skins)}
-    numbers |= dict.fromkeys(figure.looks.covered, UNSEEN)
+    skin = figure_skin(figure)
+    numbers = {piece: look + k for k, piece in enumerate(skin.skins)}
+    numbers |= dict.fromkeys(skin.covered, UNSEEN)
     return [replace(part, look=numbers.get(i, OWN)) for i, part in enumerate(parts)]
 
 
@@ -196,7 +198,7 @@ def creature_skins(figure: Figure, first: int) -> list[Mesh]:
             (skin.links + first).astype(np.int32),
             np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
         )
-        for skin in figure.looks.skins.values()
+        for skin in figure_skin(figure).skins.values()
     ]
 
 

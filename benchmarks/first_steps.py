@@ -14,8 +14,8 @@ import time
 from pathlib import Path
 
 from pipeline.production.run.outputs import Outputs
-from pipeline.production.shots.frame_rendering import due, film_frames
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
@@ -41,15 +41,15 @@ def main(count: int) -> None:
     print(f"  {sorted(whole)[4]:.1f} with the building of the world, once a scene")
 
     renderer = Renderer(choose())
-    shooting = Shooting(scene, take)
+    shooting = ShotBuilder(scene, take)
     renderer.render(shooting.shot(1))  # compiles the kernels
     cold = renderer.timings.seconds
     with tempfile.TemporaryDirectory() as folder:
         outputs = Outputs(Path(folder), "bench")
         outputs.frames.mkdir()
         began = time.perf_counter()
-        keys, _ = due(shooting, outputs, range(1, count + 1), renderer.key_extra)
-        for _ in film_frames(renderer, shooting, outputs, keys):
+        keys, _ = outdated_frames(shooting, outputs, range(1, count + 1), renderer.key_extra)
+        for _ in render_frames(renderer, shooting, outputs, keys):
             pass
         wall = time.perf_counter() - began
     split = renderer.timings

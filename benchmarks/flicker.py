@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
@@ -32,7 +32,7 @@ def main(name: str, first: int, count: int) -> None:
     """Measure and print."""
     renderer = Renderer(choose())
     scene = load_scene(find_scene(name))
-    shooting = Shooting(scene, simulate(scene))
+    shooting = ShotBuilder(scene, simulate(scene))
 
     def film(samples: int, soft_light: str, stride: int) -> Frames:
         words = Film.model_validate(

@@ -60,14 +60,14 @@ def _resident() -> int:
 
 
 def _rendered(frames: int, words: list[str]) -> Iterator[object]:
-    from pipeline.production.shots.shot_builder import Shooting
+    from pipeline.production.shots.shot_builder import ShotBuilder
     from pipeline.simulation.simulate import simulate
     from pipeline.spec import find_scene, load_scene
     from render.backend import choose
     from render.renderer import Renderer
 
     scene = load_scene(find_scene("first_steps"), words)
-    shooting = Shooting(scene, simulate(scene))
+    shooting = ShotBuilder(scene, simulate(scene))
     renderer = Renderer(choose())
     for k in range(frames):
         yield renderer.render(shooting.shot((FRAME + k - 1) % scene.n_frames + 1))

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
@@ -76,7 +76,7 @@ def main(width: int, samples: int) -> None:
     size = (width, width * 9 // 16)
     for name, frame in SCENES.items():
         scene = load_scene(find_scene(name))
-        shot = Shooting(scene, simulate(scene)).shot(frame)
+        shot = ShotBuilder(scene, simulate(scene)).shot(frame)
         shot = replace(shot, film=Film(size=size, depth=DEPTH, denoise="off"), later=())
         print(f"{name}, frame {frame}, {size[0]}x{size[1]}, {samples} samples in the reference")
         judge = reference(shot, samples)

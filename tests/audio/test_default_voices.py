@@ -16,7 +16,7 @@ from audio.cause_voices import CAUSE_VOICES
 from audio.general_midi import INSTRUMENTS, program_number, usual_range
 from audio.harmony import parse_scale
 from audio.notes import Note, notes_of
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score as placed
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
@@ -109,7 +109,7 @@ def test_every_figure_that_walks_has_audible_feet_of_distinct_pitch(
     path.write_text(f"pronk: 1\nduration: 4\ncast: [{{figure: {figure}, walk: {{}}}}]\n")
     scene = load_scene(path)
     take = simulate(scene)
-    score, _ = placed(scene, take, Shooting(scene, take).poses)
+    score, _ = placed(scene, take, ShotBuilder(scene, take).poses)
     near = replace(score, events=tuple(replace(event, distance=4.0) for event in score.events))
     notes = [note for note in notes_of(near) if note.event.cause == "footfall"]
     assert notes

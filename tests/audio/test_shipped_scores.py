@@ -14,7 +14,7 @@ import pytest
 import symusic
 
 from audio.midi_file import write_midi
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
@@ -58,7 +58,7 @@ def test_every_note_of_a_shipped_scene_is_on_its_frame(
 ) -> None:
     scene = load_scene(library() / (name + SUFFIX))
     take = simulate(scene)
-    score, _ = build_score(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
     path = tmp_path / "score.mid"
     drums = any(voice.drum for voice in scene.sound.voices)
     for rate in {*RATES, scene.rate}:

@@ -13,7 +13,7 @@ from scipy.signal import resample_poly
 from audio.notes import notes_of
 from audio.time_grid import sample_at
 from audio.wav_file import write_wav
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
@@ -31,7 +31,7 @@ SCENES = [
 def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) -> None:
     scene = load_scene(library() / (name + SUFFIX))
     take = simulate(scene)
-    score, _ = build_score(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
     report = write_wav(score, tmp_path / "track.wav")
     sound = read_wav(tmp_path / "track.wav")
     magnitude = np.abs(sound).max(axis=1)

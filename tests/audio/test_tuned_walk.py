@@ -11,7 +11,7 @@ import pytest
 from audio.harmony import parse_steps
 from audio.notes import Note, arrange
 from audio.score import Score
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
@@ -30,7 +30,7 @@ FEET = {"mare": 4, "trio": 3, "anna": 2}
 def score() -> Score:
     scene = load_scene(library() / ("tuned_walk" + SUFFIX))
     take = simulate(scene)
-    return build_score(scene, take, Shooting(scene, take).poses)[0]
+    return build_score(scene, take, ShotBuilder(scene, take).poses)[0]
 
 
 @pytest.fixture(scope="module")

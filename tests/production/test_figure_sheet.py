@@ -15,7 +15,7 @@ from pipeline.production.reports.canvas import Panel, png_of
 from pipeline.production.reports.figure_drawing import FRONT, SIDE, StandingFigure
 from pipeline.production.reports.figure_report import report
 from pipeline.production.reports.figure_sheet import figure_sheet, figure_svg, figures_of
-from pipeline.production.shots.solid_preview import Painted, shaded
+from pipeline.production.shots.solid_preview import PreviewSolid, render_preview
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.solids import ball_solid
@@ -152,8 +152,8 @@ def test_a_figure_stands_on_the_ground_and_is_seen_whole(beetle: Figure) -> None
 def test_a_ball_is_seen_as_a_disc_lit_from_above() -> None:
     solid = ball_solid(np.zeros(3), 40.0)
     vertices = solid.vertices * [1.0, -1.0, 1.0] + [50.0, 50.0, 0.0]
-    faces = [Painted(vertices, solid.faces, np.array([0.2, 0.5, 0.8]), 0)]
-    picture = shaded(faces, (100, 100), np.ones(3))
+    faces = [PreviewSolid(vertices, solid.faces, np.array([0.2, 0.5, 0.8]), 0)]
+    picture = render_preview(faces, (100, 100), np.ones(3))
     covered = (picture < 0.999).any(axis=-1)
     assert covered.sum() == pytest.approx(np.pi * 40**2, rel=0.06)
     assert covered[50, 15]
@@ -165,10 +165,10 @@ def test_the_nearer_ball_hides_the_other() -> None:
     solid = ball_solid(np.zeros(3), 20.0)
     upright = solid.vertices * [1.0, -1.0, 1.0]
     red, blue = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
-    near = Painted(upright + np.array([40.0, 40.0, 30.0]), solid.faces, red, 0)
-    far = Painted(upright + np.array([50.0, 40.0, -30.0]), solid.faces, blue, 1)
+    near = PreviewSolid(upright + np.array([40.0, 40.0, 30.0]), solid.faces, red, 0)
+    far = PreviewSolid(upright + np.array([50.0, 40.0, -30.0]), solid.faces, blue, 1)
     for order in ([near, far], [far, near]):
-        picture = shaded(order, (100, 80), np.ones(3))
+        picture = render_preview(order, (100, 80), np.ones(3))
         assert picture[40, 45, 0] > picture[40, 45, 2]
         assert picture[40, 66, 2] > picture[40, 66, 0]
 

@@ -10,7 +10,7 @@ import pytest
 from pipeline.errors import FilmingError
 from pipeline.production.run import workers
 from pipeline.production.run.progress import LogReporter
-from pipeline.production.shots.frame_rendering import film_frames
+from pipeline.production.shots.frame_rendering import render_frames
 from render.backend import Backend
 from render.errors import DeviceMemoryShort, ShotError, device_memory_errors
 
@@ -59,4 +59,4 @@ def test_rendering_passes_only_the_lack_of_memory_through() -> None:
         renderer, shooting = Mock(), Mock()
         renderer.render.side_effect = error
         with pytest.raises(seen):
-            list(film_frames(renderer, shooting, Mock(), {1: "key"}))
+            list(render_frames(renderer, shooting, Mock(), {1: "key"}))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
@@ -39,7 +39,7 @@ def renderer() -> Renderer:
 def shot_of(name: str) -> Shot:
     """Return a frame in the first second of a shipped scene, small and without a denoiser."""
     scene = load_scene(find_scene(name), ["duration=1"])
-    shot = Shooting(scene, simulate(scene)).shot(scene.n_frames // 2)
+    shot = ShotBuilder(scene, simulate(scene)).shot(scene.n_frames // 2)
     return replace(shot, film=Film(size=SIZE, depth=DEPTH, denoise="off"), later=())
 
 

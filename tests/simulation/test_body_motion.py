@@ -22,36 +22,38 @@ ROW = 1.0 / 96.0
 
 LIBRARY = [name for name in SHIPPED if name not in ("inchworm", "robot_arm")]
 
-QUICK = 250.0
-"""Greatest acceleration of a joint that carries nothing [rad/s²]: that of ears in a bound."""
+MAX_JOINT_ACCELERATION = 250.0
+"""Greatest acceleration of a free joint [rad/s²]: that of ears in a bound."""
 
 
-class Seen:
+class Recording:
     """A simulation of one creature, played to its end.
 
     Args:
-        words: of the creature.
-        carried: changes its bearing.
+        member: config of the creature.
+        style: changes of its motion style.
     """
 
     def __init__(
         self,
-        words: str,
+        member: str,
         terrain: str = "flat",
         duration: float = 3,
         more: str = "",
-        **carried: float,
+        **style: float,
     ) -> None:
-        self.simulation = Simulation(scene_of(words, terrain=terrain, duration=duration, more=more))
+        self.simulation = Simulation(
+            scene_of(member, terrain=terrain, duration=duration, more=more)
+        )
         troupe = self.simulation.troupes[0]
         assert isinstance(troupe, Walkers)
         self.walkers = troupe
-        changed = {key: np.full(1, value) for key, value in carried.items()}
+        changed = {key: np.full(1, value) for key, value in style.items()}
         progress = troupe.progress
-        progress.trajectory.style = style = replace(progress.trajectory.style, **changed)
-        progress.moods.style = lambda time: style
+        progress.trajectory.style = fixed = replace(progress.trajectory.style, **changed)
+        progress.moods.style = lambda time: fixed
         # The row of the start was buffered before.
-        troupe._buffered[:] = [replace(moment, style=style) for moment in troupe._buffered]
+        troupe._buffered[:] = [replace(moment, style=fixed) for moment in troupe._buffered]
         while not self.simulation.finished:
             self.simulation.step()
         self.recorder = self.simulation.recorder
@@ -59,13 +61,13 @@ class Seen:
 
     @property
     def q(self) -> Array:
-        """(K, M) values of the joints that carry nothing [rad]."""
-        count = len(self.walkers.poses.free_limbs.joints.names)
+        """(K, M) values of the free joints [rad]."""
+        count = len(self.walkers.pose_solver.free_limbs.joints.names)
         return self.recorder.values[:, self.recorder.values.shape[1] - count :]
 
     def joint(self, name: str) -> Array:
         """(K,) values of one of them [rad]."""
-        names = self.walkers.poses.free_limbs.joints.names
+        names = self.walkers.pose_solver.free_limbs.joints.names
         return self.q[:, [own.partition(".")[2] for own in names].index(name)]
 
     @property
@@ -81,8 +83,8 @@ class Seen:
         link = skeleton.links[limb.links[-1]]
         node = self.names.index(f"{self.walkers.herd.names[0]}.{link.name}")
         R, p = self.recorder.rotations[:, node], self.recorder.positions[:, node]
-        # What looks along +X where the figure stands in its preferred pose.
-        ahead = self.walkers.poses.free_limbs.necks.rest[0].T @ [1.0, 0.0, 0.0]
+        # The gaze is along +X in the preferred pose.
+        ahead = self.walkers.pose_solver.free_limbs.necks.rest[0].T @ [1.0, 0.0, 0.0]
         return p + turn(R, limb.tip - link.ends[0]), turn(R, np.tile(ahead, (len(R), 1)))
 
 
@@ -92,7 +94,7 @@ def angle(a: Array, b: Array) -> Array:
     return np.degrees(np.arccos(np.clip((a * b).sum(axis=-1), -1.0, 1.0)))
 
 
-# --- where they look --------------------------------------------------------------
+# --- gaze --------------------------------------------------------------
 
 PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
 
@@ -103,14 +105,14 @@ PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
     "name", ["antelope", "beetle", "camel", "centipede", "horse", "kangaroo", "ostrich", "person"]
 )
 def test_gaze_meets_an_ordered_place(name: str, place: tuple[float, float, float]) -> None:
-    seen = Seen(f"{{figure: {name}, look_at: {list(place)}}}", duration=1, wander=0.0)
-    eyes, look = seen.look
+    recording = Recording(f"{{figure: {name}, look_at: {list(place)}}}", duration=1, wander=0.0)
+    eyes, look = recording.look
     assert angle(look, place - eyes).max() < 1.0
 
 
 def test_gaze_follows_a_passed_place() -> None:
-    seen = Seen("{figure: horse, look_at: [14, 1, 6], walk: {gait: walk}}", wander=0.0)
-    eyes, look = seen.look
+    recording = Recording("{figure: horse, look_at: [14, 1, 6], walk: {gait: walk}}", wander=0.0)
+    eyes, look = recording.look
     assert angle(look, np.array([14, 1, 6]) - eyes).max() < 1.0
 
 
@@ -118,9 +120,9 @@ def test_gaze_changes_target_without_a_jolt() -> None:
     other = "\n- {figure: beetle, name: bug, at: [6, 3], walk: {}}"
     script = "script:\n- {at: 1, who: horse, do: {look_at: bug}}\n"
     script += "- {at: 3, who: horse, do: {look: ahead}}"
-    seen = Seen("{figure: horse, walk: {gait: walk}}" + other, duration=5, more=script)
-    joints = seen.walkers.poses.free_limbs.joints
-    yaw = np.degrees(seen.q[:, joints.names.index("horse.head.base_yaw")])
+    recording = Recording("{figure: horse, walk: {gait: walk}}" + other, duration=5, more=script)
+    joints = recording.walkers.pose_solver.free_limbs.joints
+    yaw = np.degrees(recording.q[:, joints.names.index("horse.head.base_yaw")])
     assert np.abs(yaw[:96]).max() < 5.0
     assert yaw[288] < -15.0  # to the right
     assert np.abs(yaw[-48:]).max() < 5.0
@@ -131,10 +133,10 @@ def test_gaze_changes_target_without_a_jolt() -> None:
 def test_head_turns_before_the_body(angle_deg: int) -> None:
     script = "script:\n- {at: 0.5, who: beetle, do: stop}\n"
     script += f"- {{at: 3, who: beetle, do: {{turn_deg: {angle_deg}}}}}"
-    seen = Seen("{figure: beetle, walk: {}}", duration=5, more=script, wander=0.0)
-    R = seen.recorder.rotations[:, 0]
+    recording = Recording("{figure: beetle, walk: {}}", duration=5, more=script, wander=0.0)
+    R = recording.recorder.rotations[:, 0]
     turned = np.unwrap(np.arctan2(-R[:, 2, 0], R[:, 0, 0])) * np.sign(angle_deg)
-    yaw = seen.joint("head.base_yaw") * np.sign(angle_deg)
+    yaw = recording.joint("head.base_yaw") * np.sign(angle_deg)
     assert np.abs(yaw[: 3 * 96]).max() < 0.01
     third = int(np.argmax(turned > 0.3 * turned.max()))
     assert yaw[third] > 0.12
@@ -142,22 +144,24 @@ def test_head_turns_before_the_body(angle_deg: int) -> None:
 
 
 def test_head_turns_into_a_curve() -> None:
-    words = "{figure: person, walk: {path: [[2, 0], [2, 2]]}}"
-    ahead, not_ahead = (Seen(words, wander=0.0, head_turn=t).joint("head.base_yaw") for t in (1, 0))
+    member = "{figure: person, walk: {path: [[2, 0], [2, 2]]}}"
+    ahead, not_ahead = (
+        Recording(member, wander=0.0, head_turn=t).joint("head.base_yaw") for t in (1, 0)
+    )
     assert ahead.min() < -0.4
     assert np.abs(not_ahead).max() < 0.1
 
 
 def test_head_stays_level_on_a_pitching_body() -> None:
     hills = "{kind: hills, height: 1.4, spacing: 4}"
-    seen = Seen("{figure: camel, scale: 0.4, walk: {}}", hills, duration=4, wander=0.0)
-    _, look = seen.look
-    assert np.abs(seen.pitch).max() > 8.0
+    recording = Recording("{figure: camel, scale: 0.4, walk: {}}", hills, duration=4, wander=0.0)
+    _, look = recording.look
+    assert np.abs(recording.pitch).max() > 8.0
     assert np.degrees(np.abs(np.arcsin(look[:, 1]))).max() < 2.5
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("member", "message"),
     [
         ("{figure: scorpion, look_at: [1, 1, 1]}", "has no head"),
         ("{figure: horse, look_at: bee}", "nobody in the cast"),
@@ -166,38 +170,42 @@ def test_head_stays_level_on_a_pitching_body() -> None:
         ("{figure: inchworm, walk: {}, look_at: [1, 1, 1]}", "looks nowhere"),
     ],
 )
-def test_refuses_impossible_look_targets(words: str, message: str) -> None:
+def test_refuses_impossible_look_targets(member: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
-        Simulation(scene_of(words, duration=1))
+        Simulation(scene_of(member, duration=1))
 
 
-# --- what trails ------------------------------------------------------------------
+# --- follow-through ------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LIBRARY)
 def test_free_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
-    seen = Seen(f"{{figure: {name}, walk: {{}}}}", duration=2)
-    limits = seen.walkers.poses.free_limbs.joints.limits
-    assert (seen.q > limits.lower).all()
-    assert (seen.q < limits.upper).all()
-    assert np.abs(np.diff(seen.q, 2, axis=0)).max(initial=0.0) < QUICK * ROW**2
+    recording = Recording(f"{{figure: {name}, walk: {{}}}}", duration=2)
+    limits = recording.walkers.pose_solver.free_limbs.joints.limits
+    assert (recording.q > limits.lower).all()
+    assert (recording.q < limits.upper).all()
+    assert (
+        np.abs(np.diff(recording.q, 2, axis=0)).max(initial=0.0) < MAX_JOINT_ACCELERATION * ROW**2
+    )
 
 
 @pytest.mark.parametrize("looseness", [0.0, 2.0, 30.0])
 def test_joint_limits_hold_at_any_looseness(looseness: float) -> None:
-    seen = Seen("{figure: horse, walk: {gait: bound}}", looseness=looseness, tail_raise=3.0)
-    limits = seen.walkers.poses.free_limbs.joints.limits
-    assert (seen.q > limits.lower).all()
-    assert (seen.q < limits.upper).all()
+    recording = Recording(
+        "{figure: horse, walk: {gait: bound}}", looseness=looseness, tail_raise=3.0
+    )
+    limits = recording.walkers.pose_solver.free_limbs.joints.limits
+    assert (recording.q > limits.lower).all()
+    assert (recording.q < limits.upper).all()
 
 
 @pytest.mark.slow
 def test_creature_at_rest_has_only_idle_motion() -> None:
     for name in ("horse", "scorpion", "person"):
-        still = Seen(f"{{figure: {name}}}", duration=1, wander=0.0)
+        still = Recording(f"{{figure: {name}}}", duration=1, wander=0.0)
         assert np.abs(still.q - still.q[0]).max() < 1e-12
-        assert np.ptp(Seen(f"{{figure: {name}}}", duration=1).q, axis=0).max() > (
+        assert np.ptp(Recording(f"{{figure: {name}}}", duration=1).q, axis=0).max() > (
             0.01 if name != "scorpion" else 0.001
         )
 
@@ -205,13 +213,13 @@ def test_creature_at_rest_has_only_idle_motion() -> None:
 @pytest.mark.slow
 def test_tail_lags_more_towards_its_tip() -> None:
     """Overlap: at the rhythm of a bound each joint lags behind the one before."""
-    seen = Seen("{figure: horse, walk: {gait: bound}}", duration=6, wander=0.0, sway=0.0)
-    cycle = seen.walkers.herd.cycle[0]
-    times = ROW * np.arange(len(seen.q))
+    recording = Recording("{figure: horse, walk: {gait: bound}}", duration=6, wander=0.0, sway=0.0)
+    cycle = recording.walkers.herd.cycle[0]
+    times = ROW * np.arange(len(recording.q))
     whole = (times > 1.0) & (times <= 1.0 + np.floor(5.0 / cycle) * cycle)
     wave = np.exp(-2j * np.pi * times[whole] / cycle)
     names = ["tail.base_pitch", "tail.joint1_bend", "tail.joint2_bend"]
-    turned = [seen.joint(name)[whole] for name in names]
+    turned = [recording.joint(name)[whole] for name in names]
     swings = [np.mean((q - q.mean()) * wave) for q in turned]
     lags = -np.unwrap(np.angle(swings))
     assert (np.diff(lags) > 0.04).all()
@@ -220,9 +228,9 @@ def test_tail_lags_more_towards_its_tip() -> None:
 
 @pytest.mark.slow
 def test_looseness_scales_the_swing_of_a_tail() -> None:
-    words = "{figure: horse, walk: {gait: bound}}"
+    member = "{figure: horse, walk: {gait: bound}}"
     stiff, usual, floppy = (
-        np.ptp(Seen(words, sway=0.0, wander=0.0, looseness=loose).joint("tail.joint2_bend"))
+        np.ptp(Recording(member, sway=0.0, wander=0.0, looseness=loose).joint("tail.joint2_bend"))
         for loose in (0.0, 1.0, 2.0)
     )
     assert stiff < 1e-12
@@ -231,11 +239,13 @@ def test_looseness_scales_the_swing_of_a_tail() -> None:
 
 def test_tail_swings_on_after_a_stop() -> None:
     script = "script:\n- {at: 1, who: kangaroo, do: stop}"
-    seen = Seen("{figure: kangaroo, walk: {gait: hop}}", duration=5, more=script, wander=0.0)
-    body = seen.recorder.positions[:, 0]
+    recording = Recording(
+        "{figure: kangaroo, walk: {gait: hop}}", duration=5, more=script, wander=0.0
+    )
+    body = recording.recorder.positions[:, 0]
     moving = np.linalg.norm(np.diff(body, axis=0), axis=-1) / ROW
     rest = int(np.flatnonzero(moving > 1e-3)[-1]) + 1
-    tail = seen.joint("tail.joint2_bend")
+    tail = recording.joint("tail.joint2_bend")
     after = np.abs(tail - tail[-1])
     assert after[rest : rest + 20].max() > 5e-4
     assert after[-5:].max() < 0.2 * after[rest : rest + 20].max()
@@ -246,19 +256,20 @@ def test_tail_swings_on_after_a_stop() -> None:
 
 def test_body_pitches_down_when_braking() -> None:
     script = "script:\n- {at: 1, who: horse, do: stop}\n- {at: 4, who: horse, do: walk}"
-    seen = Seen("{figure: horse, walk: {gait: trot}}", duration=6, more=script)
-    assert -4.0 < seen.pitch[96:200].min() < -0.5
-    assert 0.5 < seen.pitch[4 * 96 :].max() < 4.0
-    assert np.abs(seen.pitch[370:384]).max() < 0.2
+    recording = Recording("{figure: horse, walk: {gait: trot}}", duration=6, more=script)
+    assert -4.0 < recording.pitch[96:200].min() < -0.5
+    assert 0.5 < recording.pitch[4 * 96 :].max() < 4.0
+    assert np.abs(recording.pitch[370:384]).max() < 0.2
 
 
 def test_pitched_body_keeps_its_feet_below_it() -> None:
     level, proud = (
-        Seen("{figure: horse, walk: {}}", duration=3, body_pitch=held) for held in (0.0, 0.15)
+        Recording("{figure: horse, walk: {}}", duration=3, body_pitch=held) for held in (0.0, 0.15)
     )
     assert 7.0 < np.mean(proud.pitch - level.pitch) < 8.6
     ends = [
-        seen.walkers.stepping.feet.end - seen.recorder.positions[-1, 0] for seen in (level, proud)
+        recording.walkers.stepping.feet.end - recording.recorder.positions[-1, 0]
+        for recording in (level, proud)
     ]
     moved = np.abs(ends[1] - ends[0])[:, [0, 2]].max(axis=1)
     # Rotated with the body they would be 17 cm off; forelegs lose a little of their reach.
@@ -268,19 +279,19 @@ def test_pitched_body_keeps_its_feet_below_it() -> None:
 
 
 def test_style_pitch_is_bounded() -> None:
-    seen = Seen("{figure: beetle, walk: {}}", duration=1, body_pitch=9.0)
-    assert np.abs(seen.pitch).max() < 17.0
+    recording = Recording("{figure: beetle, walk: {}}", duration=1, body_pitch=9.0)
+    assert np.abs(recording.pitch).max() < 17.0
 
 
-# --- bearing ----------------------------------------------------------------------
+# --- motion style ----------------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["horse", "camel", "kangaroo", "centipede", "ostrich"])
 def test_head_raise_lifts_the_head(name: str) -> None:
-    words = f"{{figure: {name}, walk: {{}}}}"
+    member = f"{{figure: {name}, walk: {{}}}}"
     low, usual, high = (
-        Seen(words, duration=1, head_raise=raised).look for raised in (-0.3, 0.0, 0.3)
+        Recording(member, duration=1, head_raise=raised).look for raised in (-0.3, 0.0, 0.3)
     )
     tall = usual[0][0, 1]
     for lower, higher in ((low, usual), (usual, high)):
@@ -289,13 +300,13 @@ def test_head_raise_lifts_the_head(name: str) -> None:
 
 def test_head_raise_turns_an_upright_neck_up() -> None:
     low, high = (
-        Seen("{figure: person}", duration=1, head_raise=r, wander=0.0).look for r in (0.0, 0.3)
+        Recording("{figure: person}", duration=1, head_raise=r, wander=0.0).look for r in (0.0, 0.3)
     )
     assert np.degrees(np.arcsin(high[1][:, 1] - low[1][:, 1])).min() > 4.0
 
 
 def test_tail_raise_lifts_the_tail() -> None:
-    down, up = (Seen("{figure: horse}", duration=1, tail_raise=r) for r in (0.0, 0.4))
+    down, up = (Recording("{figure: horse}", duration=1, tail_raise=r) for r in (0.0, 0.4))
     raised = (up.joint("tail.base_pitch") - down.joint("tail.base_pitch")).mean()
     assert 0.35 < raised <= 0.4
 
@@ -308,7 +319,7 @@ def test_motion_styles_of_several_moments_stack() -> None:
     assert MotionStyle.stacked([moments[0]] * 5).head_raise.shape == (5, 3)
 
 
-# --- what is in the way -----------------------------------------------------------
+# --- limb clearance -----------------------------------------------------------
 
 
 RAMP = "{kind: ramp, size: [16, 3], cells: [320, 30], start: 1.0, slope_deg: 28, height: 0.8}"
@@ -316,16 +327,16 @@ RAMP = "{kind: ramp, size: [16, 3], cells: [320, 30], start: 1.0, slope_deg: 28,
 
 def _lowest(part: str) -> float:
     """Return how far the end of a scorpion's limb stays above a ramp that it comes to [m]."""
-    seen = Seen(
+    recording = Recording(
         "{figure: scorpion, name: s, scale: 0.8, at: [0.2, 0], walk: {speed: 0.55}}", RAMP, 2.5
     )
-    skeleton = seen.walkers.herd.figures[0].skeleton
+    skeleton = recording.walkers.herd.figures[0].skeleton
     limb = next(limb for limb in skeleton.limbs if limb.name == part)
     link = skeleton.links[limb.links[-1]]
-    node = seen.names.index(f"s.{link.name}")
-    R, p = seen.recorder.rotations[:, node], seen.recorder.positions[:, node]
+    node = recording.names.index(f"s.{link.name}")
+    R, p = recording.recorder.rotations[:, node], recording.recorder.positions[:, node]
     tip = p + turn(R, limb.tip - link.ends[0])
-    height = seen.walkers.world.ground.height(tip[:, 0], tip[:, 2])
+    height = recording.walkers.world.ground.height(tip[:, 0], tip[:, 2])
     return float((tip[:, 1] - height).min()) - limb.tip_radius
 
 

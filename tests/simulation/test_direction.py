@@ -1,4 +1,4 @@
-"""Direction: paths through waypoints, and what a script asks of walkers."""
+"""Direction: paths through waypoints, and orders of a script."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ ROW = 1 / 96
 BEETLE = "{{name: b, figure: beetle, scale: 0.6, at: [0, 0], {}}}"
 
 
-def walked(words: str, script: str = "", duration: float = 6) -> Walk:
+def walked(options: str, script: str = "", duration: float = 6) -> Walk:
     """Return a beetle's walk."""
     more = f"script: [{script}]" if script else ""
-    return walk_through(scene_of(BEETLE.format(words), duration=duration, more=more))
+    return walk_through(scene_of(BEETLE.format(options), duration=duration, more=more))
 
 
 def places(walk: Walk) -> Array:
-    """Return where the body is over the plane (K, 2) [m]."""
+    """Return the places of the body on the plane (K, 2) [m]."""
     i = [node.name for node in walk.take.nodes].index("b.body")
     return walk.take.positions[:, i][:, [0, 2]]
 
 
 def headings(walk: Walk) -> Array:
-    """Return where it looks (K,) [rad], continuous."""
+    """Return the headings of the body (K,) [rad], continuous."""
     R = walk.simulation.recorder.rotations[:, 0]
     return np.unwrap(np.arctan2(-R[:, 2, 0], R[:, 0, 0]))
 
 
 def speeds(walk: Walk) -> Array:
-    """Return how fast it goes (K - 1,) [m/s]."""
+    """Return the speeds of the body (K - 1,) [m/s]."""
     return np.linalg.norm(np.diff(places(walk), axis=0), axis=-1) / ROW
 
 
@@ -62,9 +62,9 @@ def test_walks_through_waypoints_and_rests_with_closed_feet() -> None:
 def test_body_heads_along_its_route() -> None:
     walk = walked("walk: {path: [[1.2, 0.2], [1.8, 1.2], [1.0, 1.8]]}", duration=4)
     way = np.diff(places(walk), axis=0)
-    going = np.linalg.norm(way, axis=-1) > 1e-3
-    ahead = np.unwrap(np.arctan2(-way[going, 1], way[going, 0]))
-    assert np.abs(np.degrees(ahead - headings(walk)[:-1][going])).max() < 4.0
+    moves = np.linalg.norm(way, axis=-1) > 1e-3
+    ahead = np.unwrap(np.arctan2(-way[moves, 1], way[moves, 0]))
+    assert np.abs(np.degrees(ahead - headings(walk)[:-1][moves])).max() < 4.0
 
 
 def test_walks_back_and_forth() -> None:
@@ -169,7 +169,7 @@ def test_speed_order() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "script", "message"),
+    ("options", "script", "message"),
     [
         ("walk: {}", "{at: 1, who: x, do: stop}", "nobody in the cast is called 'x'"),
         ("heading_deg: 0", "{at: 1, who: b, do: stop}", "'b' neither walks nor hops"),
@@ -182,9 +182,9 @@ def test_speed_order() -> None:
         ("walk: {path: [[1]]}", "", "must hold 2 values"),
     ],
 )
-def test_refuses(words: str, script: str, message: str) -> None:
+def test_refuses(options: str, script: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
-        walked(words, script)
+        walked(options, script)
     assert all(problem.line > 0 for problem in caught.value.problems)
 
 

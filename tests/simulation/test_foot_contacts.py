@@ -1,4 +1,4 @@
-"""Feet that drag are heard: once a swing, where they rub, at the same time in every film."""
+"""Scuffs: once a swing, where the foot rubs most, at the same time at every frame rate."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def dragging(request: pytest.FixtureRequest, walk_through: Callable[..., object]
 
 
 def test_foot_scuffs_at_most_once_a_swing(dragging: object) -> None:
-    """Swings are told apart by the poses' own record of who was in the air."""
+    """Swings are counted by the recorded feet in the air."""
     assert len(scuffs_of(dragging.take)) > 5
     swings = np.cumsum(np.diff(np.array(dragging.swinging).astype(int), axis=0) == 1, axis=0)
     herd = dragging.walkers.herd
@@ -119,7 +119,7 @@ def test_frame_rate_does_not_change_scuffs(step: str) -> None:
         n = min(len(scuffs_of(film)), len(scuffs_of(other)))
         assert n > 20
         assert np.abs(times(film)[:n] - times(other)[:n]).max() < 1e-9
-    # Creatures look at slopes at the steps they have, and two bumps of a way may rub alike.
+    # Slopes are sampled at the steps there are, and two bumps of a swing may rub alike.
     rough, other = (simulate(scene("beetle", step, ROUGH, fps)) for fps in ("24", "60"))
     n = min(len(scuffs_of(rough)), len(scuffs_of(other)))
     assert (np.abs(times(rough)[:n] - times(other)[:n]) < 1e-4).mean() > 0.9
@@ -133,14 +133,14 @@ def test_scuff_over_a_plane(slope: float) -> None:
     normal = np.array([-slope, 1.0, 0.0]) / down
 
     def drawn(gap: float) -> Array:
-        way = np.stack([x, slope * x, np.zeros_like(x)], axis=-1)
-        return way + (0.03 + gap) * normal
+        path = np.stack([x, slope * x, np.zeros_like(x)], axis=-1)
+        return path + (0.03 + gap) * normal
 
     for gap, weight in ((0.0, DRAGGED_MASS), (0.005, 0.5 * DRAGGED_MASS), (-0.01, DRAGGED_MASS)):
         scuff = scuff_in_swing(plane(slope), drawn(gap), MID_SWING, 0.03, 0.01)
         assert scuff is not None
-        assert scuff.way == pytest.approx(0.4 * down / 0.5)
-        assert scuff.weight == pytest.approx(weight)
+        assert scuff.slide == pytest.approx(0.4 * down / 0.5)
+        assert scuff.mass_fraction == pytest.approx(weight)
         assert scuff.normal == pytest.approx(normal)
     assert scuff_in_swing(plane(slope), drawn(0.0101), MID_SWING, 0.03, 0.01) is None
 
@@ -158,8 +158,8 @@ def test_scuff_is_at_the_bump() -> None:
 def test_scuff_of_a_foot_that_slides_at_touchdown() -> None:
     tips = np.array([[0.0, 0.01, 0.0], [0.006, 0.0, 0.008]])
     scuff = scuff_at_touchdown(tips, np.array([0.99, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]))
-    assert scuff.way == pytest.approx(1.0)
-    assert scuff.part == 1.0
+    assert scuff.slide == pytest.approx(1.0)
+    assert scuff.fraction == 1.0
 
 
 def test_take_stores_scuffs(dragging: object, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What holds for every gait, of any number of legs."""
+"""Properties of all gaits, of any number of legs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def even(left: int, right: int) -> LegRows:
 
 
 def apart(a: Array | float, b: Array | float) -> Array:
-    """Return how far phases are apart, the shorter way round."""
+    """Return the circular distance of phases."""
     result: Array = np.abs(np.mod(np.asarray(a) - b + 0.5, 1.0) - 0.5)
     return result
 
@@ -232,8 +232,8 @@ def test_duty_keeps_the_middle_of_each_swing(legs: LegRows, duty: float) -> None
 def test_flights_are_the_times_without_a_foot_down(legs: LegRows, duty: float) -> None:
     gait = trot(legs).with_duty(duty)
     flights = gait.flights()
-    for begin, length in flights:
-        inside = begin + length * np.linspace(0.01, 0.99, 50)
+    for start, length in flights:
+        inside = start + length * np.linspace(0.01, 0.99, 50)
         assert not gait.standing(inside).any()
     free = ~gait.standing(FINE[:-1]).any(axis=-1)
     assert abs(flights[:, 1].sum() - free.mean()) < 0.005
@@ -245,15 +245,15 @@ def test_bounce_is_free_fall_in_flight_with_continuous_speed(legs: LegRows, duty
         bounce = FlightBounce.of(gait.with_duty(duty))
         if bounce is None:
             continue
-        for begin, length in bounce.flights:
-            s = begin + length * np.linspace(0.1, 0.9, 9)
+        for start, length in bounce.flights:
+            s = start + length * np.linspace(0.1, 0.9, 9)
             heights = bounce.height(s)
             assert np.allclose(np.diff(heights, 2) / (0.1 * length) ** 2, -1.0, atol=1e-5)
             assert (heights > 0.0).all()
-            for edge in (begin, begin + length):
+            for edge in (start, start + length):
                 before, at, after = bounce.height(edge + np.array([-1e-6, 0.0, 1e-6]))
                 assert abs((after - at) - (at - before)) < 1e-9
-        # The amplitude is half of the whole way, as finely as it is looked at.
+        # The amplitude is half of the rise, as finely as it is sampled.
         assert np.abs(bounce.beat(FINE)).max() < 2.0 + 1e-3
 
 

@@ -42,8 +42,8 @@ UNEVEN = (
 
 
 @cache
-def walked(figure: str, gait: str, more: str = "", words: str = "") -> Walk:
-    member = f"{{figure: {figure}, walk: {{gait: {gait}{words}}}}}"
+def walked(figure: str, gait: str, more: str = "", options: str = "") -> Walk:
+    member = f"{{figure: {figure}, walk: {{gait: {gait}{options}}}}}"
     return walk_through(scene_of(member, duration=1.5, more=more))
 
 
@@ -107,7 +107,7 @@ def test_body_falls_freely_in_flight(figure: str, gait: str) -> None:
 @pytest.mark.parametrize("duty", [0.4, 0.7])
 def test_feet_are_down_for_the_duty_factor(duty: float) -> None:
     walk: Callable[..., Walk] = walked
-    seen = walk("horse", "trot", words=f", duty: {duty}, cycle: 0.75")
+    seen = walk("horse", "trot", options=f", duty: {duty}, cycle: 0.75")
     # 1.5 s are two whole cycles.
     assert abs(seen.standing[:-1].mean() - duty) < 0.02
     assert_walking_invariants(seen)

@@ -1,4 +1,4 @@
-"""Changes of gait and of mood on the way: no foot slips, no joint jumps, what is asked comes."""
+"""Changes of gait and mood on the way: no foot slips, no joint jumps, orders are followed."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ ROW = 1 / 96
 MILLIMETRE = 1e-3
 
 
-def walked(figure: str, walk: str, *script: str, duration: float = 6, more: str = "") -> Walk:
+def walked(figure: str, walk: str, *script: str, duration: float = 6) -> Walk:
     """Return the walk of one creature that a script directs."""
     orders = ", ".join(f"{{at: {2 + 2 * i}, who: it, do: {do}}}" for i, do in enumerate(script))
-    words = f"script: [{orders}]\n" if script else ""
-    member = f"{{name: it, figure: {figure}, walk: {walk}{more}}}"
-    return walk_through(scene_of(member, duration=duration, more=words))
+    more = f"script: [{orders}]\n" if script else ""
+    member = f"{{name: it, figure: {figure}, walk: {walk}}}"
+    return walk_through(scene_of(member, duration=duration, more=more))
 
 
 def speed(walk: Walk, time: float) -> float:
@@ -65,9 +65,9 @@ def test_gait_changes_are_smooth(figure: str) -> None:
 
 
 def _alone(figure: str) -> list[object]:
-    gaits = [words for words in CHANGES[figure] if "gait" in words]
-    scenes = [scene_of(f"{{figure: {figure}, walk: {words}}}", duration=3.5) for words in gaits]
-    moods = [words for words in CHANGES[figure] if "mood" in words]
+    gaits = [change for change in CHANGES[figure] if "gait" in change]
+    scenes = [scene_of(f"{{figure: {figure}, walk: {gait}}}", duration=3.5) for gait in gaits]
+    moods = [change for change in CHANGES[figure] if "mood" in change]
     members = [f"{{figure: {figure}, walk: {gaits[0]}, {mood[1:-1]}}}" for mood in moods]
     return scenes + [scene_of(member, duration=3.5) for member in members]
 
@@ -112,8 +112,8 @@ def test_new_gait_has_its_default_or_ordered_speed() -> None:
 def test_distance_does_not_depend_on_frame_rate() -> None:
     ends = []
     for fps in (24, 30, 60):
-        words = "script: [{at: 1, who: it, do: {gait: wave}}]\n" + f"fps: {fps}\n"
-        scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=4, more=words)
+        more = "script: [{at: 1, who: it, do: {gait: wave}}]\n" + f"fps: {fps}\n"
+        scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=4, more=more)
         simulation = Simulation(scene)
         while not simulation.finished:
             simulation.step()
@@ -137,8 +137,8 @@ def test_distance_is_the_integral_of_the_stride() -> None:
 
 @pytest.mark.slow
 def test_second_change_waits_for_the_first() -> None:
-    words = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
-    scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=words)
+    more = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
+    scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=more)
     first, second = walk_through(scene).walkers.progress.paces.changes[0]
     assert second.gaits.start == first.gaits.end
     assert second.before is first.after
@@ -184,7 +184,7 @@ def test_script_holds_a_foot_up_and_puts_it_down() -> None:
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     down = walk.standing[1:] & walk.standing[:-1]
     assert moved[down].max() < 0.1 * MILLIMETRE
-    # Taken up and put down along a smooth way.
+    # The foot moves smoothly.
     assert (moved / ROW).max() < 8.0
 
 

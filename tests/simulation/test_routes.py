@@ -33,13 +33,13 @@ def test_spline_passes_every_waypoint_at_unit_speed(points: list[Array], closed:
     assume(not sharp_corners([points[-1], *points, points[0]] if closed else points))
     route = spline_route(points, None, closed)
     s = fine(route)
-    xz, turned = route.at(s)
+    xz, headings = route.at(s)
     gaps = np.linalg.norm(xz[:, None] - np.array(points), axis=-1).min(axis=0)
     assert gaps.max() < 0.02
     speed = np.linalg.norm(np.diff(xz, axis=0), axis=-1) / np.diff(s)
     assert np.abs(np.median(speed) - 1.0) < 0.01
     assert speed.max() < 1.2
-    ahead = np.einsum("si,si->s", np.diff(xz, axis=0), heading_vector(turned)[:-1]) / np.diff(s)
+    ahead = np.einsum("si,si->s", np.diff(xz, axis=0), heading_vector(headings)[:-1]) / np.diff(s)
     assert np.median(ahead) > 0.99
     if closed:
         np.testing.assert_allclose(xz[-1], xz[0], atol=1e-9)
@@ -47,16 +47,16 @@ def test_spline_passes_every_waypoint_at_unit_speed(points: list[Array], closed:
 
 def test_spline_starts_with_the_given_heading() -> None:
     route = spline_route([np.zeros(2), np.array([4.0, 1.0])], 0.7)
-    xz, turned = route.at(np.array([0.0, 0.05]))
-    assert turned[0] == pytest.approx(0.7, abs=0.05)
+    xz, headings = route.at(np.array([0.0, 0.05]))
+    assert headings[0] == pytest.approx(0.7, abs=0.05)
     np.testing.assert_allclose((xz[1] - xz[0]) / 0.05, heading_vector(0.7), atol=0.06)
 
 
 def test_straight_and_standing_routes() -> None:
     s = np.array([-1.0, 0.0, 2.5, 1e6])
-    xz, turned = straight_route(np.array([1.0, 2.0]), 0.3).at(s)
+    xz, headings = straight_route(np.array([1.0, 2.0]), 0.3).at(s)
     np.testing.assert_allclose(xz, [1.0, 2.0] + s[:, None] * heading_vector(0.3))
-    np.testing.assert_array_equal(turned, np.full(4, 0.3))
+    np.testing.assert_array_equal(headings, np.full(4, 0.3))
     assert straight_route(np.zeros(2), 0.0).length == np.inf
     xz, _ = standing_route(np.array([1.0, 2.0]), 0.3).at(s[1:])
     np.testing.assert_array_equal(xz, np.tile([1.0, 2.0], (3, 1)))
@@ -65,9 +65,9 @@ def test_straight_and_standing_routes() -> None:
 def test_turn_in_place() -> None:
     route = turn_in_place(np.array([1.0, -1.0]), 0.5, -2.0, 0.4)
     assert route.length == pytest.approx(0.8)
-    xz, turned = route.at(fine(route))
+    xz, headings = route.at(fine(route))
     np.testing.assert_allclose(xz, np.tile([1.0, -1.0], (1500, 1)), atol=1e-12)
-    np.testing.assert_allclose(turned, np.linspace(0.5, -1.5, 1500), atol=1e-9)
+    np.testing.assert_allclose(headings, np.linspace(0.5, -1.5, 1500), atol=1e-9)
     assert not route.curvature(fine(route)).any()
 
 
@@ -75,8 +75,8 @@ def test_routes_are_cut_and_joined_continuously() -> None:
     first = spline_route([np.zeros(2), np.array([2.0, 1.0]), np.array([3.0, 4.0])], None)
     cut = first.upto(1.3)
     assert cut.length == pytest.approx(1.3)
-    place, turned = first.at(np.array([1.3]))
-    whole = cut.then(turn_in_place(place[0], float(turned[0]) + 4 * np.pi, 1.0, 0.5))
+    place, headings = first.at(np.array([1.3]))
+    whole = cut.then(turn_in_place(place[0], float(headings[0]) + 4 * np.pi, 1.0, 0.5))
     assert whole.length == pytest.approx(1.8)
     s = np.linspace(0.0, 1.3, 200)
     np.testing.assert_allclose(whole.at(s)[0], first.at(s)[0], atol=1e-3)

@@ -1,4 +1,4 @@
-"""What holds for every walker in every shipped scene, at every step."""
+"""Invariants of walking in every shipped scene, at every step."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from .conftest import Walk, walk_through
 
 MILLIMETRE = 1e-3
 
-QUICKEST = 30.0
-"""Speed that no joint of a leg reaches [rad/s]; a galloping horse's are at 24."""
+MAX_JOINT_SPEED = 30.0
+"""Greatest speed of a leg's joint [rad/s]; a galloping horse's are at 24."""
 
-HARDEST = 60.0
-"""Acceleration that no body reaches [m/s²], six times that of its weight."""
+MAX_BODY_ACCELERATION = 60.0
+"""Greatest acceleration of a body [m/s²], about 6 g."""
 
 BALL = np.random.default_rng(0).normal(size=(40, 3))
 BALL /= np.linalg.norm(BALL, axis=-1, keepdims=True)
 
 
 def walked(name: str) -> bool:
-    """Tell whether anybody walks on legs over the ground of a scene, and nobody jumps off it."""
+    """Return whether creatures on legs walk over the ground of a scene, and none jumps."""
     scene = load_scene(find_scene(name))
     if any(isinstance(one.do, HopOver | JumpOnce) for one in scene.script):
         return False
@@ -36,7 +36,7 @@ def walked(name: str) -> bool:
 def left_alone(walk: Walk) -> Array:
     """Return (K, L) which feet are left to their walk, not moved by an author."""
     times = np.arange(len(walk.phases)) * walk.simulation.world.clock.dt
-    return walk.walkers.authored.free_fraction(times) > 0.999
+    return walk.walkers.authored_poses.free_fraction(times) > 0.999
 
 
 @pytest.mark.slow
@@ -63,23 +63,23 @@ def test_shipped_scenes_keep_the_invariants_of_walking(name: str) -> None:
     q = walk.q
     assert (q >= herd.legs.lower).all()
     assert (q <= herd.legs.upper).all()
-    assert np.abs(np.diff(q, axis=0)).max() < QUICKEST * dt, "a joint jumps"
+    assert np.abs(np.diff(q, axis=0)).max() < MAX_JOINT_SPEED * dt, "a joint jumps"
     bodies = [take.nodes.index(n) for n in take.nodes if n.name.endswith(".body")]
     jerked = np.diff(take.positions[:, bodies], 2, axis=0) / dt**2
-    assert np.linalg.norm(jerked, axis=-1).max() < HARDEST, "a body jumps"
+    assert np.linalg.norm(jerked, axis=-1).max() < MAX_BODY_ACCELERATION, "a body jumps"
 
     _keeps_its_phases(walk)
     for c in np.flatnonzero(herd.walks):
         own, pace = herd.owner == c, herd.paces[c]
         if pace.flight is None and c not in walk.walkers.progress.paces.changes:
-            assert walk.standing[:, own].sum(axis=1).min() >= 1, "nobody flies"
+            assert walk.standing[:, own].sum(axis=1).min() >= 1, "a walking creature flies"
 
 
 def _keeps_its_phases(walk: Walk) -> None:
     """Feet come down when their gaits say so."""
     herd, paces = walk.walkers.herd, walk.walkers.progress.paces
     names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
-    # Who hops has no phases.
+    # A hopper has no phases.
     touches = [c for c in walk.take.contacts if c.kind == "touch" and c.part in names]
     assert touches
     for contact in touches:

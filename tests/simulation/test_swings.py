@@ -1,4 +1,4 @@
-"""Kinds of swings: what they take, where they land, and that they keep to the ground."""
+"""Kinds of swings: work, touchdown and ground clearance."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec import Scene
-from pipeline.spec.walk import Walk as Words
+from pipeline.spec.walk import Walk as WalkConfig
 
 if TYPE_CHECKING:
     from tests.simulation.conftest import Walk
@@ -35,7 +35,7 @@ HILLS = "{kind: hills, height: 0.8, spacing: 5, size: [40, 40]}"
 
 
 def test_every_swing_kind_has_a_planner() -> None:
-    kinds = set(get_args(Words.model_fields["swing"].annotation))
+    kinds = set(get_args(WalkConfig.model_fields["swing"].annotation))
     assert kinds == {"spline", *PLANNERS}
 
 
@@ -69,7 +69,7 @@ def test_fitted_bends_converge_to_fourth_order() -> None:
     assert error(6.0) / error(3.0) == pytest.approx(16.0, rel=0.3)
 
 
-# --- what they take -----------------------------------------------------------------
+# --- work -----------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +190,7 @@ def test_no_torque_about_the_hip_of_a_free_leg(
         assert free < 0.2 * led
 
 
-# --- where they lead ----------------------------------------------------------------
+# --- walks ----------------------------------------------------------------
 
 CASTS = [(figure, swing) for figure in ("horse", "person") for swing in ("passive", "least-effort")]
 

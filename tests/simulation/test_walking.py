@@ -1,4 +1,4 @@
-"""What holds on every step of every walk."""
+"""Invariants of every walk at every step."""
 
 from __future__ import annotations
 

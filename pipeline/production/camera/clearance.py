@@ -1,4 +1,4 @@
-"""Surroundings: ground and bodies that a camera must not be in, nor behind."""
+"""Clearance: keeps a camera above the ground, out of bodies, and in sight of its target."""
 
 from __future__ import annotations
 
@@ -8,31 +8,29 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.camera.camera_path import Seen
-from pipeline.production.camera.camera_target import SMOOTHING, Followed
-from pipeline.production.camera.extreme_points import Outlines
-from pipeline.production.camera.path_smoothing import envelope
+from pipeline.production.camera.camera_path import CameraPath, envelope
+from pipeline.production.camera.camera_target import TARGET_SMOOTHING_S, CameraTarget, ExtremePoints
 from pipeline.production.shots.ground_mesh import RINGS, ground_meshes
 from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.simulation.terrain.heightfield import surface_of_vertices
 
-LEAST = 0.03
-"""Least height of any camera over the ground, more than the nearest thing it draws [m]."""
+MIN_HEIGHT = 0.03
+"""Least height of any camera over the ground; beyond the near clipping plane [m]."""
 
-CLEARANCE = 0.12
-"""Height over the ground of a camera that frames by itself, as a part of its distance."""
+GROUND_CLEARANCE = 0.12
+"""Height of an automatic camera over the ground, relative to its distance."""
 
-BIG = 0.6
-"""Extent from which something can hide what is followed, as a part of its radius."""
+OBSTACLE_SIZE = 0.6
+"""Extent from which a body can hide the target, relative to the target's radius."""
 
-STEEP = 1.2
-"""How far a camera goes up to see over a thing, as a part of its distance; higher ones it bears."""
+MAX_RISE = 1.2
+"""Greatest rise to see over an obstacle, relative to the distance; higher ones are ignored."""
 
 
-class Ground:
-    """The ground as it is seen: the terrain, and the far field around it."""
+class VisibleGround:
+    """The visible ground: the terrain, and the far field around it."""
 
     def __init__(self, terrain: TerrainRecord) -> None:
         self._terrain = terrain
@@ -41,22 +39,22 @@ class Ground:
     def height(self, places: Array) -> Array:
         """Return the height (...) of the ground at `places` (..., 3) [m].
 
-        Beyond the terrain that of the highest corner around, for its triangles are wide there.
+        In the far field, with its wide triangles, it is that of the highest corner around.
         """
         x, z = places[..., 0], places[..., 2]
         result = self._near.height(x, z)
         outside = ~self._near.inside(x, z)
         if outside.any():
             result = np.array(result)
-            result[outside] = self._beyond(x[outside], z[outside])
+            result[outside] = self._far_height(x[outside], z[outside])
         return result
 
-    def _beyond(self, x: Array, z: Array) -> Array:
+    def _far_height(self, x: Array, z: Array) -> Array:
         rings, reach = self._far
         half = np.array(self._near.size) / 2.0
         g = np.stack(self._near.to_grid(x, z), axis=-1)
         out = (np.abs(g) - half).max(axis=-1)
-        # On the ring nearest to the terrain, which all others are grown from.
+        # On the innermost ring, from which all others are scaled.
         rim = g / (1.0 + out[:, None] / half)
         edge = np.stack(self._near.to_grid(rings[0, :, 0], rings[0, :, 2]), axis=-1)
         at = ((rim[:, None] - edge) ** 2).sum(axis=-1).argmin(axis=-1)
@@ -68,105 +66,111 @@ class Ground:
 
     @cached_property
     def _far(self) -> tuple[Array, Array]:
-        """The rings (R, n, 3) of the far field, and how far out of the terrain each is (R,) [m]."""
+        """Rings (R, n, 3) of the far field, and their distances from the terrain (R,) [m]."""
         vertices = ground_meshes(self._terrain)[1].vertices.astype(float)
         rings = vertices.reshape(RINGS + 1, -1, 3)
         x, _ = self._near.to_grid(rings[..., 0], rings[..., 2])
         return rings, np.abs(x).max(axis=-1) - self._near.size[0] / 2.0
 
-    def cleared(self, seen: Seen, rate: float, along: bool) -> Seen:
-        """Return a camera of its author's that is nowhere in the ground.
+    def cleared(self, path: CameraPath, rate: float, *, with_target: bool) -> CameraPath:
+        """Return the path of an author's camera raised above the ground.
 
         Args:
-            seen: where it was put.
-            rate: frames a second.
-            along: whether its target goes up with it.
+            path: of the camera.
+            rate: frames per second.
+            with_target: whether the target rises with the eye.
         """
-        lift = self.height(seen.eye) + LEAST - seen.eye[:, 1]
+        lift = self.height(path.eye) + MIN_HEIGHT - path.eye[:, 1]
         if lift.max() <= 0.0:
-            return seen
-        return seen.raised(envelope(np.maximum(lift, 0.0), SMOOTHING * rate), along)
+            return path
+        smooth = envelope(np.maximum(lift, 0.0), TARGET_SMOOTHING_S * rate)
+        return path.raised(smooth, with_target=with_target)
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
-    """What is around somebody who is followed.
+class Clearance:
+    """Ground and obstacles around the target of a camera.
 
     Attributes:
         ground: below all.
-        low: (F, P, 3) lower corners of boxes around big things [m].
+        low: (F, P, 3) lower corners of the boxes of obstacles [m].
         high: (F, P, 3) upper corners [m].
         still: (P,) whether each stands still.
-        rate: frames a second.
+        rate: frames per second.
     """
 
-    ground: Ground
+    ground: VisibleGround
     low: Array
     high: Array
     still: NDArray[np.bool_]
     rate: float
 
     @staticmethod
-    def of(take: Take, ground: Ground, followed: Followed, rows: NDArray[np.int64]) -> Surroundings:
-        """Return what is around `followed` at some rows."""
-        outlines = Outlines.of(take, lambda part: part.performer not in followed.names)
-        placed = outlines.placed(take, rows)
+    def of(
+        take: Take, ground: VisibleGround, target: CameraTarget, rows: NDArray[np.int64]
+    ) -> Clearance:
+        """Return ground and obstacles around `target` at rows of the take."""
+        extremes = ExtremePoints.of(take, lambda part: part.performer not in target.names)
+        placed = extremes.placed(take, rows)
         if not placed.size:
             none = np.zeros((len(rows), 0, 3))
-            return Surroundings(ground, none, none, np.zeros(0, bool), followed.rate)
+            return Clearance(ground, none, none, np.zeros(0, bool), target.rate)
         low = np.concatenate([placed[some].min(axis=2) for some in row_chunks(placed)])
         high = np.concatenate([placed[some].max(axis=2) for some in row_chunks(placed)])
         there = np.isfinite(low).all(axis=(0, 2))
         width = (high - low)[:, there][..., [0, 2]].mean(axis=(0, 2))
-        big = np.flatnonzero(there)[width > BIG * followed.radius]
+        big = np.flatnonzero(there)[width > OBSTACLE_SIZE * target.radius]
         still = (np.ptp(low[:, big], axis=0) < 1e-3).all(axis=-1)
-        return Surroundings(ground, low[:, big], high[:, big], still, followed.rate)
+        return Clearance(ground, low[:, big], high[:, big], still, target.rate)
 
-    def cleared(self, seen: Seen) -> Seen:
-        """Return a camera above the ground and all big things, and above what hides its target."""
-        distance = np.linalg.norm(seen.target - seen.eye, axis=-1)
+    def cleared(self, path: CameraPath) -> CameraPath:
+        """Return the path raised above the ground, out of obstacles and over those in its sight."""
+        distance = np.linalg.norm(path.target - path.eye, axis=-1)
         lift = np.maximum.reduce(
-            [self._over_ground(seen, distance), self._out_of(seen), self._over(seen, distance)]
+            [
+                self._rise_over_ground(path, distance),
+                self._rise_out_of_obstacles(path),
+                self._rise_over_obstacles(path, distance),
+            ]
         )
         if not lift.any():
-            return seen
-        return seen.raised(envelope(lift, SMOOTHING * self.rate))
+            return path
+        return path.raised(envelope(lift, TARGET_SMOOTHING_S * self.rate))
 
-    def _over_ground(self, seen: Seen, distance: Array) -> Array:
+    def _rise_over_ground(self, path: CameraPath, distance: Array) -> Array:
         least = np.zeros(len(distance))
         for part in np.linspace(0.0, 0.75, 16):
-            # The line of sight at this part of the way from the eye to the target.
-            p = seen.eye + part * (seen.target - seen.eye)
-            room = CLEARANCE * distance * (1.0 - part)
+            # The line of sight at this fraction of the way from the eye to the target.
+            p = path.eye + part * (path.target - path.eye)
+            room = GROUND_CLEARANCE * distance * (1.0 - part)
             needed = self.ground.height(p) + room - p[:, 1]
             least = np.maximum(least, needed / (1.0 - part))
         return least
 
-    def _out_of(self, seen: Seen) -> Array:
-        """Return by how much (F,) the eye must rise to be in nothing."""
-        eye = seen.eye[:, None]
-        inside = ((eye > self.low - LEAST) & (eye < self.high + LEAST)).all(axis=-1)
-        rise = np.where(inside, self.high[..., 1] + 2.0 * LEAST - eye[..., 1], 0.0)
+    def _rise_out_of_obstacles(self, path: CameraPath) -> Array:
+        eye = path.eye[:, None]
+        inside = ((eye > self.low - MIN_HEIGHT) & (eye < self.high + MIN_HEIGHT)).all(axis=-1)
+        rise = np.where(inside, self.high[..., 1] + 2.0 * MIN_HEIGHT - eye[..., 1], 0.0)
         result: Array = rise.max(axis=-1, initial=0.0)
         return result
 
-    def _over(self, seen: Seen, distance: Array) -> Array:
-        """Return by how much (F,) the eye must rise to see over big things that stand still."""
+    def _rise_over_obstacles(self, path: CameraPath, distance: Array) -> Array:
+        """Return the rise (F,) to see over still obstacles."""
         low, high = self.low[:, self.still], self.high[:, self.still]
-        eye, way = seen.eye[:, None], (seen.target - seen.eye)[:, None]
+        eye, way = path.eye[:, None], (path.target - path.eye)[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             a, b = (low - eye) / way, (high - eye) / way
         near, far = np.fmin(a, b)[..., [0, 2]], np.fmax(a, b)[..., [0, 2]]
         first = near.max(axis=-1).clip(0.0)
         last = far.min(axis=-1)
-        # What the target is in, or under, cannot be seen over.
+        # No rise clears an obstacle that encloses or covers the target.
         crossed = (first < last) & (last < 0.95)
         ends = np.stack([first, last], axis=-1).clip(0.0, 0.95)
         line = eye[..., 1:2] + ends * way[..., 1:2]
         hides = crossed & (line.min(axis=-1) < high[..., 1]) & (line.max(axis=-1) > low[..., 1])
-        needed = ((high[..., 1:2] + LEAST - line) / (1.0 - ends)).max(axis=-1)
-        # Summed up over the cut, so that it does not begin to climb and give up.
+        needed = ((high[..., 1:2] + MIN_HEIGHT - line) / (1.0 - ends)).max(axis=-1)
+        # Decided over the whole cut, so that the camera does not start to climb and give up.
         worst = np.where(hides, needed / distance[:, None], 0.0).max(axis=0)
-        rise = np.where(hides & (worst < STEEP), needed, 0.0)
+        rise = np.where(hides & (worst < MAX_RISE), needed, 0.0)
         result: Array = rise.max(axis=-1, initial=0.0)
         return result

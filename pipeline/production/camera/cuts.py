@@ -1,4 +1,4 @@
-"""Camera: from the words of a scene and its take to a pose for every frame."""
+"""Cuts: camera poses of every frame, from a take and the camera configuration of its scene."""
 
 from __future__ import annotations
 
@@ -10,19 +10,17 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.camera.camera_path import Seen
-from pipeline.production.camera.camera_target import follow
-from pipeline.production.camera.clearance import Ground, Surroundings
+from pipeline.production.camera.camera_path import CameraPath, smoothed
+from pipeline.production.camera.camera_target import CameraTarget, follow
+from pipeline.production.camera.clearance import Clearance, VisibleGround
 from pipeline.production.camera.focus import lenses
-from pipeline.production.camera.framing import Framing
+from pipeline.production.camera.framing import AutoFraming, lead_offset
 from pipeline.production.camera.keyframed_camera import (
+    animated_path,
     fields_of_view,
-    looks_by_itself,
-    seen_from,
+    has_direction,
 )
-from pipeline.production.camera.lead_room import ahead_of
-from pipeline.production.camera.moves import Moves
-from pipeline.production.camera.path_smoothing import smoothed
+from pipeline.production.camera.moves import CameraMoves
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Take
@@ -32,15 +30,26 @@ from render.shot import CameraPose
 
 @dataclass(frozen=True, eq=False)
 class _Cut:
-    """A cut, where it is in a take, and the node that its camera goes along with, -1 for none."""
+    """One cut of a take.
+
+    Attributes:
+        take: that is filmed.
+        camera: its configuration.
+        rows: (F,) of its frames.
+        seconds: its duration.
+        mount: node that carries the camera, -1 for none.
+        nodes: number of each node that a focus names.
+        ground: under the camera.
+        aspect: width by height of the frame.
+    """
 
     take: Take
-    words: Camera
+    camera: Camera
     rows: NDArray[np.int64]
     seconds: float
     mount: int
     nodes: Mapping[str, int]
-    ground: Ground
+    ground: VisibleGround
     aspect: float
 
     @property
@@ -51,102 +60,106 @@ class _Cut:
     def times(self) -> Array:
         return self.rows / (self.rate * self.take.header.samples)
 
+    @property
+    def look_at(self) -> Array | None:
+        """The fixed point (F, 3) that the camera looks at, or None."""
+        if self.camera.look_at is None:
+            return None
+        return np.tile(np.asarray(self.camera.look_at, dtype=float), (len(self.rows), 1))
+
+    def follow(self) -> CameraTarget:
+        """Return the performers that the cut follows."""
+        return follow(self.take, self.camera.follow, self.rows)
+
 
 def camera_poses(
     take: Take,
-    cuts: Sequence[Camera],
+    cameras: Sequence[Camera],
     aspect: float,
     mounts: Sequence[int] | None = None,
     nodes: Mapping[str, int] | None = None,
 ) -> tuple[CameraPose, ...]:
-    """Return the pose of the camera at every frame.
+    """Return the camera pose of every frame.
 
     Args:
-        take: what is filmed.
-        cuts: in the order of time, the first from the start.
-        aspect: width by height of the picture.
-        mounts: node that the camera of each cut goes along with, -1 for none.
+        take: that is filmed.
+        cameras: one for each cut in order of time, the first from the start.
+        aspect: width by height of the frame.
+        mounts: node that carries the camera of each cut, -1 for none.
         nodes: number of each node that a focus names.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
-    ground = Ground(take.terrain)
-    starts = [min(start, header.frames + 1) for start in first_frames(cuts, header.rate)]
+    ground = VisibleGround(take.terrain)
+    starts = [min(start, header.frames + 1) for start in first_frames(cameras, header.rate)]
     ends = [*starts[1:], header.frames + 1]
     poses: list[CameraPose] = []
-    mounts = mounts or [-1] * len(cuts)
-    for words, mount, first, end in zip(cuts, mounts, starts, ends, strict=True):
+    mounts = mounts or [-1] * len(cameras)
+    for camera, mount, first, end in zip(cameras, mounts, starts, ends, strict=True):
         rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
         if not len(rows):
             continue
-        seconds = float((end - 1) / header.rate) - words.start
-        cut = _Cut(take, words, rows, seconds, mount, nodes or {}, ground, aspect)
-        poses.extend(_poses(cut))
+        seconds = float((end - 1) / header.rate) - camera.start
+        cut = _Cut(take, camera, rows, seconds, mount, nodes or {}, ground, aspect)
+        path, place = _path(cut)
+        poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
     return tuple(poses)
 
 
-def first_frames(cuts: Sequence[Camera], rate: Fraction) -> list[int]:
-    """Return the frame from which each cut is seen, which may lie after the last."""
-    # A time is the decimal number that was written, which lies on a frame or does not.
-    return [1 + math.ceil(Fraction(repr(cut.start)) * rate) for cut in cuts]
+def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
+    """Return the first frame of each cut, which may lie after the last frame of the film."""
+    # The decimal number as written, so that a time on a frame is exact.
+    return [1 + math.ceil(Fraction(repr(camera.start)) * rate) for camera in cameras]
 
 
-def _poses(cut: _Cut) -> list[CameraPose]:
-    words = cut.words
-    if words.is_animated:
-        seen, place = _moved(cut)
-    elif words.at is not None:
-        seen, place = _standing(cut)
-    else:
-        seen, place = _framed(cut)
-    return seen.poses(lenses(cut.take, words, cut.rows, seen, place, cut.nodes))
+def _path(cut: _Cut) -> tuple[CameraPath, Array]:
+    """Return the camera path of a cut, and what it looks at before lead room (F, 3)."""
+    if cut.camera.is_animated:
+        return _animated(cut)
+    if cut.camera.at is not None:
+        return _standing(cut)
+    return _framed(cut)
 
 
-def _framed(cut: _Cut) -> tuple[Seen, Array]:
-    """Return a camera that frames by itself, and what it looks at (F, 3)."""
-    words = cut.words
-    followed = follow(cut.take, words.follow, cut.rows)
-    target = followed.place
-    if words.look_at is not None:
-        target = np.tile(np.asarray(words.look_at, dtype=float), (len(cut.rows), 1))
-    framing = Framing(
-        cut=words,
+def _framed(cut: _Cut) -> tuple[CameraPath, Array]:
+    camera, followed = cut.camera, cut.follow()
+    look_at = cut.look_at
+    target = followed.place if look_at is None else look_at
+    framing = AutoFraming(
+        cut=camera,
         followed=followed,
         target=target,
-        moves=Moves.of(words, followed.heading, cut.times - words.start, cut.seconds),
-        around=Surroundings.of(cut.take, cut.ground, followed, cut.rows),
+        moves=CameraMoves.of(camera, followed.heading, cut.times - camera.start, cut.seconds),
+        clearance=Clearance.of(cut.take, cut.ground, followed, cut.rows),
         aspect=cut.aspect,
-        fov_deg=fields_of_view(words, cut.times),
+        fov_deg=fields_of_view(camera, cut.times),
     )
-    return framing.seen(), target
+    return framing.path(), target
 
 
-def _standing(cut: _Cut) -> tuple[Seen, Array]:
-    """Return a camera that stands at a place, and what it looks at (F, 3)."""
-    words, count = cut.words, len(cut.rows)
-    eye, up = np.tile(np.asarray(words.at, dtype=float), (count, 1)), np.tile(UP, (count, 1))
-    fov_deg = fields_of_view(words, cut.times)
-    if words.look_at is not None:
-        place = np.tile(np.asarray(words.look_at, dtype=float), (count, 1))
-        seen = Seen(eye, place, up, fov_deg)
+def _standing(cut: _Cut) -> tuple[CameraPath, Array]:
+    camera, count = cut.camera, len(cut.rows)
+    eye, up = np.tile(np.asarray(camera.at, dtype=float), (count, 1)), np.tile(UP, (count, 1))
+    fov_deg = fields_of_view(camera, cut.times)
+    look_at = cut.look_at
+    if look_at is not None:
+        place, path = look_at, CameraPath(eye, look_at, up, fov_deg)
     else:
-        followed = follow(cut.take, words.follow, cut.rows)
+        followed = cut.follow()
         place = followed.place
-        seen = Seen(eye, place, up, fov_deg)
-        ahead = ahead_of(followed.velocity, seen, words.lead, cut.aspect)
-        seen = Seen(eye, place + ahead, up, fov_deg)
-    return cut.ground.cleared(seen, cut.rate, along=False), place
+        path = CameraPath(eye, place, up, fov_deg)
+        offset = lead_offset(followed.velocity, path, camera.lead, cut.aspect)
+        path = CameraPath(eye, place + offset, up, fov_deg)
+    return cut.ground.cleared(path, cut.rate, with_target=False), place
 
 
-def _moved(cut: _Cut) -> tuple[Seen, Array]:
-    """Return a camera that its author moves, and what it looks at (F, 3)."""
-    words, target = cut.words, None
-    if words.look_at is not None:
-        target = np.tile(np.asarray(words.look_at, dtype=float), (len(cut.rows), 1))
-    elif words.follow is not None or (words.parent is None and not looks_by_itself(words)):
-        target = follow(cut.take, words.follow, cut.rows).place
-    seen = seen_from(cut.take, words, cut.mount, cut.rows, target)
-    if words.steady > 0.0:
-        seen = seen.smoothed(lambda path: smoothed(path, words.steady * cut.rate))
-    aims = target is not None or any(key.target is not None for key in words.keyframes)
-    return cut.ground.cleared(seen, cut.rate, along=not aims), seen.target
+def _animated(cut: _Cut) -> tuple[CameraPath, Array]:
+    camera, target = cut.camera, cut.look_at
+    follows = camera.follow is not None or (camera.parent is None and not has_direction(camera))
+    if target is None and follows:
+        target = cut.follow().place
+    path = animated_path(cut.take, camera, cut.mount, cut.rows, target)
+    if camera.steady > 0.0:
+        path = path.smoothed(lambda points: smoothed(points, camera.steady * cut.rate))
+    has_target = target is not None or any(key.target is not None for key in camera.keyframes)
+    return cut.ground.cleared(path, cut.rate, with_target=not has_target), path.target

@@ -1,7 +1,7 @@
-"""Focusing: the lens of a camera at every frame, and the pull of its focus.
+"""Focus: the lens of a camera at every frame, with focus pulls.
 
-Source of the lens: a sensor 24 mm high sees a vertical field of view φ through a focal length
-of 12 mm / tan(φ/2); an f-number N gives that an aperture of radius f / 2N.
+A sensor 24 mm high has a vertical field of view φ with a focal length f = 12 mm / tan(φ/2); an
+f-number N gives an aperture of radius f / 2N.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.camera.camera_path import Seen
+from pipeline.production.camera.camera_path import CameraPath
 from pipeline.production.camera.camera_target import follow
 from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.spatial import Array
@@ -23,28 +23,25 @@ from render.shot import Lens
 HALF_SENSOR = 0.012
 """Half the height of the sensor [m]."""
 
-CLOSEST = 0.02
-"""Least distance of what is sharp [m]."""
-
-FARTHEST = 1e5
-"""Greatest distance of what is sharp [m]."""
+MIN_FOCUS, MAX_FOCUS = 0.02, 1e5
+"""Range of the focus distance [m]."""
 
 
 def lenses(
     take: Take,
     cut: Camera,
     rows: NDArray[np.int64],
-    seen: Seen,
+    path: CameraPath,
     place: Array,
     nodes: Mapping[str, int],
 ) -> tuple[Lens | None, ...]:
-    """Return the lens of a cut at the rows of its frames, None where all is sharp.
+    """Return the lens of a cut at each frame, None where all is sharp.
 
     Args:
         take: what is filmed.
-        cut: its words.
+        cut: its configuration.
         rows: (F,) of its frames.
-        seen: where the camera is.
+        path: of its camera.
         place: (F, 3) what it looks at [m].
         nodes: number of each node that a focus names.
     """
@@ -55,39 +52,39 @@ def lenses(
         if isinstance(focus, float | int):
             return np.full(len(rows), float(focus))
         if not isinstance(focus, str):
-            return _depth(seen, np.tile(focus, (len(rows), 1)))
+            return _depth(path, np.tile(focus, (len(rows), 1)))
         if focus in nodes:
-            return _depth(seen, take.positions[rows, nodes[focus]])
-        return _depth(seen, follow(take, focus, rows).place)
+            return _depth(path, take.positions[rows, nodes[focus]])
+        return _depth(path, follow(take, focus, rows).place)
 
     if any(key.focus is not None for key in cut.keyframes):
         times = rows / float(take.header.rate * take.header.samples)
-        focus = _pulled(cut, times, distance)
+        focus = _focus_pull(cut, times, distance)
     else:
-        focus = _depth(seen, place) if cut.focus is None else distance(cut.focus)
-    radius = HALF_SENSOR / seen.tangent / (2.0 * cut.aperture)
-    # To a micrometre, as all that a frame depends on.
+        focus = _depth(path, place) if cut.focus is None else distance(cut.focus)
+    radius = HALF_SENSOR / path.tangent / (2.0 * cut.aperture)
+    # To a micrometre, like the camera path.
     return tuple(
         Lens(round(r, 7), round(d, 6)) for r, d in zip(radius, focus.tolist(), strict=True)
     )
 
 
-def _pulled(cut: Camera, times: Array, distance: Callable[[Focus], Array]) -> Array:
-    """Return the distance (F,) of a focus that goes from key to key.
+def _focus_pull(cut: Camera, times: Array, distance: Callable[[Focus], Array]) -> Array:
+    """Return the focus distance (F,) interpolated between keyframes.
 
-    Blur grows with the reciprocal of a distance: it is that which is mixed.
+    Reciprocals are interpolated, because blur is proportional to the reciprocal of a distance.
     """
-    said = [(key, key.focus) for key in cut.keyframes if key.focus is not None]
-    shares = np.eye(len(said))
-    weights = Track.of([(key.at, shares[k].tolist(), key.ease) for k, (key, _) in enumerate(said)])
-    near = np.stack([1.0 / distance(focus) for _, focus in said], axis=-1)
+    keyed = [(key, key.focus) for key in cut.keyframes if key.focus is not None]
+    shares = np.eye(len(keyed))
+    weights = Track.of([(key.at, shares[k].tolist(), key.ease) for k, (key, _) in enumerate(keyed)])
+    near = np.stack([1.0 / distance(focus) for _, focus in keyed], axis=-1)
     mixed = (weights(times) * near).sum(axis=-1)
-    result: Array = 1.0 / mixed.clip(1.0 / FARTHEST, 1.0 / CLOSEST)
+    result: Array = 1.0 / mixed.clip(1.0 / MAX_FOCUS, 1.0 / MIN_FOCUS)
     return result
 
 
-def _depth(seen: Seen, places: Array) -> Array:
-    """Return the distance (F,) of places (F, 3) along the direction of the camera [m]."""
-    ahead, _, _ = seen.axes
-    depth: Array = np.einsum("fk,fk->f", places - seen.eye, ahead)
-    return depth.clip(CLOSEST, FARTHEST)
+def _depth(path: CameraPath, places: Array) -> Array:
+    """Return the depth (F,) of points (F, 3) along the viewing direction [m]."""
+    ahead, _, _ = path.axes
+    depth: Array = np.einsum("fk,fk->f", places - path.eye, ahead)
+    return depth.clip(MIN_FOCUS, MAX_FOCUS)

@@ -1,9 +1,9 @@
-"""Framing: a camera that finds its own place, so that who is followed is well in the picture.
+"""Automatic framing: a camera that keeps its target in the frame, with lead room.
 
-It looks at the middle of its performers, smoothed over time in both directions, so that it
-neither lags nor shares their bounce. Where it is not told its distance it stands so far that
-they are in the picture at every frame, and it goes back slowly where they spread apart. Who
-moves across the picture has more room ahead than behind.
+It looks at the centre of the target, smoothed over time in both directions, so that it neither
+lags nor bounces. Without a given distance it stands where the target fits into every frame, and
+moves back slowly where performers spread. A target that moves across the frame has more room
+ahead than behind.
 """
 
 from __future__ import annotations
@@ -13,127 +13,130 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.production.camera.camera_path import Seen
-from pipeline.production.camera.camera_target import SMOOTHING, Followed
-from pipeline.production.camera.clearance import Surroundings
-from pipeline.production.camera.lead_room import ahead_of
-from pipeline.production.camera.moves import Moves
-from pipeline.production.camera.path_smoothing import envelope, smoothed
-from pipeline.simulation.curves import hinge
+from pipeline.production.camera.camera_path import CameraPath, envelope, smoothed
+from pipeline.production.camera.camera_target import TARGET_SMOOTHING_S, CameraTarget
+from pipeline.production.camera.clearance import Clearance
+from pipeline.production.camera.moves import CameraMoves
+from pipeline.simulation.curves import bounded, hinge
 from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import UP, Array
 from render.config import Camera
 
 MARGIN = 1.12
-"""Room left around performers, as a factor on their extent."""
+"""Room around the target, as a factor on its extent."""
 
-FITTINGS = 12
-"""How often the distance is corrected at most until performers are in the picture."""
+MAX_FIT_ITERATIONS = 12
+"""Corrections of the distance until the target fits into the frame."""
 
-FITTED = 1e-3
-"""Correction, as a part of the distance, after which it is not corrected again."""
+FIT_TOLERANCE = 1e-3
+"""Relative correction of the distance at which the iteration ends."""
 
-SLOWNESS = 0.8
-"""Standard deviation in time of a distance that grows with what is followed [s]."""
+DISTANCE_SMOOTHING_S = 0.8
+"""Standard deviation of the filter of an automatic distance [s]."""
 
-FLATTEST = 0.4
-"""Least part of the distance that a camera on a crane stands away on the level."""
+MIN_LEVEL_SHARE = 0.4
+"""Least level share of the distance of a camera on a crane."""
 
-NEAREST = 0.05
-"""Least distance from what is followed [m]."""
+MIN_DISTANCE = 0.05
+"""Least distance from the target [m]."""
+
+LEAD_ROOM = 0.1
+"""Offset of a moving target from the centre, as a fraction of the frame."""
+
+LEAD_SPEED = 0.12
+"""Speed at which that offset is nearly reached [frame widths or heights per second]."""
 
 
 @dataclass(frozen=True, eq=False)
-class Framing:
-    """A cut whose camera finds its own place.
+class AutoFraming:
+    """A cut whose camera frames automatically.
 
     Attributes:
-        cut: its words.
-        followed: what it keeps in view.
-        target: (F, 3) what it looks at, before any lead [m].
-        moves: how it goes about that.
-        around: what it keeps clear of.
-        aspect: width by height of the picture.
+        cut: its configuration.
+        followed: what it keeps in the frame.
+        target: (F, 3) what it looks at, before lead room [m].
+        moves: orbit, dolly, truck and crane.
+        clearance: from ground and obstacles.
+        aspect: width by height of the frame.
         fov_deg: (F,) vertical field of view, before any zoom [degrees].
     """
 
     cut: Camera
-    followed: Followed
+    followed: CameraTarget
     target: Array
-    moves: Moves
-    around: Surroundings
+    moves: CameraMoves
+    clearance: Clearance
     aspect: float
     fov_deg: Array
 
-    def seen(self) -> Seen:
-        """Return where the camera is, with its distance as told or as chosen."""
+    def path(self) -> CameraPath:
+        """Return the path at the given distance, or at the one that fits."""
         if self.moves.distance is not None:
             return self._stand(self._outside(self.moves.distance - self.moves.nearer))
         away = np.ones(len(self.target))
-        for _ in range(FITTINGS):
-            before, away = away, self._even(self._fitting(away))
-            if np.abs(away / before - 1.0).max() < FITTED:
+        for _ in range(MAX_FIT_ITERATIONS):
+            before, away = away, self._smooth(self._fitting(away))
+            if np.abs(away / before - 1.0).max() < FIT_TOLERANCE:
                 break
         return self._stand(away)
 
     def _outside(self, distance: Array) -> Array:
-        """Return a distance (F,) at which the camera is not in what it follows."""
+        """Return a distance (F,) at which the camera is outside the target."""
         if self.moves.height is not None:
-            return np.maximum(distance, NEAREST)
+            return np.maximum(distance, MIN_DISTANCE)
         towards = np.cos(self.moves.elevation)[:, None] * self.moves.level
         towards = towards + np.sin(self.moves.elevation)[:, None] * UP
         nearest = np.empty(len(distance))
         for some in row_chunks(self.followed.points):
             relative = self.followed.points[some] - self.target[some, None]
             nearest[some] = np.einsum("fnk,fk->fn", relative, towards[some]).max(axis=-1)
-        least = max(float(nearest.max()), 0.0) + NEAREST
-        result: Array = least + hinge(distance - least, NEAREST)
+        least = max(float(nearest.max()), 0.0) + MIN_DISTANCE
+        result: Array = least + hinge(distance - least, MIN_DISTANCE)
         return result
 
-    def _even(self, needed: Array) -> Array:
-        """Return a distance (F,) that changes smoothly, as a dolly asks, and is never too short."""
+    def _smooth(self, needed: Array) -> Array:
+        """Return a smooth distance (F,) that is nowhere less than needed."""
         rate, nearer = self.followed.rate, self.moves.nearer
         if nearer.any():
-            # Its own motion alone: what is needed changes nothing in it.
+            # Keeps the motion of the dolly: the needed distance only offsets it.
             result: Array = (needed + nearer).max() - nearer
             return result
-        return envelope(needed, SLOWNESS * rate)
+        return envelope(needed, DISTANCE_SMOOTHING_S * rate)
 
     def _fitting(self, distance: Array) -> Array:
-        """Return the distance (F,) at which all is in the picture, judged from another one."""
-        seen = self._stand(distance)
-        # Judged on what is seen, because a camera that is raised over a hill looks down more
-        # steeply than it was asked to.
-        factor = _too_near(self.followed.points, seen, self.aspect)
-        # What is chosen is its distance without the crane, whose height is given: the other
-        # sides of a triangle with the distance that is needed.
+        """Return the distance (F,) at which the target fits, estimated from another one."""
+        path = self._stand(distance)
+        # From the actual path, because a camera raised over a hill looks down more steeply.
+        factor = _fit_factor(self.followed.points, path, self.aspect)
+        # The distance without the crane, whose height is given, from the triangle with the
+        # needed distance.
         risen, slope = self._risen, np.sin(self._elevation)
         away = factor * np.sqrt(distance * (distance + 2.0 * risen * slope) + risen**2)
         flat = np.sqrt(np.maximum(away**2 - (risen * np.cos(self._elevation)) ** 2, 0.0))
-        return np.maximum(flat - risen * slope, FLATTEST * away)
+        return np.maximum(flat - risen * slope, MIN_LEVEL_SHARE * away)
 
-    def _stand(self, distance: Array) -> Seen:
-        """Return a camera that stands at `distance` (F,) from its target."""
+    def _stand(self, distance: Array) -> CameraPath:
+        """Return the path at a distance (F,) from the target."""
         moves = self.moves
         if self.cut.view == "top":
             up = np.tile(self.followed.heading, (len(distance), 1))
             offset = distance[:, None] * UP
-            seen = Seen(self.target + offset, self.target, up, self._zoomed(distance))
-            return self._leading(seen)
+            path = CameraPath(self.target + offset, self.target, up, self._zoomed(distance))
+            return self._with_lead(path)
         rise = distance * np.sin(self._elevation) + self._risen
         back = distance * np.cos(self._elevation)
         offset = back[:, None] * moves.level + moves.aside[:, None] * moves.across
         offset = offset + rise[:, None] * UP
         up = np.tile(UP, (len(distance), 1))
-        seen = Seen(self.target + offset, self.target, up, self._zoomed(distance))
-        return self.around.cleared(self._leading(seen))
+        path = CameraPath(self.target + offset, self.target, up, self._zoomed(distance))
+        return self.clearance.cleared(self._with_lead(path))
 
-    def _leading(self, seen: Seen) -> Seen:
-        """Return a camera moved so that there is room ahead of who goes across the picture."""
+    def _with_lead(self, path: CameraPath) -> CameraPath:
+        """Return the path shifted by the lead room."""
         if self.cut.look_at is not None:
-            return seen
-        shift = ahead_of(self.followed.velocity, seen, self.cut.lead, self.aspect)
-        return replace(seen, eye=seen.eye + shift, target=seen.target + shift)
+            return path
+        shift = lead_offset(self.followed.velocity, path, self.cut.lead, self.aspect)
+        return replace(path, eye=path.eye + shift, target=path.target + shift)
 
     def _zoomed(self, distance: Array) -> Array:
         if not self.moves.zoom:
@@ -144,36 +147,57 @@ class Framing:
 
     @cached_property
     def _risen(self) -> Array:
-        """How high a crane is over where its camera would be (F,) [m]."""
+        """Height of the crane over the camera without it (F,) [m]."""
         if self.moves.height is None:
             return self.moves.risen
-        sigma = SMOOTHING * self.followed.rate
-        below = smoothed(self.around.ground.height(self.target)[:, None], sigma)[:, 0]
+        sigma = TARGET_SMOOTHING_S * self.followed.rate
+        below = smoothed(self.clearance.ground.height(self.target)[:, None], sigma)[:, 0]
         risen: Array = self.moves.height + below - self.target[:, 1]
         return risen
 
     @property
     def _elevation(self) -> Array:
-        """Of the camera without a crane (F,) [rad]."""
+        """Elevation of the camera without a crane (F,) [rad]."""
         given = self.moves.height is not None
         return np.zeros_like(self.moves.elevation) if given else self.moves.elevation
 
 
-def _too_near(points: Array, seen: Seen, aspect: float) -> Array:
-    """Return by which factor (F,) a camera has to stand back to have `points` (F, n, 3) in view.
-
-    Less than one where it may come nearer.
-    """
-    ahead, right, upward = seen.axes
-    away = np.linalg.norm(seen.target - seen.eye, axis=-1)
-    tan = seen.tangent[:, None]
+def _fit_factor(points: Array, path: CameraPath, aspect: float) -> Array:
+    """Return the factor (F,) on the distance at which `points` (F, n, 3) just fit."""
+    ahead, right, upward = path.axes
+    away = np.linalg.norm(path.target - path.eye, axis=-1)
+    tan = path.tangent[:, None]
     most = np.empty(len(away))
     for some in row_chunks(points):
-        relative = points[some] - seen.target[some, None]
+        relative = points[some] - path.target[some, None]
         wide = np.abs(np.einsum("fnk,fk->fn", relative, right[some])) / (tan[some] * aspect)
         high = np.abs(np.einsum("fnk,fk->fn", relative, upward[some])) / tan[some]
-        # What stands nearer to the camera than its target needs that much more distance.
+        # A point nearer to the camera than the target needs that much more distance.
         needed = MARGIN * np.maximum(wide, high)
         needed -= np.einsum("fnk,fk->fn", relative, ahead[some])
         most[some] = needed.max(axis=-1) / away[some]
     return most.clip(0.1, 1e6)
+
+
+def lead_offset(velocity: Array, path: CameraPath, lead: float | None, aspect: float) -> Array:
+    """Return the offset (F, 3) of the camera's target for lead room [m].
+
+    It lies in the image plane along the projected motion and grows with its speed: a still
+    target is centred.
+
+    Args:
+        velocity: (F, 3) of the target [m/s].
+        path: of the camera, without lead room.
+        lead: fraction of the frame; None for `LEAD_ROOM`.
+        aspect: width by height of the frame.
+    """
+    _, right, upward = path.axes
+    high = 2.0 * path.tangent * np.linalg.norm(path.target - path.eye, axis=-1)
+    across = np.einsum("fk,fk->f", velocity, right) / (high * aspect)
+    along = np.einsum("fk,fk->f", velocity, upward) / high
+    speed = np.hypot(across, along) / LEAD_SPEED
+    slope = np.divide(bounded(speed), speed, out=np.ones_like(speed), where=speed > 1e-9)
+    part = (LEAD_ROOM if lead is None else lead) / LEAD_SPEED * slope
+    sideways = (part * across * high * aspect)[:, None] * right
+    shift: Array = sideways + (part * along * high)[:, None] * upward
+    return shift

@@ -1,4 +1,4 @@
-"""Panning: where a camera stands between its frames, while the shutter is open."""
+"""Pose interpolation: the camera between two frames, while the shutter is open."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ from render.shot import CameraPose, Lens
 Triple = tuple[float, float, float]
 
 
-class Panning:
-    """Poses of a camera at any time; within a shot it goes straight from frame to frame.
+class PoseInterpolator:
+    """Interpolates camera poses linearly between the frames of a cut.
 
     Args:
         poses: by frame.
-        cuts: frames from which each shot is seen.
+        cuts: first frame of each cut.
     """
 
     def __init__(self, poses: Sequence[CameraPose], cuts: Sequence[int]) -> None:
         self._poses, self._cuts = poses, frozenset(cuts)
 
     def at(self, frame: int, part: float) -> CameraPose:
-        """Return the pose a part of a frame after the begin of the 1-based `frame`."""
+        """Return the pose a fraction of a frame after the start of the 1-based `frame`."""
         now = self._poses[frame - 1]
         if part == 0.0:
             return now
-        if self._goes_on(frame):
+        if self._continues(frame):
             return _between(now, self._poses[frame], part)
-        # Of the last frame of a shot the next one is not seen: it goes on as it came.
-        if frame > 1 and self._goes_on(frame - 1):
+        # The last frame of a cut extrapolates the motion before it.
+        if frame > 1 and self._continues(frame - 1):
             return _between(self._poses[frame - 2], now, 1.0 + part)
         return now
 
-    def _goes_on(self, frame: int) -> bool:
-        """Tell whether the frame after a 1-based `frame` belongs to the same shot."""
+    def _continues(self, frame: int) -> bool:
+        """Return whether the next frame after a 1-based `frame` belongs to the same cut."""
         return frame < len(self._poses) and frame + 1 not in self._cuts
 
 
@@ -45,14 +45,14 @@ def _between(a: CameraPose, b: CameraPose, part: float) -> CameraPose:
         p_WT=_mixed(a.p_WT, b.p_WT, part),
         up=_mixed(a.up, b.up, part),
         fov_deg=a.fov_deg + part * (b.fov_deg - a.fov_deg),
-        lens=_refocused(a.lens, b.lens, part),
+        lens=_between_lenses(a.lens, b.lens, part),
     )
 
 
-def _refocused(a: Lens | None, b: Lens | None, part: float) -> Lens | None:
+def _between_lenses(a: Lens | None, b: Lens | None, part: float) -> Lens | None:
     if a is None or b is None:
         return a
-    # Going on past a key, neither may come to nothing.
+    # Extrapolated values must stay positive.
     radius = max(a.radius + part * (b.radius - a.radius), 0.5 * b.radius)
     focus = max(a.focus + part * (b.focus - a.focus), 0.5 * b.focus)
     return Lens(radius, focus)

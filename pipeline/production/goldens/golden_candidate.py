@@ -21,7 +21,7 @@ from pipeline.production.goldens.golden_card import Framing
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.production import translated_errors
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
@@ -81,8 +81,8 @@ class Candidate:
         return build_score(self.scene, self.take, self._shooting.poses)[0]
 
     @cached_property
-    def _shooting(self) -> Shooting:
-        return Shooting(self.scene, self.take)
+    def _shooting(self) -> ShotBuilder:
+        return ShotBuilder(self.scene, self.take)
 
     @cached_property
     def cues(self) -> Cues:
@@ -137,6 +137,6 @@ class Candidate:
 
     def shots(self, framing: Framing) -> Iterator[tuple[int, Shot]]:
         """Yield the numbers and shots of a golden's frames."""
-        shooting = Shooting(golden_scene(self.scene, framing), self.take)
+        shooting = ShotBuilder(golden_scene(self.scene, framing), self.take)
         for number in framing.numbers:
             yield number, shooting.shot(number)

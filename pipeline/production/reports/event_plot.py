@@ -38,7 +38,7 @@ from pipeline.production.reports.time_axis import Axis, draw_frames, draw_second
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 
 LEFT = 62
 """Beside the axis, for the names of pitches [pixels]."""
@@ -86,7 +86,7 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
     """
     with working(order, reporter) as run:
         take = take_of(run)
-        score = write_score(run, take, Shooting(order.scene, take))
+        score = write_score(run, take, ShotBuilder(order.scene, take))
         shape = order.scene.film.resolved().size
         axis = axis_of(score)
         frames = shown_frames(axis, shape, score.frames) if pictures else []

@@ -22,7 +22,7 @@ from pipeline.production.reports.canvas import (
     Panel,
     rgb,
 )
-from pipeline.production.shots.solid_preview import Painted, shaded
+from pipeline.production.shots.solid_preview import PreviewSolid, render_preview
 from pipeline.simulation.figure_analysis import BODY, LEG, Figure, JointTree
 from pipeline.simulation.spatial import Array
 
@@ -38,7 +38,7 @@ SUPERSAMPLING = 2
 EYE_COLOR = np.array([0.10, 0.11, 0.13])
 
 EYE_PART = -2
-"""Number of the eyes in `Painted`, so that they have outlines of their own."""
+"""Number of the eyes in `PreviewSolid`, so that they have outlines of their own."""
 
 FLOOR = 62.0
 """From the ground to the lower edge of its panel [pixels]."""
@@ -119,9 +119,9 @@ class StandingFigure:
             seen = vertices @ view.T * scale * [1.0, -1.0, 1.0] * SUPERSAMPLING
             seen[:, :2] += origin * SUPERSAMPLING
             part, color = (EYE_PART, EYE_COLOR) if is_eye else paint[link]
-            solids.append(Painted(seen, faces, color, part))
+            solids.append(PreviewSolid(seen, faces, color, part))
         width, height = frame
-        fine = shaded(solids, (width * SUPERSAMPLING, height * SUPERSAMPLING), background)
+        fine = render_preview(solids, (width * SUPERSAMPLING, height * SUPERSAMPLING), background)
         coarse = fine.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3).mean(axis=(1, 3))
         result: NDArray[np.uint8] = np.rint(coarse * 255.0).astype(np.uint8)
         return result

@@ -182,5 +182,5 @@ def _facts(trial: Trial, compared: Sequence[Agreement]) -> dict[str, Any]:
             name: {str(k + 1): values for k, values in _measures(column).items()}
             for name, column in trial.columns.items()
         },
-        "rank_correlations": {f"{one.ours}/{one.theirs}": one.rank for one in compared},
+        "rank_correlations": {f"{a.ours}/{a.theirs}": a.rank for a in compared},
     }

@@ -11,7 +11,7 @@ from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter, clock, stage
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from render.backend import choose
 from render.config import FullFilm
 from render.renderer import Renderer, Timings
@@ -64,7 +64,7 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
             renderer = Renderer(choose(order.backend))
         for preset in presets:
             film = order.scene.film.model_copy(update={"preset": preset})
-            shooting = Shooting(order.scene.model_copy(update={"film": film}), take)
+            shooting = ShotBuilder(order.scene.model_copy(update={"film": film}), take)
             with stage(reporter, f"bench {preset}", frames + 1) as current:
                 seconds = list[float]()
                 for done, frame in enumerate(spread(order.scene.n_frames, frames + 1), start=1):

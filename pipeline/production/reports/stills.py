@@ -18,8 +18,8 @@ from pipeline.production.run.order import Order
 from pipeline.production.run.production import Production, take_of, working
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.workers import with_gpu_fallback
-from pipeline.production.shots.frame_rendering import due, write_frame
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.frame_rendering import outdated_frames, write_frame
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.take import Take
 from render.backend import Backend, choose
 from render.config import Film
@@ -92,14 +92,14 @@ def laid_out(pictures: Sequence[NDArray[np.uint8]], columns: int) -> NDArray[np.
 def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Path]:
     """Render those of `frames` that are due, and return the files of all."""
     with working(order, reporter) as run:
-        shooting = Shooting(order.scene, take_of(run))
+        shooting = ShotBuilder(order.scene, take_of(run))
         files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
         with stage(reporter, "render", len(frames)) as current:
 
             def rendered(backend: Backend) -> None:
                 with held_back():
                     renderer = Renderer(backend)
-                keys, missing = due(shooting, run.outputs, frames, renderer.key_extra)
+                keys, missing = outdated_frames(shooting, run.outputs, frames, renderer.key_extra)
                 kept = len(frames) - len(missing)
                 for i, frame in enumerate(missing, start=1):
                     with held_back():
@@ -127,14 +127,14 @@ def thumbnails(run: Production, take: Take, frames: Sequence[int], height: int) 
     scene = run.order.scene
     width, full_height = scene.film.resolved().size
     size = _even(THUMBNAIL_SCALE * height * width / full_height), _even(THUMBNAIL_SCALE * height)
-    shooting = Shooting(scene, take)
+    shooting = ShotBuilder(scene, take)
     small = Film(preset="draft", size=size, exposure=scene.film.exposure)
-    quick = Shooting(scene.model_copy(update={"film": small}), take)
+    quick = ShotBuilder(scene.model_copy(update={"film": small}), take)
     pictures: list[bytes] = []
     with stage(run.reporter, "thumbnails", len(frames)) as current:
         with held_back():
             renderer = Renderer(choose(run.order.backend))
-        _, missing = due(shooting, run.outputs, frames, renderer.key_extra)
+        _, missing = outdated_frames(shooting, run.outputs, frames, renderer.key_extra)
         for done, frame in enumerate(frames, start=1):
             if frame in missing or shooting.film.format != "png":
                 with held_back():

@@ -31,8 +31,8 @@ from pipeline.production.run.outputs import PARTIAL, Outputs, opened, replace_fo
 from pipeline.production.run.progress import Reporter, Stage, stage
 from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
-from pipeline.production.shots.frame_rendering import due, film_frames
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.edit_lists import write_cues
 from pipeline.production.sound.event_files import write_events
 from pipeline.production.sound.score_builder import build_score
@@ -91,7 +91,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
     frames = parse_frames(order.frames, order.scene.n_frames)
     with working(order, reporter) as run:
         take = take_of(run)
-        shooting = Shooting(order.scene, take)
+        shooting = ShotBuilder(order.scene, take)
         if order.sound:
             write_score(run, take, shooting)
         keys = _frames(run, shooting, frames)
@@ -122,7 +122,7 @@ def score_only(order: Order, reporter: Reporter) -> Outputs:
     """Write the score of a scene, simulating if necessary."""
     with working(order, reporter) as run:
         take = take_of(run)
-        write_score(run, take, Shooting(order.scene, take))
+        write_score(run, take, ShotBuilder(order.scene, take))
         _finish(run, take)
         return run.outputs
 
@@ -216,7 +216,7 @@ def _stored_take(run: Production, key: str) -> Take | None:
 # --- score ------------------------------------------------------------------------
 
 
-def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
+def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
     with stage(run.reporter, "score", 3) as current:
         began = time.monotonic()
@@ -250,7 +250,7 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
 # --- frames -----------------------------------------------------------------------
 
 
-def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dict[int, str]:
+def _frames(run: Production, shooting: ShotBuilder, frames: tuple[int, ...]) -> dict[int, str]:
     """Render the frames that are due and return the keys of all."""
     with stage(run.reporter, "render", len(frames)) as current:
         return with_gpu_fallback(
@@ -263,7 +263,7 @@ def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dic
 def _rendered_on(
     backend: Backend,
     run: Production,
-    shooting: Shooting,
+    shooting: ShotBuilder,
     frames: tuple[int, ...],
     current: Stage,
 ) -> dict[int, str]:
@@ -273,7 +273,7 @@ def _rendered_on(
         run.reporter.note(line, detail=True)
     with held_back():
         renderer = Renderer(backend)
-    keys, missing = due(shooting, outputs, frames, renderer.key_extra)
+    keys, missing = outdated_frames(shooting, outputs, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
     current.advance(kept)
@@ -293,7 +293,7 @@ def _rendered_on(
         batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
         split = film_in_processes(batch, jobs, progress)
     else:
-        for done, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
+        for done, _ in enumerate(render_frames(renderer, shooting, outputs, wanted), start=1):
             progress(done)
         split = renderer.timings
     estimate.store()

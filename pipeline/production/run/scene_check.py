@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pipeline.errors import Problem
-from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
+from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.simulation.figure_analysis import analyse, draw
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
@@ -20,8 +20,8 @@ def check_scene(scene: Scene) -> str:
     """
     simulation = Simulation(scene)
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)
-    mounts_of(scene, names)
-    sharp_nodes_of(scene, names)
+    camera_parents(scene, names)
+    focus_nodes(scene, names)
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"

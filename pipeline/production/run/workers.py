@@ -18,8 +18,8 @@ from typing import TypeVar
 from pipeline.errors import FilmingError, PronkError
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
-from pipeline.production.shots.frame_rendering import film_frames
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.frame_rendering import render_frames
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
 from render.backend import Backend, Choice, choose, without_gpu
@@ -155,7 +155,7 @@ def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], N
 
 # --- in a worker ------------------------------------------------------------------
 
-_equipment: tuple[Shooting, Renderer] | None = None
+_equipment: tuple[ShotBuilder, Renderer] | None = None
 """Shots and renderer of this worker, made for its first batch."""
 
 
@@ -187,11 +187,11 @@ def _film_batch(batch: FrameBatch) -> Timings | str | DeviceMemoryShort:
     global _equipment
     try:
         if _equipment is None:
-            shooting = Shooting(batch.scene, read_take(batch.take))
+            shooting = ShotBuilder(batch.scene, read_take(batch.take))
             _equipment = shooting, Renderer(batch.backend)
         shooting, renderer = _equipment
         renderer.timings = Timings()
-        for _ in film_frames(renderer, shooting, batch.outputs, batch.keys):
+        for _ in render_frames(renderer, shooting, batch.outputs, batch.keys):
             pass
     except DeviceMemoryShort as error:
         return error

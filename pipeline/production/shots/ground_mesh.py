@@ -1,8 +1,7 @@
-"""Landscape: the ground as it is filmed, with a far field around it.
+"""Ground mesh: the terrain, and a far field around it to the horizon.
 
-Where feet go the mesh is the terrain itself. Beyond its edge the ground goes on to
-the horizon in widening rings that start at the edge's own vertices, so that no seam
-and no end of the world is seen. Forbidden zones can be tinted, cell by cell.
+The far field consists of widening rings that start at the vertices of the terrain's edge, so that
+neither a seam nor the end of the world is visible. Forbidden zones can be hatched, cell by cell.
 """
 
 from __future__ import annotations
@@ -24,14 +23,14 @@ GROWTH = 1.32
 
 
 def ground_meshes(
-    terrain: TerrainRecord, show_forbidden: bool = False, prints: FootprintRaster | None = None
+    terrain: TerrainRecord, show_forbidden: bool = False, footprints: FootprintRaster | None = None
 ) -> tuple[Mesh, ...]:
     """Return the terrain and its far field, with texture coordinates in metres.
 
     Args:
-        terrain: the ground.
+        terrain: near field.
         show_forbidden: whether its forbidden zones are hatched.
-        prints: what is pressed into it over the film.
+        footprints: in it, over the whole film.
     """
     near = Mesh(
         name="terrain",
@@ -39,8 +38,8 @@ def ground_meshes(
         faces=terrain.faces,
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),
-        warned=_tinted(terrain) if show_forbidden else None,
-        footprints=prints,
+        warned=_forbidden_faces(terrain) if show_forbidden else None,
+        footprints=footprints,
     )
     vertices, faces = _far_field(terrain)
     far = Mesh(
@@ -53,8 +52,8 @@ def ground_meshes(
     return near, far
 
 
-def _tinted(terrain: TerrainRecord) -> NDArray[np.bool_]:
-    """Return which faces lie in forbidden zones: those of a cell stand together, row by row."""
+def _forbidden_faces(terrain: TerrainRecord) -> NDArray[np.bool_]:
+    """Return which faces lie in forbidden zones; the faces of a cell are contiguous."""
     forbidden = terrain.forbidden.ravel()
     return np.repeat(forbidden, len(terrain.faces) // len(forbidden))
 
@@ -62,15 +61,15 @@ def _tinted(terrain: TerrainRecord) -> NDArray[np.bool_]:
 def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
     """Return rings of vertices around the terrain and the triangles between them.
 
-    Hills go on rolling beyond the edge: along a ring a vertex takes its height from the
-    terrain mirrored at its edge, ever smoother and calmer with the distance.
+    Hills continue beyond the edge: a vertex takes the height of the terrain mirrored at its edge,
+    smoother and flatter with the distance.
     """
     n_x, n_z = terrain.cells
     field = surface_of_vertices(terrain.vertices, terrain.cells)
     grid = terrain.vertices[: field.heights.size].reshape(n_z + 1, n_x + 1, 3)
     loop = _border(n_x, n_z)
     edge = grid[loop[:, 1], loop[:, 0]]
-    # Rings lie about the middle of the grid, along its own axes.
+    # Rings are centred on the grid, along its axes.
     rim = np.stack(field.to_grid(edge[:, 0], edge[:, 2]), axis=-1)
     half = np.array(field.size) / 2
     middle = float(grid[..., 1].mean())
@@ -79,7 +78,7 @@ def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
     for _ in range(RINGS):
         out += width
         width *= GROWTH
-        # Each ring is the border of a rectangle grown by the same factor on all sides.
+        # Each ring is the scaled border of the grid.
         xz = rim * (1.0 + out / half)
         calm = float(np.exp(-out / (1.2 * half.min())))
         height = middle + calm * (_mirrored_height(grid, half, xz) - middle)
@@ -94,7 +93,7 @@ def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
 
 
 def _border(n_x: int, n_z: int) -> NDArray[np.int64]:
-    """Return the grid's border as (i, j), once around so that faces look upward."""
+    """Return the grid's border as (i, j), in the order in which faces point upward."""
     i, j = np.arange(n_x + 1), np.arange(n_z + 1)
     sides = [
         np.stack([i[:-1], np.zeros_like(i[:-1])], axis=-1),
@@ -106,7 +105,7 @@ def _border(n_x: int, n_z: int) -> NDArray[np.int64]:
 
 
 def _mirrored_height(grid: Array, half: Array, xz: Array) -> Array:
-    """Return the terrain's heights at `xz`, mirrored at its edges as often as needed."""
+    """Return the heights at `xz` of the terrain mirrored repeatedly at its edges."""
     n_z, n_x = grid.shape[0] - 1, grid.shape[1] - 1
     cells = np.array([n_x, n_z])
     place = (xz / half + 1.0) * 0.5 * cells
@@ -119,7 +118,7 @@ def _mirrored_height(grid: Array, half: Array, xz: Array) -> Array:
 
 
 def _smoothed(values: Array, width: float) -> Array:
-    """Return closed-loop `values` averaged over about `width` neighbours."""
+    """Return periodic `values` filtered by a gaussian of about `width` neighbours."""
     n = len(values)
     k = np.fft.rfftfreq(n)
     result: Array = np.fft.irfft(np.fft.rfft(values) * np.exp(-0.5 * (k * width) ** 2), n)

@@ -1,4 +1,4 @@
-"""Shooting: take and scene -> the shot of a frame."""
+"""Shot builder: take and scene -> the shot of a frame."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.production.camera.cuts import camera_poses, first_frames
-from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
-from pipeline.production.camera.pose_interpolation import Panning
-from pipeline.production.shots.footprint_raster import footprints
+from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
+from pipeline.production.camera.pose_interpolation import PoseInterpolator
+from pipeline.production.shots.footprint_raster import footprint_timeline
 from pipeline.production.shots.ground_mesh import ground_meshes
 from pipeline.production.shots.lamp_placement import CarriedLamps
-from pipeline.production.shots.pattern_coordinates import rests
-from pipeline.production.shots.skinning import Skin, seen_parts
+from pipeline.production.shots.skinning import Skin, pattern_coordinates, visible_parts
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
@@ -23,15 +22,14 @@ from render.config import MATERIALS, Material
 from render.shot import Mesh, Moment, Shot
 
 
-class Shooting:
-    """Makes the shots of one take under one scene's looks.
+class ShotBuilder:
+    """Builds the shots of one take by the materials, lights and cameras of one scene.
 
     Attributes:
         poses: of the camera at every frame.
 
     Raises:
-        SceneError: a camera or a lamp goes along with a part that nobody has, or a camera focuses
-            on one.
+        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist.
     """
 
     def __init__(self, scene: Scene, take: Take) -> None:
@@ -42,18 +40,18 @@ class Shooting:
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         aspect = self.film.size[0] / self.film.size[1]
         names = NodeNames.of(take)
-        mounts, sharp = mounts_of(scene, names), sharp_nodes_of(scene, names)
-        self.poses = camera_poses(take, scene.camera, aspect, mounts, sharp)
-        self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
+        mounts, focus = camera_parents(scene, names), focus_nodes(scene, names)
+        self.poses = camera_poses(take, scene.camera, aspect, mounts, focus)
+        self._interpolator = PoseInterpolator(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
-        words = scene.terrain
+        terrain = scene.terrain
         texture = self.materials[take.terrain.material].texture
-        self._prints = footprints(take, texture) if words.footprints else None
-        raster = self._prints.prints if self._prints else None
-        self._ground = ground_meshes(take.terrain, words.show_forbidden, raster)
+        self._footprints = footprint_timeline(take, texture) if terrain.footprints else None
+        raster = self._footprints.raster if self._footprints else None
+        self._ground = ground_meshes(take.terrain, terrain.show_forbidden, raster)
         self._skin = Skin.of(take)
-        self._parts = seen_parts(take)
-        self._rests = rests(take, self.materials)
+        self._parts = visible_parts(take)
+        self._rests = pattern_coordinates(take, self.materials)
         self._lamps = CarriedLamps.of(scene, take)
 
     def shot(self, frame: int) -> Shot:
@@ -70,34 +68,34 @@ class Shooting:
         )
 
     def _moment(self, frame: int, part: float) -> Moment:
-        """Return where all stands a part of a frame after its begin."""
+        """Return the moment a fraction of a frame after its start."""
         row = self.clock.row_of_frame(frame)
         at = row + part * self.clock.samples
         vertices = self._skin.posed(self.take, at)
-        meshes = list(self._trodden(at))
+        meshes = list(self._ground_at(at))
         for i, piece in enumerate(self._parts):
             mesh = self.take.meshes[piece.seen]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
             if not piece.life[0] <= row < piece.life[1]:
-                # Hidden by collapsing: the topology of a build stays as it is.
+                # Hidden by collapsing, because the topology of a build is constant.
                 placed = np.zeros_like(placed)
             rest = self._rests[i]
             meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
         return Moment(
-            tuple(meshes), self._panning.at(frame, part), self._lamps.placed(self.take, at)
+            tuple(meshes), self._interpolator.at(frame, part), self._lamps.placed(self.take, at)
         )
 
-    def _trodden(self, row: float) -> tuple[Mesh, ...]:
-        """Return the ground with the footprints that have been made by a row of the take."""
+    def _ground_at(self, row: float) -> tuple[Mesh, ...]:
+        """Return the ground with the footprints made until a row of the take."""
         near, *others = self._ground
-        made = self._prints.made(row) if self._prints else 0
+        made = self._footprints.count(row) if self._footprints else 0
         if near.footprint_count != made:
             self._ground = replace(near, footprint_count=made), *others
         return self._ground
 
 
 def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:
-    """Return the materials that the take names: the author's own before the presets."""
+    """Return the materials that the take names; the author's own override the presets."""
     names = {part.material for part in take.parts} | {take.terrain.material}
     own = scene.materials
     return {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}

@@ -1,31 +1,43 @@
-"""Skinning: where the vertices of a take's parts are in one row."""
+"""Skinning: vertices of the visible parts of a take in one row, and their pattern coordinates."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, cross, matrix
-from pipeline.simulation.take import UNSEEN, Part, Take
+from pipeline.simulation.take import UNSEEN, Mesh, Part, Take
+from render.config import Material
 
-LEAP = 400.0
-"""Speed over which something is taken to be set elsewhere [m/s]."""
+TELEPORT_SPEED = 400.0
+"""Speed above which a node is not interpolated between rows [m/s]."""
 
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+
+MIN_ELONGATION = 1.6
+"""Ratio of deviations of the vertices from which a part's pattern runs along it."""
+
+ALIGNED_COSINE = 0.98
+"""Cosine of the angle up to which a part lies along an axis of its own frame."""
+
+PATTERN_OFFSET = np.array([0.6180, 0.4142, 0.7321])
+"""Offset between the patterns of two parts with one mesh [m]: never whole tiles."""
 
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """All that is seen of a take, part after part, with the nodes that vertices follow.
+    """All visible vertices of a take, part after part, with the nodes that they follow.
 
     Attributes:
         vertices: (V, 3) in the rest frame, relative to each of the two nodes: (2, V, 3) [m].
         nodes: (2, V).
         weights: (2, V, 1).
-        blended: (B,) vertices that follow two nodes, in one part or the other.
-        starts: (P + 1,) first vertex of each part that is seen.
+        blended: (B,) vertices that follow two nodes.
+        starts: (P + 1,) first vertex of each visible part.
     """
 
     vertices: Array
@@ -36,8 +48,8 @@ class Skin:
 
     @staticmethod
     def of(take: Take) -> Skin:
-        """Collect the vertices of all parts of `take` that are seen."""
-        meshes = [take.meshes[part.seen] for part in seen_parts(take)]
+        """Return the skin of the visible parts of `take`."""
+        meshes = [take.meshes[part.seen] for part in visible_parts(take)]
         counts = [len(mesh.vertices) for mesh in meshes]
         nodes = np.concatenate([mesh.nodes for mesh in meshes]).T
         rest = np.array([node.rest for node in take.nodes])
@@ -53,44 +65,43 @@ class Skin:
 
     def posed(self, take: Take, at: float) -> NDArray[np.float32]:
         """Return the vertices (V, 3) in the world [m], at a row or between two."""
-        q, p, scales = poses(take, at)
+        q, p, scales = interpolated_poses(take, at)
         row = int(at)
         R = matrix(q)
-        # A scale is of the node's own geometry: along its axes, before it is turned.
+        # A scale acts along the node's own axes, before its rotation.
         R[list(take.scaled)] *= scales[:, None, :]
         first = self.nodes[0]
         world: Array = p[first] + (R[first] @ self.vertices[0][..., None])[..., 0]
         if self.blended.size:
-            world[self.blended] = self._bent(q, p, R)
+            world[self.blended] = self._blended_vertices(q, p, R)
         gone = ~take.alive[row]
         if gone.any():
-            # Hidden by collapsing: the topology of a build stays as it is.
+            # Hidden by collapsing, because the topology of a build is constant.
             world[gone[self.nodes[0]]] = 0.0
         return world.astype(np.float32)
 
-    def _bent(self, q: Array, p: Array, R: Array) -> Array:
-        """Return where the vertices that follow two nodes are (B, 3) [m].
+    def _blended_vertices(self, q: Array, p: Array, R: Array) -> Array:
+        """Return the vertices that follow two nodes (B, 3) [m], by dual quaternion skinning.
 
-        Each turns by a part of the way from one node to the other, about the axis on which the
-        one turns into the other: a knee that is bent keeps its volume, where the mean of both
-        places would fall in. Nodes that only move apart stretch what is between them.
+        A bent knee keeps its volume, where linear blending would collapse it. Nodes that only
+        move apart stretch what is between them.
 
-        Source: Kavan et al. 2007, dual quaternions, for two of them.
+        Source: Kavan et al. 2007, for two dual quaternions.
         """
         some, share = self.blended, self.weights[1, self.blended]
         a, b = (self.nodes[k][some] for k in range(2))
         offset = self.vertices[0][some]
-        # The one node carries the other's vertices; what is left is a turn and a shift.
+        # Relative to the first node the second one is a rotation and a translation.
         here = p[a] + (R[a] @ offset[..., None])[..., 0]
         there = p[b] + (R[b] @ self.vertices[1][some][..., None])[..., 0]
         turned = _product(q[b], q[a] * _CONJUGATE)
         turned = turned * np.where(turned[:, :1] < 0.0, -1.0, 1.0)
-        # there = turned (here) + shift, whatever point both are told from.
+        # there = turned (here) + shift
         shift = there - _turned(turned, here)
         dual = 0.5 * _product(np.concatenate([np.zeros_like(share), shift], axis=-1), turned)
         real = share * turned
         real[:, :1] += 1.0 - share
-        # A node that is not yet anywhere has no rotation at all.
+        # A node that is not alive yet has a zero quaternion.
         norm = np.maximum(np.sqrt((real * real).sum(axis=-1, keepdims=True)), 1e-12)
         real, dual = real / norm, share * dual / norm
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
@@ -98,23 +109,23 @@ class Skin:
         return result
 
 
-def seen_parts(take: Take) -> tuple[Part, ...]:
-    """Return the parts of a take that are seen, in order."""
+def visible_parts(take: Take) -> tuple[Part, ...]:
+    """Return the visible parts of a take in order."""
     return tuple(part for part in take.parts if part.seen != UNSEEN)
 
 
-def poses(take: Take, at: float) -> tuple[Array, Array, Array]:
-    """Return rotations wxyz (J, 4), positions (J, 3) [m] and scales, straight between two rows."""
+def interpolated_poses(take: Take, at: float) -> tuple[Array, Array, Array]:
+    """Return rotations wxyz (J, 4), positions (J, 3) [m] and scales, linear between two rows."""
     row = int(at)
     part, after = at - row, min(row + 1, len(take.positions) - 1)
     q, p, scales = take.rotations[row], take.positions[row], take.scales[row]
     if part == 0.0 or after == row:
         return q, p, scales
-    # Who is set from one place to another in no time is not drawn on the way there.
+    # Teleported nodes are not drawn between their positions.
     step = take.positions[after] - p
     rate = float(take.header.rate * take.header.samples)
-    goes = (np.linalg.norm(step, axis=-1) * rate < LEAP)[:, None]
-    # Signs of neighbours agree, and a row is short: a chord is as good as the arc.
+    goes = (np.linalg.norm(step, axis=-1) * rate < TELEPORT_SPEED)[:, None]
+    # Signs of neighbours agree and a row is short, so the chord replaces the arc.
     turned = q + part * (take.rotations[after] - q)
     turned /= np.linalg.norm(turned, axis=-1, keepdims=True)
     scaled = scales + part * (take.scales[after] - scales)
@@ -140,4 +151,43 @@ def _turned(q: Array, v: Array) -> Array:
     w, u = q[:, :1], q[:, 1:]
     once = cross(u, v)
     result: Array = v + 2.0 * (w * once + cross(u, once))
+    return result
+
+
+def pattern_coordinates(
+    take: Take, materials: Mapping[str, Material]
+) -> Sequence[NDArray[np.float32] | None]:
+    """Return the pattern coordinates (V, 3) of each visible part, None for one without pattern."""
+    aligned = lru_cache(maxsize=None)(lambda number: aligned_vertices(take.meshes[number]))
+    found: list[NDArray[np.float32] | None] = []
+    for i, part in enumerate(take.parts):
+        if part.seen == UNSEEN:
+            continue
+        plain = materials[part.material].texture == "none"
+        found.append(
+            None if plain else (aligned(part.seen) + i * PATTERN_OFFSET).astype(np.float32)
+        )
+    return found
+
+
+def aligned_vertices(mesh: Mesh) -> Array:
+    """Return the rest vertices (V, 3) of a mesh with its longest extent along the first axis.
+
+    A mesh about as long as wide keeps its own axes.
+    """
+    vertices = mesh.vertices.astype(float)
+    vertices -= vertices.mean(axis=0)
+    sizes, axes = np.linalg.eigh(np.cov(vertices.T))
+    if sizes[2] < MIN_ELONGATION**2 * sizes[1]:
+        return vertices
+    along = axes[:, 2]
+    first = int(np.abs(along).argmax())
+    if abs(along[first]) > ALIGNED_COSINE:
+        return vertices[:, [first, (first + 1) % 3, (first + 2) % 3]]
+    along = along * np.sign(along[first])
+    across = np.cross(along, np.eye(3)[int(np.abs(along).argmin())])
+    across /= np.linalg.norm(across)
+    result: Array = np.einsum(
+        "vk,ak->va", vertices, np.array([along, across, np.cross(along, across)])
+    )
     return result

@@ -1,8 +1,7 @@
-"""Shading: solids as a small picture, without a ray.
+"""Solid preview: solids as a small image by point splatting, for diagrams.
 
-Every triangle that faces the eye is covered with points, closer together than the
-pixels, and the nearest point in a pixel is seen. That is enough for a diagram, takes a
-second, and needs no backend.
+Every triangle that faces the eye is covered with points closer than the pixels, and a depth
+buffer keeps the nearest one. That takes a second and needs no backend.
 """
 
 from __future__ import annotations
@@ -15,31 +14,31 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, cross, normalized
 
-FINENESS = 0.75
+POINT_SPACING = 0.75
 """Distance of points on a triangle [pixels]."""
 
 LIGHT = normalized(np.array([-0.45, 0.75, 0.6]))
-"""Towards the light; x to the right, y up, z to the eye."""
+"""Direction to the light; x to the right, y up, z to the eye."""
 
-SHADE, GLEAM = 0.42, 0.10
-"""How bright what lies in the dark is, and how much the brightest points gleam."""
+AMBIENT, SPECULAR = 0.42, 0.10
+"""Brightness of unlit points, and of highlights."""
 
-NOTHING = -1
-"""Number of the part where there is none."""
+BACKGROUND = -1
+"""Part number of the background."""
 
-RIM = 0.42
-"""How much the outlines of parts are darkened."""
+OUTLINE_DARKENING = 0.42
+"""Darkening of the outlines of parts."""
 
 
 @dataclass(frozen=True, eq=False)
-class Painted:
-    """A solid to be seen.
+class PreviewSolid:
+    """A solid to draw.
 
     Attributes:
         vertices: (V, 3) x to the right, y down, z to the eye [pixels].
         faces: (F, 3), counter-clockwise from outside.
         color: (3,) 0 to 1.
-        part: number of the part; an outline runs between two of them.
+        part: number of the part; outlines separate parts.
     """
 
     vertices: Array
@@ -48,18 +47,20 @@ class Painted:
     part: int
 
 
-def shaded(solids: Sequence[Painted], size: tuple[int, int], background: Array) -> Array:
-    """Return a picture (height, width, 3) of values 0 to 1.
+def render_preview(
+    solids: Sequence[PreviewSolid], size: tuple[int, int], background: Array
+) -> Array:
+    """Return an image (height, width, 3), 0 to 1.
 
     Args:
-        solids: what is seen.
+        solids: to draw.
         size: width and height [pixels].
-        background: (3,) color where there is nothing.
+        background: (3,) its color.
     """
     width, height = size
     depth = np.full(width * height, -np.inf)
     picture = np.tile(background, (width * height, 1))
-    parts = np.full(width * height, NOTHING)
+    parts = np.full(width * height, BACKGROUND)
     for solid in solids:
         points, normals = _points(solid)
         column, row = np.floor(points[:, 0]).astype(int), np.floor(points[:, 1]).astype(int)
@@ -71,14 +72,14 @@ def shaded(solids: Sequence[Painted], size: tuple[int, int], background: Array) 
         picture[pixel[nearest]] = _lit(solid.color, normals[nearest])
         parts[pixel[nearest]] = solid.part
     rim = _outlines(parts.reshape(height, width), depth.reshape(height, width))
-    result: Array = picture.reshape(height, width, 3) * (1.0 - RIM * rim[..., None])
+    result: Array = picture.reshape(height, width, 3) * (1.0 - OUTLINE_DARKENING * rim[..., None])
     return result
 
 
-def _points(solid: Painted) -> tuple[Array, Array]:
-    """Cover the triangles that face the eye with points; return these and their normals."""
+def _points(solid: PreviewSolid) -> tuple[Array, Array]:
+    """Return points that cover the triangles facing the eye, and their normals."""
     corners = solid.vertices[solid.faces.astype(int)]
-    # y runs down, which turns all triangles round.
+    # y points down, which reverses the winding.
     face = cross(corners[:, 2] - corners[:, 0], corners[:, 1] - corners[:, 0])
     normals = np.zeros_like(solid.vertices)
     for k in range(3):
@@ -87,7 +88,7 @@ def _points(solid: Painted) -> tuple[Array, Array]:
     facing = face[:, 2] > 0.0
     corners, of_corners = corners[facing], normals[solid.faces[facing].astype(int)]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(axis=-1)
-    counts = np.ceil(np.clip(sides, FINENESS, 4000.0) / FINENESS).astype(int)
+    counts = np.ceil(np.clip(sides, POINT_SPACING, 4000.0) / POINT_SPACING).astype(int)
     points, found = [np.zeros((0, 3))], [np.zeros((0, 3))]
     for n in np.unique(counts):
         i, j = (index.ravel() for index in np.indices((n + 1, n + 1)))
@@ -104,18 +105,18 @@ def _lit(color: Array, normals: Array) -> Array:
     """Return the colors (n, 3) of points with these normals."""
     # Normals have y down, the light up.
     towards = normals @ (LIGHT * [1.0, -1.0, 1.0])
-    # Half a turn of the light wraps around the solid, so that no side is black.
-    bright = SHADE + (1.0 - SHADE) * (0.5 + 0.5 * towards) ** 1.3
-    gleam = GLEAM * np.clip(towards, 0.0, 1.0) ** 24
-    result: Array = np.clip(color * bright[:, None] + gleam[:, None], 0.0, 1.0)
+    # Wrapped (half-Lambert) lighting leaves no side black.
+    bright = AMBIENT + (1.0 - AMBIENT) * (0.5 + 0.5 * towards) ** 1.3
+    highlight = SPECULAR * np.clip(towards, 0.0, 1.0) ** 24
+    result: Array = np.clip(color * bright[:, None] + highlight[:, None], 0.0, 1.0)
     return result
 
 
 def _outlines(parts: NDArray[np.int64], depth: Array) -> Array:
-    """Return where one part ends in front of another, 0 or 1."""
+    """Return the pixels where one part ends in front of another, 0 or 1."""
     rim = np.zeros(parts.shape)
     for axis in (0, 1):
         for way in (1, -1):
             other, behind = np.roll(parts, way, axis=axis), np.roll(depth, way, axis=axis)
-            rim[(parts != NOTHING) & (parts != other) & (depth > behind)] = 1.0
+            rim[(parts != BACKGROUND) & (parts != other) & (depth > behind)] = 1.0
     return rim

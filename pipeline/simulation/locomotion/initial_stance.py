@@ -48,7 +48,7 @@ def place_feet(stepping: Stepping) -> None:
         stepping, [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()]
     )
     for leg in range(len(herd.owner)):
-        if progress.paces.held(leg, 0.0):
+        if progress.paces.is_held_up(leg, 0.0):
             hold_up(feet, leg, 0.0)
             feet.held_up[0, leg] = 1.0
         elif in_air[leg]:

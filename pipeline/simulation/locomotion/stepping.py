@@ -36,7 +36,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
 )
 from pipeline.simulation.locomotion.routes.speed_control import predicted
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
-from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner, SwingRequest
+from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Note
 from pipeline.simulation.troupe import World
@@ -95,7 +95,7 @@ class Stepping:
 
 
 def take_steps(stepping: Stepping, step: int, phase_before: Array) -> None:
-    """Lift the feet whose foot-up phase was passed, put down those whose foot-down was.
+    """Lift the feet that pass their foot-up phases, put down feet at their foot-down phases.
 
     Args:
         stepping: of the herd.
@@ -171,7 +171,7 @@ def _stuck_first(stepping: Stepping, lifting: list[tuple[int, float]]) -> list[t
 
 def _foot_up(stepping: Stepping, step: int, leg: int, phase: float) -> None:
     """Lift a foot at `phase`, to come down again or to be held up."""
-    feet, stays_up = stepping.feet, stepping.progress.paces.held(leg, phase)
+    feet, stays_up = stepping.feet, stepping.progress.paces.is_held_up(leg, phase)
     if feet.held_up[1, leg] == 0.0:
         if stays_up:
             hold_up(feet, leg, phase)
@@ -209,10 +209,8 @@ def lift_foot(stepping: Stepping, step: int, leg: int, phase: float) -> None:
     start_swing(feet, leg, hold)
     step_height = float(progress.paces.number("step_height", owner, np.array(phase)))
     if stepping.swings is not None and feet.bend is not None:
-        start, fraction = feet.start[leg], request.speed_fraction
-        swing = SwingRequest(timing, start, hold.tip, request.distance, fraction, step_height)
-        arch, lowering = float(feet.arch[leg]), feet.lowering[1]
-        feet.arch[leg], feet.bend[leg] = stepping.swings.plan(leg, swing, arch, lowering)
+        planned = stepping.swings.plan(request, hold, step_height, feet.lowering[1])
+        feet.arch[leg], feet.bend[leg] = planned
     feet.lift_phase[leg], feet.swing_length[leg] = phase, timing.swing
     feet.swinging[leg] = True
     heights = float(feet.arch[leg]), step_height
@@ -261,7 +259,7 @@ def _upcoming(stepping: Stepping) -> list[StepRequest]:
 def _swings_at(stepping: Stepping, leg: int, phase: float) -> bool:
     """Return whether a leg that goes up at `phase` swings from one foothold to the next."""
     is_down = stepping.feet.held_up[1, leg] == 0.0
-    return bool(is_down and not stepping.progress.paces.held(leg, phase))
+    return bool(is_down and not stepping.progress.paces.is_held_up(leg, phase))
 
 
 def _is_steady(stepping: Stepping, request: StepRequest) -> bool:

@@ -22,9 +22,13 @@ from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.initial_stance import place_feet
-from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
+from pipeline.simulation.locomotion.inventory import (
+    NodeTable,
+    describe_herd,
+    legs_of,
+    mechanisms_of,
+)
 from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
-from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route
@@ -52,7 +56,7 @@ class Walkers(Troupe):
     Attributes:
         progress: on their routes.
         stepping: of their feet.
-        leaps: of those that jump.
+        leaps: jumps of the creatures.
     """
 
     def __init__(
@@ -70,14 +74,16 @@ class Walkers(Troupe):
         trajectory.style = moods.style(0.0)
         free_joints = collect_free_joints(herd, world.seed)
         table = NodeTable.of(herd, free_joints)
-        self.authored = AuthoredPoses(cast, herd, free_joints, world.seed)
-        self.poses = PoseSolver(herd, trajectory, free_joints, table, self.authored, world.clock)
+        self.authored_poses = AuthoredPoses(cast, herd, free_joints, world.seed)
+        self.pose_solver = PoseSolver(
+            herd, trajectory, free_joints, table, self.authored_poses, world.clock
+        )
         self.inventory = describe_herd(herd, free_joints, table, materials, world.clock.rows)
         self.step = 0
         targets = initial_look_targets(herd, cast)
         self.progress = start_progress(herd, trajectory, moods, world.clock.dt, targets)
         swings = SwingPlanner.of(cast, self.progress, world.ground)
-        contacts = FootContacts(herd, world, self.authored, materials)
+        contacts = FootContacts(herd, world, self.authored_poses, materials)
         self.stepping = Stepping.of(world, self.progress, swings, contacts)
         self.leaps = WalkerJumps(cast, world, self.progress, self.stepping, materials)
         self._order_notes: list[Note] = []
@@ -105,11 +111,11 @@ class Walkers(Troupe):
     # --- the passes of the step -------------------------------------------------
 
     def solids_needed(self, orders: Orders) -> Collection[str]:
-        """Return the names of what creatures are to jump over."""
+        """Return the names of performers that creatures are to jump over."""
         return self.leaps.sought(orders)
 
     def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
-        """Take in where those are."""
+        """Take in the solids of these performers."""
         self.leaps.see(solids)
 
     def read(self, orders: Orders) -> None:
@@ -144,7 +150,7 @@ class Walkers(Troupe):
         self.step = step + 1
 
     def prepare(self, instruction: Instruction, path: str) -> None:
-        """Refuse what legs cannot do, and be ready for jumps."""
+        """Refuse gaits that legs cannot do, and prepare jumps."""
         if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
             c = self.herd.names.index(instruction.who)
             self.progress.moods.neutral_pace(c, instruction.do, f"{path}.do")
@@ -173,7 +179,7 @@ class Walkers(Troupe):
         # With the routes of their time: a later one is the same so far but for the last bit, which
         # may not depend on how many rows are written at once.
         for trajectory.route_set, moments in groupby(self._buffered, key=lambda row: row.route_set):
-            poses = self.poses.solve(list(moments))
+            poses = self.pose_solver.solve(list(moments))
             here = slice(first, first + len(poses.positions))
             rows.positions[here], rows.rotations[here] = poses.positions, poses.rotations
             rows.values[here] = poses.values

@@ -1,11 +1,15 @@
-"""Footprints: where feet touched, from then on, and only on soft ground."""
+"""Footprints: at contacts, from then on, and only on soft ground."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from pipeline.production.shots.footprint_raster import DEPTHS, SMALLEST, footprints
+from pipeline.production.shots.footprint_raster import (
+    MIN_RADIUS,
+    SOFT_GROUNDS,
+    footprint_timeline,
+)
 from pipeline.simulation.take import Take
 from render.footprints import BLOCK, MAX_FOOTPRINTS, FootprintRaster
 
@@ -35,52 +39,52 @@ def treads(take: Take) -> list[tuple[float, float, float]]:
     ]
 
 
-def test_every_foot_leaves_a_print_where_it_touched(first_steps: Take) -> None:
-    found = footprints(first_steps, "soil")
+def test_every_foot_leaves_a_footprint_at_its_contact(first_steps: Take) -> None:
+    found = footprint_timeline(first_steps, "soil")
     assert found is not None
     expected = treads(first_steps)
     assert len(expected) > 10
     for number, (_, x, z) in enumerate(expected, start=1):
-        word = texel(found.prints, x, z)
+        word = texel(found.raster, x, z)
         # Who trod there before keeps the place.
         assert 1 <= word & MAX_FOOTPRINTS <= number
         assert (word >> 13) & 31 > 0
-    seen = {int(n) for n in np.unique(found.prints.texels & MAX_FOOTPRINTS)} - {0}
+    seen = {int(n) for n in np.unique(found.raster.texels & MAX_FOOTPRINTS)} - {0}
     assert seen <= set(range(1, len(expected) + 1))
     assert len(seen) > 0.8 * len(expected)
 
 
-def test_there_is_no_print_away_from_feet(first_steps: Take) -> None:
-    found = footprints(first_steps, "soil")
+def test_there_is_no_footprint_away_from_feet(first_steps: Take) -> None:
+    found = footprint_timeline(first_steps, "soil")
     assert found is not None
     places = np.array([(x, z) for _, x, z in treads(first_steps)])
     rng = np.random.default_rng(2)
     for x, z in rng.uniform(places.min(0) - 1, places.max(0) + 1, (2000, 2)):
         if np.linalg.norm(places - (x, z), axis=1).min() > 0.25:
-            assert texel(found.prints, x, z) == 0
+            assert texel(found.raster, x, z) == 0
 
 
-def test_a_frame_shows_the_prints_made_before_it(first_steps: Take) -> None:
-    found = footprints(first_steps, "sand")
+def test_a_frame_shows_the_footprints_made_before_it(first_steps: Take) -> None:
+    found = footprint_timeline(first_steps, "sand")
     assert found is not None
     rows = [row for row, _, _ in treads(first_steps)]
     for count, row in enumerate(rows):
-        assert found.made(row - 1e-6) <= count < found.made(row)
-    assert found.made(0.0) == sum(row <= 0 for row in rows)
-    assert found.made(1e9) == len(rows)
+        assert found.count(row - 1e-6) <= count < found.count(row)
+    assert found.count(0.0) == sum(row <= 0 for row in rows)
+    assert found.count(1e9) == len(rows)
 
 
 @pytest.mark.parametrize("texture", ["rock", "tiles", "none"])
-def test_hard_ground_takes_no_prints(first_steps: Take, texture: str) -> None:
-    assert texture not in DEPTHS
-    assert footprints(first_steps, texture) is None
+def test_hard_ground_has_no_footprints(first_steps: Take, texture: str) -> None:
+    assert texture not in SOFT_GROUNDS
+    assert footprint_timeline(first_steps, texture) is None
 
 
-def test_prints_are_as_wide_as_feet_and_repeat(first_steps: Take) -> None:
-    first, again = (footprints(first_steps, "snow") for _ in range(2))
+def test_footprints_are_as_wide_as_feet_and_repeat(first_steps: Take) -> None:
+    first, again = (footprint_timeline(first_steps, "snow") for _ in range(2))
     assert first is not None
     assert again is not None
-    assert first.prints.bytes == again.prints.bytes
-    dark = ((first.prints.texels >> 13) & 31) > 0
-    area = dark.sum() * first.prints.spacing**2 / len(treads(first_steps))
-    assert SMALLEST**2 < area < 0.3**2
+    assert first.raster.bytes == again.raster.bytes
+    dark = ((first.raster.texels >> 13) & 31) > 0
+    area = dark.sum() * first.raster.spacing**2 / len(treads(first_steps))
+    assert MIN_RADIUS**2 < area < 0.3**2

@@ -1,4 +1,4 @@
-"""Lamps that performers carry."""
+"""Lamps carried by performers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import matrix
 from pipeline.spec import read_scene
@@ -27,10 +27,10 @@ film: {shutter_deg: 180, samples: 2, moments: 2}
 """
 
 
-def test_a_lamp_keeps_its_place_on_who_carries_it_in_every_moment() -> None:
+def test_a_lamp_stays_on_its_parent_in_every_moment() -> None:
     scene = read_scene(SCENE.replace("WHO", "bug"))
     take = simulate(scene)
-    shooting = Shooting(scene, take)
+    shooting = ShotBuilder(scene, take)
     body = next(i for i, node in enumerate(take.nodes) if node.name == "bug.body")
     for frame in (1, 4):
         shot = shooting.shot(frame)
@@ -53,7 +53,7 @@ def test_a_lamp_keeps_its_place_on_who_carries_it_in_every_moment() -> None:
         assert moments[0].lamps[0] != moments[1].lamps[0]
 
 
-def test_a_part_that_nobody_has_is_refused_with_its_place() -> None:
+def test_an_unknown_parent_is_reported_with_its_place() -> None:
     scene = read_scene(SCENE.replace("WHO", "bug.haed"))
     with pytest.raises(SceneError, match=r"light\.lamps\[0\]\.parent.*no part 'haed'"):
-        Shooting(scene, simulate(scene))
+        ShotBuilder(scene, simulate(scene))

@@ -1,4 +1,4 @@
-"""Skinning and shots: every vertex where its nodes take it, evaluated slowly."""
+"""Skinning against a slow evaluation, and shots."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipeline.production.shots.shot_builder import Shooting
-from pipeline.production.shots.skinning import Skin, seen_parts
+from pipeline.production.shots.shot_builder import ShotBuilder
+from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.simulation.spatial import matrix, rotation
 from pipeline.simulation.take import Mesh, Take
 from pipeline.spec import Scene
@@ -69,13 +69,13 @@ def blended(take: Take) -> Take:
 
 
 @pytest.mark.parametrize("shared", [False, True])
-def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bool) -> None:
+def test_vertices_match_a_slow_evaluation(take: Take, shared: bool) -> None:
     take = blended(take) if shared else take
     skin = Skin.of(take)
     random = np.random.default_rng(1)
     for row in (0, 13, len(take.positions) - 1):
         posed = skin.posed(take, row)
-        for i, part in enumerate(seen_parts(take)):
+        for i, part in enumerate(visible_parts(take)):
             mesh = take.meshes[part.seen]
             own = posed[skin.starts[i] : skin.starts[i + 1]]
             assert len(own) == len(mesh.vertices)
@@ -83,7 +83,7 @@ def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bo
                 np.testing.assert_allclose(own[vertex], slowly(take, mesh, vertex, row), atol=2e-6)
 
 
-def test_a_hinge_keeps_the_distance_of_what_lies_around_it(take: Take) -> None:
+def test_a_hinge_keeps_its_volume(take: Take) -> None:
     """Two nodes that meet in one place: whatever its weights, what is between keeps its radius."""
     chance = np.random.default_rng(7)
     one = blended(take)
@@ -93,12 +93,12 @@ def test_a_hinge_keeps_the_distance_of_what_lies_around_it(take: Take) -> None:
     rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
     nodes = tuple(replace(node, rest=(0.0, 0.0, 0.0)) for node in take.nodes)
     one = replace(one, nodes=nodes, positions=positions, rotations=rotations)
-    before = np.concatenate([one.meshes[part.seen].vertices for part in seen_parts(one)])
+    before = np.concatenate([one.meshes[part.seen].vertices for part in visible_parts(one)])
     radius = np.linalg.norm(Skin.of(one).posed(one, 3) - [0.4, 1.0, -0.2], axis=-1)
     np.testing.assert_allclose(radius, np.linalg.norm(before, axis=-1), rtol=1e-5, atol=1e-6)
 
 
-def test_nodes_that_move_apart_stretch_what_is_between_them(take: Take) -> None:
+def test_separating_nodes_stretch_the_vertices_between_them(take: Take) -> None:
     one = blended(take)
     turned = np.broadcast_to(take.rotations[:, :1], take.rotations.shape)
     one = replace(one, rotations=turned)
@@ -123,7 +123,7 @@ def test_a_scale_is_along_the_axes_of_its_node(take: Take) -> None:
     np.testing.assert_allclose(posed[own] - take.positions[row, 1], expected, atol=2e-6)
 
 
-def test_what_is_not_alive_is_not_seen(take: Take) -> None:
+def test_dead_nodes_are_hidden(take: Take) -> None:
     alive = take.alive.copy()
     alive[5, 1] = False
     dead = replace(take, alive=alive)
@@ -136,13 +136,13 @@ def test_what_is_not_alive_is_not_seen(take: Take) -> None:
 
 
 def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
-    shooting = Shooting(tiny, take)
+    shooting = ShotBuilder(tiny, take)
     skin = Skin.of(take)
     for frame in (1, 8):
         shot = shooting.shot(frame)
         ground, bodies = shot.meshes[:2], shot.meshes[2:]
         assert [mesh.name for mesh in ground] == ["terrain", "horizon"]
-        assert [mesh.name for mesh in bodies] == [part.name for part in seen_parts(take)]
+        assert [mesh.name for mesh in bodies] == [part.name for part in visible_parts(take)]
         posed = skin.posed(take, (frame - 1) * take.header.samples)
         np.testing.assert_array_equal(np.concatenate([m.vertices for m in bodies]), posed)
         assert shot.camera == shooting.poses[frame - 1]
@@ -151,11 +151,11 @@ def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
     assert shooting.shot(1).meshes[0] is shooting.shot(2).meshes[0]
 
 
-def test_a_part_is_seen_only_in_its_life(tiny: Scene, take: Take) -> None:
+def test_a_part_is_visible_only_in_its_life(tiny: Scene, take: Take) -> None:
     first, *others = take.parts
     samples = take.header.samples
     short = replace(first, life=(2 * samples, 4 * samples))
-    shooting = Shooting(tiny, replace(take, parts=(short, *others)))
+    shooting = ShotBuilder(tiny, replace(take, parts=(short, *others)))
     seen = [float(np.ptp(shooting.shot(f).meshes[2].vertices, axis=0).max()) for f in range(1, 9)]
     assert [extent > 0 for extent in seen] == [f in (3, 4) for f in range(1, 9)]
 

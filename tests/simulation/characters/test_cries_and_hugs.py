@@ -13,7 +13,7 @@ import pytest
 from audio.general_midi import program_number
 from audio.midi_file import write_midi
 from audio.notes import notes_of
-from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.characters.mind.mind_scheduler import (
     DISTRESS_ANXIETY,
@@ -71,7 +71,7 @@ def played(text: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
 
 def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path: Path) -> None:
     """Its note begins at the tick of its frame, on the instrument of its cause."""
-    score, _ = build_score(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
     (note,) = [
         n for n in notes_of(score) if (n.event.cause, n.event.frame) == (event.cause, event.frame)
     ]

@@ -90,6 +90,12 @@ class FreeLimb:
     length: float
     tip_radius: float
 
+    def tip_at(self, tree: JointTree, frames: Array) -> Array:
+        """Return the tip (3,) for frames (M, 4, 4) of the tree's joints [m]."""
+        last = self.joints[-1]
+        tip: Array = frames[last, :3, 3] + frames[last, :3, :3] @ (self.tip - tree.places[last])
+        return tip
+
 
 def joint_turns(skeleton: Skeleton, limb: Limb) -> list[str]:
     """Return yaw, pitch, roll or bend, for each joint of a limb."""
@@ -139,7 +145,7 @@ class FollowThrough:
         """
         own = list(limb.joints)
         X, carrier = rest[own], int(self.tree.parents[own[0]])
-        tip = X[-1, :3, 3] + X[-1, :3, :3] @ (limb.tip - self.tree.places[own[-1]])
+        tip = limb.tip_at(self.tree, rest)
         along = tip - X[:, :3, 3]
         along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-9)
         lever = cross(turn(X[:, :3, :3], self.tree.axes[own]), along) / limb.length

@@ -12,7 +12,12 @@ from pipeline.simulation.curves import hinge
 from pipeline.simulation.figures.network import ARM
 from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
 from pipeline.simulation.locomotion.body_motion.follow_through import FollowThrough
-from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, Necks, gaze_angles
+from pipeline.simulation.locomotion.body_motion.gaze import (
+    EYE_ITERATIONS,
+    BodyMotion,
+    Necks,
+    gaze_angles,
+)
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.route import heading_vector
@@ -22,9 +27,6 @@ from pipeline.simulation.terrain import Ground
 # Greatest speed of a head, in frequencies of the neck's springs [rad]; and damping ratio with which
 # it comes to where it is to look.
 MAX_HEAD_SPEED, NECK_DAMPING = 0.15, 0.8
-
-# Iterations in which the eyes' own motion is taken into account.
-EYE_ITERATIONS = 3
 
 # How long before it is there the end of a limb is raised over ground [s].
 CLEARANCE_LEAD = 0.2
@@ -131,8 +133,7 @@ class LimbClearance:
         rest = tree.pose(joints.limits.preferred)
         for limb in joints.limbs:
             own = list(limb.joints)
-            X = rest[own]
-            tip = X[-1, :3, 3] + X[-1, :3, :3] @ (limb.tip - tree.places[own[-1]])
+            X, tip = rest[own], limb.tip_at(tree, rest)
             lift = cross(turn(X[:, :3, :3], tree.axes[own]), tip - X[:, :3, 3])[:, 1]
             lift = np.where(tree.prismatic[own], 0.0, lift)
             if limb.kind != ARM and float((lift * lift).sum()) > (MIN_LIFT * limb.length) ** 2:

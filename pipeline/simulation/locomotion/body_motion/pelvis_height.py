@@ -87,7 +87,7 @@ class PelvisHeight:
         hips[..., 1] += raised[:, herd.owner]
         stretch = standing * _overstretch(hips, tips, lengths)
         phase = motion.progress.phase[:, herd.owner]
-        flies = self.trajectory.paces.flies(herd.owner, phase)
+        flies = self.trajectory.paces.had_flights(herd.owner, phase)
         if flies.any():
             # The last touchdown, or the next one of a foot in the air.
             off = phase - (feet.lift_phase + feet.swing_length)

@@ -92,7 +92,7 @@ class PaceSchedule:
             result[own] = heave
         return result
 
-    def flies(self, creature: NDArray[np.int64], phase: Array) -> NDArray[np.bool_]:
+    def had_flights(self, creature: NDArray[np.int64], phase: Array) -> NDArray[np.bool_]:
         """Return whether gaits of creatures (N,) have had flights by phases (..., N)."""
         result = np.tile(np.isin(creature, self._flying), (*phase.shape[:-1], 1))
         for c, changes in self.changes.items():
@@ -152,7 +152,7 @@ class PaceSchedule:
         count = len(self.herd.paces[c].gait.up)
         found, up = list[tuple[float, float]](), self._next_up(c, own, first - 2.0)
         while up < last:
-            if self.held(leg, up):
+            if self.is_held_up(leg, up):
                 up = self._next_up(c, own, up + 0.5)
                 continue
             down = float(self.gait(c, up).down_after(np.full(count, up))[own])
@@ -167,7 +167,7 @@ class PaceSchedule:
         later = self.gait(c, up)
         return up if later is gait else float(later.next_up(phase)[own])
 
-    def held(self, leg: int, phase: float) -> bool:
+    def is_held_up(self, leg: int, phase: float) -> bool:
         """Return whether a leg that goes up at `phase` stays held up."""
         c = int(self.herd.owner[leg])
         pace = self.herd.paces[c]

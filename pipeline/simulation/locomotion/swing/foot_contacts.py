@@ -56,18 +56,18 @@ class Scuff:
     """A foot that rubs over the ground.
 
     Attributes:
-        part: fraction of the swing at which it does so.
+        fraction: of the swing at which it does so.
         place: (3,) on the ground [m].
         normal: (3,) of the ground there.
-        way: speed along the ground, per whole swing [m].
-        weight: part of the leg's mass that drags.
+        slide: speed along the ground, per whole swing [m].
+        mass_fraction: part of the leg's mass that drags.
     """
 
-    part: float
+    fraction: float
     place: Array
     normal: Array
-    way: float
-    weight: float
+    slide: float
+    mass_fraction: float
 
 
 def scuff_in_swing(
@@ -87,13 +87,13 @@ def scuff_in_swing(
     depth = low - ((tips[:, 1] - height) * normals[:, 1] - sole)
     if (depth <= 0.0).all():
         return None
-    way = _tangential(np.gradient(tips, parts, axis=0), normals)
-    rubbed = depth * way
+    slide = _tangential(np.gradient(tips, parts, axis=0), normals)
+    rubbed = depth * slide
     # On level ground it rubs alike before and after the top; rounding must not choose.
     worst = int(np.argmax(rubbed >= (1.0 - 1e-6) * rubbed.max()))
     place = np.array([x[worst], height[worst], z[worst]])
-    weight = DRAGGED_MASS * min(float(depth[worst]) / low, 1.0)
-    return Scuff(float(parts[worst]), place, normals[worst], float(way[worst]), weight)
+    mass = DRAGGED_MASS * min(float(depth[worst]) / low, 1.0)
+    return Scuff(float(parts[worst]), place, normals[worst], float(slide[worst]), mass)
 
 
 def scuff_at_touchdown(tips: Array, parts: Array, place: Array, normal: Array) -> Scuff:
@@ -105,8 +105,8 @@ def scuff_at_touchdown(tips: Array, parts: Array, place: Array, normal: Array) -
         place: (3,) of touchdown [m].
         normal: (3,) of the ground there.
     """
-    way = _tangential(np.diff(tips, axis=0) / np.diff(parts), normal)
-    return Scuff(1.0, place, normal, float(way[0]), DRAGGED_MASS)
+    slide = _tangential(np.diff(tips, axis=0) / np.diff(parts), normal)
+    return Scuff(1.0, place, normal, float(slide[0]), DRAGGED_MASS)
 
 
 def _tangential(v: Array, normals: Array) -> Array:
@@ -164,7 +164,7 @@ class ScuffDetector:
         scuff = scuff_in_swing(self.ground, tips, MID_SWING, sole, low)
         if scuff is not None:
             self._planned[leg] = scuff
-            self.phase[leg] = timing.up + scuff.part * timing.swing
+            self.phase[leg] = timing.up + scuff.fraction * timing.swing
 
     def due(self, before: Array, phase: Array) -> NDArray[np.int64]:
         """Return the legs that scuff between their phases `before` (L,) and `phase` (L,)."""
@@ -209,11 +209,11 @@ class ScuffDetector:
         return self._audible(leg, scuff, rate)
 
     def _audible(self, leg: int, scuff: Scuff, rate: float) -> tuple[Scuff, float] | None:
-        speed = scuff.way * rate / float(self.span[leg])
-        return (scuff, speed) if self._is_audible(leg, scuff.way, rate) else None
+        speed = scuff.slide * rate / float(self.span[leg])
+        return (scuff, speed) if self._is_audible(leg, scuff.slide, rate) else None
 
-    def _is_audible(self, leg: int, way: float, rate: float) -> bool:
-        return bool(way * rate >= MIN_SCUFF_SPEED * self.herd.legs.lengths[leg] * self.span[leg])
+    def _is_audible(self, leg: int, slide: float, rate: float) -> bool:
+        return bool(slide * rate >= MIN_SCUFF_SPEED * self.herd.legs.lengths[leg] * self.span[leg])
 
 
 def _path(start: Array, end: Array, height: float, parts: Array, bend: Array | None) -> Array:
@@ -248,7 +248,7 @@ class FootContacts:
         audible = self.scuffs.mid_swing(leg, rate)
         if audible is not None and not self._is_posed(moment, leg):
             scuff, speed = audible
-            mass = scuff.weight * float(self.mass[leg])
+            mass = scuff.mass_fraction * float(self.mass[leg])
             self._add(moment, leg, (scuff.place, scuff.normal), speed, mass, "scuff")
 
     def touch(
@@ -278,7 +278,7 @@ class FootContacts:
         if audible is not None:
             scuff, speed = audible
             surface = scuff.place, scuff.normal
-            self._add(moment, leg, surface, speed, scuff.weight * mass, "scuff")
+            self._add(moment, leg, surface, speed, scuff.mass_fraction * mass, "scuff")
 
     def _is_posed(self, moment: Moment, leg: int) -> bool:
         """Return whether the author has posed a foot elsewhere, off the ground."""

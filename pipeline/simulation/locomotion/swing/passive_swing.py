@@ -27,6 +27,7 @@ import numpy as np
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
+from pipeline.simulation.locomotion.gaits.gait_transition import MAX_EASE_SLOPE
 from pipeline.simulation.locomotion.swing.swing_dynamics import FOOT_FRACTIONS, ROWS, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
@@ -41,9 +42,8 @@ from pipeline.simulation.terrain import Ground
 # Part of the swing in which a leg may be free.
 MAX_FREE_FRACTION = 0.6
 
-# Greatest speed of the quintic, in greatest speeds of the plain swing; and the slope of `ease` that
-# this is measured by.
-MAX_HURRY, MAX_EASE_SLOPE = 1.5, 1.875
+# Greatest speed of the quintic, in greatest speeds of the plain swing.
+MAX_HURRY = 1.5
 
 # How far a free foot may fall back, as a fraction of its way.
 MAX_BACKWARD = 0.05

@@ -25,7 +25,8 @@ import numpy as np
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
-from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
+from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
+from pipeline.simulation.locomotion.foot_placement.step_batch import StepRequest
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.locomotion.swing.passive_swing import plan_passive_swing
 from pipeline.simulation.locomotion.swing.swing_dynamics import FRACTIONS, LegModel, SwingTrial
@@ -138,26 +139,6 @@ PLANNERS: Mapping[str, Planner] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class SwingRequest:
-    """A swing that is about to begin.
-
-    Attributes:
-        timing: of the step.
-        start, end: (3,) tips [m].
-        distance: that the body has gone at lift-off [m].
-        speed_fraction: of the body.
-        step_height: on level ground [m].
-    """
-
-    timing: StepTiming
-    start: Array
-    end: Array
-    distance: float
-    speed_fraction: float
-    step_height: float
-
-
 class SwingPlanner:
     """Plans the swings of a herd, some of whose creatures do not take plain arches."""
 
@@ -193,27 +174,28 @@ class SwingPlanner:
         }
 
     def plan(
-        self, leg: int, request: SwingRequest, height: float, lowering: Array
+        self, request: StepRequest, hold: Foothold, step_height: float, lowering: Array
     ) -> tuple[float, Array]:
         """Return height [m] and bend (m, 3) of a swing.
 
         Args:
-            leg: its number.
-            request: the swing.
-            height: of the plain arch [m].
+            request: the step.
+            hold: the foothold at its end, with the plain arch.
+            step_height: on level ground [m].
             lowering: (L,) of the bodies for the footholds of their legs [m].
         """
-        herd, owner = self.herd, int(self.herd.owner[leg])
+        herd, owner = self.herd, int(self.herd.owner[request.leg])
         if owner not in self.kinds:
-            return height, np.zeros((POINTS, 3))
+            return hold.arch, np.zeros((POINTS, 3))
         # As in `pose_solver.total_lowering`, where each comes and goes.
         low = float((lowering[herd.owner == owner] ** 4).sum() ** 0.25)
-        trial, sole = self.trial(leg, request, low), float(herd.sole[leg])
-        return PLANNERS[self.kinds[owner]](trial, self.ground, sole, request.step_height)
+        trial, sole = self.trial(request, hold.tip, low), float(herd.sole[request.leg])
+        return PLANNERS[self.kinds[owner]](trial, self.ground, sole, step_height)
 
-    def trial(self, leg: int, request: SwingRequest, lowering: float) -> SwingTrial:
-        """Return the trial of a swing below a body that is lowered [m]."""
-        owner, timing, progress = int(self.herd.owner[leg]), request.timing, self.progress
+    def trial(self, request: StepRequest, end: Array, lowering: float) -> SwingTrial:
+        """Return the trial of a swing to a tip (3,) below a body that is lowered [m]."""
+        assert request.present is not None
+        owner, timing, progress = int(self.herd.owner[request.leg]), request.timing, self.progress
         phases, creature = timing.up + FRACTIONS * timing.swing, np.full(len(FRACTIONS), owner)
         up, fraction = np.array([timing.up]), request.speed_fraction
         ahead = progress.paces.distances(creature[:1], up, phases[None])[0] * math.sqrt(fraction)
@@ -222,4 +204,4 @@ class SwingPlanner:
         # A creature that has come to rest brings its feet down at full pace.
         rate = math.sqrt(fraction) if fraction > 0.0 else 1.0
         time = timing.swing * float(progress.cycle[owner]) / rate
-        return SwingTrial(self._models[leg], request.start, request.end, time, R, p)
+        return SwingTrial(self._models[request.leg], request.present, end, time, R, p)

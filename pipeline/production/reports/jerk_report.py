@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.atomic_file import write_if_changed
+from pipeline.atomic_file import write_if_changed
 from pipeline.production.reports.canvas import write_plot
 from pipeline.production.reports.jerk_plot import jerk_svg
 from pipeline.production.reports.jerk_trials import (

@@ -111,7 +111,10 @@ def test_a_released_prop_stays_with_its_parent() -> None:
          "form a ring"),
         (["{parent: bug.tip, prop: {shape: ball}}", "{figure: beetle, name: bug}"],
          "no part 'tip'"),
-        (["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"], "walk away"),
+        (
+            ["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"],
+            "conflicts with parent",
+        ),
         (["{figure: beetle, at: [0, 1, 0]}"], "a creature stands on the ground"),
         (["{prop: {shape: ball}, keyframes: [{at: 0}]}"], "should say a position"),
         (

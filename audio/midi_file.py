@@ -10,7 +10,6 @@ from pathlib import Path
 
 import mido
 
-from audio.atomic_file import write_if_changed
 from audio.channel_allocation import AllocationLosses, ChannelNote, allocate_channels
 from audio.controller_curves import controller_curve
 from audio.loudness_at_listener import velocity_of_level
@@ -18,6 +17,7 @@ from audio.midi_tracks import conductor_track, note_track
 from audio.notes import Arrangement, Note, arrange
 from audio.quantisation import TimingShifts
 from audio.score import Score, ScoreEvent
+from audio.sound_files import write_sound_file
 from audio.time_grid import TickGrid, tick_grid
 
 # Steps of the pan and reverb controllers [of 127]: finer ones would need more channels. A reverb
@@ -68,7 +68,7 @@ def write_midi(score: Score, path: Path) -> MidiReport:
     grid = tick_grid(score.rate)
     return MidiReport(
         path=path,
-        changed=write_if_changed(path, data),
+        changed=write_sound_file(path, data),
         notes=played,
         muted=len(score.events) - events,
         added=len(arrangement.notes) - events,

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from audio.atomic_file import write_if_changed
 from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
 from audio.errors import ScoreError, SoundFileError
 from audio.mastering import FULL_SCALE, master_mix
 from audio.notes import Note, notes_of
 from audio.room_acoustics import Reverberator, room_acoustics
 from audio.score import Score
+from audio.sound_files import write_sound_file
 from audio.soundfont import play_soundfont
 from audio.source_motion import moving_gains
 from audio.synthesis import SoundParameters, sound_parameters, synthesize
@@ -88,7 +88,7 @@ def write_wav(score: Score, path: Path) -> WavReport:
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
     track = master_mix(mix, score.sound.master, score.sound.volume_db)
-    changed = write_if_changed(path, _wav_bytes(track.samples))
+    changed = write_sound_file(path, _wav_bytes(track.samples))
     peak = int(np.abs(track.samples).max(initial=0))
     power = np.sum((track.samples / FULL_SCALE) ** 2) / max(track.samples.size, 1)
     events = sum(note.is_first for note in notes)

@@ -20,7 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from render.atomic_file import replaced_when_complete
+from pipeline.atomic_file import replaced_when_complete
 from render.errors import BackendMissing
 
 Choice = Literal["auto", "cuda", "llvm", "scalar"]

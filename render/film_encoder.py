@@ -23,7 +23,7 @@ import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
 from numpy.typing import NDArray
 
-from render.atomic_file import replaced_when_complete
+from pipeline.atomic_file import replaced_when_complete
 from render.errors import EncodeError
 
 RATE = 48_000

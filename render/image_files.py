@@ -13,7 +13,7 @@ import OpenEXR
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from render.atomic_file import replaced_when_complete
+from pipeline.atomic_file import replaced_when_complete
 from render.errors import FrameFileError
 
 KEY = "pronk-key"

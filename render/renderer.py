@@ -138,7 +138,6 @@ def code_digest() -> str:
     here = Path(__file__).parent
     # The configuration is in the digest of a shot, and a film is made of finished frames.
     others = {
-        "atomic_file.py",
         "backend.py",
         "config",
         "errors.py",

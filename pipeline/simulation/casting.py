@@ -1,4 +1,4 @@
-"""Casting: who of a scene's cast goes into which troupe."""
+"""Casting: assigns the performers of a scene to troupes."""
 
 from __future__ import annotations
 
@@ -24,57 +24,62 @@ from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
 Performer = tuple[int, Creature, Figure]
-"""Place in the cast, words and figure."""
+"""Number in the cast, configuration and figure."""
 
-SKIN, THING = "brown chitin", "wood"
-"""Materials of creatures and of props that name none, neither themselves nor in their figures."""
+CREATURE_MATERIAL, PROP_MATERIAL = "brown chitin", "wood"
+"""Default materials of creatures and of props."""
 
 
 def figures_of(scene: Scene) -> dict[str, Figure]:
-    """Return the figure of each creature by its name; those alike at one scale share theirs."""
+    """Returns the figure of each creature by its name; equal ones are shared."""
     built = cache(lambda name, scale: build_figure(name, scene.figures[name], scale))
     return {member.name: built(member.figure, member.scale) for _, member in scene.creatures}
 
 
 def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
-    """Sort the cast into troupes, those first who look at nobody else."""
+    """Returns the troupes of a scene, in the order of their nodes."""
+    cast = list(enumerate(scene.cast))
     troupes = [*_creatures(scene, figures, world)]
-    props = [member for member in scene.cast if isinstance(member, Prop)]
+    props = [member for _, member in cast if isinstance(member, Prop)]
     if props:
-        troupes.append(PropTroupe(props, world, [member.material or THING for member in props]))
+        troupes.append(PropTroupe(props, world, [m.material or PROP_MATERIAL for m in props]))
+    # Rooms that load MuJoCo or a compiler are imported only where they are needed.
     if scene.dancers:
-        # MuJoCo is loaded by those alone who need it.
         from pipeline.simulation.dancers.dancer_troupe import Dancers
 
         troupes.append(Dancers(scene.dancers, scene.dances, world))
-    # Characters are not among them: they run into bodies themselves, and feel what these weigh.
+    # Characters push bodies through the contact coupling instead.
     pushing = [troupe.inventory for troupe in troupes]
-    characters = [member for member in scene.cast if isinstance(member, Character)]
+    characters = [member for _, member in cast if isinstance(member, Character)]
     if characters:
-        # As below: they need a compiler.
         from pipeline.simulation.characters.characters import Characters
 
         troupes.append(Characters(characters, world))
-    troupes += _alone(scene, world)
+    bodies = [(i, member) for i, member in cast if isinstance(member, Body)]
+    on_ground = [(i, member) for i, member in bodies if member.body.collide == "terrain"]
+    if on_ground:
+        from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
+
+        materials = [member.material or PROP_MATERIAL for _, member in on_ground]
+        troupes.append(GroundBodyTroupe(on_ground, world, materials))
     meeting = [
         (i, member)
-        for i, member in enumerate(scene.cast)
+        for i, member in cast
         if isinstance(member, Many) or (isinstance(member, Body) and member.body.collide == "all")
     ]
     if meeting:
-        # Bodies need a compiler, whose loading others need not wait for.
         from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 
-        made_of = [member.material or THING for _, member in meeting]
-        troupes.append(ColliderTroupe(meeting, world, made_of, obstacles_of(pushing)))
-    groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
+        materials = [member.material or PROP_MATERIAL for _, member in meeting]
+        troupes.append(ColliderTroupe(meeting, world, materials, obstacles_of(pushing)))
+    groups = [(i, member) for i, member in cast if isinstance(member, Group)]
     if groups:
         troupes.append(GroupTroupe(groups, world))
     return troupes
 
 
 def makes_machine_code(scene: Scene) -> bool:
-    """Tell whether the machine code of bodies is made first, which takes a while, once."""
+    """Returns whether the simulation has to compile machine code first, once per installation."""
     rooms = {
         "dynamics": any(isinstance(member, Body | Many) for member in scene.cast),
         "characters": any(isinstance(member, Character) for member in scene.cast),
@@ -87,51 +92,37 @@ def makes_machine_code(scene: Scene) -> bool:
 
 
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
-    """Return the troupes of creatures; on a parent they stand on level ground of its own."""
+    """Returns the troupes of creatures; on a parent they stand on level ground of their own."""
     troupes = list[Troupe]()
-    for level in dict.fromkeys(_level(member) for _, member in scene.creatures):
-        here = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
-        hop = [one for one in here if one[1].pronk is not None and one[1].walk is None]
-        worms = [one for one in here if one not in hop and _inches(one)]
-        walkers = [one for one in here if one not in hop and one not in worms]
+    for level in dict.fromkeys(_parent_level(member) for _, member in scene.creatures):
+        here = [(i, m, figures[m.name]) for i, m in scene.creatures if _parent_level(m) == level]
+        hoppers = [p for p in here if p[1].pronk is not None and p[1].walk is None]
+        worms = [p for p in here if p not in hoppers and _is_inchworm(p)]
+        walkers = [p for p in here if p not in hoppers and p not in worms]
         ground = world.ground if level is None else level_ground(level, world.ground)
         there = replace(world, ground=ground)
         if walkers:
-            troupes.append(Walkers(walkers, there, _materials(walkers)))
-        if hop:
-            troupes.append(HopperTroupe(hop, there, _materials(hop)))
+            troupes.append(Walkers(walkers, there, _default_materials(walkers)))
+        if hoppers:
+            troupes.append(HopperTroupe(hoppers, there, _default_materials(hoppers)))
         if worms:
-            troupes.append(InchwormTroupe(worms, there, _materials(worms)))
+            troupes.append(InchwormTroupe(worms, there, _default_materials(worms)))
     return troupes
 
 
-def _alone(scene: Scene, world: World) -> list[Troupe]:
-    """Return the troupe of bodies that meet the ground alone, if there are any."""
-    alone = [
-        (i, member)
-        for i, member in enumerate(scene.cast)
-        if isinstance(member, Body) and member.body.collide == "terrain"
-    ]
-    if not alone:
-        return []
-    from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
-
-    return [GroundBodyTroupe(alone, world, [member.material or THING for _, member in alone])]
-
-
-def _inches(performer: Performer) -> bool:
-    """Tell whether a creature moves as an inchworm; one that is posed is its author's to move."""
+def _is_inchworm(performer: Performer) -> bool:
+    """Returns whether a creature moves as an inchworm; a posed one is moved by its author."""
     _, member, figure = performer
     return is_inchworm(figure) and not member.pose
 
 
-def _level(member: Creature) -> float | None:
-    """Return the height in its parent's frame that a creature stands at; None for the ground."""
+def _parent_level(member: Creature) -> float | None:
+    """Returns the height in its parent's frame that a creature stands at; None for the ground."""
     if member.parent is None:
         return None
     return member.at[1] if len(member.at) == 3 else 0.0
 
 
-def _materials(performers: Sequence[Performer]) -> list[str]:
-    """Return what performers are made of where their figures do not say."""
-    return [m.material or figure.material or SKIN for _, m, figure in performers]
+def _default_materials(performers: Sequence[Performer]) -> list[str]:
+    """Returns the default materials of performers whose figures name none."""
+    return [m.material or figure.material or CREATURE_MATERIAL for _, m, figure in performers]

@@ -25,11 +25,11 @@ from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer
 from pipeline.spec.walk import Walk
 
 ITINERARY = frozenset({"direction_deg", "turn_deg", "land_at", "avoid", "start", "jumps"})
-"""Words that say when and where it hops by itself, which a creature that walks does not."""
+"""Keys of the jumps that a hopper makes by itself; a walker jumps by script only."""
 
 
 class Pronk(ConfigModel):
-    """How a figure hops; what is left out is chosen to suit its legs.
+    """Jumps of a figure; keys left out are chosen to suit its legs.
 
     At lift-off speed² = g distance² / (8 height) + 2 g height, so two of the three say the
     third.
@@ -84,14 +84,14 @@ class Pronk(ConfigModel):
     @model_validator(mode="after")
     def _aims_or_goes(self) -> Self:
         faults = [
-            Fault((word,), "conflicts with land_at; remove one", at_key=True)
-            for word in ("distance", "speed", "jumps")
-            if self.land_at and getattr(self, word) is not None
+            Fault((key,), "conflicts with land_at; remove one", at_key=True)
+            for key in ("distance", "speed", "jumps")
+            if self.land_at and getattr(self, key) is not None
         ]
         faults += [
-            Fault((word,), "conflicts with land_at; remove one", at_key=True)
-            for word in ("direction_deg", "turn_deg")
-            if self.land_at and getattr(self, word) != 0.0
+            Fault((key,), "conflicts with land_at; remove one", at_key=True)
+            for key in ("direction_deg", "turn_deg")
+            if self.land_at and getattr(self, key) != 0.0
         ]
         raise_faults(faults)
         return self
@@ -107,7 +107,7 @@ class Creature(Performer):
     at: At = Field(
         (0.0, 0.0),
         description="Where it starts, [x, z] on the ground; on a parent [x, z], or [x, y, z] "
-        "with the height that it stands at; who hops may begin in the air, [x, y, z] with the "
+        "with the height that it stands at; a hopper may start in the air, [x, y, z] with the "
         "height of its feet above the ground [m].",
     )
     scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
@@ -146,8 +146,8 @@ class Creature(Performer):
     def _faults_of_hopping(self) -> Iterator[Fault]:
         if self.walk is not None:
             message = "conflicts with walk, which jumps by script; remove one"
-            for word in sorted(self.pronk.model_fields_set & ITINERARY if self.pronk else ()):
-                yield Fault(("pronk", word), message, at_key=True)
+            for key in sorted(self.pronk.model_fields_set & ITINERARY if self.pronk else ()):
+                yield Fault(("pronk", key), message, at_key=True)
         if self.parent is not None:
             message = "conflicts with parent; remove one"
             yield Fault(("pronk",), message, at_key=True)

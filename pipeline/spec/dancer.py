@@ -41,8 +41,8 @@ class Build(ConfigModel):
     )
 
 
-def _build_form(words: object) -> str:
-    return "a word" if isinstance(words, str) else "Build"
+def _build_form(value: object) -> str:
+    return "a word" if isinstance(value, str) else "Build"
 
 
 BuildOrName = Annotated[
@@ -58,8 +58,8 @@ class Arms(ConfigModel):
     l: Controller = Field("joint-torque", description="Of the left arm.")  # noqa: E741 - the side
 
 
-def _controller_form(words: object) -> str:
-    return "Arms" if isinstance(words, Mapping | Arms) else "a word"
+def _controller_form(value: object) -> str:
+    return "Arms" if isinstance(value, Mapping | Arms) else "a word"
 
 
 Controllers = Annotated[
@@ -79,10 +79,10 @@ class Gains(ConfigModel):
     )
 
 
-def _durations_form(words: object) -> str:
-    if isinstance(words, str):
+def _durations_form(value: object) -> str:
+    if isinstance(value, str):
         return "a name"
-    return "times" if isinstance(words, list | tuple) else "a time"
+    return "times" if isinstance(value, list | tuple) else "a time"
 
 
 Durations = Annotated[
@@ -187,15 +187,15 @@ def _faults_of_pose(keys: Sequence[PoseKey], hangs: bool) -> Iterator[Fault]:
 
 
 def _faults_of_limbs(key: PoseKey) -> Iterator[Fault]:
-    for word in ("aim", "turn_deg", "body", "priority", "weight", "ease"):
+    for name in ("aim", "turn_deg", "body", "priority", "weight", "ease"):
         # A scene that is written out in full has the defaults as well.
-        if getattr(key, word) != PoseKey.model_fields[word].default:
+        if getattr(key, name) != PoseKey.model_fields[name].default:
             message = "a dancer's pose has reach, joints or release only; remove this"
-            yield Fault((word,), message, at_key=True)
-    for word in ("limb", "node"):
-        limb = getattr(key, word)
+            yield Fault((name,), message, at_key=True)
+    for name in ("limb", "node"):
+        limb = getattr(key, name)
         if limb is not None and limb not in ARMS:
-            yield Fault((word,), f"only the arms of a dancer are posed, {hint(limb, ARMS)}")
+            yield Fault((name,), f"only the arms of a dancer are posed, {hint(limb, ARMS)}")
     if key.release is None:
         return
     released = (*ARMS, TRUNK)

@@ -34,14 +34,14 @@ Feet = Literal["plain", "claws", "hooves", "paws", "toes"]
 LinkShape = Literal["round", "straight", "box", "plate", "ball"]
 
 MAX_DENSITY = 100_000.0
-"""Some four times as dense as any metal [kg/m³]."""
+"""About four times the density of the densest metals [kg/m³]."""
 
 SNAP_FRACTION = 1e-3
-"""How near an axis a node lands on it if nothing is said, as a part of the drawing's size."""
+"""Default distance at which nodes snap to an axis, as a fraction of the drawing's size."""
 
 
 class Node(ConfigModel):
-    """A node of the drawing: `[x, y]`, or a mapping that says more."""
+    """A node of the drawing: `[x, y]`, or a mapping with more keys."""
 
     at: Point = Field(description="Position, x to the right and y towards the tail [m].")
     radius: Length | None = Field(
@@ -133,12 +133,12 @@ class Figure(ConfigModel):
         return self
 
     def sheet(self) -> Sheet:
-        """Return the drawing with all chains laid and all operations done."""
+        """Return the drawing after all chains and operations."""
         return carry_out(self.then, _first_sheet(self))[0]
 
 
 def _first_sheet(figure: Figure) -> Sheet:
-    """Return the drawing before its operations, as far as its chains can be laid."""
+    """Return the drawing before its operations, with the chains that are right."""
     xs, ys = zip(*(node.at for node in figure.nodes.values()), strict=True)
     extent = max(max(xs) - min(xs), max(ys) - min(ys))
     sticky = SNAP_FRACTION * extent if figure.sticky is None else figure.sticky
@@ -165,7 +165,7 @@ Angle = Annotated[Number, Field(ge=-180, le=180)]
 
 
 class JointSettings(ConfigModel):
-    """One joint: its limits and where it rests; or a joint that slides instead of turning."""
+    """A joint with its limits and rest value; it turns, or slides along its link."""
 
     rest_deg: Angle | None = Field(None, description="Value at rest [degrees].")
     limits_deg: tuple[Angle, Angle] | None = Field(

@@ -40,7 +40,7 @@ class GroupBase(ConfigModel):
 
 
 class Steered(GroupBase):
-    """What flocks and schools have: each goes by what its neighbours do."""
+    """Keys of flocks and schools, which steer by their neighbours."""
 
     separation: Weight = Field(1.0, description="How much each keeps away from those too near.")
     alignment: Weight = Field(1.0, description="How much each goes where its neighbours go.")
@@ -67,7 +67,7 @@ class Steered(GroupBase):
 
 
 class Flock(Steered):
-    """Birds."""
+    """A flock of birds."""
 
     rule: Literal["flock"] = Field(description="A flock of birds.")
     size: Size = Field(0.5, description="Span of their wings [m].")
@@ -80,7 +80,7 @@ class Flock(Steered):
 
 
 class School(Steered):
-    """Fish in a volume of water."""
+    """A school of fish in a volume of water."""
 
     rule: Literal["school"] = Field(description="A school of fish.")
     size: Size = Field(0.2, description="Their length [m].")
@@ -94,7 +94,7 @@ class School(Steered):
 
 
 class Swarm(GroupBase):
-    """Insects around something."""
+    """A swarm of insects around a target."""
 
     rule: Literal["swarm"] = Field(description="A swarm of insects.")
     size: Size = Field(0.03, description="Their length [m].")
@@ -136,7 +136,7 @@ class Fire(GroupBase):
 
 
 class Grass(GroupBase):
-    """Blades that stand on the ground."""
+    """Blades of grass on the ground."""
 
     rule: Literal["grass"] = Field(description="Grass.")
     count: Annotated[Integer, Field(ge=1, le=MAX_MEMBERS)] = Field(
@@ -153,7 +153,7 @@ class Grass(GroupBase):
 GroupRule = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")]
 
 DIRECTED = ("flock", "school")
-"""Rules of the groups that a script can send somewhere."""
+"""Rules of groups that follow the order go_to."""
 
 
 class Group(Performer):

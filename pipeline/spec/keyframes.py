@@ -1,4 +1,4 @@
-"""Keyframes: values at certain times, and how to go from one to the next (Sims, chapter 3.1.1)."""
+"""Keyframes of props and of poses: values at times, and their interpolation (Sims, ch. 3.1)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 SmoothEase = Literal["spline", "linear", "in", "out", "in-out"]
-"""The eases of what must not jump, such as joints."""
+"""Eases without jumps, as joints need them."""
 
 Time = Annotated[Number, Field(ge=0, le=1e6)]
 Angle = Annotated[Number, Field(ge=-36_000, le=36_000)]
@@ -45,11 +45,11 @@ Factors = tuple[Factor, Factor, Factor]
 Rates = tuple[Rate, Rate, Rate]
 
 VALUES = ("position", "rotation_deg", "scale")
-"""What a keyframe may say: nine degrees of freedom."""
+"""Keys of a keyframe: nine degrees of freedom."""
 
 
-def _number_or_three(words: Any) -> str:
-    return "three" if isinstance(words, list | tuple) else "one"
+def _number_or_three(value: Any) -> str:
+    return "three" if isinstance(value, list | tuple) else "one"
 
 
 Scale = Annotated[
@@ -59,7 +59,7 @@ Scale = Annotated[
 
 
 class Tangent(ConfigModel):
-    """How fast a spline goes through a keyframe, where that is not left to the spline."""
+    """Tangent of a spline at a keyframe."""
 
     position: Rates | None = Field(None, description="[m/s].")
     rotation_deg: Rates | None = Field(None, description="Of each of the three angles [degrees/s].")
@@ -67,7 +67,7 @@ class Tangent(ConfigModel):
 
 
 class Keyframe(ConfigModel):
-    """Where a prop is at one time, relative to its parent or the world."""
+    """Pose of a prop at one time, relative to its parent or the world."""
 
     at: Time = Field(description="When [s].")
     position: Place | None = Field(None, description="Where its origin is, [x, y, z] [m].")
@@ -89,27 +89,27 @@ class Keyframe(ConfigModel):
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:
-        said = [word for word in VALUES if getattr(self, word) is not None]
-        if not said:
+        given = [key for key in VALUES if getattr(self, key) is not None]
+        if not given:
             raise_faults([Fault((), "should say a position, a rotation_deg or a scale")])
         if self.tangent is not None:
             raise_faults(
-                Fault(("tangent", word), f"needs the {word} that it goes through", at_key=True)
-                for word in VALUES
-                if getattr(self.tangent, word) is not None and word not in said
+                Fault(("tangent", key), f"needs the {key} of this keyframe", at_key=True)
+                for key in VALUES
+                if getattr(self.tangent, key) is not None and key not in given
             )
         return self
 
     @property
     def factors(self) -> tuple[float, float, float] | None:
-        """Its scale along each axis, if it says one."""
+        """Its scale along each axis, None if it has none."""
         if isinstance(self.scale, tuple):
             return self.scale
         return None if self.scale is None else (self.scale, self.scale, self.scale)
 
 
 class Timed(Protocol):
-    """Anything that stands at a time."""
+    """A key at a time."""
 
     @property
     def at(self) -> float:
@@ -118,21 +118,21 @@ class Timed(Protocol):
 
 
 class Eased(Timed, Protocol):
-    """Anything that stands at a time, is come to and may say how fast it is gone through."""
+    """A key with its ease and tangent."""
 
     @property
     def ease(self) -> Ease:
-        """How it is come to."""
+        """Interpolation towards it."""
         ...
 
     @property
     def tangent(self) -> object | None:
-        """How fast it is gone through, if that is said."""
+        """Tangent of the spline there, None if chosen."""
         ...
 
 
 def faults_of_order(keys: Sequence[Timed], name: str) -> Iterator[Fault]:
-    """Find keys that stand before the one that is written before them."""
+    """Find keys earlier than the key before them."""
     for i in range(1, len(keys)):
         if keys[i].at < keys[i - 1].at:
             message = f"comes before the one above it, at {keys[i - 1].at:g}; write them in order"
@@ -140,7 +140,7 @@ def faults_of_order(keys: Sequence[Timed], name: str) -> Iterator[Fault]:
 
 
 def faults_of_tangents(keys: Sequence[Eased], name: str) -> Iterator[Fault]:
-    """Find tangents at keys that no spline goes through."""
+    """Find tangents at keys without a spline."""
     for i, key in enumerate(keys):
         after = keys[i + 1].ease if i + 1 < len(keys) else "hold"
         before = key.ease if i else "hold"
@@ -152,11 +152,11 @@ def faults_of_tangents(keys: Sequence[Eased], name: str) -> Iterator[Fault]:
 Frame = Literal["feet", "body", "world"]
 
 GOALS = ("reach", "aim", "turn_deg")
-"""What can be asked of the end of a limb, or of one of its nodes."""
+"""Goals of the end of a limb, or of one of its nodes."""
 
 
 class BodyKey(ConfigModel):
-    """Where the body is to be, relative to where its walking or standing has it."""
+    """Displacement of the body from its walking or standing pose."""
 
     move: Place = Field(
         (0.0, 0.0, 0.0), description="Forward, up and to the right of its heading [m]."
@@ -167,7 +167,7 @@ class BodyKey(ConfigModel):
 
 
 class PoseKey(ConfigModel):
-    """What is asked for at one time; between keys it goes along splines."""
+    """Goals at one time; the motion between keys follows splines."""
 
     at: Time = Field(description="When it is to be so [s].")
     limb: Name | None = Field(
@@ -216,14 +216,14 @@ class PoseKey(ConfigModel):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         faults = []
-        asked = [word for word in GOALS if getattr(self, word) is not None]
-        named = [word for word in ("limb", "node") if getattr(self, word) is not None]
+        asked = [key for key in GOALS if getattr(self, key) is not None]
+        named = [key for key in ("limb", "node") if getattr(self, key) is not None]
         if len(named) == 2:
             faults.append(Fault(("node",), "give either limb or node, not both", at_key=True))
         if asked and not named:
             faults.append(Fault((asked[0],), "needs limb or node", at_key=True))
         if named and not asked:
-            faults.append(Fault((named[0],), f"say what it is to do: {' or '.join(GOALS)}"))
+            faults.append(Fault((named[0],), f"needs a goal: {' or '.join(GOALS)}"))
         if self.aim is not None and self.turn_deg is not None:
             faults.append(Fault(("aim",), "give either aim or turn_deg, not both", at_key=True))
         if self.aim == (0.0, 0.0, 0.0):

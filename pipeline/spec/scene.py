@@ -147,7 +147,7 @@ class Scene(ConfigModel):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        given = {word: getattr(self, word) for word in self.model_fields_set}
+        given = {key: getattr(self, key) for key in self.model_fields_set}
         timing = faults_of_timing(given)
         last = None if timing else self.n_frames
         golden = faults_of_golden(self.golden, given, last)

@@ -1,4 +1,4 @@
-"""Where scenes and figures are found by name."""
+"""Scene library: files of scenes and figures by their names, beside the author's and shipped."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def find_scene(name: str) -> Path:
 
 
 def find_figure(name: str) -> tuple[Path, str]:
-    """Return the file that a figure's name leads to, and the figure in it that is meant.
+    """Return the file of a figure's name, and the figure in that file.
 
     A name stands for a file in the current folder, for one in its folder `figures`, for a
     shipped figure, or for a shipped scene. `scene:figure` names a figure of a scene.
@@ -70,10 +70,10 @@ def find_figure(name: str) -> tuple[Path, str]:
     Raises:
         UsageError: there is nothing of that name.
     """
-    file, colon, who = name.rpartition(":")
+    file, colon, figure = name.rpartition(":")
     # On Windows a path may begin with the letter of a drive.
-    if colon and not who.startswith(("/", "\\")):
-        return find_scene(file), who
+    if colon and not figure.startswith(("/", "\\")):
+        return find_scene(file), figure
     beside = name if name.endswith(SUFFIX) else name + SUFFIX
     try:
         for path in (

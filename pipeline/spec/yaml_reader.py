@@ -1,4 +1,4 @@
-"""Reads YAML text into a tree, with rules of our own and a bound on everything.
+"""YAML reader: text into a tree of values with their locations, with bounds on everything.
 
 PyYAML delivers the events; what they mean is decided here, so that an object tag never makes
 an object, an alias never a loop, and a key that is written twice never wins silently.
@@ -39,10 +39,10 @@ from pipeline.spec.source_tree import (
 from pipeline.spec.yaml_scalars import Scalar, scalar_of
 
 MAX_VALUES = 100_000
-"""Values of a file after its aliases are written out."""
+"""Values of a file after its aliases are expanded."""
 
 MAX_DEPTH = 48
-"""Levels of lists and mappings in each other."""
+"""Levels of nested lists and mappings."""
 
 _CORE = "tag:yaml.org,2002:"
 _SCALAR_TYPES: dict[str, tuple[type, ...]] = {
@@ -57,7 +57,7 @@ _LINE_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 
 
 class _Stop(Exception):
-    """Reading cannot go on after this problem."""
+    """A problem that ends the reading."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -65,7 +65,7 @@ class _Stop(Exception):
 
 @dataclass(slots=True)
 class _Open:
-    """A list or mapping whose end has not been read."""
+    """A list or mapping whose end is not read yet."""
 
     place: SourceLocation
     is_table: bool
@@ -78,7 +78,7 @@ class _Open:
 
     @property
     def step(self) -> Step | None:
-        """The step from this to what is read next."""
+        """Key or index of the value that is read next."""
         if self.is_table:
             return self.key[0] if self.key else None
         return len(self.items)
@@ -148,7 +148,7 @@ class _Reader:
         self._values = 0
 
     def take(self, event: Event) -> None:
-        """Go on by one event.
+        """Handle one event.
 
         Raises:
             _Stop: there is no use in reading on.

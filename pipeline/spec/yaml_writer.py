@@ -1,4 +1,4 @@
-"""A scene as YAML text in which everything is written out."""
+"""YAML writer: a scene as text."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ def dump(scene: Scene, in_full: bool = True) -> str:
 
     Args:
         scene: any scene.
-        in_full: whether words that its author left out are written, too. What simulates to the
-            same bytes leaves them out: a heading that is given is another thing than none.
+        in_full: whether defaults are written too. A scene that simulates to the same bytes leaves
+            them out: a heading that is given differs from none.
     """
-    words = _listed(scene.model_dump(exclude_none=True, exclude_unset=not in_full))
+    values = _listed(scene.model_dump(exclude_none=True, exclude_unset=not in_full))
     return yaml.dump(
-        words, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
+        values, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
     )
 
 

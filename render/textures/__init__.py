@@ -1,11 +1,8 @@
-"""Patterns of the ground and of things: tiles of colour and relief, made by numpy.
+"""Procedural textures of ground and objects: seamless tiles of colour and relief.
 
-A tile is square and continues over its edges. Its relief is in metres for a tile
-of its natural size, so that the slopes which the light sees are those of real
-soil, sand or rock. All patterns come from fixed seeds.
-
-Slow variation is kept out of the tiles on purpose (see `noise`): a light or dark
-spot the size of the tile is what the eye finds when a tile is laid again and again.
+The relief is in metres for a tile of its natural size, so that its slopes are those of real soil,
+sand or rock. All patterns come from fixed seeds. Tiles have no low frequencies (see `noise`),
+because a light or dark spot of the size of a tile reveals the repetition.
 """
 
 from __future__ import annotations
@@ -51,7 +48,7 @@ def tile(pattern: str) -> Tile:
 
 @lru_cache(maxsize=4)
 def patches(size: int = 512) -> Plane:
-    """Return a (size, size) map of slow patches, 0 to 1 with soft borders, mean near 0.5."""
+    """Return a (size, size) map of soft patches, 0 to 1 with mean near 0.5."""
     rng = np.random.default_rng(_SEED + 1)
     field = noise(rng, 2.2, first=2, size=size) + 0.35 * noise(rng, 1.2, first=24, size=size)
     return (1 / (1 + np.exp(-2.2 * field))).astype(np.float32)
@@ -66,7 +63,7 @@ _SEED = 19870501
 
 
 def _softened(relief: Plane) -> Plane:
-    """Return the relief without slopes from pixel to pixel, which only sparkle."""
+    """Return the relief without its highest frequencies, which only sparkle."""
     for axis in (0, 1):
         relief = 0.5 * relief + 0.25 * (np.roll(relief, 1, axis) + np.roll(relief, -1, axis))
     return relief

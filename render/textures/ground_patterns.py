@@ -1,4 +1,4 @@
-"""Patterns of the ground."""
+"""Patterns of ground materials."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def rock(rng: np.random.Generator) -> Drawn:
 
 
 def gravel(rng: np.random.Generator) -> Drawn:
-    """Draw stones lying beside and over one another."""
+    """Draw overlapping stones."""
     large, large_tint = pebbles(rng, 34, 0.8)
     small, small_tint = pebbles(rng, 80, 0.9)
     over = large > 0
@@ -104,7 +104,7 @@ def gravel(rng: np.random.Generator) -> Drawn:
 
 
 def mud(rng: np.random.Generator) -> Drawn:
-    """Draw what was stirred and has settled."""
+    """Draw stirred and settled mud."""
     swirl, lumps = noise(rng, 2.0, first=5), noise(rng, 1.5, first=14)
     hollow = np.tanh(1.4 * swirl)
     relief = 0.016 * hollow + 0.003 * lumps
@@ -120,7 +120,7 @@ def asphalt(rng: np.random.Generator) -> Drawn:
 
 
 def ice(rng: np.random.Generator) -> Drawn:
-    """Draw cracks of some depth, and clouds of air below the surface."""
+    """Draw deep cracks, and clouds of air below the surface."""
     first, second, _ = cells(rng, 5, warp=0.3)
     fine_first, fine_second, _ = cells(rng, 17, warp=0.5)
     crack = np.exp(-(((second - first) / 0.02) ** 2))

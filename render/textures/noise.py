@@ -1,4 +1,4 @@
-"""Noise, cells and pebbles that continue over the edges of a tile."""
+"""Seamless noise, Worley cells and pebbles."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ def noise(
     size: int = TILE,
     stretch: float = 1.0,
 ) -> Plane:
-    """Return tiling noise of unit deviation with power falling as frequency^(-2 slope).
+    """Return tiling noise of unit deviation with power proportional to frequency^(-2 slope).
 
     Args:
         rng: source of the noise.
         slope: 1 is rough, 2 is smooth.
-        first: lowest frequency [cycles a tile]; below it the power fades.
-        last: highest frequency [cycles a tile].
+        first: lowest frequency [cycles per tile]; below it the power fades.
+        last: highest frequency [cycles per tile].
         size: width and height [pixels].
-        stretch: above 1 draws the noise out along the rows.
+        stretch: factor on the length of features along the rows.
     """
     white = np.fft.rfft2(rng.standard_normal((size, size)))
     fy = np.fft.fftfreq(size, 1 / size)[:, None]
@@ -41,7 +41,7 @@ def noise(
 def cells(
     rng: np.random.Generator, across: int, warp: float = 0.0
 ) -> tuple[Plane, Plane, NDArray[np.intp]]:
-    """Return distances to the nearest and second nearest seed [cells], and whose cell it is."""
+    """Return distances to the nearest and second nearest seed [cells], and the nearest cell."""
     seed_y, seed_x = rng.uniform(0.05, 0.95, (2, across * across)).astype(np.float32)
     y, x = np.mgrid[0:TILE, 0:TILE].astype(np.float32) * np.float32(across / TILE)
     if warp:
@@ -64,7 +64,7 @@ def cells(
 
 
 def pebbles(rng: np.random.Generator, across: int, share: float) -> tuple[Plane, Plane]:
-    """Return domes 0 to 1 on a share of the cells, and a random value for each stone."""
+    """Return domes, 0 to 1, on a share of the cells, and a random value for each stone."""
     first, second, owner = cells(rng, across, warp=0.12)
     size = rng.uniform(0.25, 0.85, across * across) * (rng.random(across * across) < share)
     edge = (second - first) / np.maximum(size[owner], 1e-3)

@@ -1,4 +1,4 @@
-"""Patterns of things and of creatures. What has a direction runs along the rows."""
+"""Patterns of objects and creatures; directional ones run along the rows."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def planks(rng: np.random.Generator) -> Drawn:
     gap = np.minimum(gap, np.minimum(x % 1, 1 - x % 1))
     groove = np.exp(-((gap * size / 0.0016) ** 2))
     shade, warmth, relief, _ = wood(rng)
-    # Every board is cut from another place of the log.
+    # Every board shows another part of the wood.
     at = rng.integers(0, TILE, (2, boards))
     rows = (np.arange(TILE)[:, None] + at[0][row]) % TILE
     columns = (np.arange(TILE)[None, :] + at[1][row]) % TILE
@@ -70,7 +70,7 @@ def plumage(rng: np.random.Generator) -> Drawn:
     rows = 8
     row = np.floor(x * rows)
     along, across = x * rows - row, (y * 12 + 0.5 * (row % 2)) % 1.0 - 0.5
-    # A vane ends in a round tip; beyond it the next row begins to show.
+    # A vane ends in a round tip; beyond it the next row is visible.
     end = 0.55 + 0.45 * np.sqrt(np.clip(1 - (2 * across) ** 2, 0, 1))
     under = along > end
     barbs = noise(rng, 0.6, first=60, stretch=10.0)
@@ -85,7 +85,7 @@ def plumage(rng: np.random.Generator) -> Drawn:
 
 
 def pores(rng: np.random.Generator) -> Drawn:
-    """Draw skin: pores between fine folds, and where the blood shows."""
+    """Draw skin: pores between fine folds, and flushed areas."""
     first, second, _ = cells(rng, 70, warp=0.2)
     fold = np.exp(-(((second - first) / 0.12) ** 2))
     pore = np.exp(-((first / 0.15) ** 2))
@@ -115,13 +115,13 @@ def scratches(rng: np.random.Generator) -> Drawn:
 
 
 def brushed(rng: np.random.Generator) -> Drawn:
-    """Draw metal that was brushed along the rows."""
+    """Draw metal brushed along the rows."""
     line, stain = noise(rng, 0.5, first=40, stretch=60.0), noise(rng, 1.8, first=4)
     return 1 + 0.07 * line + 0.05 * stain, 0.3 * stain.clip(-2, 2), 0.00004 * line, 0.3
 
 
 def plaster(rng: np.random.Generator) -> Drawn:
-    """Draw what was smoothed by hand."""
+    """Draw plaster smoothed with a trowel."""
     trowel, grain = noise(rng, 1.8, first=4), noise(rng, 0.7, first=50)
     shade = 1 + 0.035 * trowel + 0.025 * grain
     return shade, 0.12 * trowel.clip(-2, 2), 0.0016 * trowel + 0.00015 * grain, 1.0

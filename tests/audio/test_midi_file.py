@@ -9,7 +9,6 @@ import symusic
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio import midi_file
 from audio.errors import AudioError, ScoreError, SoundFileError
 from audio.midi_file import midi_bytes, write_midi
 from audio.score import Marker
@@ -311,10 +310,10 @@ def test_a_failure_keeps_the_earlier_file_and_leaves_no_partial_file(
     write_midi(score_of([step(1)]), path)
     earlier = path.read_bytes()
 
-    def fail(self, target):
+    def fail(source, target):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(midi_file.Path, "replace", fail)
+    monkeypatch.setattr("pipeline.atomic_file.os.replace", fail)
     with pytest.raises(SoundFileError, match="No space left"):
         write_midi(score_of([step(2)]), path)
     with pytest.raises(ScoreError):

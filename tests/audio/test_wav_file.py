@@ -212,7 +212,7 @@ def test_a_failure_keeps_the_earlier_file(step, score_of, tmp_path, monkeypatch)
     def fail(handle):
         raise OSError(5, "Input/output error")
 
-    monkeypatch.setattr("audio.atomic_file.os.fsync", fail)
+    monkeypatch.setattr("pipeline.atomic_file.os.fsync", fail)
     with pytest.raises(SoundFileError, match="Input/output"):
         write_wav(score_of([step(2)]), path)
     with pytest.raises(ScoreError, match="hours"):

@@ -1,4 +1,4 @@
-"""Small shots that the tests of the renderer share."""
+"""Small shots for the tests of the renderer."""
 
 from __future__ import annotations
 

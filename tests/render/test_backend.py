@@ -1,4 +1,4 @@
-"""Choosing what Mitsuba runs on."""
+"""Backend: probing, choice and cache."""
 
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ FAKE = "if 'fake' in os.environ.get('DRJIT_LIBLLVM_PATH', ''): os.abort()\nprint
 
 
 @pytest.mark.usefixtures("own_cache")
-def test_a_library_that_aborts_is_passed_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_aborting_library_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fake = tmp_path / "libLLVM.fake.so"
     fake.write_bytes(b"")
     probe(monkeypatch, FAKE)
@@ -39,7 +37,7 @@ def test_a_library_that_aborts_is_passed_over(
 
 
 @pytest.mark.usefixtures("own_cache")
-def test_where_nothing_works_the_reasons_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_backend_all_reasons_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     probe(monkeypatch, "sys.exit('no such luck')")
     monkeypatch.setattr(module, "libraries", lambda: ["/a.so"])
     with pytest.raises(BackendMissing, match=r"(?s)/a.so: no such luck.*install"):
@@ -47,7 +45,7 @@ def test_where_nothing_works_the_reasons_are_told(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.usefixtures("own_cache")
-def test_a_second_choice_does_not_probe(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cached_probe_is_reused(monkeypatch: pytest.MonkeyPatch) -> None:
     probe(monkeypatch, "print('version 23 1 4')")
     monkeypatch.setattr(module, "libraries", lambda: ["/a.so"])
     first = choose("llvm")
@@ -55,9 +53,7 @@ def test_a_second_choice_does_not_probe(monkeypatch: pytest.MonkeyPatch) -> None
     assert choose("llvm") == first
 
 
-def test_a_cache_that_cannot_be_written_does_no_harm(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_unwritable_cache_is_ignored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     probe(monkeypatch, "print('version 23 1 4')")
@@ -65,14 +61,14 @@ def test_a_cache_that_cannot_be_written_does_no_harm(
     assert choose("llvm").version == "23.1.4"
 
 
-def test_a_library_that_was_told_comes_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_configured_library_comes_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DRJIT_LIBLLVM_PATH", "/told.so")
     assert libraries()[0] == "/told.so"
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("own_cache")
-def test_a_file_that_is_no_library_is_passed_over(
+def test_a_file_that_is_no_library_is_skipped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake = tmp_path / "libLLVM.so"

@@ -1,4 +1,4 @@
-"""Motion blur: the mean of what is seen while the shutter is open."""
+"""Motion blur: the mean over the exposure."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def light_of(renderer: Renderer, shot: Shot) -> NDArray[np.float32]:
     return renderer.render(shot).light
 
 
-def test_what_stands_still_looks_as_without_blur(renderer: Renderer, make_shot: Make) -> None:
+def test_a_still_scene_looks_as_without_blur(renderer: Renderer, make_shot: Make) -> None:
     """The samples of a frame are spread over its moments, and none is taken twice."""
     still = make_shot(film=Film(size=(64, 48), samples=12, depth=3, denoise="off"))
     shared = replace(still, later=(still.moments[0],) * 2)
@@ -45,7 +45,7 @@ def test_what_stands_still_looks_as_without_blur(renderer: Renderer, make_shot: 
 
 
 @pytest.mark.slow
-def test_what_moves_is_seen_at_every_moment(renderer: Renderer, make_shot: Make) -> None:
+def test_a_moving_body_is_visible_at_every_moment(renderer: Renderer, make_shot: Make) -> None:
     """Where the body is in one of two moments only, half of the picture is the ground's."""
     shot = exposed(make_shot, 2, 128)
     blurred = light_of(renderer, shot)
@@ -57,7 +57,7 @@ def test_what_moves_is_seen_at_every_moment(renderer: Renderer, make_shot: Make)
 
 
 @pytest.mark.nightly
-def test_more_moments_come_nearer_to_the_whole_way(renderer: Renderer, make_shot: Make) -> None:
+def test_more_moments_converge_to_the_continuous_blur(renderer: Renderer, make_shot: Make) -> None:
     whole = light_of(renderer, exposed(make_shot, 64, 4096))
     errors = []
     for moments in (2, 4, 8, 16):
@@ -68,7 +68,7 @@ def test_more_moments_come_nearer_to_the_whole_way(renderer: Renderer, make_shot
 
 
 @pytest.mark.nightly
-def test_what_stands_still_is_no_noisier(renderer: Renderer, make_shot: Make) -> None:
+def test_a_still_scene_is_no_noisier(renderer: Renderer, make_shot: Make) -> None:
     """The moments share the samples of a frame; where nothing moves nothing is lost."""
 
     def noise(moments: int) -> NDArray[np.float64]:
@@ -82,7 +82,7 @@ def test_what_stands_still_is_no_noisier(renderer: Renderer, make_shot: Make) ->
     assert shared < 1.6 * single
 
 
-def test_every_moment_is_part_of_what_a_frame_is_known_by(make_shot: Make) -> None:
+def test_every_moment_is_in_the_digest(make_shot: Make) -> None:
     shot = exposed(make_shot, 3, 3)
     pose = CameraPose((3.0, 2.0, 4.0), (0.0, 0.35, 0.0))
     others = [
@@ -104,7 +104,7 @@ def test_every_moment_is_part_of_what_a_frame_is_known_by(make_shot: Make) -> No
         ({"preset": "draft"}, (0.0,)),
     ],
 )
-def test_moments_lie_in_the_middles_of_equal_parts_of_the_exposure(
+def test_moments_are_the_centres_of_equal_intervals(
     words: dict[str, object], exposures: tuple[float, ...]
 ) -> None:
     assert Film.model_validate(words).resolved().exposures == pytest.approx(exposures)

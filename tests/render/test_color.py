@@ -1,4 +1,4 @@
-"""Colour and tone."""
+"""Colour: sRGB and tone mapping."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_stop_is_a_factor_of_two(stops: float, level: float) -> None:
     assert abs(by_stops - by_light).max() <= 1
 
 
-def test_black_negative_and_infinite_light_give_a_picture() -> None:
+def test_black_negative_and_infinite_light_are_developed() -> None:
     light = np.array([[[0, 0, 0], [-1, -1, -1], [np.inf, np.inf, np.inf]]], np.float32)
     assert developed(light, 0.0)[0, :, 0].tolist()[:2] == [0, 0]
     assert developed(light, 0.0)[0, 2].min() > 240

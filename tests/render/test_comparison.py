@@ -1,4 +1,4 @@
-"""Comparison: our FLIP against its authors' program, tiles and distances by their laws."""
+"""Image comparison: FLIP against its authors' program, tiles and deviations by their laws."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def pair(k: int) -> tuple[Picture, Picture]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("k", range(PAIRS))
-def test_our_flip_is_that_of_its_authors(k: int) -> None:
+def test_flip_agrees_with_its_authors_program(k: int) -> None:
     pytest.importorskip("flip_evaluator", reason="there is no wheel for this platform")
     one, two = pair(k)
     ours, theirs = (JUDGES[name](one, two) for name in ("pronk", "flip-evaluator"))
@@ -57,7 +57,7 @@ def test_our_flip_is_that_of_its_authors(k: int) -> None:
 
 
 @pytest.mark.parametrize("name", JUDGES)
-def test_flip_is_nothing_for_equal_pictures_and_the_same_both_ways(name: str) -> None:
+def test_flip_is_zero_for_equal_images_and_symmetric(name: str) -> None:
     if name == "flip-evaluator":
         pytest.importorskip("flip_evaluator", reason="there is no wheel for this platform")
     one, two = pair(1)
@@ -65,7 +65,7 @@ def test_flip_is_nothing_for_equal_pictures_and_the_same_both_ways(name: str) ->
     assert JUDGES[name](one, two) == pytest.approx(JUDGES[name](two, one), abs=1e-6)
 
 
-def test_black_and_white_differ_as_much_as_can_be() -> None:
+def test_black_and_white_have_the_largest_difference() -> None:
     black = np.zeros((32, 32, 3), np.uint8)
     # White beside black lies at 100 of 203 on the scale of colours, whose upper part is narrow.
     assert JUDGES["pronk"](black, ~black) == pytest.approx(np.full((32, 32), 0.966), abs=0.01)
@@ -86,7 +86,7 @@ def test_a_small_error_is_lost_in_the_mean_and_found_in_a_tile() -> None:
 
 
 @pytest.mark.parametrize("shape", [(16, 16), (54, 96), (70, 33), (9, 40), (180, 320)])
-def test_tiles_cover_a_picture_once(shape: tuple[int, int]) -> None:
+def test_tiles_partition_an_image(shape: tuple[int, int]) -> None:
     values = np.random.default_rng(1).random((*shape, 3))
     tiles = tile_means(values)
     covered = np.zeros(shape, int)
@@ -100,12 +100,12 @@ def test_tiles_cover_a_picture_once(shape: tuple[int, int]) -> None:
     assert (covered == 1).all()
 
 
-def test_pictures_of_two_sizes_are_refused() -> None:
+def test_images_of_two_sizes_are_rejected() -> None:
     with pytest.raises(ValueError, match="pixels"):
         flip(np.zeros((8, 8, 3), np.uint8), np.zeros((8, 9, 3), np.uint8))
 
 
-def test_psnr_is_that_of_its_definition() -> None:
+def test_psnr_follows_its_definition() -> None:
     one = np.full((4, 4, 3), 100, np.uint8)
     assert psnr(one, one) == math.inf
     assert psnr(one, one + np.uint8(10)) == pytest.approx(20 * math.log10(25.5))
@@ -116,7 +116,7 @@ def noisy(seed: int, shift: float = 0.0) -> Picture:
     return np.clip(np.rint(noise), 0, 255).astype(np.uint8)
 
 
-def test_distances_of_noise_are_those_of_a_standard_deviation() -> None:
+def test_deviations_of_noise_are_standardised() -> None:
     spread = seed_spread([noisy(k) for k in range(40)])
     found = np.concatenate([tile_deviations(spread, noisy(1000 + k)).ravel() for k in range(40)])
     # The largest of three normal deviates has a mean of 1.33 of its absolute value.

@@ -126,7 +126,7 @@ def test_colours_follow_the_temperature() -> None:
     np.testing.assert_allclose(own / own[0], linear([1.0, 0.5, 0.0]), atol=1e-9)
 
 
-def test_what_contradicts_itself_is_refused(renderer: Renderer, make_shot: Make) -> None:
+def test_conflicting_lamps_are_rejected(renderer: Renderer, make_shot: Make) -> None:
     for words in (
         {"radius": 0.1, "spot": {"toward": [0, 0, 0]}},
         {"at": [1, 1, 1], "spot": {"toward": [1, 1, 1]}},

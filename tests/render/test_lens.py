@@ -1,4 +1,4 @@
-"""Depth of field: how large a point out of focus is in the picture, by closed form."""
+"""Depth of field: the size of the circle of confusion, by closed form."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
 @pytest.mark.parametrize(
     "depth", [1.0, *(pytest.param(d, marks=pytest.mark.nightly) for d in (1.5, 2.0, 3.0)), 6.0]
 )
-def test_a_circle_of_confusion_is_as_large_as_optics_say(renderer: Renderer, depth: float) -> None:
+def test_the_circle_of_confusion_has_its_closed_form(renderer: Renderer, depth: float) -> None:
     """Of a lens of radius A focused at f, a point at d has a disc of A·|d - f| / (d·f)."""
     half = 0.02
     picture = coverage(renderer, seen_through(Lens(RADIUS, FOCUS), depth, half))
@@ -78,7 +78,7 @@ def _white(renderer: Renderer) -> float:
 
 
 @pytest.mark.slow
-def test_what_is_in_focus_is_as_sharp_as_without_a_lens(renderer: Renderer) -> None:
+def test_the_focal_plane_is_as_sharp_as_a_pinhole(renderer: Renderer) -> None:
     sharp = coverage(renderer, seen_through(None, FOCUS, half=0.2))
     through = coverage(renderer, seen_through(Lens(RADIUS, FOCUS), FOCUS, half=0.2))
     np.testing.assert_allclose(through, sharp, atol=0.12)
@@ -86,7 +86,7 @@ def test_what_is_in_focus_is_as_sharp_as_without_a_lens(renderer: Renderer) -> N
 
 
 @pytest.mark.slow
-def test_focus_is_pulled_in_the_scene_as_it_is_built(renderer: Renderer) -> None:
+def test_focus_changes_without_a_build(renderer: Renderer) -> None:
     """What is moved in place is what would be built."""
     near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))
     assert near.build == far.build
@@ -103,9 +103,7 @@ def test_a_pinhole_and_a_lens_do_not_share_a_scene() -> None:
 
 
 @pytest.mark.slow
-def test_moments_are_seen_through_lenses_of_their_own(
-    renderer: Renderer, make_shot: Callable[..., Shot]
-) -> None:
+def test_each_moment_has_its_own_lens(renderer: Renderer, make_shot: Callable[..., Shot]) -> None:
     shot = seen_through(Lens(RADIUS, 2.0), 4.0)
     other = replace(shot.camera, lens=Lens(RADIUS, 4.0))
     both = replace(shot, later=(Moment(shot.meshes, other),))

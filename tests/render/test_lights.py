@@ -1,4 +1,4 @@
-"""What the sky promises at every hour, and what lamps and pictures of places do."""
+"""Light by day, in twilight and at night."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def at(hour: float, **words: float) -> Light:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("clouds", [0.0, 0.5])
-def test_the_light_goes_on_from_day_to_night_without_a_jump(clouds: float) -> None:
+def test_light_is_continuous_from_day_to_night(clouds: float) -> None:
     """Where it changes most, while the sun sets, half the time changes it half as much."""
 
     def steps(hours: np.ndarray) -> np.ndarray:
@@ -69,7 +69,7 @@ def test_night_is_darker_and_bluer_than_dusk_and_dusk_than_day() -> None:
 
 
 @pytest.mark.slow
-def test_moon_and_clouds_decide_how_dark_a_night_is() -> None:
+def test_moon_and_clouds_set_the_light_of_a_night() -> None:
     def level(**words: object) -> float:
         return float(luminance(irradiance_of(light({"preset": "night", **words}))[0]))
 
@@ -78,7 +78,7 @@ def test_moon_and_clouds_decide_how_dark_a_night_is() -> None:
     assert level(sun={"clouds": 1.0}) < full
 
 
-def test_stars_are_always_the_same_and_wider_than_a_pixel_of_their_map() -> None:
+def test_stars_are_constant_and_wider_than_a_pixel() -> None:
     from render.lights.night_sky import star_map
 
     stars = star_map(0.5, -18.0)
@@ -94,7 +94,7 @@ def test_stars_are_always_the_same_and_wider_than_a_pixel_of_their_map() -> None
     assert (beside[top] > 0).all()
 
 
-def test_a_sun_may_stand_at_any_hour() -> None:
+def test_the_sun_may_be_below_the_horizon() -> None:
     assert sun_elevation_deg(Sun(hour=0)) < -15
     with pytest.raises(ValueError, match="need a sun"):
         light({"studio": {}, "stars": 0.5})

@@ -1,4 +1,4 @@
-"""What the renderer promises of its pixels."""
+"""Renderer: exact updates, energy, exposure and repeatability."""
 
 from __future__ import annotations
 
@@ -46,15 +46,13 @@ def test_camera_and_field_of_view_move_without_a_build(
     np.testing.assert_array_equal(moved, Renderer(backend).render(make_shot(camera=pose)).light)
 
 
-def test_the_denoised_picture_repeats(
-    renderer: Renderer, backend: Backend, make_shot: Make
-) -> None:
+def test_denoised_frames_repeat(renderer: Renderer, backend: Backend, make_shot: Make) -> None:
     film = Film(size=(64, 48), samples=2, depth=3, denoise="fast")
     first = renderer.render(make_shot(film=film)).light
     np.testing.assert_array_equal(first, Renderer(backend).render(make_shot(film=film)).light)
 
 
-def test_a_white_furnace_gives_back_the_light(renderer: Renderer) -> None:
+def test_a_convex_body_in_a_furnace_shows_its_albedo(renderer: Renderer) -> None:
     """A convex body in a sky of radiance 1 shows its albedo, whatever its shape."""
     import mitsuba as mi
 
@@ -130,7 +128,7 @@ def test_collapsed_triangles_stay_finite(renderer: Renderer, make_shot: Make) ->
     assert np.isfinite(renderer.render(hidden).light).all()
 
 
-def test_tinted_faces_are_red_and_the_others_as_they_were(
+def test_only_warned_faces_are_red(
     renderer: Renderer, make_shot: Make, make_ground: Callable[..., Mesh]
 ) -> None:
     from_above = CameraPose((0.0, 9.0, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0))
@@ -164,7 +162,7 @@ def test_every_light_is_finite_and_well_exposed(
     assert 50 < frame.srgb8.mean() < 190
 
 
-def test_a_wrong_shot_says_what_is_wrong(renderer: Renderer, make_shot: Make) -> None:
+def test_invalid_shots_are_reported(renderer: Renderer, make_shot: Make) -> None:
     shot = make_shot()
     with pytest.raises(ShotError, match="names material 'dry soil'"):
         renderer.render(replace(shot, materials={"bone": material("bone")}))
@@ -181,7 +179,7 @@ def test_a_wrong_shot_says_what_is_wrong(renderer: Renderer, make_shot: Make) ->
     assert np.isfinite(renderer.render(shot).light).all()
 
 
-def test_a_camera_that_looks_straight_down_sees(renderer: Renderer, make_shot: Make) -> None:
+def test_a_camera_may_look_straight_down(renderer: Renderer, make_shot: Make) -> None:
     frame = renderer.render(make_shot(camera=CameraPose((0.0, 6.0, 0.0), (0.0, 0.0, 0.0))))
     assert np.isfinite(frame.light).all()
     assert frame.light.mean() > 0.01
@@ -246,7 +244,7 @@ def test_memory_stays_flat_over_many_frames(renderer: Renderer, make_shot: Make)
 
 
 @pytest.mark.slow
-def test_the_scalar_variant_renders_too() -> None:
+def test_the_scalar_variant_renders() -> None:
     code = _ALONE.replace("choose()", "choose('scalar')")
     child = subprocess.run(
         [sys.executable, "-c", code, str(Path(__file__).parent), "2"],

@@ -1,4 +1,4 @@
-"""What all surfaces promise: energy, agreement of the variants, patterns without streaks."""
+"""Surfaces: energy, agreement of the variants, patterns without streaks."""
 
 from __future__ import annotations
 
@@ -61,13 +61,13 @@ def furnace(words: Material, ground: bool) -> float:
         for name in sorted(set(MATERIALS) - SHINING)
     ],
 )
-def test_no_material_gives_back_more_than_it_gets(renderer: Renderer, name: str) -> None:
+def test_no_material_gains_energy(renderer: Renderer, name: str) -> None:
     del renderer
     words = MATERIALS[name]
     assert furnace(words, ground=words.steep_color is not None) < 1.02
 
 
-def test_a_white_rough_surface_gives_back_what_its_colour_says(renderer: Renderer) -> None:
+def test_a_diffuse_surface_reflects_its_albedo(renderer: Renderer) -> None:
     """Flat ground of a pattern in a furnace: the mean is that of the packed colours."""
     del renderer
     import mitsuba as mi
@@ -97,7 +97,7 @@ def test_a_white_rough_surface_gives_back_what_its_colour_says(renderer: Rendere
     np.testing.assert_allclose(np.array(pdf), np.array(density), rtol=1e-4)
 
 
-def test_sampling_fits_evaluation_where_the_normal_is_bent(renderer: Renderer) -> None:
+def test_sampling_matches_evaluation_with_bent_normals(renderer: Renderer) -> None:
     """Chi-square in short: the mean of value / pdf over samples is that over the hemisphere."""
     del renderer
     import drjit as dr
@@ -139,7 +139,7 @@ print(json.dumps([test_surfaces.mean_of(renderer, name) for name in sys.argv[3:]
 """
 
 
-def test_steps_of_the_scalar_variant_are_where_those_of_the_look_are() -> None:
+def test_vertex_shares_match_the_shader() -> None:
     from render.backend import choose
 
     choose().activate()
@@ -239,9 +239,7 @@ def one_print() -> FootprintRaster:
     return FootprintRaster((-0.5, -0.5), 1.0 / BLOCK, np.array([[1]], np.uint32), texels)
 
 
-def test_a_print_is_seen_in_its_place_and_once_it_is_made(
-    renderer: Renderer, make_shot: Make
-) -> None:
+def test_a_footprint_is_visible_in_its_place_once_made(renderer: Renderer, make_shot: Make) -> None:
     if renderer.backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant shows no prints")
     shot = make_shot(camera=ABOVE, film=FILM)
@@ -266,7 +264,7 @@ def test_a_print_is_seen_in_its_place_and_once_it_is_made(
 
 
 @pytest.mark.nightly
-def test_memory_stays_flat_over_many_stages(renderer: Renderer, make_shot: Make) -> None:
+def test_memory_stays_flat_over_many_scenes(renderer: Renderer, make_shot: Make) -> None:
     from render.mitsuba_scene import MitsubaScene
 
     def resident() -> float:

@@ -1,4 +1,4 @@
-"""Sound against picture, measured by somebody else's meter."""
+"""Synchrony of sound and video, measured by an independent meter."""
 
 from __future__ import annotations
 
@@ -72,6 +72,6 @@ def test_sound_is_in_time(tmp_path: Path, fps: Fraction) -> None:
 
 
 @pytest.mark.slow
-def test_the_meter_sees_sound_that_is_late(tmp_path: Path) -> None:
+def test_the_meter_detects_late_sound(tmp_path: Path) -> None:
     fps = Fraction(24)
     assert late_ms(written(tmp_path, fps, 0.010), fps) == pytest.approx(10.0, abs=1.0)

@@ -1,4 +1,4 @@
-"""Tiles continue over their edges, and what is packed is what was drawn."""
+"""Textures: seamless tiles, and mipmaps that match them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from render.textures import TILE, patches, patterns, tile
 PATTERNS = sorted(patterns())
 
 
-def test_every_pattern_that_a_material_may_name_is_drawn() -> None:
+def test_every_texture_has_a_pattern() -> None:
     from typing import get_args
 
     from render.config.material import Texture
@@ -48,7 +48,7 @@ def test_patches_are_halves() -> None:
     assert patches().mean() == pytest.approx(0.5, abs=0.03)
 
 
-def test_what_a_kernel_reads_is_what_was_drawn(backend: Backend) -> None:
+def test_a_kernel_reads_the_drawn_pattern(backend: Backend) -> None:
     """At the middles of texels, and straight between them, over the border as well."""
     if backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant reads no packed tiles")
@@ -71,7 +71,7 @@ def test_what_a_kernel_reads_is_what_was_drawn(backend: Backend) -> None:
     np.testing.assert_allclose(np.array(found.slope_u), expected, atol=1.5 * mipmap.max_slope / 255)
 
 
-def test_coarser_copies_have_the_same_mean(backend: Backend) -> None:
+def test_mip_levels_have_the_same_mean(backend: Backend) -> None:
     if backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant reads no packed tiles")
     backend.activate()

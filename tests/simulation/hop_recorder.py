@@ -101,6 +101,6 @@ def hop_through(scene: Scene, until: int | None = None) -> Hops:
     while not simulation.finished:
         simulation.step()
         hops.look()
-        if until is not None and all(s.state.jumps > until for s in hops.troupe.simulations):
+        if until is not None and all(s.state.jump_count > until for s in hops.troupe.simulations):
             break
     return hops

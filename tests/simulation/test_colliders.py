@@ -1,4 +1,4 @@
-"""`collide: all` in scenes: walls and rows, refusals, creatures that push, what is heard."""
+"""Colliders in scenes: arrangements, refusals, creatures that push, contacts."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_wall_is_many_nodes_of_one_performer(scene_of: Scenes) -> None:
     assert take.contacts == ()
 
 
-def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -> None:
+def test_every_layout_has_its_count_and_no_overlaps(scene_of: Scenes) -> None:
     words = {
         "wall": "rows: 3, columns: 4",
         "pyramid": "rows: 4",
@@ -67,7 +67,7 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         assert read_scene(dump(scene)) == scene
 
 
-def test_bodies_that_begin_in_one_another_are_refused_with_names_and_depth(
+def test_overlapping_bodies_are_refused_with_names_and_depth(
     scene_of: Scenes,
 ) -> None:
     told = refused(scene_of(crate("one", [0, 1, 0]), crate("two", [0.2, 1, 0])))
@@ -87,7 +87,7 @@ def test_bodies_that_begin_in_a_creature_are_refused(scene_of: Scenes) -> None:
     assert "'bug." in told
 
 
-def test_bodies_that_leave_the_terrain_are_dropped_with_a_note(scene_of: Scenes) -> None:
+def test_bodies_that_leave_the_terrain_are_removed_with_a_note(scene_of: Scenes) -> None:
     ball = "{name: ball, body: {shape: sphere, collide: all}, at: [4.5, 0], velocity: [3, 0, 0]}"
     take = simulate(
         scene_of(ball, crate("one", [0, 0]), terrain="{kind: flat, size: [10, 10]}", duration=4)
@@ -101,7 +101,7 @@ def test_bodies_that_leave_the_terrain_are_dropped_with_a_note(scene_of: Scenes)
     assert take.alive[:, 1].all()
 
 
-def test_body_alone_on_the_ground_and_one_that_meets_all_pass_through_one_another(
+def test_ground_bodies_and_colliders_pass_through_each_other(
     scene_of: Scenes,
 ) -> None:
     alone = "{name: ghost, body: {shape: box}, at: [0, 0]}"
@@ -109,7 +109,7 @@ def test_body_alone_on_the_ground_and_one_that_meets_all_pass_through_one_anothe
     assert {c.other for c in take.contacts} <= {"terrain"}
 
 
-def test_fall_is_heard_once_with_its_speed(scene_of: Scenes) -> None:
+def test_a_fall_makes_one_contact_with_its_speed(scene_of: Scenes) -> None:
     body = "body: {shape: box, bounciness: 0, collide: all}"
     text = f"{{name: one, {body}, at: [0, 1.15, 0], material: wood}}"
     take = simulate(scene_of(text, duration=2))
@@ -124,7 +124,7 @@ def test_fall_is_heard_once_with_its_speed(scene_of: Scenes) -> None:
     np.testing.assert_allclose(contact.place, [0, 0, 0], atol=5e-3)
 
 
-def test_two_bodies_are_heard_together(scene_of: Scenes) -> None:
+def test_a_collision_of_two_bodies_is_one_contact(scene_of: Scenes) -> None:
     body = "body: {{shape: sphere, radius: 0.1, collide: all}}"
     base = f"{{{{name: {{}}, {body}, at: {{}}, velocity: {{}}, material: {{}}}}}}"
     take = simulate(
@@ -221,7 +221,7 @@ def test_walker_leaves_a_gap_in_the_wall() -> None:
     assert take.positions[:, bricks, 1].min() > 0.0
 
 
-def test_mesh_of_many_is_named_from_the_folder_of_the_scene(tmp_path: Path) -> None:
+def test_mesh_files_are_relative_to_the_scene(tmp_path: Path) -> None:
     corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     (tmp_path / "stone.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners))
     many = "{layout: stack, count: 2, of: {shape: mesh, file: stone.obj}}"
@@ -255,7 +255,7 @@ def rubbed(take: Take) -> list[tuple[str, str, str, float, float]]:
 @pytest.mark.parametrize(
     ("height", "cast", "other"), [(0.05, (), "terrain"), (0.45, (TABLE,), "table")]
 )
-def test_what_slides_does_so_until_it_is_slow(
+def test_sliding_ends_at_low_speed(
     scene_of: Scenes, height: float, cast: tuple[str, ...], other: str
 ) -> None:
     sled = SLED + f"at: [-1, {height}, 0], velocity: [2, 0, 0]}}"
@@ -267,7 +267,7 @@ def test_what_slides_does_so_until_it_is_slow(
     assert end == pytest.approx((2.0 - 0.05) / (mu * 9.81), abs=0.06)
 
 
-def test_a_ball_rolls_on_and_what_rests_is_silent(scene_of: Scenes) -> None:
+def test_a_ball_rolls_and_resting_bodies_are_silent(scene_of: Scenes) -> None:
     ball = (
         "{name: ball, body: {shape: sphere, radius: 0.2, bounciness: 0, rolling: 0, collide: all},"
         " at: [0, 0.2, 0], velocity: [1, 0, 0], spin_deg: [0, 0, -286.479]}"

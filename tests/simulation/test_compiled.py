@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 FALL = """
-from tests.simulation.test_bouncing import DT, drops
+from tests.simulation.test_terrain_bodies import DT, drops
 import numpy as np
 bouncing = drops(np.random.default_rng(5), 12, "hills")
 bouncing.state.v[:, 1] = -5.0

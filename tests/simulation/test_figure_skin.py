@@ -13,7 +13,7 @@ import yaml
 from pipeline.production.goldens.motion_digest import motion_digest
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.figure_mass import FigureMass
-from pipeline.simulation.figures.figure_skin import FOOT_MAKERS, extremity_skins
+from pipeline.simulation.figures.figure_skin import FOOT_MAKERS, extremity_skins, figure_skin
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.skins import Skin
@@ -65,7 +65,7 @@ def scene(**more: object) -> Scene:
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
     figure = shipped(file.stem)
-    looks, skeleton = figure.looks, figure.skeleton
+    looks, skeleton = figure_skin(figure), figure.skeleton
     assert not looks.covered & set(looks.skins)
     joint_of = [link.joint for link in skeleton.links]
     above = {
@@ -94,7 +94,7 @@ def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
 def test_skins_are_symmetric(name: str) -> None:
     """What is in the middle between two legs follows neither."""
     figure = shipped(name)
-    body = figure.looks.skins[0]
+    body = figure_skin(figure).skins[0]
     middle = np.abs(body.vertices[:, 2]) < 1e-9
     legs = [limb.links[0] for limb in figure.skeleton.legs]
     pulled = body.share * np.isin(body.links[:, 1], legs)
@@ -177,7 +177,7 @@ def test_soles_are_level_with_the_tip(name: str) -> None:
 def test_upright_heads_have_faces() -> None:
     """A nose ahead, ears aside, and eyes that are smaller than an animal's."""
     figure = shipped("person")
-    looks, pieces = figure.looks, figure.pieces
+    looks, pieces = figure_skin(figure), figure.pieces
     eyes = [i for i, piece in enumerate(pieces) if ".eye_" in piece.name]
     for i in eyes:
         extents = [np.ptp(v, axis=0) for v in (looks.skins[i].vertices, pieces[i].solid.vertices)]

@@ -184,7 +184,7 @@ def test_land_at_excludes_distance_keys(word: str) -> None:
     assert problem.path == f"cast[0].pronk.{word.split(':')[0]}"
     column = SCENE.format(figure="kangaroo", words=words).splitlines()[5].index(word) + 1
     assert (problem.line, problem.column) == (6, column)
-    assert "take one of the two away" in problem.message
+    assert "conflicts with land_at; remove one" in problem.message
 
 
 def test_all_errors_are_reported_at_once() -> None:

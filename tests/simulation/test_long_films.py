@@ -1,4 +1,4 @@
-"""Long films: many creatures walk for minutes, and memory does not grow with them."""
+"""Long films: memory use does not grow with the length."""
 
 from __future__ import annotations
 

@@ -145,8 +145,9 @@ def test_landings_end_at_rest_at_the_crouch(monkeypatch, figure, config):
             ends.append((state.p[1] - hopper.mass.centre[1], hopper.crouch_height))
         push(hopper, ground, state, events)
 
-    monkeypatch.setattr(hop_phases, "begin_landing", landing)
-    monkeypatch.setattr(hop_phases, "begin_push", pushing)
+    for module in (hop_phases, hop_simulation):
+        monkeypatch.setattr(module, "begin_landing", landing)
+        monkeypatch.setattr(module, "begin_push", pushing)
     ended = hop_simulation.finish_phase
     speeds = []
 

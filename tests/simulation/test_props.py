@@ -1,4 +1,4 @@
-"""Props: keyframes, parents, and hands that take and put down."""
+"""Props: keyframes, parents, and hands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def pose(take: Take, node: str) -> tuple[Array, Array]:
     return matrix(take.rotations[:, i]), take.positions[:, i]
 
 
-def test_follows_keyframes() -> None:
+def test_a_prop_follows_its_keyframes() -> None:
     keys = "[{at: 0, position: [0, 1, 0]}, {at: 1, position: [2, 1, 0], ease: linear}]"
     take = simulate(scene_of(f"{{name: a, prop: {{shape: ball}}, keyframes: {keys}}}"))
     _, p = pose(take, "a")
@@ -45,7 +45,7 @@ def test_a_prop_without_height_stands_on_the_ground() -> None:
 
 
 @pytest.mark.parametrize("order", [0, 1])
-def test_a_child_goes_along_without_lag(order: int) -> None:
+def test_a_child_follows_its_parent_without_lag(order: int) -> None:
     child = "{name: cup, prop: {shape: ball}, parent: plate, at: [0.5, 0.3, 0]}"
     take = simulate(scene_of(*[PLATE, child][:: 1 - 2 * order]))
     R, p = pose(take, "plate")
@@ -89,7 +89,7 @@ def test_a_hand_takes_and_puts_down() -> None:
     assert np.linalg.norm(np.diff(p, axis=0), axis=1).max() < 4 / 96 + 1e-9
 
 
-def test_what_is_put_down_stays_with_its_parent() -> None:
+def test_a_released_prop_stays_with_its_parent() -> None:
     box = (
         "{name: box, prop: {shape: box}, parent: plate, at: [0.5, 0.3, 0],"
         " held: [{by: hand, at: 0.5, until: 1}]}"
@@ -111,7 +111,10 @@ def test_what_is_put_down_stays_with_its_parent() -> None:
          "form a ring"),
         (["{parent: bug.tip, prop: {shape: ball}}", "{figure: beetle, name: bug}"],
          "no part 'tip'"),
-        (["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"], "walk away"),
+        (
+            ["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"],
+            "conflicts with parent",
+        ),
         (["{figure: beetle, at: [0, 1, 0]}"], "a creature stands on the ground"),
         (["{prop: {shape: ball}, keyframes: [{at: 0}]}"], "should say a position"),
         (
@@ -127,7 +130,7 @@ def test_what_is_put_down_stays_with_its_parent() -> None:
         (["{prop: {shape: bal}}"], "bal"),
     ],
 )  # fmt: skip
-def test_refuses(cast: list[str], message: str) -> None:
+def test_invalid_props_are_refused(cast: list[str], message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         Simulation(scene_of(*cast))
     assert all(problem.line > 0 for problem in caught.value.problems)

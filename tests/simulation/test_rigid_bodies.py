@@ -1,4 +1,4 @@
-"""Rigid bodies: hulls and masses against trimesh, tumbling against MuJoCo and conservation."""
+"""Rigid bodies: hulls and masses against trimesh, free rotation against MuJoCo and conservation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .bodies import DT, POLYHEDRA, SHAPES, attitudes, ground_of, thrown
 
 
 @pytest.mark.parametrize("i", range(len(SHAPES)), ids=POLYHEDRA)
-def test_masses_are_those_of_trimesh(i: int) -> None:
+def test_masses_agree_with_trimesh(i: int) -> None:
     words = Body.model_validate({"body": SHAPES[i]}).body
     hull = body_hull(words, "")
     own = mass_of_solid(hull.vertices, hull.faces, words.density)
@@ -51,7 +51,7 @@ def test_regular_solids_are_regular(shape: str, facets: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_hulls_hold_their_points(seed: int) -> None:
+def test_hulls_contain_their_points(seed: int) -> None:
     chance = np.random.default_rng(seed)
     points = chance.normal(size=(int(chance.integers(5, 300)), 3))
     if seed % 2:
@@ -67,7 +67,7 @@ def test_hulls_hold_their_points(seed: int) -> None:
     assert len(hull.vertices) - len(hull.edges) + len(hull.facets) == 2
 
 
-def test_what_is_flat_has_no_hull() -> None:
+def test_flat_points_have_no_hull() -> None:
     with pytest.raises(MassError, match="in one plane"):
         hull_of(np.array([[0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1.0]]))
     with pytest.raises(MassError, match="in one line"):
@@ -105,7 +105,7 @@ def mujocos(q: Array, w: Array, step: float, seconds: float) -> tuple[Array, Arr
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_tumbling_is_mujocos(seed: int) -> None:
+def test_free_rotation_agrees_with_mujoco(seed: int) -> None:
     chance = np.random.default_rng(seed)
     q, w = attitudes(chance, 1), chance.normal(size=(1, 3)) * 4.0
     inertia, step = np.diag(MOMENTS)[None], 1e-3
@@ -131,7 +131,7 @@ def test_the_series_of_a_step_has_converged() -> None:
         np.testing.assert_allclose(a, b, atol=1e-12)
 
 
-def test_momentum_and_energy_last_where_nothing_acts() -> None:
+def test_momentum_and_energy_are_conserved_in_flight() -> None:
     bouncing = thrown(SHAPES, ground_of("flat"))
     bodies, chance = bouncing.bodies, np.random.default_rng(4)
     n = len(SHAPES)
@@ -145,7 +145,7 @@ def test_momentum_and_energy_last_where_nothing_acts() -> None:
     np.testing.assert_allclose(kinetic_energy(bodies, state.v, state.w), moving, rtol=1e-9)
 
 
-def test_a_flight_is_a_parabola_whatever_turns() -> None:
+def test_a_flight_is_a_parabola_at_any_spin() -> None:
     bouncing = thrown(SHAPES, ground_of("flat"))
     state, n = bouncing.state, len(SHAPES)
     chance = np.random.default_rng(1)
@@ -158,7 +158,7 @@ def test_a_flight_is_a_parabola_whatever_turns() -> None:
     np.testing.assert_allclose(angular_momentum(bouncing.bodies, state), spin, atol=1e-10)
 
 
-def test_scalar_inertia_does_not_tumble() -> None:
+def test_scalar_inertia_spins_at_a_constant_rate() -> None:
     words = {"shape": "box", "size": [0.8, 0.1, 0.3]}
     bouncing = thrown([words, words | {"inertia": "scalar"}], ground_of("flat"))
     bouncing.state.w[:] = [0.2, 0.3, 6.0]

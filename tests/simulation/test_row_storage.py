@@ -1,4 +1,4 @@
-"""Reels: long arrays lie on disk, and nothing else is different."""
+"""Row storage: long arrays lie on disk, with equal results."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("short")
-def test_what_is_put_down_is_still_there() -> None:
+def test_released_rows_keep_their_values() -> None:
     rows = allocate_rows((500, 3), float)
     assert isinstance(rows.base, mmap.mmap)
     assert not rows.any()
@@ -40,7 +40,7 @@ def test_what_is_put_down_is_still_there() -> None:
 
 @pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(("count", "multiple"), [(0, 1), (1, 1), (1000, 1), (1000, 64), (999, 999)])
-def test_rows_are_gone_through_once_and_in_order(count: int, multiple: int) -> None:
+def test_chunks_cover_all_rows_in_order(count: int, multiple: int) -> None:
     slices = list(row_chunks(allocate_rows((count, 10), float), multiple))
     seen = [row for some in slices for row in range(some.start, some.stop)]
     assert seen == list(range(count))
@@ -48,14 +48,14 @@ def test_rows_are_gone_through_once_and_in_order(count: int, multiple: int) -> N
 
 
 @pytest.mark.usefixtures("short")
-def test_a_disk_without_room_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_full_disk_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr(row_storage.tempfile, "tempdir", None)
     with pytest.raises(StoreError, match="TMPDIR"):
         allocate_rows((2**50, 2**4), np.uint8)
 
 
-def test_a_take_on_disk_is_the_take_in_memory(
+def test_a_take_on_disk_equals_the_take_in_memory(
     scene_of: Callable[..., Scene], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = scene_of("{figure: horse, scale: 0.5, walk: {}}", terrain="hills", duration=3)

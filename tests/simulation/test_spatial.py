@@ -1,4 +1,4 @@
-"""Laws of rotations and curves, of clocks and seeds."""
+"""Laws of rotations, curves, clocks and seeds."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def test_rotations_are_rotations() -> None:
 
 
 @given(angles, angles)
-def test_turns_about_one_axis_add(a: float, b: float) -> None:
+def test_rotations_about_one_axis_add(a: float, b: float) -> None:
     axis = AXES[0]
     assert np.allclose(rotation(axis, a) @ rotation(axis, b), rotation(axis, a + b), atol=1e-13)
     assert _same(rotation(axis, -a), rotation(axis, a).T)
 
 
-def test_an_axis_stays_and_what_is_across_it_turns_by_the_angle() -> None:
+def test_a_rotation_keeps_its_axis_and_turns_perpendicular_vectors() -> None:
     assert _same(turn(TURNS, AXES), AXES)
     across = normalized(np.cross(AXES, [0.3, 0.5, 0.8]))
     turned = turn(TURNS, across)
@@ -58,7 +58,7 @@ def test_an_axis_stays_and_what_is_across_it_turns_by_the_angle() -> None:
     assert np.allclose(np.arctan2(sine, cosine), ANGLES, atol=1e-12)
 
 
-def test_turning_back_undoes_a_turn() -> None:
+def test_unturn_inverts_turn() -> None:
     v = CHANCE.normal(size=(500, 3))
     assert _same(unturn(TURNS, turn(TURNS, v)), v)
     assert _same(cross(v, AXES), np.cross(v, AXES))
@@ -69,7 +69,7 @@ def test_heading_turns_x_towards_minus_z() -> None:
     assert _same(heading(np.array(0.0)), np.eye(3))
 
 
-def test_quaternions_stand_for_their_matrices() -> None:
+def test_quaternions_round_trip_to_matrices() -> None:
     q = quaternion(TURNS)
     assert _same(np.linalg.norm(q, axis=-1), np.ones(500))
     assert _same(matrix(q), TURNS)
@@ -93,7 +93,7 @@ def test_products_of_quaternions_and_matrices_agree() -> None:
     assert _same(matrix(product), TURNS[:250] @ TURNS[250:])
 
 
-def test_continuous_quaternions_never_turn_round() -> None:
+def test_continuous_quaternions_never_flip_sign() -> None:
     angle = np.linspace(0.0, 12 * np.pi, 400)
     R = np.stack([rotation(AXES[:5], a) for a in angle])
     q = continuous(quaternion(R))
@@ -101,7 +101,7 @@ def test_continuous_quaternions_never_turn_round() -> None:
     assert _same(matrix(q), R)
 
 
-def test_directions_make_frames() -> None:
+def test_directions_give_right_handed_frames() -> None:
     forward = CHANCE.normal(size=(100, 3))
     R = from_directions(forward, np.array([0.0, 1.0, 0.0]))
     assert _same(R[..., 0], normalized(forward))
@@ -167,7 +167,7 @@ RATES = [Fraction(24), Fraction(25), Fraction(60), Fraction(30000, 1001), Fracti
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize(("steps", "samples"), [(4, 4), (8, 2), (1, 1), (6, 3)])
-def test_steps_rows_and_frames_meet(rate: Fraction, steps: int, samples: int) -> None:
+def test_steps_rows_and_frames_agree(rate: Fraction, steps: int, samples: int) -> None:
     clock = Clock(rate, 50, steps, samples)
     rows = [clock.row_of_step(step) for step in range(clock.last_step + 1)]
     seen = [row for row in rows if row is not None]
@@ -192,13 +192,13 @@ def test_an_event_belongs_to_the_first_frame_that_shows_it(
 
 
 @given(st.sampled_from(RATES), st.integers(0, 100_000))
-def test_the_step_at_a_time_is_the_step(rate: Fraction, step: int) -> None:
+def test_steps_round_trip_through_times(rate: Fraction, step: int) -> None:
     clock = Clock(rate, 10_000, 4, 4)
     assert clock.step_at(float(clock.time_of(step))) == step
     assert clock.step_at(float(clock.time_of(step, 0.999))) == step
 
 
-def test_seeds_depend_on_names_alone() -> None:
+def test_seeds_depend_on_names_only() -> None:
     first = generator(5, "bug").random(4)
     generator(5, "other").random(100)
     assert (generator(5, "bug").random(4) == first).all()
@@ -206,7 +206,7 @@ def test_seeds_depend_on_names_alone() -> None:
     assert (generator(6, "bug").random(4) != first).any()
 
 
-def test_seeds_stay_as_they_are() -> None:
+def test_seeds_are_pinned() -> None:
     """Takes of the same seed must not change from one version to the next by accident."""
     drawn = generator(7, "terrain").integers(0, 2**32, 3).tolist()
     assert drawn == SEEDED

@@ -1,4 +1,4 @@
-"""Takes on disk: what was written is read again, what is damaged is refused."""
+"""Takes on disk: written takes are read again, damaged ones are refused."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def stored(written: Path, tmp_path: Path) -> Path:
     return tmp_path / "take"
 
 
-def test_what_was_written_is_read_again(take: Take, stored: Path) -> None:
+def test_a_written_take_is_read_again(take: Take, stored: Path) -> None:
     read = read_take(stored)
     assert read.digest == take.digest
     assert read.header == take.header
@@ -56,7 +56,7 @@ def test_what_was_written_is_read_again(take: Take, stored: Path) -> None:
     assert read_key(stored) == "a key"
 
 
-def test_a_digest_sees_every_part(take: Take) -> None:
+def test_the_digest_depends_on_every_part(take: Take) -> None:
     positions = take.positions.copy()
     positions[3, 2, 1] = np.nextafter(positions[3, 2, 1], 9.0)
     others = [
@@ -86,14 +86,14 @@ def _chunks(stored: Path, array: str) -> list[Path]:
 
 
 @pytest.mark.parametrize("array", ["positions", "rotations", "terrain/vertices", "meshes/faces"])
-def test_a_lost_chunk_is_noticed(stored: Path, array: str) -> None:
+def test_a_missing_chunk_is_refused(stored: Path, array: str) -> None:
     _chunks(stored, array)[-1].unlink()
     with pytest.raises(StoreError, match="take"):
         read_take(stored)
 
 
 @pytest.mark.parametrize("keep", [0, 0.5])
-def test_a_chunk_cut_short_is_noticed(stored: Path, keep: float) -> None:
+def test_a_truncated_chunk_is_refused(stored: Path, keep: float) -> None:
     chunk = _chunks(stored, "positions")[0]
     content = chunk.read_bytes()
     chunk.write_bytes(content[: int(len(content) * keep)])
@@ -101,7 +101,7 @@ def test_a_chunk_cut_short_is_noticed(stored: Path, keep: float) -> None:
         read_take(stored)
 
 
-def test_a_changed_byte_is_noticed(stored: Path) -> None:
+def test_a_changed_byte_is_refused(stored: Path) -> None:
     chunk = _chunks(stored, "positions")[0]
     content = bytearray(chunk.read_bytes())
     content[len(content) // 2] ^= 0x10
@@ -110,13 +110,13 @@ def test_a_changed_byte_is_noticed(stored: Path) -> None:
         read_take(stored)
 
 
-def test_a_lost_array_is_noticed(stored: Path) -> None:
+def test_a_missing_array_is_refused(stored: Path) -> None:
     shutil.rmtree(stored / "values")
     with pytest.raises(StoreError):
         read_take(stored)
 
 
-def test_a_writer_killed_half_way_left_no_take(
+def test_an_interrupted_write_leaves_no_take(
     take: Take, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every array is there and the attributes are not yet."""
@@ -135,14 +135,14 @@ def test_a_writer_killed_half_way_left_no_take(
         read_take(tmp_path / "take")
 
 
-def test_a_take_of_another_format_is_none(take: Take, stored: Path) -> None:
+def test_a_take_of_another_format_has_no_key(take: Take, stored: Path) -> None:
     attributes = zarr.open_group(stored).attrs
     attributes["header"] = {**take.header.as_dict(), "format": 999}
     assert read_key(stored) is None
 
 
 @pytest.mark.parametrize("kind", ["nothing", "empty", "file", "garbage", "list"])
-def test_what_is_no_take_has_no_key(tmp_path: Path, kind: str) -> None:
+def test_another_folder_has_no_key(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "take"
     if kind in ("empty", "garbage", "list"):
         path.mkdir()
@@ -157,7 +157,7 @@ def test_what_is_no_take_has_no_key(tmp_path: Path, kind: str) -> None:
         read_take(path)
 
 
-def test_a_place_that_cannot_be_written_is_an_error(take: Take, tmp_path: Path) -> None:
+def test_an_unwritable_folder_is_an_error(take: Take, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(StoreError):
         write_take(take, tmp_path / "file" / "take")

@@ -251,7 +251,7 @@ ONE_MISTAKE = [
      "stride = speed * cycle, but 0.9 * 0.7 = 0.63, not 0.5; leave one of the three out, or take "
      "stride: 0.63, speed: 0.714285714 or cycle: 0.555555556"),
     ("terrain: hills", "camera: §{at: [1, 1, 1], view: side}", "camera",
-     "a camera that stands at a place has no view"),
+     "`at` conflicts with `view`; remove one"),
     # What YAML can do and a scene cannot.
     ("duration: 2", "duration: §!!python/object/apply:os.system [id]", "duration",
      "the tag '!!python/object/apply:os.system' is refused: a file is plain data"),

@@ -7,8 +7,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from audio.atomic_file import write_if_changed
-from audio.errors import AudioError
+from pipeline.atomic_file import write_if_changed
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.run import production
 from pipeline.production.run.order import Order
@@ -97,7 +96,7 @@ class SceneRecorder:
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             write_if_changed(file, f"# As it was directed.\n{text}".encode())
-        except (AudioError, OSError) as error:
+        except OSError as error:
             raise StoreError(f"{file}: could not be written ({error})") from error
         return file
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.atomic_file import PARTIAL, replace_folder
 from pipeline.errors import StoreError
 from pipeline.production.goldens.cue_facts import Cues, read_cues
 from pipeline.production.goldens.film_facts import FilmFacts, read_film_facts
@@ -28,7 +29,6 @@ from pipeline.production.goldens.golden_case import GoldenFolder
 from pipeline.production.goldens.motion_file import read_golden, write_golden
 from pipeline.production.goldens.motion_golden import MotionGolden
 from pipeline.production.goldens.verdict import LAYERS, Layer
-from pipeline.production.run.outputs import PARTIAL, replace_folder
 from render.comparison.image_statistics import SeedSpread
 from render.errors import RenderError
 from render.image_files import read_png, write_png

@@ -156,7 +156,7 @@ def _first_bits(golden: MotionGolden, take: Take) -> str:
     """Return the place of the first bits that differ, as text."""
     then, now = golden.fingerprints, Fingerprints.of(take)
     place = [node.name for node in take.nodes] + [channel.name for channel in take.channels]
-    rows = [k for k, (one, two) in enumerate(zip(then.rows, now.rows, strict=True)) if one != two]
+    rows = [k for k, pair in enumerate(zip(then.rows, now.rows, strict=True)) if pair[0] != pair[1]]
     names = [*golden.nodes, *golden.channels]
     track = dict(zip(place, now.tracks, strict=True))
     tracks = [name for name, bits in zip(names, then.tracks, strict=True) if track[name] != bits]

@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import json
 import lzma
-import os
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
+from pipeline.atomic_file import write_if_changed
 from pipeline.errors import GoldenMissing, StoreError
 from pipeline.production.goldens.motion_digest import Fingerprints
 from pipeline.production.goldens.motion_golden import GroundSummary, MotionGolden
 from pipeline.production.goldens.motion_marks import Mark
 from pipeline.production.goldens.packed_series import Series
-from pipeline.production.run.outputs import PARTIAL
 
 FORMAT = 1
 """Version of the file's layout."""
@@ -32,11 +31,9 @@ def write_golden(golden: MotionGolden, path: Path) -> None:
     Raises:
         StoreError: it cannot be written.
     """
-    partial = path.with_name(f".{path.name}{PARTIAL}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_text(encoded(golden), encoding="utf-8", newline="\n")
-        os.replace(partial, path)
+        write_if_changed(path, encoded(golden).encode())
     except OSError as error:
         raise StoreError(f"{path}: the golden could not be written: {error.strerror}") from error
 

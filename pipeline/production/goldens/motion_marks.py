@@ -102,11 +102,14 @@ def mark_differences(then: Iterable[Mark], now: Iterable[Mark], steps: int) -> I
         for mark in marks:
             groups[mark.kind, mark.who, mark.what][side].append(mark)
     for old, new in groups.values():
-        for one, two in _pairs(old, new):
-            text = _mark_difference(one, two, steps)
+        for old_mark, new_mark in _pairs(old, new):
+            text = _mark_difference(old_mark, new_mark, steps)
             if text:
-                moment = min(mark.moment for mark in (one, two) if mark)
-                kind, who = (one or two or new[0]).kind, (one or two or new[0]).who
+                moment = min(mark.moment for mark in (old_mark, new_mark) if mark)
+                kind, who = (
+                    (old_mark or new_mark or new[0]).kind,
+                    (old_mark or new_mark or new[0]).who,
+                )
                 yield Difference(int(moment), kind, who, text)
 
 
@@ -117,43 +120,44 @@ def _pairs(old: list[Mark], new: list[Mark]) -> Iterator[tuple[Mark | None, Mark
         yield from zip_longest(old, new)
         return
     n = 0
-    for one in old:
-        while n < len(new) and new[n].moment < one.moment - motion_tolerance.MOMENT:
+    for old_mark in old:
+        while n < len(new) and new[n].moment < old_mark.moment - motion_tolerance.MOMENT:
             yield None, new[n]
             n += 1
-        if n < len(new) and new[n].moment <= one.moment + motion_tolerance.MOMENT:
-            yield one, new[n]
+        if n < len(new) and new[n].moment <= old_mark.moment + motion_tolerance.MOMENT:
+            yield old_mark, new[n]
             n += 1
         else:
-            yield one, None
-    yield from ((None, two) for two in new[n:])
+            yield old_mark, None
+    yield from ((None, new_mark) for new_mark in new[n:])
 
 
-def _mark_difference(one: Mark | None, two: Mark | None, steps: int) -> str:
+def _mark_difference(old_mark: Mark | None, new_mark: Mark | None, steps: int) -> str:
     """Return the difference of a mark from its golden as text, empty if within tolerance."""
-    if one is None or two is None:
-        mark = one or two
-        fate = "is missing" if one else "is new"
+    if old_mark is None or new_mark is None:
+        mark = old_mark or new_mark
+        fate = "is missing" if old_mark else "is new"
         return f"{mark.what} at step {mark.moment:g}: this {mark.kind} {fate}" if mark else ""
-    late = two.moment - one.moment
-    what = f"{one.what} at step {one.moment:g}"
+    late = new_mark.moment - old_mark.moment
+    what = f"{old_mark.what} at step {old_mark.moment:g}"
     if abs(late) > motion_tolerance.MOMENT + ROUNDING:
-        frames = f"frame {two.frame} instead of {one.frame}"
-        return f"{what}: {one.kind} moved to step {two.moment:g}, {frames}"
-    if one.frame != two.frame and not _boundary_between(one, two, steps):
-        return f"{what}: {one.kind} moved from frame {one.frame} to {two.frame}"
-    if one.place and (apart := dist(one.place, two.place)) > motion_tolerance.PLACE:
-        return f"{what}: {one.kind} lies {millimetres(apart)} off"
-    bound = motion_tolerance.STRENGTH * (1.0 + abs(one.strength)) + ROUNDING
-    if abs(two.strength - one.strength) > bound:
-        return f"{what}: {one.kind} of {two.strength:g} m/s instead of {one.strength:g} m/s"
+        frames = f"frame {new_mark.frame} instead of {old_mark.frame}"
+        return f"{what}: {old_mark.kind} moved to step {new_mark.moment:g}, {frames}"
+    if old_mark.frame != new_mark.frame and not _boundary_between(old_mark, new_mark, steps):
+        return f"{what}: {old_mark.kind} moved from frame {old_mark.frame} to {new_mark.frame}"
+    if old_mark.place and (apart := dist(old_mark.place, new_mark.place)) > motion_tolerance.PLACE:
+        return f"{what}: {old_mark.kind} lies {millimetres(apart)} off"
+    bound = motion_tolerance.STRENGTH * (1.0 + abs(old_mark.strength)) + ROUNDING
+    if abs(new_mark.strength - old_mark.strength) > bound:
+        speeds = f"{new_mark.strength:g} m/s instead of {old_mark.strength:g} m/s"
+        return f"{what}: {old_mark.kind} of {speeds}"
     return ""
 
 
-def _boundary_between(one: Mark, two: Mark, steps: int) -> bool:
+def _boundary_between(old_mark: Mark, new_mark: Mark, steps: int) -> bool:
     """Return whether a frame boundary between the moments explains different frames."""
-    if abs(one.frame - two.frame) != 1:
+    if abs(old_mark.frame - new_mark.frame) != 1:
         return False
-    edge = (min(one.frame, two.frame) - 1) * steps
-    early, late = sorted((one.moment, two.moment))
+    edge = (min(old_mark.frame, new_mark.frame) - 1) * steps
+    early, late = sorted((old_mark.moment, new_mark.moment))
     return early - ROUNDING <= edge <= late + ROUNDING

@@ -176,7 +176,9 @@ def _layer(case: Case, layer: LayerVerdict) -> str:
     details = "".join(f"<li>{html.escape(detail)}</li>" for detail in layer.details)
     fate = "holds" if layer.passed else "fails"
     plot = metric_plot(layer.frames) if len(layer.frames) > 1 else ""
-    views = "\n".join(_view(case, one) for one in layer.frames if one.outcome in SHOWN_OUTCOMES)
+    views = "\n".join(
+        _view(case, frame) for frame in layer.frames if frame.outcome in SHOWN_OUTCOMES
+    )
     return f"""<section class="layer {fate}"><h2>{layer.layer}
 <span class="fate">{layer.outcome.value}</span> <small>{layer.seconds:.1f} s</small></h2>
 <p>{html.escape(layer.text)}</p>
@@ -200,8 +202,8 @@ def _view(case: Case, frame: FrameVerdict) -> str:
         for b in frame.boxes
     )
     modes = "".join(
-        f'<button type="button" data-mode="{mode}">{told}</button>'
-        for mode, told in (
+        f'<button type="button" data-mode="{mode}">{label}</button>'
+        for mode, label in (
             ("golden", "golden"),
             ("new", "new"),
             ("map", "FLIP map"),
@@ -249,26 +251,26 @@ def junit_report(verdicts: Sequence[SceneVerdict]) -> bytes:
             "testsuite",
             name=_clean(verdict.scene),
             tests=str(len(layers)),
-            failures=str(sum(one.outcome is Outcome.CHANGED for one in layers)),
-            errors=str(sum(one.outcome in _ERROR_OUTCOMES for one in layers)),
-            skipped=str(sum(one.outcome is Outcome.UNJUDGED for one in layers)),
-            time=f"{sum(one.seconds for one in layers):.3f}",
+            failures=str(sum(layer.outcome is Outcome.CHANGED for layer in layers)),
+            errors=str(sum(layer.outcome in _ERROR_OUTCOMES for layer in layers)),
+            skipped=str(sum(layer.outcome is Outcome.UNJUDGED for layer in layers)),
+            time=f"{sum(layer.seconds for layer in layers):.3f}",
         )
-        for one in layers:
+        for layer in layers:
             case = ElementTree.SubElement(
                 suite,
                 "testcase",
                 classname=f"golden.{_clean(verdict.scene)}",
-                name=one.layer,
-                time=f"{one.seconds:.3f}",
+                name=layer.layer,
+                time=f"{layer.seconds:.3f}",
             )
-            if one.passed:
+            if layer.passed:
                 continue
             kind = {Outcome.CHANGED: "failure", Outcome.UNJUDGED: "skipped"}
             mark = ElementTree.SubElement(
-                case, kind.get(one.outcome, "error"), message=_clean(one.text)
+                case, kind.get(layer.outcome, "error"), message=_clean(layer.text)
             )
-            mark.text = _clean("\n".join(one.details))
+            mark.text = _clean("\n".join(layer.details))
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"

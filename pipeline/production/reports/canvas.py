@@ -14,7 +14,7 @@ import drawsvg
 import resvg_py
 from PIL import ImageFont
 
-from audio.atomic_file import write_if_changed
+from pipeline.atomic_file import write_if_changed
 from pipeline.production.run.outputs import Outputs
 
 FONT = "Aileron, Helvetica, Arial, sans-serif"

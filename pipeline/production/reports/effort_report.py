@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.atomic_file import write_if_changed
+from pipeline.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order

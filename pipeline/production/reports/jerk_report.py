@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.atomic_file import write_if_changed
+from pipeline.atomic_file import write_if_changed
 from pipeline.production.reports.canvas import write_plot
 from pipeline.production.reports.jerk_plot import jerk_svg
 from pipeline.production.reports.jerk_trials import (
@@ -182,5 +182,5 @@ def _facts(trial: Trial, compared: Sequence[Agreement]) -> dict[str, Any]:
             name: {str(k + 1): values for k, values in _measures(column).items()}
             for name, column in trial.columns.items()
         },
-        "rank_correlations": {f"{one.ours}/{one.theirs}": one.rank for one in compared},
+        "rank_correlations": {f"{a.ours}/{a.theirs}": a.rank for a in compared},
     }

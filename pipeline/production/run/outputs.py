@@ -7,7 +7,6 @@ a run that was stopped at any moment can go on.
 from __future__ import annotations
 
 import contextlib
-import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +14,6 @@ from pathlib import Path
 
 from pipeline.errors import StoreError
 
-PARTIAL = ".partial"
 """Suffix of folders that are being written."""
 
 
@@ -125,7 +123,7 @@ def _clear(outputs: Outputs) -> None:
 
     `render` and `audio` choose the rest of the name.
     """
-    # `audio` cuts long names short, because a name has at most 255 bytes.
+    # Atomic writing cuts long names short, because a name has at most 255 bytes.
     own = [f".{outputs.name}{end}"[:65] for end in "._"]
     for path in outputs.folder.iterdir():
         if path.name.startswith((*own, ".events.", ".manifest.", ".take.")):
@@ -139,15 +137,3 @@ def _remove(path: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
     else:
         path.unlink(missing_ok=True)
-
-
-def replace_folder(new: Path, place: Path) -> None:
-    """Move the folder `new` to `place`, replacing a folder there.
-
-    A run that is stopped between the two renames leaves no folder; the next run makes it again.
-    """
-    old = place.with_name(f".{place.name}.old{PARTIAL}")
-    with contextlib.suppress(FileNotFoundError):
-        os.replace(place, old)
-    os.replace(new, place)
-    _remove(old)

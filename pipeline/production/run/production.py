@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from audio.atomic_file import write_if_changed
 from audio.errors import AudioError
 from audio.midi_file import write_midi
 from audio.score import Score
 from audio.wav_file import write_wav
+from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.run.frame_ranges import (
     contiguous,
@@ -27,7 +27,7 @@ from pipeline.production.run.frame_ranges import (
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.manifest import Manifest, library_versions
 from pipeline.production.run.order import Order
-from pipeline.production.run.outputs import PARTIAL, Outputs, opened, replace_folder
+from pipeline.production.run.outputs import Outputs, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
 from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback

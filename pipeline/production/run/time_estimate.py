@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from dataclasses import dataclass, field
 
+from pipeline.atomic_file import write_if_changed
 from pipeline.production.run.frame_ranges import counted
 from render.backend import Backend, cache_folder
 from render.config import FullFilm
@@ -119,11 +119,9 @@ class Estimate:
             paces.pop(self._key(name), None)
             paces[self._key(name)] = pace
         place = cache_folder() / "paces.json"
-        temporary = place.with_suffix(f".{os.getpid()}")
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
-            temporary.write_text(json.dumps(dict(list(paces.items())[-MAX_PACES:])))
-            os.replace(temporary, place)
+            write_if_changed(place, json.dumps(dict(list(paces.items())[-MAX_PACES:])).encode())
         except OSError:
             pass  # Without it the next estimate comes later.
 

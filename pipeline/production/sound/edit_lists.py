@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import ceil
 
-from audio.atomic_file import write_if_changed
 from audio.notes import first_notes
 from audio.score import Score
+from pipeline.atomic_file import write_if_changed
 from pipeline.production.run.outputs import Outputs
 
 TITLE_LENGTH = 70

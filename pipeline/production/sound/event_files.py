@@ -8,7 +8,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from audio.atomic_file import write_if_changed
+from pipeline.atomic_file import write_if_changed
 from pipeline.production.run.outputs import Outputs
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take

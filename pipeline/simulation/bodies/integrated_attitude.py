@@ -31,7 +31,7 @@ MAX_STEP = 1.0 / 240.0
 """Longest step of an attitude [s]."""
 
 MAX_STEP_ANGLE = 0.02
-"""Angle that a step of Runge and Kutta may turn by, about [rad]: errors are then near 1e-11."""
+"""Rotation in a Runge-Kutta step, about [rad]: errors are then near 1e-11."""
 
 State = tuple[float, float, float, float, float, float, float]
 """Attitude wxyz of the principal axes, and angular velocity along them."""
@@ -44,10 +44,10 @@ GAUSS_NODES = np.array([0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0])
 
 
 class SpunAttitude:
-    """An attitude under an angular velocity in the world; asked for at ascending times.
+    """Attitude under an angular velocity in the world; queried at ascending times.
 
     Attributes:
-        R: (3, 3) attitude at the time last asked for.
+        R: (3, 3) attitude at the last query.
     """
 
     def __init__(self, spin: PiecewisePolynomial, R: Array) -> None:
@@ -57,7 +57,7 @@ class SpunAttitude:
         self._angles = IntegratedMotion.by_velocity(spin, np.zeros(3))
 
     def at(self, times: Array) -> Array:
-        """Return the attitudes (m, 3, 3) at `times` (m,), none before the last [s]."""
+        """Returns the attitudes (m, 3, 3) at `times` (m,), none before the last query [s]."""
         begins, ends = _short_steps(self._time, times, self.spin.begins)
         h = (ends - begins)[:, None]
         first, second = (self.spin.after(begins, GAUSS_NODES[k] * h[:, 0]) for k in range(2))
@@ -77,17 +77,17 @@ class SpunAttitude:
 
 
 class TorquedAttitude:
-    """An attitude under a torque in the world; asked for at ascending times.
+    """Attitude under a torque in the world; queried at ascending times.
 
-    It is worked out along the principal axes, number by number: for one body that is a tenth
-    of the time that arrays take.
+    Computed along the principal axes, in plain numbers: for one body a tenth of the time of
+    arrays.
     """
 
     def __init__(
         self, torque: PiecewisePolynomial, mass: MassProperties, R: Array, spin: Array, drag: float
     ) -> None:
         moments, axes = np.linalg.eigh(mass.inertia)
-        # Three axes that are no left hand.
+        # Right-handed axes.
         self._axes = axes * np.array([1.0, 1.0, np.linalg.det(axes)])
         self.torque = torque
         self.moments: tuple[float, ...] = tuple(moments.tolist())
@@ -106,11 +106,11 @@ class TorquedAttitude:
 
     @property
     def energy(self) -> float:
-        """Kinetic energy of its turning [J]."""
+        """Kinetic energy of rotation [J]."""
         return 0.5 * sum(i * w * w for i, w in zip(self.moments, self._state[4:], strict=True))
 
     def at(self, times: Array) -> Array:
-        """Return the attitudes (m, 3, 3) at `times` (m,), none before the last [s]."""
+        """Returns the attitudes (m, 3, 3) at `times` (m,), none before the last query [s]."""
         if self._rests:
             q = np.tile(self._state[:4], (len(times), 1))
         else:
@@ -135,7 +135,7 @@ class TorquedAttitude:
 def _runge_kutta_step(
     state: State, h: float, taus: list[list[float]], moments: tuple[float, ...], drag: float
 ) -> State:
-    """Return the state `h` [s] later, under torques at the begin, the middle and the end."""
+    """Returns the state `h` [s] later, from torques at the start, the middle and the end."""
     k1 = _state_rates(state, taus[0], moments, drag)
     k2 = _state_rates(_moved_state(state, k1, 0.5 * h), taus[1], moments, drag)
     k3 = _state_rates(_moved_state(state, k2, 0.5 * h), taus[1], moments, drag)
@@ -155,7 +155,7 @@ def _moved_state(state: State, rates: tuple[float, ...], h: float) -> State:
 def _state_rates(
     state: State, torque: list[float], moments: tuple[float, ...], drag: float
 ) -> tuple[float, ...]:
-    """Return how fast a state changes under a torque in the world."""
+    """Returns the derivative of a state under a torque in the world."""
     a, b, c, d, x, y, z = state
     i, j, k = moments
     u, v, w = _to_body_frame(a, b, c, d, *torque)
@@ -173,7 +173,7 @@ def _state_rates(
 def _to_body_frame(
     a: float, b: float, c: float, d: float, x: float, y: float, z: float
 ) -> tuple[float, float, float]:
-    """Return a vector of the world in the frame of the attitude (a, b, c, d)."""
+    """Returns a vector of the world in the frame of the attitude (a, b, c, d)."""
     # v + a t + u × t with u the vector of the inverse and t = 2 u × v.
     s = 2.0 * (y * d - z * c)
     t = 2.0 * (z * b - x * d)
@@ -182,9 +182,9 @@ def _to_body_frame(
 
 
 def _short_steps(start: float, times: Array, begins: Array) -> tuple[Array, Array]:
-    """Return begins and ends (n,) of short steps from `start` through `times`.
+    """Returns starts and ends (n,) of short steps from `start` through `times`.
 
-    None crosses the begin of a piece, and one ends at each of the times.
+    None crosses the start of a piece, and one ends at each of the times.
     """
     last = float(times[-1])
     between = begins[(begins > start) & (begins < last)]

@@ -27,10 +27,10 @@ MAX_DEGREE = 5
 """Highest power of time in any ease."""
 
 SERIES_LIMIT = 2.0
-"""Up to here φ is summed as a series: beyond it the recurrence is as exact."""
+"""Argument up to which φ is summed as a series: beyond it the recurrence is as exact."""
 
 SERIES_TERMS = 28
-"""Of that series; the last is below 1e-16 of the first."""
+"""Terms of that series; the last is below 1e-16 of the first."""
 
 EASE_COEFFICIENTS = {
     "linear": (0.0, 1.0, 0.0, 0.0, 0.0, 0.0),
@@ -39,7 +39,7 @@ EASE_COEFFICIENTS = {
     "in-out": (0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
     "hold": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
 }
-"""How far a value has come, as coefficients of s from 0 to 1; see `Track`."""
+"""Eased value as coefficients of s from 0 to 1; see `Track`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +47,8 @@ class PiecewisePolynomial:
     """A track as polynomials, from time 0 on.
 
     Attributes:
-        begins: (n,) time at which each piece begins, the first at 0 [s].
-        powers: (n, DEGREE + 1, d) coefficients of the time since.
+        begins: (n,) start of each piece, the first at 0 [s].
+        powers: (n, MAX_DEGREE + 1, d) coefficients of the time since.
     """
 
     begins: Array
@@ -56,7 +56,7 @@ class PiecewisePolynomial:
 
     @staticmethod
     def of(track: Track) -> PiecewisePolynomial:
-        """Return the pieces of a track; before its first key and after its last it is constant."""
+        """Returns the pieces of a track; it is constant before its first key and after its last."""
         begins, powers = [0.0], [_constant_piece(track.values[0])]
         for i in range(1, len(track.times)):
             begins.append(float(track.times[i - 1]))
@@ -66,17 +66,17 @@ class PiecewisePolynomial:
         return PiecewisePolynomial(np.array(begins), np.array(powers))
 
     def at(self, times: Array) -> Array:
-        """Return the values (m, d) at `times` (m,) [s]."""
-        piece, tau = self.places(times)
+        """Returns the values (m, d) at `times` (m,) [s]."""
+        piece, tau = self.pieces_at(times)
         return _evaluate(self.powers[piece], tau)
 
     def after(self, times: Array, more: Array) -> Array:
-        """Return the values (m, d) `more` (m,) [s] after `times` (m,), in the pieces of those."""
-        piece, tau = self.places(times)
+        """Returns the values (m, d) `more` (m,) [s] after `times` (m,), in their pieces."""
+        piece, tau = self.pieces_at(times)
         return _evaluate(self.powers[piece], tau + more)
 
-    def places(self, times: Array) -> tuple[NDArray[np.int64], Array]:
-        """Return the pieces (m,) that `times` (m,) lie in, and the time since their begins."""
+    def pieces_at(self, times: Array) -> tuple[NDArray[np.int64], Array]:
+        """Returns the pieces (m,) of `times` (m,), and the time since their starts."""
         piece = np.searchsorted(self.begins, times, side="right") - 1
         piece = np.maximum(piece, 0)
         return piece, times - self.begins[piece]
@@ -84,13 +84,13 @@ class PiecewisePolynomial:
 
 @dataclass(frozen=True, eq=False)
 class IntegratedMotion:
-    """What is carried along from rest by an acceleration in pieces, or by a velocity.
+    """Motion from rest by a piecewise acceleration or velocity.
 
     Attributes:
         pieces: of the acceleration; of the velocity if `order` is 1.
-        drag: k, as a part of the mass [1/s].
-        order: how often it is integrated.
-        p: (n, d) places at the begins of the pieces.
+        drag: k, relative to the mass [1/s].
+        order: number of integrations.
+        p: (n, d) positions at the starts of the pieces.
         v: (n, d) velocities there.
     """
 
@@ -102,19 +102,19 @@ class IntegratedMotion:
 
     @staticmethod
     def by_velocity(pieces: PiecewisePolynomial, start: Array) -> IntegratedMotion:
-        """Return what goes from `start` (d,) with a velocity in pieces."""
+        """Returns the motion from `start` (d,) with a piecewise velocity."""
         return _integrate_pieces(pieces, 0.0, 1, start, np.zeros_like(start))
 
     @staticmethod
     def by_acceleration(
         pieces: PiecewisePolynomial, start: Array, velocity: Array, drag: float
     ) -> IntegratedMotion:
-        """Return what begins at `start` (d,) with `velocity` (d,), drag k [1/s] holding it back."""
+        """Returns the motion from `start` (d,) with `velocity` (d,) and drag k [1/s]."""
         return _integrate_pieces(pieces, drag, 2, start, velocity)
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Return places and velocities (m, d) at `times` (m,)."""
-        piece, tau = self.pieces.places(times)
+        """Returns positions and velocities (m, d) at `times` (m,)."""
+        piece, tau = self.pieces.pieces_at(times)
         powers = self.pieces.powers[piece]
         return _motion_within_piece(
             powers, self.p[piece], self.v[piece], tau, self.drag, self.order
@@ -136,12 +136,12 @@ def _integrate_pieces(
 def _motion_within_piece(
     powers: Array, p: Array, v: Array, tau: Array, drag: float, order: int
 ) -> tuple[Array, Array]:
-    """Return places and velocities (m, d) at `tau` (m,) after the begins of pieces.
+    """Returns positions and velocities (m, d) at `tau` (m,) after the starts of pieces.
 
     Args:
-        powers: (m, DEGREE + 1, d) of the acceleration, or the velocity.
-        p: (m, d) at the begins.
-        v: (m, d) at the begins.
+        powers: (m, MAX_DEGREE + 1, d) of the acceleration, or the velocity.
+        p: (m, d) at the starts.
+        v: (m, d) at the starts.
         tau: [s].
         drag: k [1/s].
         order: 2 for an acceleration, 1 for a velocity.
@@ -159,7 +159,7 @@ def _motion_within_piece(
 
 
 def phi_functions(z: Array) -> Array:
-    """Return φ₀(z) to φ_(DEGREE + 2)(z), (DEGREE + 3, m), for z (m,) not above 0."""
+    """Returns φ₀(z) to φ_(MAX_DEGREE + 2)(z), (MAX_DEGREE + 3, m), for z (m,) not above 0."""
     count = MAX_DEGREE + 3
     result = np.empty((count, len(z)))
     if not z.any():
@@ -195,7 +195,7 @@ def _constant_piece(value: Array) -> Array:
 
 
 def _piece_between(track: Track, right: int) -> Array:
-    """Return the coefficients of time from the key before `right` on."""
+    """Returns the coefficients of time from the key before `right` on."""
     a, b, kind = track.values[right - 1], track.values[right], track.eases[right]
     span = float(track.times[right] - track.times[right - 1])
     if span <= SAME_TIME:

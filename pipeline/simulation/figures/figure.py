@@ -7,7 +7,6 @@ from functools import cached_property
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.drawing import Drawing, draw
-from pipeline.simulation.figures.figure_skin import FigureSkin, build_figure_skin
 from pipeline.simulation.figures.link_shapes import SolidPiece, build_pieces
 from pipeline.simulation.figures.network import Anatomy, analyse
 from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton, lay_out_nodes
@@ -75,11 +74,6 @@ class Figure:
     def pieces(self) -> tuple[SolidPiece, ...]:
         """All solids, the body first."""
         return tuple(build_pieces(self.skeleton, self.drawing, self.anatomy, self.body, self.eyes))
-
-    @cached_property
-    def looks(self) -> FigureSkin:
-        """The render mesh, in place of the pieces."""
-        return build_figure_skin(self)
 
     @property
     def belly(self) -> float:

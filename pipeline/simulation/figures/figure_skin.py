@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL, SWELLING, SolidPiece
 from pipeline.simulation.figures.network import FEELER, HEAD
@@ -29,9 +30,6 @@ from pipeline.simulation.figures.skins import (
 )
 from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, ball_solid, loft
 from pipeline.simulation.spatial import UP, Array, cross, normalized
-
-if TYPE_CHECKING:
-    from pipeline.simulation.figures.figure import Figure
 
 FACE_RISE = 0.8
 """Sine of a head's elevation from which it has a face."""
@@ -220,6 +218,17 @@ class FigureSkin:
 
     skins: Mapping[int, Skin]
     covered: frozenset[int]
+
+
+_SKINS: WeakKeyDictionary[Figure, FigureSkin] = WeakKeyDictionary()
+"""Skins of figures in use: many creatures share one figure."""
+
+
+def figure_skin(figure: Figure) -> FigureSkin:
+    """Return the rendered surface of a figure, built once."""
+    if figure not in _SKINS:
+        _SKINS[figure] = build_figure_skin(figure)
+    return _SKINS[figure]
 
 
 def build_figure_skin(figure: Figure) -> FigureSkin:

@@ -19,12 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.inverse_kinematics import (
-    DAMPING,
-    TOLERANCE,
-    IKSolution,
-    solve,
-)
+from pipeline.simulation.figures.inverse_kinematics import DAMPING, TOLERANCE, IKSolution, solve
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
 from pipeline.simulation.figures.limb_chains import ChainGroup
 from pipeline.simulation.spatial import Array

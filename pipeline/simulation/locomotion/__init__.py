@@ -1,1 +1,1 @@
-"""Gaits, steps, body paths, walking (Sims 1987, ch. 9 and 10)."""
+"""Walking, hopping, jumping and crawling creatures (Sims 1987, ch. 9 to 12)."""

@@ -1,19 +1,24 @@
-"""Inventory: the nodes, channels, meshes and parts that a herd adds to a take."""
+"""Inventory: the nodes, channels, meshes, parts, mechanisms and legs that a herd adds to a take."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.figure_skin import figure_skin
+from pipeline.simulation.figures.inverse_dynamics import FrameMasses
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
 
@@ -173,8 +178,9 @@ def creature_solids(
 
 def assign_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
     """Return the parts of a creature with the numbers of their render meshes, `look` the first."""
-    numbers = {piece: look + k for k, piece in enumerate(figure.looks.skins)}
-    numbers |= dict.fromkeys(figure.looks.covered, UNSEEN)
+    skin = figure_skin(figure)
+    numbers = {piece: look + k for k, piece in enumerate(skin.skins)}
+    numbers |= dict.fromkeys(skin.covered, UNSEEN)
     return [replace(part, look=numbers.get(i, OWN)) for i, part in enumerate(parts)]
 
 
@@ -192,8 +198,11 @@ def creature_skins(figure: Figure, first: int) -> list[Mesh]:
             (skin.links + first).astype(np.int32),
             np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
         )
-        for skin in figure.looks.skins.values()
+        for skin in figure_skin(figure).skins.values()
     ]
+
+
+# --- mechanisms and legs --------------------------------------------------------------
 
 
 def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
@@ -217,3 +226,62 @@ def leg_masses(herd: Herd) -> Array:
         for figure in dict.fromkeys(herd.figures)
     }
     return np.array([mass for figure in herd.figures for mass in masses[figure]])
+
+
+def mechanisms_of(herd: Herd) -> list[Mechanism]:
+    """Return the mechanism of each figure of a herd that has legs."""
+    members: dict[int, list[str]] = {}
+    figures = {id(figure): figure for figure in herd.figures if figure.skeleton.legs}
+    for name, figure in zip(herd.names, herd.figures, strict=True):
+        members.setdefault(id(figure), []).append(name)
+    found = []
+    for key, figure in figures.items():
+        skeleton = figure.skeleton
+        masses = FrameMasses.of(skeleton, FigureMass(figure).links)
+        found.append(
+            Mechanism(
+                tuple(members[key]),
+                tuple(skeleton.joint_names),
+                _frozen(skeleton.parents),
+                _frozen(skeleton.axes),
+                _frozen(skeleton.places),
+                _frozen(skeleton.prismatic),
+                _frozen(masses.mass),
+                _frozen(masses.centre),
+                _frozen(masses.inertia),
+            )
+        )
+    return found
+
+
+def legs_of(herd: Herd, paces: PaceSchedule, phase: Array) -> list[Leg]:
+    """Return the legs of a herd, with the stances planned from phase 0 up to `phase` (C,)."""
+    limbs = [limb for figure in herd.figures for limb in figure.skeleton.legs]
+    found = []
+    for k, (limb, c) in enumerate(zip(limbs, herd.owner.tolist(), strict=True)):
+        start, end = herd.figures[c].skeleton.links[limb.links[-1]].ends
+        stances = paces.stances(k, 0.0, float(phase[c])) if herd.walks[c] else np.zeros((0, 2))
+        found.append(
+            Leg(
+                herd.names[c],
+                limb.name,
+                limb.side,
+                limb.links[-1],
+                limb.joints[-1],
+                _frozen(end - start),
+                float(herd.legs.lengths[k]),
+                float(herd.sole[k]),
+                _frozen(stances),
+            )
+        )
+    return found
+
+
+def _frozen(values: Any) -> Any:
+    """Return an array as nested tuples."""
+    plain = np.asarray(values).tolist()
+
+    def tuples(value: Any) -> Any:
+        return tuple(map(tuples, value)) if isinstance(value, list) else value
+
+    return tuples(plain)

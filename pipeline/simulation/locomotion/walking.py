@@ -22,9 +22,13 @@ from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.initial_stance import place_feet
-from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
+from pipeline.simulation.locomotion.inventory import (
+    NodeTable,
+    describe_herd,
+    legs_of,
+    mechanisms_of,
+)
 from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
-from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route

@@ -1,4 +1,4 @@
-"""Islands: pieces of ground that can be stood on, and which of them steps lead to.
+"""Islands: connected pieces of ground with footholds, and the islands that steps reach.
 
 Cells that a foot may be put on and that share a side make an island; between islands lies
 forbidden ground. A step leads from one to the other where the gap between two of their
@@ -17,7 +17,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.ground import Ground
 
 SPOKES = 16
-"""Directions in which the other side of a gap is looked for."""
+"""Directions of the search for the other side of a gap."""
 
 
 class Islands:
@@ -32,7 +32,7 @@ class Islands:
 
     @cached_property
     def of_cells(self) -> NDArray[np.int64]:
-        """(n_z, n_x) number of each cell's island, -1 where no foot may be put."""
+        """(n_z, n_x) number of each cell's island, -1 for forbidden cells."""
         return labelled(~self.ground.forbidden)
 
     @cached_property
@@ -47,7 +47,7 @@ class Islands:
         return np.argwhere(~self.ground.forbidden & ~inner)
 
     def reached(self, start: Array, around: float, gap: float, rise: float) -> NDArray[np.bool_]:
-        """Return the cells (n_z, n_x) that steps lead to.
+        """Return the cells (n_z, n_x) that steps reach.
 
         Args:
             start: place x, z from which they lead [m].

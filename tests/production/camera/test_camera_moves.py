@@ -1,4 +1,4 @@
-"""Orbit, dolly, truck and crane: by closed form, and clear of what stands around."""
+"""Camera moves by closed form, and clearance from obstacles."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_an_orbit_is_a_circle_at_an_even_speed(toy: Take, distance: float | None
 
 
 @pytest.mark.parametrize("ease", EASED)
-def test_a_move_goes_between_its_ends_as_its_ease_says(toy: Take, ease: str) -> None:
+def test_a_move_between_two_ends_follows_its_ease(toy: Take, ease: str) -> None:
     s = EASED[ease](TIMES / SECONDS)
     words = {"from_deg": -30, "to_deg": 60, "rise_deg": 15, "ease": ease}
     offsets = around_point(toy, distance=4, orbit=words)
@@ -84,7 +84,7 @@ def test_a_move_goes_between_its_ends_as_its_ease_says(toy: Take, ease: str) -> 
 
 
 @pytest.mark.parametrize("ease", EASED)
-def test_a_dolly_goes_along_its_line_of_sight(toy: Take, ease: str) -> None:
+def test_a_dolly_moves_along_its_line_of_sight(toy: Take, ease: str) -> None:
     offsets = around_point(toy, dolly={"from": 6, "to": 2.5, "ease": ease})
     away = np.linalg.norm(offsets, axis=-1)
     np.testing.assert_allclose(away, 6 - 3.5 * EASED[ease](TIMES / SECONDS), atol=5e-6)
@@ -93,19 +93,19 @@ def test_a_dolly_goes_along_its_line_of_sight(toy: Take, ease: str) -> None:
     )
 
 
-def test_a_dolly_by_speed_ends_where_all_is_in_the_picture(toy: Take) -> None:
+def test_a_dolly_by_speed_ends_where_the_target_fits(toy: Take) -> None:
     away = np.linalg.norm(about(filmed(toy, view="side", dolly=0.8)), axis=-1)
     np.testing.assert_allclose(np.diff(away), -0.8 / RATE, atol=1e-5)
     alone = np.linalg.norm(about(filmed(toy, view="side")), axis=-1)
     assert away[-1] == pytest.approx(alone[-1], rel=0.02)
 
 
-def test_a_dolly_does_not_go_through_what_it_looks_at(toy: Take) -> None:
+def test_a_dolly_stops_before_its_target(toy: Take) -> None:
     for pose in filmed(toy, view="side", distance=2, dolly=2):
         assert np.abs(np.subtract(pose.p_WC, [0, 0.2, 0])).max() > 0.2
 
 
-def test_a_dolly_zoom_keeps_the_size_of_what_it_looks_at(toy: Take) -> None:
+def test_a_dolly_zoom_keeps_the_size_of_its_target(toy: Take) -> None:
     dolly = {"from": 6, "to": 2, "zoom": True}
     poses = filmed(toy, look_at=POINT.tolist(), view="side", dolly=dolly, fov_deg=20)
     away = np.linalg.norm(about(poses), axis=-1)
@@ -114,7 +114,7 @@ def test_a_dolly_zoom_keeps_the_size_of_what_it_looks_at(toy: Take) -> None:
     assert np.ptp(half) > 0.2
 
 
-def test_a_truck_goes_to_the_right_of_the_picture(toy: Take) -> None:
+def test_a_truck_moves_to_the_right_of_the_frame(toy: Take) -> None:
     still = around_point(toy, distance=5)
     aside = around_point(toy, distance=5, truck={"from": -1, "to": 2, "ease": "linear"}) - still
     right = np.cross(-still[0], [0, 1, 0])
@@ -160,7 +160,7 @@ def test_it_sees_over_a_wall(words: dict[str, Any]) -> None:
     assert not any(meets(pose, low, high) for pose in poses)
 
 
-def test_it_is_in_no_body_that_goes_by() -> None:
+def test_it_stays_out_of_passing_bodies() -> None:
     """One that comes by where the camera is: it is raised, before and without a jolt."""
     bare = filmed(staged(), follow="toy", view="side", distance=3)[0].p_WC
     x, y, z = bare

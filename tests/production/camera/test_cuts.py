@@ -1,4 +1,4 @@
-"""Cameras: who is followed is in the picture, from above the ground, without a jolt."""
+"""Camera poses: performers fit into the frame, above the ground, smoothly."""
 
 from __future__ import annotations
 
@@ -55,9 +55,7 @@ def ground(take: Take) -> HeightField:
 @pytest.mark.slow
 @pytest.mark.parametrize("view", VIEW_ANGLES)
 @pytest.mark.parametrize("fov", [20.0, 60.0])
-def test_performers_are_in_the_picture_at_every_frame(
-    hills: tuple[Scene, Take], view: str, fov: float
-) -> None:
+def test_performers_fit_into_every_frame(hills: tuple[Scene, Take], view: str, fov: float) -> None:
     _, take = hills
     poses = camera_poses(take, cuts({"view": view, "fov_deg": fov}), ASPECT)
     skin = Skin.of(take)
@@ -88,7 +86,7 @@ def test_a_camera_is_never_below_the_ground_and_sees_over_hills(
         assert (p[:, 1] > surface.height(p[:, 0], p[:, 2])).all()
 
 
-def test_a_camera_moves_smoothly_though_its_performer_bounces(take: Take) -> None:
+def test_a_camera_moves_smoothly_with_a_bouncing_performer(take: Take) -> None:
     rows = np.arange(len(take.positions))
     bounce = 0.1 * np.abs(np.sin(rows * 0.9))[:, None, None] * np.array([0.0, 1.0, 0.0])
     long = replace(take, positions=take.positions + bounce)
@@ -132,16 +130,14 @@ def test_a_view_looks_from_its_side(take: Take, view: str) -> None:
     assert math.cos(turn) == pytest.approx(1.0, abs=0.002)
 
 
-def test_a_camera_that_stands_looks_where_it_is_told(take: Take) -> None:
+def test_a_standing_camera_looks_at_its_target(take: Take) -> None:
     (pose, *others) = camera_poses(take, cuts({"at": [3, 2, 1], "look_at": [0, 1, 0]}), ASPECT)
     assert (pose.p_WC, pose.p_WT) == ((3, 2, 1), (0, 1, 0))
     assert set(others) == {pose}
 
 
 @pytest.mark.parametrize("rate", [Fraction(24), Fraction(25), Fraction(30000, 1001), Fraction(100)])
-def test_a_cut_begins_with_the_first_frame_that_is_not_before_it(
-    take: Take, rate: Fraction
-) -> None:
+def test_a_cut_starts_with_the_first_frame_not_before_it(take: Take, rate: Fraction) -> None:
     slow = replace(take, header=replace(take.header, rate=rate))
     for text in ("0.04", "0.05", "0.07", "0.1", "0.12", "0.125", "0.16", "0.2", "0.28"):
         both = cuts([{"at": [9, 9, 9]}, {"start": float(text), "at": [8, 8, 8]}])
@@ -150,7 +146,7 @@ def test_a_cut_begins_with_the_first_frame_that_is_not_before_it(
         assert [pose.p_WC[0] for pose in poses] == expected, text
 
 
-def test_cuts_after_the_end_are_not_seen(take: Take) -> None:
+def test_cuts_after_the_end_are_ignored(take: Take) -> None:
     late = cuts([{"at": [9, 9, 9]}, {"start": 7, "at": [8, 8, 8]}, {"start": 9}])
     poses = camera_poses(take, late, ASPECT)
     assert [pose.p_WC for pose in poses] == [(9, 9, 9)] * take.header.frames
@@ -162,7 +158,7 @@ def test_a_film_of_one_frame_has_a_camera(take: Take) -> None:
     assert np.isfinite([*pose.p_WC, *pose.p_WT]).all()
 
 
-def test_a_camera_follows_whom_it_is_told(take: Take) -> None:
+def test_a_camera_follows_named_performers(take: Take) -> None:
     """A second performer far away is in the picture only of a camera that follows it."""
     far = np.array([6.0, 0.0, 4.0])
     count = len(take.nodes)

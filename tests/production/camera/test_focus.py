@@ -1,4 +1,4 @@
-"""Focusing: which distance is sharp, and how a focus is pulled."""
+"""Focus distances, focus pulls and lenses."""
 
 from __future__ import annotations
 
@@ -51,13 +51,15 @@ def focus(poses: tuple[CameraPose, ...]) -> Array:
     return np.array([pose.lens.focus if pose.lens else np.nan for pose in poses])
 
 
-def test_all_is_sharp_unless_a_lens_is_asked_for(take: Take) -> None:
+def test_without_an_aperture_there_is_no_lens(take: Take) -> None:
     assert all(pose.lens is None for pose in filmed(take, f"{{{STANDS}}}"))
 
 
 @pytest.mark.parametrize(("fov", "length"), [(2 * math.degrees(math.atan(12 / 50)), 0.05),
                                              (90, 0.012)])  # fmt: skip
-def test_an_aperture_is_a_part_of_the_focal_length(take: Take, fov: float, length: float) -> None:
+def test_an_aperture_is_a_fraction_of_the_focal_length(
+    take: Take, fov: float, length: float
+) -> None:
     for pose in filmed(take, f"{{{STANDS}, fov_deg: {fov}, aperture: 2}}"):
         assert pose.lens is not None
         assert pose.lens.radius == pytest.approx(length / 4, abs=1e-7)
@@ -73,13 +75,13 @@ def test_an_aperture_is_a_part_of_the_focal_length(take: Take, fov: float, lengt
         ("focus: far", 8 + TIMES),
     ],
 )
-def test_it_is_sharp_where_it_is_told(take: Take, word: str, expected: Array) -> None:
+def test_the_focus_may_be_a_point_or_a_distance(take: Take, word: str, expected: Array) -> None:
     """The plane that is sharp stands across the sight: a distance is along it."""
     poses = filmed(take, f"{{{STANDS}, aperture: 1.4, {word}}}")
     np.testing.assert_allclose(focus(poses), expected, atol=2e-6)
 
 
-def test_it_is_sharp_on_a_link(take: Take) -> None:
+def test_the_focus_may_be_a_link(take: Take) -> None:
     scene = scene_of(f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
     (node,) = focus_nodes(scene, NodeNames.of(take)).values()
     poses = filmed(take, f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
@@ -90,7 +92,7 @@ def test_it_is_sharp_on_a_link(take: Take) -> None:
 @pytest.mark.parametrize("camera", ["{follow: near, view: side, orbit: 20, aperture: 2}",
                                     "{follow: [near, far], aperture: 2, crane: [1, 3]}",
                                     "{at: [0, 3, 3], follow: near, aperture: 2}"])  # fmt: skip
-def test_who_is_followed_is_sharp(take: Take, camera: str) -> None:
+def test_the_followed_performer_is_sharp(take: Take, camera: str) -> None:
     poses = filmed(take, camera)
     both = "far" in camera
     rows = np.arange(48) * take.header.samples
@@ -103,7 +105,7 @@ def test_who_is_followed_is_sharp(take: Take, camera: str) -> None:
     np.testing.assert_allclose(focus(poses), depth, atol=1e-4)
 
 
-def test_a_focus_is_pulled_from_one_to_another_evenly_in_blur(take: Take) -> None:
+def test_a_focus_pull_is_even_in_blur(take: Take) -> None:
     keys = "[{at: 0.5, focus: near}, {at: 1.5, focus: far, ease: in-out}]"
     found = 1 / focus(filmed(take, f"{{{STANDS}, aperture: 2, keyframes: {keys}}}"))
     s = np.clip(TIMES - 0.5, 0, 1)
@@ -111,7 +113,7 @@ def test_a_focus_is_pulled_from_one_to_another_evenly_in_blur(take: Take) -> Non
     np.testing.assert_allclose(found, (1 - s) / 2 + s / (8 + TIMES), atol=1e-6)
 
 
-def test_a_lens_may_be_keyed_without_the_camera_being_moved(take: Take) -> None:
+def test_a_lens_may_be_keyed_on_an_automatic_camera(take: Take) -> None:
     keys = "[{at: 0, fov_deg: 20, focus: 2}, {at: 2, fov_deg: 40, focus: 5}]"
     poses = filmed(take, f"{{follow: near, view: side, aperture: 2, keyframes: {keys}}}")
     assert poses[0].fov_deg == pytest.approx(20)
@@ -160,7 +162,7 @@ def test_a_changed_lens_does_not_simulate() -> None:
         ("{truck: fast}", "truck"),
     ],
 )
-def test_refuses(take: Take, camera: str, message: str) -> None:
+def test_conflicts_are_rejected(take: Take, camera: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         focus_nodes(scene_of(camera), NodeNames.of(take))
     for problem in caught.value.problems:

@@ -1,4 +1,4 @@
-"""Framing: whatever performers do, they are in the picture, and the camera is calm about it."""
+"""Automatic framing: performers fit, the camera is smooth, and there is lead room."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def wandering(knots: list[tuple[float, float, float]], speed: float, jumps: floa
     st.sampled_from(["three-quarter", "side", "front", "back"]),
     st.floats(15, 70),
 )
-def test_who_is_named_is_in_the_picture_at_every_frame(
+def test_named_performers_fit_into_every_frame(
     flat: Take,
     knots: tuple[list[tuple[float, float, float]], ...],
     speed: float,
@@ -150,7 +150,7 @@ def test_who_is_named_is_in_the_picture_at_every_frame(
 
 @settings(max_examples=15, deadline=None)
 @given(steps, st.floats(0.1, 4), st.floats(0, 1), st.sampled_from(MOVES[:2]))
-def test_a_camera_is_calm_whatever_its_performer_does(
+def test_the_camera_is_smooth_for_any_motion(
     flat: Take, knots: list[tuple[float, float, float]], speed: float, jumps: float, move: Any
 ) -> None:
     """A performer that turns on the spot at `speed` is filmed from a path without a corner.
@@ -172,7 +172,7 @@ def test_a_camera_is_calm_whatever_its_performer_does(
 
 @pytest.mark.parametrize("move", MOVES)
 @pytest.mark.parametrize("view", ["three-quarter", "front"])
-def test_no_camera_that_frames_is_in_a_hill_or_behind_one(
+def test_an_automatic_camera_is_not_in_or_behind_a_hill(
     hilly: Take, move: dict[str, Any], view: str
 ) -> None:
     ground = VisibleGround(hilly.terrain)
@@ -194,13 +194,13 @@ def test_no_camera_that_frames_is_in_a_hill_or_behind_one(
         {"at": [0, 0, 0], "velocity": [2, -1, 0], "rotation_deg": [0, 0, 0]},
     ],
 )
-def test_no_camera_of_an_author_is_in_the_ground(hilly: Take, words: dict[str, Any]) -> None:
+def test_an_authors_camera_is_not_in_the_ground(hilly: Take, words: dict[str, Any]) -> None:
     eye = column(filmed(hilly, words), "p_WC")
     assert (eye[:, 1] > VisibleGround(hilly.terrain).height(eye)).all()
     assert np.abs(np.diff(eye, 3, axis=0)).max() * RATE**3 < 120
 
 
-def test_it_goes_back_slowly_as_performers_part(flat: Take) -> None:
+def test_it_moves_back_slowly_as_performers_spread(flat: Take) -> None:
     take = along(flat, line((0, 1, 0), (0, 0, 0)), line((1, 1, 0), (3, 0, 0)))
     poses = filmed(take, {"follow": ["a", "b"], "view": "side"})
     assert in_view(take, poses, (0, 1))
@@ -210,9 +210,7 @@ def test_it_goes_back_slowly_as_performers_part(flat: Take) -> None:
 
 
 @pytest.mark.parametrize("away", [(30.0, 0.0, 0.0), (0.0, 0.0, -12.0)])
-def test_who_leaves_does_not_make_all_others_small(
-    flat: Take, away: tuple[float, float, float]
-) -> None:
+def test_a_leaving_performer_is_dropped(flat: Take, away: tuple[float, float, float]) -> None:
     stays = line((0, 1, 0), (0, 0, 0)), line((1, 1, 0), (0, 0, 0))
     leaving = along(flat, *stays, line((0, 1, 1), away))
     staying = along(flat, *stays, line((0, 1, 1), (0, 0, 0)))
@@ -229,7 +227,7 @@ def test_who_leaves_does_not_make_all_others_small(
     assert in_view(staying, filmed(staying, {}), (0, 1, 2))
 
 
-def test_of_two_the_first_is_not_left(flat: Take) -> None:
+def test_of_two_performers_the_first_is_kept(flat: Take) -> None:
     scene = read_scene(SCENE.replace("TERRAIN", "flat").rsplit("- {name: c", 1)[0])
     take = along(simulate(scene), line((0, 1, 0), (0, 0, 0)), line((1, 1, 0), (9, 0, 0)))
     assert in_view(take, filmed(take, {}), (0,))
@@ -238,7 +236,7 @@ def test_of_two_the_first_is_not_left(flat: Take) -> None:
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_there_is_more_room_ahead_than_behind(flat: Take, direction: int) -> None:
+def test_lead_room_is_ahead_of_the_motion(flat: Take, direction: int) -> None:
     take = along(flat, line((0, 1, 0), (2.0 * direction, 0, 0)))
     for view in ("side", "three-quarter"):
         poses = filmed(take, {"follow": "a", "view": view})
@@ -249,7 +247,7 @@ def test_there_is_more_room_ahead_than_behind(flat: Take, direction: int) -> Non
         assert all(-2 * LEAD_ROOM - 1e-6 <= one * went <= -0.6 * LEAD_ROOM for one in x)
 
 
-def test_a_camera_on_a_tripod_leads_as_well(flat: Take) -> None:
+def test_a_standing_camera_has_lead_room(flat: Take) -> None:
     take = along(flat, line((-3, 1, 0), (1.5, 0, 0)))
     words = {"at": [0, 1, 9], "follow": "a", "fov_deg": 30}
     for lead in (0.0, 0.1, 0.3):
@@ -261,7 +259,7 @@ def test_a_camera_on_a_tripod_leads_as_well(flat: Take) -> None:
         assert max(x) <= 1e-3
 
 
-def test_who_stands_still_is_in_the_middle_and_who_turns_back_is_led_again(flat: Take) -> None:
+def test_a_still_target_is_centred_and_lead_room_follows_a_turn(flat: Take) -> None:
     still = filmed(flat, {"follow": "a", "view": "side"})
     assert np.abs([pictured(p, flat.positions[[0], 0])[0, 0] for p in still]).max() < 1e-4
     path = line((0, 1, 0), (0, 0, 0))
@@ -279,7 +277,7 @@ def test_who_stands_still_is_in_the_middle_and_who_turns_back_is_led_again(flat:
     assert abs(x[4]) == pytest.approx(abs(x[-4]), rel=0.05)
 
 
-def test_cuts_do_not_know_of_each_other(hilly: Take) -> None:
+def test_cuts_are_independent(hilly: Take) -> None:
     take = along(hilly, line((-4, 3, -3), (2, 0, 1.5)))
     second = {"start": 2, "follow": "a", "orbit": 20}
     one = filmed(take, [{"follow": "b"}, second])

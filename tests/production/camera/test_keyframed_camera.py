@@ -1,4 +1,4 @@
-"""Cameras that their authors move: by keyframes, by velocity, on a parent."""
+"""Animated cameras: keyframes, velocity, parents."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_a_tangent_is_its_speed(take: Take) -> None:
     np.testing.assert_allclose(height, 1 + 2 * TIMES[:25], atol=1e-6)
 
 
-def test_it_goes_and_turns_by_velocity(take: Take) -> None:
+def test_it_moves_and_turns_by_velocity(take: Take) -> None:
     camera = (
         "{at: [0, 2, 1], velocity: [0.5, 0, 1], rotation_deg: [0, 90, 0], spin_deg: [0, 45, 0]}"
     )
@@ -90,7 +90,7 @@ def test_it_goes_and_turns_by_velocity(take: Take) -> None:
 
 
 @pytest.mark.parametrize("parent", ["cart", "arm.hand", "arm"])
-def test_it_goes_along_with_a_prop_and_with_a_link(take: Take, parent: str) -> None:
+def test_it_moves_with_a_prop_and_a_link(take: Take, parent: str) -> None:
     scene = scene_of(f"{{parent: {parent}, at: [0.5, 0.2, 0], rotation_deg: [0, 0, 30]}}")
     (node,) = camera_parents(scene, NodeNames.of(take))
     rows = np.arange(48) * take.header.samples
@@ -103,13 +103,13 @@ def test_it_goes_along_with_a_prop_and_with_a_link(take: Take, parent: str) -> N
     assert (np.abs(np.einsum("fk,fk->f", column(poses, "up"), ahead)) < 1e-5).all()
 
 
-def test_on_a_parent_it_may_look_at_somebody_else(take: Take) -> None:
+def test_on_a_parent_it_may_look_at_another_performer(take: Take) -> None:
     poses = poses_of(take, "{parent: cart, at: [0, 1, 0], look_at: [7, 0, 7]}")
     np.testing.assert_allclose(column(poses, "p_WT"), np.tile([7, 0, 7], (48, 1)))
     np.testing.assert_allclose(column(poses, "p_WC")[:, 1], 2.0)
 
 
-def test_steady_evens_out_what_shakes(take: Take) -> None:
+def test_steady_smooths_the_motion_of_the_parent(take: Take) -> None:
     def shaking(steady: float) -> float:
         words = f"{{parent: cart, at: [2, 0, 0], look_at: [0, 0, 0], steady: {steady}}}"
         eye = column(poses_of(take, words), "p_WC")
@@ -118,7 +118,7 @@ def test_steady_evens_out_what_shakes(take: Take) -> None:
     assert shaking(0.6) < 0.8 * shaking(0.0)
 
 
-def test_straight_down_the_picture_still_has_a_top(take: Take) -> None:
+def test_looking_straight_down_up_is_defined(take: Take) -> None:
     keys = "[{at: 0, position: [0, 5, 0], target: [0, 0, 0]}, {at: 1, target: [0.1, 0, 0]}]"
     for pose in poses_of(take, f"{{keyframes: {keys}}}"):
         ahead = np.subtract(pose.p_WT, pose.p_WC)
@@ -126,7 +126,7 @@ def test_straight_down_the_picture_still_has_a_top(take: Take) -> None:
         assert np.linalg.norm(across) > 1e-3
 
 
-def test_a_group_is_in_the_picture_whole() -> None:
+def test_a_group_fits_into_the_frame() -> None:
     words = "{name: they, group: {rule: swarm, count: 30, size: 0.2}, at: [2, 3, 1]}"
     scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{words}]\ncamera: {{view: side}}\n")
     take = simulate(scene)
@@ -182,7 +182,7 @@ def test_a_bird_may_carry_the_camera() -> None:
         ("{at: [0, 1, 0], steady: 1}", "`steady` needs"),
     ],
 )
-def test_refuses(take: Take, camera: str, message: str) -> None:
+def test_conflicts_are_rejected(take: Take, camera: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         camera_parents(scene_of(camera), NodeNames.of(take))
     assert all(problem.line > 0 for problem in caught.value.problems)

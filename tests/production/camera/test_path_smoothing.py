@@ -1,4 +1,4 @@
-"""Smooth paths: what they leave alone, what they even out, and what they never undercut."""
+"""Path smoothing: straight paths, bounces, envelopes."""
 
 from __future__ import annotations
 
@@ -33,15 +33,13 @@ def test_an_envelope_is_smooth_and_never_too_low(least: list[float], sigma: floa
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(2, 80), sigmas, st.floats(-3, 3), st.floats(-3, 3))
-def test_a_straight_path_is_left_as_it_is(
-    count: int, sigma: float, start: float, speed: float
-) -> None:
+def test_a_straight_path_is_unchanged(count: int, sigma: float, start: float, speed: float) -> None:
     path = (start + speed * np.arange(count))[:, None] * [1.0, -2.0]
     np.testing.assert_allclose(smoothed(path, sigma), path, atol=1e-9)
 
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, 2.0, 4.0])
-def test_a_bounce_is_evened_out_to_the_very_ends(phase: float) -> None:
+def test_a_bounce_is_smoothed_to_its_ends(phase: float) -> None:
     """A gaussian leaves exp(-(ωσ)²/2) of a wave; where it ends, not more than a quarter."""
     frames, omega, sigma = np.arange(144), 0.5, 10.8
     path = (0.02 * frames + np.sin(omega * frames + phase))[:, None]

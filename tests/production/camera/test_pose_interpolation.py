@@ -1,4 +1,4 @@
-"""What stands between the frames: camera and vertices while the shutter is open."""
+"""Camera and vertices between frames, while the shutter is open."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ POSES = [CameraPose((float(f * f), 1.0, 0.0), (0.0, 0.0, float(-f)), fov_deg=30 
          for f in range(6)]  # fmt: skip
 
 
-def test_a_camera_goes_straight_from_frame_to_frame() -> None:
+def test_poses_are_linear_between_frames() -> None:
     panning = PoseInterpolator(POSES, [1])
     assert panning.at(3, 0.0) is POSES[2]
     pose = panning.at(3, 0.25)
@@ -27,7 +27,7 @@ def test_a_camera_goes_straight_from_frame_to_frame() -> None:
 
 
 @pytest.mark.parametrize("cuts", [[1, 4], [1]])
-def test_no_camera_goes_over_a_cut_or_past_the_end(cuts: list[int]) -> None:
+def test_poses_are_not_interpolated_over_a_cut(cuts: list[int]) -> None:
     """It goes on as it came; of a shot of one frame nothing else is known."""
     panning = PoseInterpolator(POSES, cuts)
     last = 3 if 4 in cuts else 6
@@ -37,7 +37,7 @@ def test_no_camera_goes_over_a_cut_or_past_the_end(cuts: list[int]) -> None:
     assert PoseInterpolator(POSES, [1, 2, 3]).at(2, 0.5) == POSES[1]
 
 
-def test_vertices_between_rows_go_the_arc_as_nearly_as_rows_are_short(take: Take) -> None:
+def test_vertices_between_rows_converge_to_the_arc(take: Take) -> None:
     node = 0
     turn = 0.2
     rotations, positions = take.rotations.copy(), take.positions.copy()
@@ -59,7 +59,7 @@ def test_vertices_between_rows_go_the_arc_as_nearly_as_rows_are_short(take: Take
     np.testing.assert_array_equal(skin.posed(moved, 5.0), skin.posed(moved, 5))
 
 
-def test_who_is_set_elsewhere_is_not_drawn_on_the_way(take: Take) -> None:
+def test_teleported_nodes_are_not_interpolated(take: Take) -> None:
     positions = take.positions.copy()
     step = 2.0 * TELEPORT_SPEED / float(take.header.rate * take.header.samples)
     positions[5:, 0] += [step, 0.0, 0.0]
@@ -83,7 +83,7 @@ def test_a_shot_has_the_moments_of_its_film_and_the_last_frame_too(unmade, take:
         assert len({tuple(one) for one in digests}) > 1
 
 
-def test_a_focus_goes_straight_between_frames_and_stays_before_the_lens() -> None:
+def test_focus_is_linear_between_frames_and_positive() -> None:
     poses = [
         replace(pose, lens=Lens(0.02, focus))
         for pose, focus in zip(POSES[:3], (9, 6, 3), strict=True)
@@ -95,6 +95,6 @@ def test_a_focus_goes_straight_between_frames_and_stays_before_the_lens() -> Non
     assert quick.at(4, 0.9).lens.focus > 0
 
 
-def test_over_a_change_of_lens_each_frame_keeps_its_own() -> None:
+def test_a_change_of_lens_is_not_interpolated() -> None:
     poses = [POSES[0], replace(POSES[1], lens=Lens(0.02, 2.0))]
     assert PoseInterpolator(poses, [1]).at(1, 0.5).lens is None

@@ -1,4 +1,4 @@
-"""Footprints: where feet touched, from then on, and only on soft ground."""
+"""Footprints: at contacts, from then on, and only on soft ground."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def treads(take: Take) -> list[tuple[float, float, float]]:
     ]
 
 
-def test_every_foot_leaves_a_print_where_it_touched(first_steps: Take) -> None:
+def test_every_foot_leaves_a_footprint_at_its_contact(first_steps: Take) -> None:
     found = footprint_timeline(first_steps, "soil")
     assert found is not None
     expected = treads(first_steps)
@@ -54,7 +54,7 @@ def test_every_foot_leaves_a_print_where_it_touched(first_steps: Take) -> None:
     assert len(seen) > 0.8 * len(expected)
 
 
-def test_there_is_no_print_away_from_feet(first_steps: Take) -> None:
+def test_there_is_no_footprint_away_from_feet(first_steps: Take) -> None:
     found = footprint_timeline(first_steps, "soil")
     assert found is not None
     places = np.array([(x, z) for _, x, z in treads(first_steps)])
@@ -64,7 +64,7 @@ def test_there_is_no_print_away_from_feet(first_steps: Take) -> None:
             assert texel(found.raster, x, z) == 0
 
 
-def test_a_frame_shows_the_prints_made_before_it(first_steps: Take) -> None:
+def test_a_frame_shows_the_footprints_made_before_it(first_steps: Take) -> None:
     found = footprint_timeline(first_steps, "sand")
     assert found is not None
     rows = [row for row, _, _ in treads(first_steps)]
@@ -75,12 +75,12 @@ def test_a_frame_shows_the_prints_made_before_it(first_steps: Take) -> None:
 
 
 @pytest.mark.parametrize("texture", ["rock", "tiles", "none"])
-def test_hard_ground_takes_no_prints(first_steps: Take, texture: str) -> None:
+def test_hard_ground_has_no_footprints(first_steps: Take, texture: str) -> None:
     assert texture not in SOFT_GROUNDS
     assert footprint_timeline(first_steps, texture) is None
 
 
-def test_prints_are_as_wide_as_feet_and_repeat(first_steps: Take) -> None:
+def test_footprints_are_as_wide_as_feet_and_repeat(first_steps: Take) -> None:
     first, again = (footprint_timeline(first_steps, "snow") for _ in range(2))
     assert first is not None
     assert again is not None

@@ -1,4 +1,4 @@
-"""What is there and still right is kept; what is not is made again, and nothing else."""
+"""Incremental rendering: valid outputs are kept, and only invalid ones are remade."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ALL = {f"frames/{f:04d}.png" for f in range(1, 9)}
 FILM = {"tiny.mp4", "manifest.json"}
 
 
-def test_all_outputs_are_there(film: Studio) -> None:
+def test_all_outputs_exist(film: Studio) -> None:
     assert {path.name for path in film.made.iterdir()} == {
         *(".lock", "frames", "take.zarr", "events.jsonl", "manifest.json"),
         *("tiny.mp4", "tiny.mid", "tiny.wav", "tiny.edl", "tiny_labels.txt", "events.csv"),
@@ -46,7 +46,7 @@ def test_a_second_run_changes_nothing(studio: Studio) -> None:
     assert studio.changes(before) == set()
 
 
-def test_scoring_and_simulating_what_is_made_changes_nothing(studio: Studio) -> None:
+def test_scoring_and_simulating_again_change_nothing(studio: Studio) -> None:
     before = studio.state()
     score_only(studio.order(), Reporter())
     simulate_only(studio.order(), Reporter())
@@ -68,7 +68,7 @@ def test_scoring_and_simulating_what_is_made_changes_nothing(studio: Studio) -> 
         pytest.param("film.exposure=1", {*ALL, *FILM}, marks=SLOW),
     ],
 )
-def test_a_changed_word_makes_again_what_hangs_on_it(
+def test_a_changed_key_remakes_its_dependent_outputs(
     studio: Studio, word: str, due: set[str]
 ) -> None:
     before = studio.state()
@@ -77,7 +77,7 @@ def test_a_changed_word_makes_again_what_hangs_on_it(
 
 
 @SLOW
-def test_changed_words_taken_back_give_the_same_film(studio: Studio, film: Studio) -> None:
+def test_reverted_changes_give_the_same_film(studio: Studio, film: Studio) -> None:
     studio.render("camera.distance=9")
     assert studio.contents() != film.contents()
     studio.render()
@@ -95,7 +95,7 @@ def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
     assert {f"frames/{f:04d}.png" for f in range(2, 9)} <= changes
 
 
-def test_simulating_is_due_only_for_words_that_the_simulation_reads(unmade: Studio) -> None:
+def test_only_keys_of_the_simulation_simulate_again(unmade: Studio) -> None:
     same = ["camera.view=top", "sound.volume_db=3", "light.preset=noon", "film.samples=4"]
     same += ["materials.ground.color='#804020'"]
     other = ["seed=4", "fps=25", "terrain.cells=[9,9]", "cast.bug.walk.speed=0.8", "steps=8"]
@@ -104,7 +104,7 @@ def test_simulating_is_due_only_for_words_that_the_simulation_reads(unmade: Stud
     assert [word for word in other if take_key(unmade.load(word)) == key] == []
 
 
-def test_a_frames_key_follows_what_the_renderer_is_given(unmade: Studio, take: Take) -> None:
+def test_a_frames_key_follows_its_shot(unmade: Studio, take: Take) -> None:
     def keys(*sets: str, extra: str = "llvm") -> list[str]:
         shooting = ShotBuilder(unmade.load(*sets), take)
         return [frame_key(shooting, frame, extra) for frame in range(1, 9)]
@@ -127,7 +127,7 @@ def test_a_frames_key_follows_what_the_renderer_is_given(unmade: Studio, take: T
 @pytest.mark.parametrize(
     "harm", ["truncated", *(pytest.param(h, marks=SLOW) for h in ("deleted", "emptied", "torn"))]
 )
-def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm: str) -> None:
+def test_only_a_damaged_frame_is_rendered_again(studio: Studio, film: Studio, harm: str) -> None:
     before = studio.state()
     frame = studio.frame(4)
     data = frame.read_bytes()
@@ -152,7 +152,7 @@ def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm
         ),
     ],
 )
-def test_a_deleted_output_is_made_again_alone(studio: Studio, film: Studio, name: str) -> None:
+def test_only_a_deleted_output_is_made_again(studio: Studio, film: Studio, name: str) -> None:
     before = studio.state()
     (studio.made / name).unlink()
     studio.render()
@@ -162,7 +162,7 @@ def test_a_deleted_output_is_made_again_alone(studio: Studio, film: Studio, name
 
 
 @pytest.mark.parametrize("text", ["{", '{"seconds": 3}'])
-def test_a_manifest_that_cannot_be_read_is_written_anew(studio: Studio, text: str) -> None:
+def test_an_unreadable_manifest_is_rewritten(studio: Studio, text: str) -> None:
     before = json.loads((studio.made / "manifest.json").read_text(encoding="utf-8"))
     (studio.made / "manifest.json").write_text(text, encoding="utf-8")
     studio.render()
@@ -268,7 +268,7 @@ def _words(text: str) -> Callable[[Path], None]:
         *(pytest.param(_words(t), marks=SLOW) for t in ("3", '"x"', "[1]", '{"rate": 0}')),
     ],
 )
-def test_what_is_no_take_is_replaced_by_one(
+def test_a_file_that_is_no_take_is_replaced(
     studio: Studio, film: Studio, harm: Callable[[Path], None]
 ) -> None:
     harm(studio.made / "take.zarr")

@@ -1,4 +1,4 @@
-"""The ground as it is filmed: no seam, no end of the world."""
+"""Ground mesh: no seam, no visible end."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("terrain", TERRAINS)
-def test_the_far_field_begins_at_the_edges_own_vertices(terrain: Terrain) -> None:
+def test_the_far_field_starts_at_the_vertices_of_the_edge(terrain: Terrain) -> None:
     near, far = ground_meshes(record(terrain))
     n_x, n_z = terrain.cells
     rim = 2 * (n_x + n_z)
@@ -82,7 +82,7 @@ def test_the_far_field_is_no_higher_than_the_ground(hills: tuple[object, Take]) 
     assert far.vertices[:, 1].max() <= high + 1e-4
 
 
-def test_the_far_field_goes_with_the_terrain() -> None:
+def test_the_far_field_moves_with_the_terrain() -> None:
     home = HillsTerrain(size=(20, 9), cells=(40, 18), height=2.0)
     away = home.model_copy(update={"at": (30.0, -4.0), "heading_deg": 90.0})
     here, there = (ground_meshes(record(words))[1].vertices for words in (home, away))
@@ -93,7 +93,7 @@ def test_the_far_field_goes_with_the_terrain() -> None:
 
 
 @pytest.mark.parametrize("terrain", TERRAINS)
-def test_forbidden_zones_are_tinted_and_nothing_else(terrain: Terrain) -> None:
+def test_only_forbidden_zones_are_warned(terrain: Terrain) -> None:
     ground = record(terrain)
     plain, marked = ground_meshes(ground), ground_meshes(ground, show_forbidden=True)
     assert all(mesh.warned is None for mesh in plain)

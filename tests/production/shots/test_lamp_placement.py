@@ -1,4 +1,4 @@
-"""Lamps that performers carry."""
+"""Lamps carried by performers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ film: {shutter_deg: 180, samples: 2, moments: 2}
 """
 
 
-def test_a_lamp_keeps_its_place_on_who_carries_it_in_every_moment() -> None:
+def test_a_lamp_stays_on_its_parent_in_every_moment() -> None:
     scene = read_scene(SCENE.replace("WHO", "bug"))
     take = simulate(scene)
     shooting = ShotBuilder(scene, take)
@@ -53,7 +53,7 @@ def test_a_lamp_keeps_its_place_on_who_carries_it_in_every_moment() -> None:
         assert moments[0].lamps[0] != moments[1].lamps[0]
 
 
-def test_a_part_that_nobody_has_is_refused_with_its_place() -> None:
+def test_an_unknown_parent_is_reported_with_its_place() -> None:
     scene = read_scene(SCENE.replace("WHO", "bug.haed"))
     with pytest.raises(SceneError, match=r"light\.lamps\[0\]\.parent.*no part 'haed'"):
         ShotBuilder(scene, simulate(scene))

@@ -1,4 +1,4 @@
-"""Skinning and shots: every vertex where its nodes take it, evaluated slowly."""
+"""Skinning against a slow evaluation, and shots."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def blended(take: Take) -> Take:
 
 
 @pytest.mark.parametrize("shared", [False, True])
-def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bool) -> None:
+def test_vertices_match_a_slow_evaluation(take: Take, shared: bool) -> None:
     take = blended(take) if shared else take
     skin = Skin.of(take)
     random = np.random.default_rng(1)
@@ -83,7 +83,7 @@ def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bo
                 np.testing.assert_allclose(own[vertex], slowly(take, mesh, vertex, row), atol=2e-6)
 
 
-def test_a_hinge_keeps_the_distance_of_what_lies_around_it(take: Take) -> None:
+def test_a_hinge_keeps_its_volume(take: Take) -> None:
     """Two nodes that meet in one place: whatever its weights, what is between keeps its radius."""
     chance = np.random.default_rng(7)
     one = blended(take)
@@ -98,7 +98,7 @@ def test_a_hinge_keeps_the_distance_of_what_lies_around_it(take: Take) -> None:
     np.testing.assert_allclose(radius, np.linalg.norm(before, axis=-1), rtol=1e-5, atol=1e-6)
 
 
-def test_nodes_that_move_apart_stretch_what_is_between_them(take: Take) -> None:
+def test_separating_nodes_stretch_the_vertices_between_them(take: Take) -> None:
     one = blended(take)
     turned = np.broadcast_to(take.rotations[:, :1], take.rotations.shape)
     one = replace(one, rotations=turned)
@@ -123,7 +123,7 @@ def test_a_scale_is_along_the_axes_of_its_node(take: Take) -> None:
     np.testing.assert_allclose(posed[own] - take.positions[row, 1], expected, atol=2e-6)
 
 
-def test_what_is_not_alive_is_not_seen(take: Take) -> None:
+def test_dead_nodes_are_hidden(take: Take) -> None:
     alive = take.alive.copy()
     alive[5, 1] = False
     dead = replace(take, alive=alive)
@@ -151,7 +151,7 @@ def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
     assert shooting.shot(1).meshes[0] is shooting.shot(2).meshes[0]
 
 
-def test_a_part_is_seen_only_in_its_life(tiny: Scene, take: Take) -> None:
+def test_a_part_is_visible_only_in_its_life(tiny: Scene, take: Take) -> None:
     first, *others = take.parts
     samples = take.header.samples
     short = replace(first, life=(2 * samples, 4 * samples))

@@ -303,8 +303,8 @@ def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The nearest things to stumble over are the own legs, if they are made to touch.
-    meetings = (*character_plans.MEETINGS, *character_plans.LEGS_MEET)
-    monkeypatch.setattr("pipeline.simulation.characters.character_plans.MEETINGS", meetings)
+    meetings = (*character_plans.TOUCHING_LINKS, *character_plans.TOUCHING_LEGS)
+    monkeypatch.setattr("pipeline.simulation.characters.character_plans.TOUCHING_LINKS", meetings)
     pain, fastest = zigzag(kind, speed, seed)
     assert pain < 2.0
     assert fastest < 5.0 * speed + 9.0

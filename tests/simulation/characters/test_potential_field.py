@@ -10,9 +10,9 @@ import pytest
 from pipeline.simulation.characters.behaviours.potential_field import (
     BALANCE_GAP,
     MIN_GAP,
-    DetourState,
     walk_vector,
 )
+from pipeline.simulation.characters.mind.detour_state import DetourState
 from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
     RING_PLACES,

@@ -19,9 +19,9 @@ from pipeline.simulation.characters.behaviours.potential_field import (
 )
 from pipeline.simulation.characters.behaviours.registry import (
     ConfiguredBehaviour,
-    MotorCommand,
     implements,
 )
+from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach, Flee, Freeze, Shyness, SitDown, Urge, Wander
 

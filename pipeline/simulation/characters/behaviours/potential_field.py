@@ -11,24 +11,20 @@ Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared wi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.characters.behaviours.registry import MotorCommand
 from pipeline.simulation.characters.body_arrays import IntArray
-from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, Route, are_free
+from pipeline.simulation.characters.mind.mind import Mind
+from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, are_free
 from pipeline.simulation.spatial import Array
-
-if TYPE_CHECKING:
-    from pipeline.simulation.characters.mind.mind import Mind
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
 MIN_GAP = 0.16  # below which it pushes no harder, d_min [m]
 MAX_GAP = 2.6  # above which obstacles are ignored [m]
 EDGE_MARGIN = 0.9  # from the edge of the terrain [m]
-STALL_TIME, DETOUR_TIME = 1.6, 3.5  # without progress before a detour, and of the detour [s]
 
 
 def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:
@@ -51,33 +47,6 @@ def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: fl
     curl = np.stack([-away[:, 1], away[:, 0]], axis=1)
     result: Array = pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
     return result
-
-
-@dataclass
-class DetourState:
-    """Progress of a walk, and the way round each obstacle."""
-
-    senses: dict[int, float] = field(default_factory=dict)
-    nearest: float = math.inf
-    progress_time: float = 0.0
-    forced: float = 0.0
-    forced_until: float = -1.0
-    route: Route = field(default_factory=Route)
-
-    def update_progress(self, left: float, now: float) -> None:
-        """Note the remaining way [m], and force a detour if it does not shrink."""
-        if left < self.nearest - 0.1 or left > self.nearest + 3.0:
-            self.nearest, self.progress_time = left, now
-        if now - self.progress_time > STALL_TIME and now > self.forced_until:
-            self.forced = -self.forced if self.forced else 1.0
-            self.forced_until = now + DETOUR_TIME
-            self.progress_time, self.nearest = now + DETOUR_TIME, math.inf
-
-    def sense(self, key: int, side: float, now: float) -> float:
-        """Return the way round an obstacle on one side of the way to the target."""
-        if now < self.forced_until:
-            return self.forced
-        return self.senses.setdefault(key, 1.0 if side >= 0.0 else -1.0)
 
 
 def steer(

@@ -1,4 +1,4 @@
-"""Behaviour registry: motor commands, the interface of a behaviour, and its implementations.
+"""Behaviour registry: implementations of behaviours by model of the scene language.
 
 A new behaviour is a model in `pipeline.spec.behaviour` and a class decorated with `implements`
 in any module of this package.
@@ -10,58 +10,12 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
-from pipeline.simulation.characters.body_arrays import NOBODY
-from pipeline.simulation.characters.person_tasks import Task
+from pipeline.simulation.characters.mind.mind import Behaviour, Mind
 from pipeline.spec import behaviour as spec
-
-if TYPE_CHECKING:
-    from pipeline.simulation.characters.mind.mind import Mind
-
-
-@dataclass(frozen=True, slots=True)
-class MotorCommand:
-    """The motor vector of a behaviour.
-
-    Attributes:
-        goal: x and z to walk to [m]; None stands.
-        pace: walking speed [m/s].
-        target: number of the character approached and glanced at, or NOBODY.
-        touching: whether the target is approached closely and not stepped aside for.
-        facing: heading to stand or step back in [rad]; None faces the goal.
-        reaching: whether both arms are held out ahead.
-        task: done in place of all this, such as a hug.
-        sits: whether to sit down.
-        frozen: whether to keep quite still.
-    """
-
-    goal: tuple[float, float] | None = None
-    pace: float = 1.0
-    target: int = NOBODY
-    touching: bool = False
-    facing: float | None = None
-    reaching: bool = False
-    task: Task | None = None
-    sits: bool = False
-    frozen: bool = False
-
-
-class Behaviour(Protocol):
-    """An activity that a mind may choose."""
-
-    def activation(self, mind: Mind) -> float:
-        """Return the usefulness of the behaviour now, from 0 to about 1."""
-
-    def motor(self, mind: Mind) -> MotorCommand:
-        """Return the motor command while the behaviour is chosen."""
-
-    def end(self, mind: Mind) -> None:
-        """Reset when another behaviour is chosen."""
-
 
 Config = TypeVar("Config", bound=spec.Urge)
 

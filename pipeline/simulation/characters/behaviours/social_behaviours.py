@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from pipeline.simulation.characters.behaviours.potential_field import steer
 from pipeline.simulation.characters.behaviours.registry import (
     ConfiguredBehaviour,
-    MotorCommand,
     implements,
 )
 from pipeline.simulation.characters.contact_tasks import (
@@ -24,6 +23,7 @@ from pipeline.simulation.characters.contact_tasks import (
     LoosenHug,
     ReturnHug,
 )
+from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.spec.behaviour import Attachment, Comfort, Fight
 
 if TYPE_CHECKING:

@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from pipeline.simulation.characters.behaviours.potential_field import DetourState
-from pipeline.simulation.characters.behaviours.registry import Behaviour, MotorCommand
 from pipeline.simulation.characters.contact_tasks import Hug
+from pipeline.simulation.characters.mind.detour_state import DetourState
+from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import (
     ANXIETY,
     Attention,
@@ -63,6 +64,19 @@ class EmotionRates:
 
 
 EMOTION = EmotionRates()
+
+
+class Behaviour(Protocol):
+    """An activity that a mind may choose."""
+
+    def activation(self, mind: Mind) -> float:
+        """Return the usefulness of the behaviour now, from 0 to about 1."""
+
+    def motor(self, mind: Mind) -> MotorCommand:
+        """Return the motor command while the behaviour is chosen."""
+
+    def end(self, mind: Mind) -> None:
+        """Reset when another behaviour is chosen."""
 
 
 class Mind:

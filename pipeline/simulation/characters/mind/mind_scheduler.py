@@ -10,13 +10,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.registry import (
-    MotorCommand,
     behaviour_number,
     behaviours_of,
 )
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import Hug
 from pipeline.simulation.characters.mind.mind import Mind
+from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING

@@ -1,1 +1,1 @@
-"""Where feet can be put, and where they are put."""
+"""Foot placement: the ground that supports creatures, the reach of their legs, their footholds."""

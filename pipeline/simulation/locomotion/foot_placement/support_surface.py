@@ -13,7 +13,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.terrain.islands import Islands
-from pipeline.simulation.terrain.support_surface import Support, Supports
+from pipeline.simulation.terrain.smooth_ground import SmoothGround, SmoothGrounds
 
 # Greatest rise and widest gap between two footholds, in leg lengths.
 MAX_RISE, MAX_GAP = 0.4, 1.0
@@ -38,7 +38,7 @@ class SupportSurface:
         masks = dict[bytes, NDArray[np.bool_]]()
         numbers = dict[tuple[bytes, float, float, float], int]()
         self._masks = list[NDArray[np.bool_]]()
-        self._supports = list[Support]()
+        self._supports = list[SmoothGround]()
         self._number = np.zeros(len(herd.names), dtype=np.int64)
         for c in range(len(herd.names)):
             lengths = herd.legs.lengths[herd.owner == c]
@@ -57,11 +57,11 @@ class SupportSurface:
             if key not in numbers:
                 numbers[key] = len(self._supports)
                 self._masks.append(masks.setdefault(name, mask))
-                self._supports.append(Support.of(ground, self._masks[-1], *key[1:]))
+                self._supports.append(SmoothGround.of(ground, self._masks[-1], *key[1:]))
             self._number[c] = numbers[key]
-        self._all = Supports(self._supports) if self._supports else None
+        self._all = SmoothGrounds(self._supports) if self._supports else None
 
-    def of(self, c: int) -> Support:
+    def of(self, c: int) -> SmoothGround:
         """Return the support surface of creature `c`."""
         return self._supports[int(self._number[c])]
 

@@ -1,1 +1,1 @@
-"""When feet go up and come down, how fast and how high: gaits, paces and moods."""
+"""Gaits, paces, moods, and the transitions between them."""

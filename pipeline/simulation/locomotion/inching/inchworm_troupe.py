@@ -24,11 +24,7 @@ from pipeline.simulation.locomotion.inching.inchworm_pose import (
     InchwormTrack,
     solve_pose,
 )
-from pipeline.simulation.locomotion.inching.inchworm_steps import (
-    Inchworm,
-    InchwormStep,
-    feet_at,
-)
+from pipeline.simulation.locomotion.inching.inchworm_steps import Inchworm, InchwormStep, feet_at
 from pipeline.simulation.locomotion.inventory import (
     assign_looks,
     creature_skins,

@@ -20,7 +20,7 @@ class JumpingBody:
     """One jumping creature at one moment.
 
     Attributes:
-        part: blend from its walking pose (0) to its jumping pose (1).
+        blend: from its walking pose (0) to its jumping pose (1).
         R: (3, 3) orientation of its body.
         p: (3,) place of its body [m].
         tips: (n, 3) feet [m]; None after landing, when it stands or steps like a walker.

@@ -46,11 +46,7 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
     scripted_jump,
 )
 from pipeline.simulation.locomotion.routes.route import Route, straight_route
-from pipeline.simulation.locomotion.routes.route_progress import (
-    RouteProgress,
-    is_blocked,
-    redirect,
-)
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, is_blocked, redirect
 from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping import Stepping, is_astray, phase_before_lift
@@ -59,15 +55,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import World
 from pipeline.spec.creature import Creature, Pronk
-from pipeline.spec.script import (
-    Do,
-    GoTo,
-    HopOver,
-    Instruction,
-    JumpOnce,
-    TurnBy,
-    Wait,
-)
+from pipeline.spec.script import Do, GoTo, HopOver, Instruction, JumpOnce, TurnBy, Wait
 
 HANDOVER_TIME = 0.35
 """Blend time of a body from its walking pose to its jumping pose, and back [s]."""
@@ -84,13 +72,13 @@ class WalkerJump:
 
     Attributes:
         order: the scripted order.
-        rest: the route before the order.
-        left: distance along it at the order [m].
+        route_before: the route before the order.
+        route_distance: distance along it at the order [m].
         stage: approaching the take-off place, jumping, or standing where it landed.
-        ready: whether it stands there, and its hurdle is looked at once more.
-        since: start of the jump, then of the landed stage [s].
+        is_ready: whether it stands there, and its hurdle is looked at once more.
+        stage_start: start of the jump, then of the landed stage [s].
         simulation: of the jump, once it is made.
-        later: orders that wait for its end.
+        pending_orders: orders that wait for its end.
     """
 
     order: HopOver | JumpOnce
@@ -153,9 +141,8 @@ class WalkerJumps:
         Raises:
             SceneError: it cannot jump so.
         """
-        if instruction.who not in self.herd.names or not isinstance(
-            instruction.do, HopOver | JumpOnce
-        ):
+        order = instruction.do
+        if instruction.who not in self.herd.names or not isinstance(order, HopOver | JumpOnce):
             return
         c = self.herd.names.index(instruction.who)
         cast_index, member, figure = self._cast[c]
@@ -165,8 +152,8 @@ class WalkerJumps:
         if c not in self.hoppers:
             config = member.pronk or Pronk()
             self.hoppers[c] = build_hopper(self.herd, c, cast_index, config, self._folds)
-        if isinstance(instruction.do, JumpOnce):
-            scripted_jump(self.hoppers[c], instruction.do.jump, f"{where}.do.jump")
+        if isinstance(order, JumpOnce):
+            scripted_jump(self.hoppers[c], order.jump, f"{where}.do.jump")
 
     # --- orders -----------------------------------------------------------------
 
@@ -207,11 +194,9 @@ class WalkerJumps:
         reason = self._reason_against(c)
         if isinstance(order, HopOver) and not reason:
             solids = self._solids.get(order.hop_over, ())
-            approach = (
-                plan_approach(progress, c, hopper, self.world.ground, solids)
-                if solids
-                else "it is not in sight"
-            )
+            approach: Route | str = "it is not in sight"
+            if solids:
+                approach = plan_approach(progress, c, hopper, self.world.ground, solids)
             if isinstance(approach, str):
                 reason = f"cannot jump over '{order.hop_over}': {approach}"
             else:
@@ -275,10 +260,8 @@ class WalkerJumps:
         """Hand a standing creature over to its jump."""
         hopper, own, trip.is_ready = self.hoppers[c], self.herd.owner == c, False
         if is_blocked(self.progress, c):
-            text = "what bars its way keeps it from where it would jump"
-            self._pending_notes.append(
-                Note("stopped", round(time / self.world.clock.dt), hopper.name, text)
-            )
+            text, step = "its way to the jump is barred", round(time / self.world.clock.dt)
+            self._pending_notes.append(Note("stopped", step, hopper.name, text))
             del self.trips[c]
             return
         R, p = self._standing_pose(c)

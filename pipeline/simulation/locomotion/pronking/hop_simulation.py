@@ -80,7 +80,7 @@ class HopSimulation:
         ground: that it hops over.
         state: its state.
         fall: how it falls once it has toppled.
-        limbs: reads its joints at that moment.
+        read_joints: reads its joints at that moment.
         events: since they were last cleared.
     """
 

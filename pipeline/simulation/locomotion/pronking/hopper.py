@@ -203,17 +203,15 @@ def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Arra
     hips, lengths, soles = herd.hips[own], herd.legs.lengths[own], herd.sole[own]
     rest = np.stack([herd.rest[own, 0], np.zeros(len(own)), herd.rest[own, 1]], axis=-1)
     leg_length = float(lengths.mean())
-    jump = resolve_jump(
-        where, config, float(_reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, soles).min())
-    )
+    heights = _reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, soles)
+    jump = resolve_jump(where, config, float(heights.min()))
     lowest = _lowest_height(figure.belly, hips, rest, folds[own], soles)
     standing = float(herd.body_height[c])
     crouch = _crouch_height(where, config, lowest, standing)
     weight = mass.mass * GRAVITY
     # Uneven ground may leave half of the rise.
-    force = _leg_force(
-        where, config, jump, max(0.5 * (standing - crouch), 0.06 * leg_length), len(own)
-    )
+    rise = max(0.5 * (standing - crouch), 0.06 * leg_length)
+    force = _leg_force(where, config, jump, rise, len(own))
     offset = float(np.hypot(mass.centre[0], mass.centre[2])) / leg_length
     default_balance = BALANCE_RESERVE + offset * (force * len(own))
     balance = default_balance if config.balance is None else config.balance

@@ -14,10 +14,7 @@ from functools import partial
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.body_motion.gaze import (
-    initial_look_targets,
-    set_look_target,
-)
+from pipeline.simulation.locomotion.body_motion.gaze import initial_look_targets, set_look_target
 from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import build_herd
@@ -31,11 +28,7 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
     HopperPoser,
     HopperSnapshot,
 )
-from pipeline.simulation.locomotion.pronking.jump_orders import (
-    Solids,
-    apply_order,
-    scripted_jump,
-)
+from pipeline.simulation.locomotion.pronking.jump_orders import Solids, apply_order, scripted_jump
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World

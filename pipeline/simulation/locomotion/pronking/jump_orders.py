@@ -29,16 +29,7 @@ from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.creature import Pronk
-from pipeline.spec.script import (
-    Do,
-    GoTo,
-    HopOver,
-    JumpOnce,
-    JumpSettings,
-    SetSpeed,
-    TurnBy,
-    Wait,
-)
+from pipeline.spec.script import Do, GoTo, HopOver, JumpOnce, JumpSettings, SetSpeed, TurnBy, Wait
 
 STRETCH_LIMIT = 1.15
 """Longest jump that saves an extra one, in usual distances."""
@@ -99,7 +90,7 @@ class TurnJumps:
     """Jumps on the spot that turn the body.
 
     Attributes:
-        left: remaining angle [rad].
+        remaining: angle still to turn [rad].
     """
 
     remaining: float
@@ -165,7 +156,7 @@ class HurdleJump:
     Attributes:
         name: of the performer that is jumped over.
         solids: its corners (n, 3), in the world [m].
-        comes: whether it hops to a better place first, or jumps from where it stands.
+        can_approach: whether it may hop to a better place before it jumps.
         stand: (x, z) of that place, once known [m].
         heading: of the jump [rad].
         tries: jumps left to get there.

@@ -24,10 +24,7 @@ from pipeline.simulation.locomotion.pronking.hopper import (
     TOUCH_DOWN_STRETCH,
     Hopper,
 )
-from pipeline.simulation.scalar_rotation import (
-    Quaternion,
-    rotation_matrix,
-)
+from pipeline.simulation.scalar_rotation import Quaternion, rotation_matrix
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

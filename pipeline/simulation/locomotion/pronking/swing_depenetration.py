@@ -14,11 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.rest_ik import (
-    RestSolution,
-    solve_each_near_rest,
-    solve_near_rest,
-)
+from pipeline.simulation.figures.rest_ik import RestSolution, solve_each_near_rest, solve_near_rest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array, turn, unturn

@@ -43,20 +43,20 @@ def test_foreign_and_missing_files_have_no_key(tmp_path: Path) -> None:
         read_png(tmp_path / "x.png")
 
 
-def test_writing_leaves_nothing_beside(tmp_path: Path) -> None:
+def test_writing_leaves_no_temporary_files(tmp_path: Path) -> None:
     write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), "1")
     write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), "2")
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
     assert read_key(tmp_path / "a.png") == "2"
 
 
-def test_a_place_that_cannot_be_written_says_so(tmp_path: Path) -> None:
+def test_an_unwritable_path_is_reported(tmp_path: Path) -> None:
     with pytest.raises(FrameFileError, match="could not be written"):
         write_png(tmp_path / "none" / "a.png", np.zeros((4, 4, 3), np.uint8), "1")
 
 
 @pytest.mark.usefixtures("renderer")
-def test_another_reader_finds_the_light_of_an_exr(tmp_path: Path) -> None:
+def test_another_reader_reads_the_exr(tmp_path: Path) -> None:
     import mitsuba as mi
 
     light = RNG.random((9, 14, 3), dtype=np.float32) * 100

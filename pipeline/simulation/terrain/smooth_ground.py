@@ -25,23 +25,23 @@ from pipeline.simulation.terrain.ground import Ground
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.islands import cell_heights
 
-FINE = 1.5
-"""Nodes in the standard deviation of the blur."""
+NODES_PER_BLUR = 1.5
+"""Nodes per standard deviation of the blur."""
 
-SPLINE = 0.25 + 1.0 / 12.0
-"""Variance of a quadratic B-spline and of the average over a block, in squares of a node's side."""
+SPLINE_VARIANCE = 0.25 + 1.0 / 12.0
+"""Variance of a quadratic B-spline and a block average [squares of the node distance]."""
 
-LEVEL = 1e-9
-"""Rise that is none [m]."""
+LEVEL_TOLERANCE = 1e-9
+"""Largest rise of level ground [m]."""
 
-BESIDE = np.array([-1, 0, 1])
+NEIGHBOURS = np.array([-1, 0, 1])
 
-FAINT = 1e-2
-"""Weight of wider surroundings beside ground that counts."""
+SURROUNDINGS_WEIGHT = 1e-2
+"""Weight of the wider surroundings relative to ground that can be stood on."""
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
+class SmoothGround:
     """Two smooth surfaces over the rectangle of a height field.
 
     Attributes:
@@ -59,8 +59,8 @@ class Support:
     @staticmethod
     def of(
         ground: Ground, counts: NDArray[np.bool_], blur: float, wide: float, room: float
-    ) -> Support:
-        """Make the surfaces.
+    ) -> SmoothGround:
+        """Build the surfaces.
 
         Args:
             ground: what is walked over.
@@ -70,12 +70,12 @@ class Support:
             room: what rises more than this is a wall, which nothing passes above [m].
         """
         cell = ground.field.cell
-        many = tuple(max(1, int(blur / (FINE * side))) for side in cell)
+        many = tuple(max(1, int(blur / (NODES_PER_BLUR * side))) for side in cell)
         side = many[0] * cell[0], many[1] * cell[1]
         weight = counts.astype(float)
         sums = [_blocks(f, many) for f in (weight * cell_heights(ground), weight)]
         # Blocks at the far edges may hang over; what counts is the share that is there.
-        passes = [max(1, round(2.0 * ((blur / s) ** 2 - SPLINE))) for s in side]
+        passes = [max(1, round(2.0 * ((blur / s) ** 2 - SPLINE_VARIANCE))) for s in side]
         height, share = (_blurred(f / (many[0] * many[1]), passes) for f in sums)
         surface = filled(height, share)
         above = _above(ground.field, surface, side)
@@ -89,20 +89,22 @@ class Support:
         # The spline at a place looks at nodes up to one and a half sides away.
         near = [1 + int(np.ceil(wide / s)) for s in side]
         nodes = np.stack([surface, _dilated(excess, near)])
-        return Support(ground.field, side, nodes, _dilated(walls, near) > 0.0)
+        return SmoothGround(ground.field, side, nodes, _dilated(walls, near) > 0.0)
 
     @cached_property
     def is_level(self) -> bool:
-        """Whether all of it is level."""
-        return bool(np.ptp(self.nodes[0]) < LEVEL and self.nodes[1].max() < LEVEL)
+        """Whether the whole surface is level."""
+        return bool(
+            np.ptp(self.nodes[0]) < LEVEL_TOLERANCE and self.nodes[1].max() < LEVEL_TOLERANCE
+        )
 
     @cached_property
     def has_walls(self) -> bool:
-        """Whether there are any walls."""
+        """Whether the surface has walls."""
         return bool(self.walls.any())
 
     def barred(self, x: Array, z: Array) -> NDArray[np.bool_]:
-        """Say beside which world (x, z) walls rise; any equal shapes."""
+        """Return which world (x, z) are beside walls; any equal shapes."""
         x, z = self.field.to_grid(x, z)
         n_z, n_x = self.walls.shape
         i = np.rint((x + 0.5 * self.field.size[0]) / self.side[0] - 0.5).astype(np.int64)
@@ -118,18 +120,18 @@ class Support:
         return height.reshape(x.shape), excess.reshape(x.shape)
 
     @cached_property
-    def _alone(self) -> Supports:
-        return Supports([self])
+    def _alone(self) -> SmoothGrounds:
+        return SmoothGrounds([self])
 
 
-class Supports:
+class SmoothGrounds:
     """Several supports over one height field, looked up together.
 
     Attributes:
         field: where their rectangle lies.
     """
 
-    def __init__(self, supports: Sequence[Support]) -> None:
+    def __init__(self, supports: Sequence[SmoothGround]) -> None:
         self.field = supports[0].field
         shapes = np.array([support.walls.shape for support in supports])
         # Along x and z, with an axis for places and one for more of each.
@@ -181,7 +183,7 @@ def _taps(u: Array, n: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
     t = u - nearest
     weights = np.empty((3, *u.shape))
     weights[0], weights[1], weights[2] = 0.5 * (0.5 - t) ** 2, 0.75 - t * t, 0.5 * (0.5 + t) ** 2
-    i = nearest.astype(np.int64) + BESIDE.reshape(3, *(1,) * u.ndim)
+    i = nearest.astype(np.int64) + NEIGHBOURS.reshape(3, *(1,) * u.ndim)
     return np.minimum(np.maximum(i, 0), n - 1), weights
 
 
@@ -202,7 +204,7 @@ def _blocks(values: Array, many: tuple[int, ...], highest: bool = False) -> Arra
 
 
 def _blurred(values: Array, passes: list[int]) -> Array:
-    """Blur by so many passes of (1, 2, 1) / 4 along x and z; nothing lies beyond the edges."""
+    """Blur by passes of (1, 2, 1) / 4 along x and z, with zeros beyond the edges."""
     for axis, count in ((1, passes[0]), (0, passes[1])):
         v = np.moveaxis(values, axis, 0)
         for _ in range(count):
@@ -214,13 +216,13 @@ def _blurred(values: Array, passes: list[int]) -> Array:
 
 
 def filled(height: Array, share: Array) -> Array:
-    """Return height / share, and where there is no share what lies around.
+    """Return height / share, filled from the surroundings where the share is small.
 
     Args:
         height: (n_z, n_x) blurred heights, each times its weight [m].
         share: (n_z, n_x) blurred weights.
     """
-    if min(height.shape) < 2 or (share > 1.0 - FAINT).all():
+    if min(height.shape) < 2 or (share > 1.0 - SURROUNDINGS_WEIGHT).all():
         total = float(share.sum())
         mean = float(height.sum()) / total if total > 0.0 else 0.0
         safe = np.where(share > 0.0, share, 1.0)
@@ -232,7 +234,7 @@ def filled(height: Array, share: Array) -> Array:
     ones = (_blurred(np.ones((n, 1)), [0, 2]) for n in wide.shape)
     one = np.multiply.outer(*(blurred[:, 0] for blurred in ones))
     smooth = _blurred(wide, [2, 2]) / one
-    result: Array = (height + FAINT * smooth) / (share + FAINT)
+    result: Array = (height + SURROUNDINGS_WEIGHT * smooth) / (share + SURROUNDINGS_WEIGHT)
     return result
 
 

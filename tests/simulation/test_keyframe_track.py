@@ -1,4 +1,4 @@
-"""Tracks: values that go from key to key."""
+"""Keyframe tracks: interpolation, eases, cycles and blending."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ def track_of(keys: list[tuple[float, float, Ease]]) -> Track:
 
 
 @given(KEYS)
-def test_goes_through_every_key(keys: list[tuple[float, float, Ease]]) -> None:
+def test_a_track_passes_through_every_key(keys: list[tuple[float, float, Ease]]) -> None:
     track = track_of(keys)
     np.testing.assert_allclose(track(track.times), track.values, atol=1e-12)
 
 
 @given(KEYS)
-def test_stays_at_its_ends(keys: list[tuple[float, float, Ease]]) -> None:
+def test_a_track_is_constant_beyond_its_ends(keys: list[tuple[float, float, Ease]]) -> None:
     track = track_of(keys)
     ends = track(np.array([track.times[0] - 1.0, track.times[-1] + 1.0]))
     np.testing.assert_allclose(ends, track.values[[0, -1]], atol=1e-12)
 
 
 @given(KEYS)
-def test_is_continuous(keys: list[tuple[float, float, Ease]]) -> None:
+def test_a_track_is_continuous(keys: list[tuple[float, float, Ease]]) -> None:
     track = track_of(keys)
     step = 1e-6
     before, after = track(track.times - step), track(track.times + step)
@@ -56,7 +56,7 @@ def test_is_continuous(keys: list[tuple[float, float, Ease]]) -> None:
     assert np.abs(after - before).max() <= 20 * step * max(fastest, 1.0)
 
 
-def test_a_spline_goes_through_its_keys_without_a_halt() -> None:
+def test_a_spline_passes_its_keys_at_speed() -> None:
     track = Track.of([(t, (t * t,), "spline") for t in (0.0, 0.7, 1.0, 2.5, 3.0)])
     inner = track.times[1:-1]
     step = 1e-5
@@ -68,7 +68,7 @@ def test_a_spline_goes_through_its_keys_without_a_halt() -> None:
 
 
 @pytest.mark.parametrize(("kind", "start", "end"), [("in", 0, 1), ("out", 1, 0), ("in-out", 0, 0)])
-def test_eases_rest_where_they_say(kind: Ease, start: int, end: int) -> None:
+def test_eases_have_zero_speed_at_rest(kind: Ease, start: int, end: int) -> None:
     track = Track.of([(0.0, (0.0,), kind), (1.0, (1.0,), kind)])
     step = 1e-6
     speeds = np.diff(track(np.array([0.0, step, 1.0 - step, 1.0]))[:, 0])[[0, 2]] / step
@@ -77,13 +77,13 @@ def test_eases_rest_where_they_say(kind: Ease, start: int, end: int) -> None:
     assert (np.diff(values) > 0.0).all()
 
 
-def test_hold_waits_and_jumps() -> None:
+def test_hold_jumps_at_its_key() -> None:
     track = Track.of([(0.0, (1.0,), "linear"), (1.0, (4.0,), "hold"), (2.0, (4.0,), "hold")])
     values = track(np.array([0.0, 0.5, 1.0 - 1e-9, 1.0, 2.0, 3.0]))[:, 0]
     np.testing.assert_array_equal(values, [1.0, 1.0, 1.0, 4.0, 4.0, 4.0])
 
 
-def test_a_spline_has_the_tangents_that_are_given() -> None:
+def test_a_spline_has_its_given_tangents() -> None:
     keys = [(t, (t * t,), "spline") for t in (0.0, 1.0, 1.5)]
     track = Track.of(keys, [(2.0,), None, (-3.0,)])  # type: ignore[arg-type]
     step = 1e-6
@@ -94,7 +94,7 @@ def test_a_spline_has_the_tangents_that_are_given() -> None:
     np.testing.assert_allclose(found[:, 0], [2.0, 2.0, -3.0], atol=1e-4)
 
 
-def test_a_cycle_begins_again_without_a_corner() -> None:
+def test_a_cycle_is_smooth_at_its_ends() -> None:
     keys = [(t, (math.sin(math.pi * t), 90 * t), "spline") for t in (0.5, 0.9, 1.4, 2.0, 2.5)]
     turns = [(t, (a, 360 * (t - 0.5) / 2), e) for t, (a, _), e in keys]
     track = Track.of(turns)  # type: ignore[arg-type]
@@ -111,7 +111,7 @@ def test_a_cycle_begins_again_without_a_corner() -> None:
     np.testing.assert_allclose(rate, 180.0, rtol=1e-6)
 
 
-def test_a_run_takes_over_and_lets_go() -> None:
+def test_a_blended_track_fades_in_and_out() -> None:
     track = Track.of([(1.0, (0.0,), "spline")])
     run = BlendedTrack(track, (0.5, 1.0), (2.0, 2.5))
     weights = run.weight(np.array([0.0, 0.5, 0.75, 1.0, 1.9, 2.0, 2.25, 2.5, 9.0]))
@@ -120,7 +120,7 @@ def test_a_run_takes_over_and_lets_go() -> None:
     np.testing.assert_array_equal(at_once, [1.0, 1.0])
 
 
-def test_angles_turn_about_the_vertical_last() -> None:
+def test_the_vertical_rotation_is_applied_last() -> None:
     angle = np.radians([20.0, 70.0, -30.0])
     tilted = rotation_from_angles(angle * [1, 0, 1])
     np.testing.assert_allclose(rotation_from_angles(angle), heading(angle[1]) @ tilted, atol=1e-15)

@@ -1,4 +1,4 @@
-"""Pictures of places as light."""
+"""Panoramas as light."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def written(path: Path, image: np.ndarray) -> str:
 
 @pytest.mark.parametrize("name", ["place.exr", "place.hdr"])
 @pytest.mark.parametrize("normal", [(0, 1, 0), (0.77, 0.64, 0), (0.3, 0.2, 0.93)])
-def test_sky_and_sun_together_are_the_picture(
+def test_sky_and_sun_sum_to_the_panorama(
     tmp_path: Path, name: str, normal: tuple[float, float, float]
 ) -> None:
     from render.lights.environment_map import irradiance, normalized
@@ -72,7 +72,7 @@ def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
     assert np.array(emitters(dark, (0.2, 0.2, 0.2))["sky"]["bitmap"]).max() == 0
 
 
-def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
+def test_a_panorama_turns_about_the_vertical(tmp_path: Path) -> None:
     """A sun towards +X, turned by a quarter, stands towards -Z, as headings do."""
     from render.lights.panorama_light import panorama_light
 
@@ -86,7 +86,7 @@ def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
+def test_a_reduced_panorama_gives_the_same_light(tmp_path: Path) -> None:
     from render.lights.environment_map import UP, irradiance
     from render.lights.panorama_light import reduced
 
@@ -97,7 +97,7 @@ def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-def test_strength_is_a_factor_and_the_picture_is_exposed(
+def test_strength_scales_the_exposed_panorama(
     renderer: Renderer, make_shot: Make, tmp_path: Path
 ) -> None:
     file = written(tmp_path / "a.exr", sky(2000.0) * 37.0)
@@ -113,7 +113,7 @@ def test_strength_is_a_factor_and_the_picture_is_exposed(
 
 
 @pytest.mark.nightly
-def test_taking_the_sun_out_lights_the_scene_as_the_whole_picture_does(
+def test_a_cut_out_sun_lights_the_scene_as_the_full_panorama(
     renderer: Renderer, make_shot: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from render.lights import panorama_light
@@ -130,7 +130,7 @@ def test_taking_the_sun_out_lights_the_scene_as_the_whole_picture_does(
     assert np.abs(ratio / scale - 1).mean() < 0.05
 
 
-def test_only_its_content_decides_what_a_picture_is(make_shot: Make, tmp_path: Path) -> None:
+def test_the_digest_of_a_panorama_is_of_its_content(make_shot: Make, tmp_path: Path) -> None:
     a, b = tmp_path / "a.exr", tmp_path / "b.exr"
     written(a, sky())
     b.write_bytes(a.read_bytes())
@@ -145,7 +145,7 @@ def test_only_its_content_decides_what_a_picture_is(make_shot: Make, tmp_path: P
     assert file_digest(tmp_path / "none.exr") == ""
 
 
-def test_what_is_no_picture_of_all_directions_is_named(tmp_path: Path) -> None:
+def test_an_unusable_panorama_is_reported(tmp_path: Path) -> None:
     good = Path(written(tmp_path / "good.hdr", sky()))
     assert panorama_fault(good) is None
     written(tmp_path / "square.exr", sky()[:, :128])

@@ -1,4 +1,4 @@
-"""Bouncing: closed forms, energy that never rises, ground that is never passed through."""
+"""Bodies over a terrain: closed forms, non-increasing energy, no tunnelling."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def dropped_flat(b: float, height: float, **more: Any) -> TerrainBodies:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("b", [0.3, 0.8])
-def test_bounces_are_as_high_as_asked(b: float) -> None:
+def test_bounce_heights_follow_bounciness(b: float) -> None:
     impacts = run(dropped_flat(b, 1.0, friction=0.0), 4.5)
     first = np.sqrt(2.0 * 9.81)
     expected = first * b ** np.arange(40)
@@ -79,7 +79,7 @@ def test_bounces_are_as_high_as_asked(b: float) -> None:
         pytest.param(1000, marks=pytest.mark.nightly, id="1000"),
     ],
 )
-def test_full_bounciness_keeps_the_energy(count: int) -> None:
+def test_full_bounciness_conserves_energy(count: int) -> None:
     words = [BALL, SHAPES[4], SHAPES[0]]
     chance = np.random.default_rng(2)
     state = still([[0, 1, 0], [2, 1, 0], [4, 1, 0]], attitudes(chance, 3))
@@ -119,7 +119,7 @@ def drops(chance: np.random.Generator, count: int, terrain: str) -> TerrainBodie
         pytest.param(100, marks=pytest.mark.nightly, id="1100"),
     ],
 )
-def test_energy_never_rises_and_nothing_sinks(terrain: str, count: int) -> None:
+def test_energy_never_rises_and_no_body_sinks(terrain: str, count: int) -> None:
     bouncing = drops(np.random.default_rng(count), count, terrain)
     before = total_energy(bouncing.bodies, bouncing.state)
     for _ in range(96 * 5):
@@ -137,7 +137,7 @@ def test_energy_never_rises_and_nothing_sinks(terrain: str, count: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("terrain", TERRAINS)
-def test_nothing_passes_through_at_fifty_metres_a_second(terrain: str) -> None:
+def test_no_body_tunnels_at_fifty_metres_a_second(terrain: str) -> None:
     chance = np.random.default_rng(7)
     bouncing = drops(chance, 24, terrain)
     way = chance.normal(size=(24, 3))
@@ -151,7 +151,7 @@ def test_nothing_passes_through_at_fifty_metres_a_second(terrain: str) -> None:
         assert (p[:, 1] > bouncing.ground.height(p[:, 0], p[:, 2]))[there].all()
 
 
-def test_what_comes_back_under_the_terrain_falls_on() -> None:
+def test_a_body_under_the_terrain_falls_on() -> None:
     state = still([[10.5, -2.0, 0.0]])
     state.v[:] = [-8.0, 0.0, 0.0]
     bouncing = thrown([{"shape": "cube"}], ground_of(TERRAINS["flat"]), state)
@@ -159,7 +159,7 @@ def test_what_comes_back_under_the_terrain_falls_on() -> None:
     np.testing.assert_allclose(bouncing.state.p[0], [2.5, -2.0 - 0.5 * 9.81, 0.0], atol=1e-3)
 
 
-def test_what_lies_is_silent_and_sleeps() -> None:
+def test_resting_bodies_are_silent_and_sleep() -> None:
     bouncing = dropped_flat(0.3, 0.3)
     impacts = run(bouncing, 2.5)
     assert not bouncing.awake.any()
@@ -171,7 +171,7 @@ def test_what_lies_is_silent_and_sleeps() -> None:
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.6])
-def test_what_slides_stops_where_friction_says(mu: float) -> None:
+def test_sliding_stops_at_the_friction_distance(mu: float) -> None:
     words = {"shape": "box", "size": [0.6, 0.1, 0.6], "friction": mu, "bounciness": 0.0}
     state = still([[0.0, 0.05, 0.0]])
     state.v[:] = [2.0, 0.0, 0.0]
@@ -181,7 +181,7 @@ def test_what_slides_stops_where_friction_says(mu: float) -> None:
     assert abs(bouncing.state.p[0, 2]) < 1e-6
 
 
-def test_a_ball_rolls_down_at_five_sevenths() -> None:
+def test_a_ball_rolls_down_at_five_sevenths_of_gravity() -> None:
     ramp = "{kind: ramp, size: [40, 10], slope_deg: 15, course: up, start: -15, height: 8}"
     ground = ground_of(ramp)
     slope = np.radians(15.0)
@@ -196,7 +196,7 @@ def test_a_ball_rolls_down_at_five_sevenths() -> None:
     assert np.linalg.norm(bouncing.state.w[0]) * 0.2 == pytest.approx(speed, rel=1e-3)
 
 
-def test_rolling_comes_to_an_end() -> None:
+def test_rolling_resistance_stops_a_ball() -> None:
     state = still([[0.0, 0.2, 0.0]])
     state.v[:], state.w[:] = [0.6, 0.0, 0.0], [0.0, 0.0, -3.0]
     bouncing = thrown([BALL | {"rolling": 0.02}], ground_of(TERRAINS["flat"]), state)
@@ -207,7 +207,7 @@ def test_rolling_comes_to_an_end() -> None:
     assert bouncing.state.p[0, 0] == pytest.approx(0.6**2 / (2.0 * slowed), rel=0.02)
 
 
-def test_soft_ground_takes_its_time() -> None:
+def test_soft_impacts_last_their_duration() -> None:
     hard, soft = (dropped_flat(0.6, 0.5, soft=time, friction=0.0) for time in (0.0, 0.05))
     for bouncing in (hard, soft):
         while bouncing.state.p[0, 1] > 0.2:
@@ -222,7 +222,7 @@ def test_soft_ground_takes_its_time() -> None:
 
 
 @pytest.mark.slow
-def test_bodies_alone_move_as_beside_others() -> None:
+def test_bodies_move_alike_alone_and_beside_others() -> None:
     everyone = drops(np.random.default_rng(5), 6, "fractal")
     start = everyone.state.some(np.arange(6))
     run(everyone, 1.0)

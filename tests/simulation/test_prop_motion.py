@@ -1,4 +1,4 @@
-"""Props moved by velocity and by force: closed forms, and what must not change."""
+"""Props moved by velocity and by force: closed forms and invariances."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def times_of(take: Take) -> Array:
 
 
 @given(KEYS)
-def test_pieces_are_the_track(keys: list[tuple[float, float, Ease]]) -> None:
+def test_pieces_equal_the_track(keys: list[tuple[float, float, Ease]]) -> None:
     track = track_of(keys)
     times = np.linspace(0.0, track.times[-1] + 1.0, 97)
     away = np.abs(times[:, None] - track.times).min(axis=1) > 1e-6
@@ -82,7 +82,7 @@ def test_a_velocity_is_integrated_exactly(keys: list[tuple[float, float, Ease]])
 
 @pytest.mark.slow
 @given(st.floats(-60.0, 0.0))
-def test_phi_is_what_its_integral_says(z: float) -> None:
+def test_phi_functions_equal_their_integrals(z: float) -> None:
     # φ_n(z) = ∫₀¹ exp((1 - s) z) s^(n-1) / (n-1)! ds.
     nodes, weights = np.polynomial.legendre.leggauss(64)
     s = 0.5 + 0.5 * nodes
@@ -94,7 +94,7 @@ def test_phi_is_what_its_integral_says(z: float) -> None:
 
 
 @given(KEYS, st.sampled_from([0.0, 1e-6, 0.3, 7.0, 400.0]))
-def test_a_force_with_drag_obeys_its_equation(
+def test_a_force_with_drag_satisfies_its_equation(
     keys: list[tuple[float, float, Ease]], drag: float
 ) -> None:
     pieces = PiecewisePolynomial.of(track_of(keys))
@@ -144,7 +144,7 @@ def test_pieces_of_constant_force_are_pieces_of_parabolas() -> None:
     np.testing.assert_allclose(np.diff(p[140:, 0]), 0.0, atol=1e-11)
 
 
-def test_a_constant_torque_turns_ever_faster() -> None:
+def test_a_constant_torque_gives_constant_angular_acceleration() -> None:
     words = ForceMotion(torque=(0.0, 0.6, 0.0), mass=5.0)
     box = BoxShape(shape="box", size=(0.4, 0.2, 0.9))
     moment = prop_mass(box, words).inertia[1, 1]
@@ -158,7 +158,7 @@ def test_a_constant_torque_turns_ever_faster() -> None:
     np.testing.assert_allclose(pose(take, "a")[0], expected, atol=1e-9)
 
 
-def test_without_torque_momentum_and_energy_stay() -> None:
+def test_momentum_and_energy_are_conserved_without_torque() -> None:
     mass = MassProperties(2.0, np.zeros(3), np.diag([0.2, 0.5, 0.6]))
     still = PiecewisePolynomial.of(Track.of([(0.0, (0.0, 0.0, 0.0), "linear")]))
     body = TorquedAttitude(
@@ -173,7 +173,7 @@ def test_without_torque_momentum_and_energy_stay() -> None:
     np.testing.assert_allclose(energies, energies[0], rtol=1e-8)
 
 
-def test_a_torque_changes_momentum_by_as_much_as_it_lasts() -> None:
+def test_a_torque_changes_momentum_by_its_impulse() -> None:
     mass = MassProperties(
         2.0, np.zeros(3), np.array([[0.3, 0.05, 0], [0.05, 0.5, -0.1], [0, -0.1, 0.6]])
     )
@@ -197,7 +197,7 @@ def test_turning_drag_stops_a_spin() -> None:
 
 
 @pytest.mark.parametrize("ease", EASES)
-def test_a_spin_about_one_axis_is_exact_however_it_changes(ease: Ease) -> None:
+def test_a_spin_about_one_axis_is_exact(ease: Ease) -> None:
     axis = np.array([2.0, -1.0, 2.0]) / 3.0
     keys = [(0.0, tuple(axis), "linear"), (0.4, tuple(9 * axis), ease), (1.1, tuple(-axis), ease)]
     spin = Track.of(keys)  # type: ignore[arg-type]
@@ -211,7 +211,7 @@ def test_a_spin_about_one_axis_is_exact_however_it_changes(ease: Ease) -> None:
     np.testing.assert_allclose(turned, rotation(axis, float(angle[0])) @ heading(0.3), atol=1e-12)
 
 
-def test_a_spin_whose_axis_turns_is_of_fourth_order() -> None:
+def test_a_spin_about_a_moving_axis_converges_at_fourth_order() -> None:
     keys = [(0.0, (9.0, 0.0, 0.0), "linear"), (1.0, (0.0, 0.0, 9.0), "linear")]
     pieces = PiecewisePolynomial.of(Track.of(keys))  # type: ignore[arg-type]
     exact = SpunAttitude(pieces, np.eye(3)).at(np.linspace(0.0, 1.0, 4001))[-1]
@@ -233,7 +233,7 @@ def test_velocity_and_spin_are_those_given() -> None:
     np.testing.assert_allclose(R, heading(np.radians(90) * t) @ tilt, atol=1e-12)
 
 
-def test_a_spin_alone_turns_on_the_spot_and_its_child_goes_round() -> None:
+def test_a_spinning_parent_carries_its_child_round() -> None:
     wheel = "{name: wheel, prop: {shape: cylinder}, at: [0, 2, 0], spin_deg: [0, 0, 180]}"
     seat = "{name: seat, parent: wheel, prop: {shape: box}, at: [1, 0, 0]}"
     p = pose(simulate(scene_of(seat, wheel)), "seat")[1]
@@ -241,7 +241,7 @@ def test_a_spin_alone_turns_on_the_spot_and_its_child_goes_round() -> None:
     np.testing.assert_allclose(p[[96, 192]], [[-1, 2, 0], [1, 2, 0]], atol=1e-12)
 
 
-def test_rows_of_another_rate_are_other_samples_of_the_same_motion() -> None:
+def test_another_frame_rate_samples_the_same_motion() -> None:
     member = (
         "{name: a, prop: {shape: box, size: [0.2, 0.3, 0.9]}, at: [0, 1, 0], force: {spin_deg:"
         " [200, 300, 10], keys: [{at: 0, torque: [0, 0, 1]}, {at: 1, torque: [3, 0, 0]}]}}"
@@ -259,7 +259,7 @@ def test_a_rigid_body_as_parent_carries_its_child() -> None:
     np.testing.assert_allclose(pose(take, "flag")[1], p + R @ [0, 0.5, 0], atol=1e-12)
 
 
-def test_scale_is_of_its_own_geometry_and_never_its_children() -> None:
+def test_scale_does_not_apply_to_children() -> None:
     keys = "[{at: 0, scale: 1}, {at: 1, scale: [1, 3, 0.5], ease: linear}]"
     base = f"{{name: base, prop: {{shape: box}}, at: [0, 1, 0], keyframes: {keys}}}"
     child = "{name: top, parent: base, prop: {shape: ball}, at: [0, 0.5, 0], spin_deg: [0, 60, 0]}"
@@ -277,29 +277,35 @@ def test_scale_is_of_its_own_geometry_and_never_its_children() -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("velocity: [1, 0, 0], keyframes: [{at: 0, scale: 2}]", "moved by its keyframes already"),
-        ("velocity: [1, 0, 0], force: {}", "moved by its velocity already"),
-        ("force: {gravity: true}, spin_deg: [0, 1, 0]", "turns by its force"),
-        ("velocity: [{at: 0, linear: [1, 0, 0]}], spin_deg: [0, 1, 0]", "in the keys of its vel"),
+        ("velocity: [1, 0, 0], keyframes: [{at: 0, scale: 2}]", "conflicts with keyframes"),
+        ("velocity: [1, 0, 0], force: {}", "conflicts with velocity"),
+        ("force: {gravity: true}, spin_deg: [0, 1, 0]", "conflicts with force"),
+        (
+            "velocity: [{at: 0, linear: [1, 0, 0]}], spin_deg: [0, 1, 0]",
+            "conflicts with the keys of velocity",
+        ),
         ("velocity: [{at: 0}]", "should say a velocity"),
         ("velocity: [{at: 0, linaer: [1, 0, 0]}]", "did you mean 'linear'"),
         ("velocity: [{at: 1, linear: [1, 0, 0]}, {at: 0, linear: [1, 0, 0]}]", "in order"),
         ("velocity: [1, 0]", "must hold 3 values"),
         ("velocity: fast", "should be"),
         ("velocity: []", "must hold"),
-        ("force: {force: [1, 0, 0], keys: [{at: 0, force: [0, 0, 0]}]}", "take the keys away"),
+        ("force: {force: [1, 0, 0], keys: [{at: 0, force: [0, 0, 0]}]}", "conflicts with keys"),
         ("force: {keys: [{at: 0}]}", "should say a force"),
         ("force: {mas: 2}", "did you mean 'mass'"),
         ("force: {mass: 0}", "greater than 0"),
         ("force: {keys: [{at: 0, torque: [0, 0, 1], ease: jump}]}", "'hold'"),
-        ("velocity: [1, 0, 0], held: [{by: b, at: 1}]", "what is held does not follow velocity"),
+        ("velocity: [1, 0, 0], held: [{by: b, at: 1}]", "conflicts with velocity"),
         ("keyframes: [{at: 0, position: [0, 0, 0], tangent: {scale: [1, 1, 1]}}]", "needs the sc"),
-        ("keyframes: [{at: 0, position: [0, 0, 0], tangent: {position: [1, 1, 1]}}]", "only a sp"),
+        (
+            "keyframes: [{at: 0, position: [0, 0, 0], tangent: {position: [1, 1, 1]}}]",
+            "needs a spline",
+        ),
         ("keyframes: [{at: 0, scale: [1, 0, 1]}]", "greater than 0"),
         ("keyframes: [{at: 0, scale: [1, 1]}]", "must hold 3 values"),
     ],
 )
-def test_refuses(words: str, message: str) -> None:
+def test_invalid_motions_are_refused(words: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         Simulation(scene_of(f"{{prop: {{shape: ball}}, {words}}}", "{name: b, prop: {shape: box}}"))
     assert all(problem.line > 0 for problem in caught.value.problems)

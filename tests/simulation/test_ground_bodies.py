@@ -1,4 +1,4 @@
-"""Bodies in scenes: where they begin, what they are heard of, what is refused."""
+"""Ground bodies in scenes: initial poses, contacts, refusals."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _die() -> Take:
     return simulate(scene_of(DIE, terrain="hills", duration=1.5))
 
 
-def test_a_die_is_heard_when_it_strikes(die: Take) -> None:
+def test_a_die_makes_a_contact_when_it_strikes(die: Take) -> None:
     assert die.contacts
     hits = [c for c in die.contacts if c.kind == "hit"]
     heard = [e for e in die.events if e.cause == "collision"]
@@ -45,7 +45,7 @@ def test_a_die_is_heard_when_it_strikes(die: Take) -> None:
     assert 0.0 <= first.fraction < 1.0
 
 
-def test_a_die_comes_to_lie_on_a_face(die: Take) -> None:
+def test_a_die_comes_to_rest_on_a_face(die: Take) -> None:
     assert [part.name for part in die.parts] == ["die", "die.pips"]
     np.testing.assert_array_equal(die.positions[-1], die.positions[-10])
 
@@ -64,7 +64,7 @@ def rubs_of(member: str, terrain: str, duration: float = 3) -> list[tuple[str, f
     return [(c.kind, c.step / 96, c.until / 96) for c in contacts]
 
 
-def test_a_ball_that_rolls_down_begins_once_and_ends_once() -> None:
+def test_a_rolling_ball_makes_one_rolling_contact() -> None:
     ball = "{body: {shape: sphere, radius: 0.2, bounciness: 0, friction: 0.8}, at: [4, -2]}"
     ((kind, begin, end),) = rubs_of(ball, RAMP)
     assert (kind, end) == ("roll", 3.0)
@@ -73,11 +73,11 @@ def test_a_ball_that_rolls_down_begins_once_and_ends_once() -> None:
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cube"])
-def test_what_rests_neither_rolls_nor_slides(shape: str) -> None:
+def test_resting_bodies_neither_roll_nor_slide(shape: str) -> None:
     assert rubs_of(f"{{body: {{shape: {shape}}}, at: [0, 1, 0]}}", "flat") == []
 
 
-def test_what_slides_does_so_until_it_is_slow() -> None:
+def test_sliding_ends_at_low_speed() -> None:
     box = "{body: {shape: box, size: [0.6, 0.1, 0.6], friction: 0.3}, at: [0, 0], "
     ((kind, begin, end),) = rubs_of(box + "velocity: [2, 0, 0]}", "flat", 1.5)
     assert (kind, begin) == ("slide", pytest.approx(0.0, abs=0.02))
@@ -95,7 +95,7 @@ def test_a_body_without_height_stands_on_the_ground() -> None:
     assert abs(troupe.dynamics.depths()[0]) < 1e-6  # type: ignore[attr-defined]
 
 
-def test_what_leaves_the_terrain_is_dropped() -> None:
+def test_a_body_that_leaves_the_terrain_is_removed() -> None:
     ball = (
         "{name: ball, body: {shape: sphere, radius: 0.1}, at: [1.5, 0.3, 0], velocity: [4, 0, 0]}"
     )
@@ -112,7 +112,7 @@ def test_what_leaves_the_terrain_is_dropped() -> None:
     )
 
 
-def test_a_mesh_is_its_hull(tmp_path: Path) -> None:
+def test_a_mesh_body_is_its_hull(tmp_path: Path) -> None:
     trimesh.creation.icosphere(subdivisions=1, radius=0.2).export(tmp_path / "stone.obj")
     path = tmp_path / "scene.yaml"
     path.write_text(
@@ -141,7 +141,7 @@ def test_a_mesh_is_its_hull(tmp_path: Path) -> None:
         ("{body: {shape: mesh, file: no.obj}}", "'no.obj' is no file in"),
     ],
 )  # fmt: skip
-def test_refuses(member: str, message: str) -> None:
+def test_invalid_bodies_are_refused(member: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         Simulation(scene_of(member, "{name: b, prop: {shape: ball}}"))
     assert all(problem.line > 0 for problem in caught.value.problems)

@@ -1,4 +1,4 @@
-"""The words of materials, light, camera and film."""
+"""Configuration of materials, light, camera and film."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ PROMISED = (
 
 
 @pytest.mark.parametrize("name", PROMISED)
-def test_every_promised_material_is_there(name: str) -> None:
+def test_every_documented_material_exists(name: str) -> None:
     assert material(name) == MATERIALS[name]
 
 
 @pytest.mark.parametrize("word", [*MATERIALS.values(), *LIGHTS.values(), Film().resolved()])
-def test_words_written_out_mean_the_same(word: Material | Light | Film) -> None:
+def test_serialised_models_are_equal(word: Material | Light | Film) -> None:
     assert type(word).model_validate(json.loads(word.model_dump_json())) == word
 
 
-def test_a_wrong_name_gets_the_nearest_one() -> None:
+def test_an_unknown_name_suggests_the_nearest_one() -> None:
     with pytest.raises(ValueError, match="did you mean 'green chitin'"):
         material("gren chitin")
     with pytest.raises(ValueError, match="did you mean 'golden hour'"):
         light("goldenhour")
 
 
-def test_a_preset_is_adjusted_and_otherwise_kept() -> None:
+def test_an_adjusted_preset_keeps_its_other_values() -> None:
     adjusted = material({"preset": "green chitin", "roughness": 0.21})
     assert adjusted.roughness == 0.21
     assert adjusted.color == MATERIALS["green chitin"].color
@@ -86,12 +86,12 @@ def test_hexadecimal_colours_are_srgb() -> None:
         (Film, {"moments": 0}),
     ],
 )
-def test_nonsense_is_refused(model: type[Material], words: dict[str, object]) -> None:
+def test_invalid_values_are_rejected(model: type[Material], words: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
         model.model_validate(words)
 
 
-def test_cuts_begin_at_zero_and_go_on_in_time() -> None:
+def test_cuts_start_at_zero_in_order_of_time() -> None:
     assert cuts({"follow": "bug"})[0].follow == "bug"
     assert [c.start for c in cuts([{}, {"start": 2, "view": "side"}])] == [0, 2]
     for bad in ([{"start": 1}], [{}, {"start": 2}, {"start": 2}], []):
@@ -99,13 +99,13 @@ def test_cuts_begin_at_zero_and_go_on_in_time() -> None:
             cuts(bad)  # type: ignore[arg-type]
 
 
-def test_the_schema_lets_a_preset_stand_for_a_block() -> None:
+def test_the_schema_accepts_a_preset_for_a_block() -> None:
     schema = TypeAdapter(Material).json_schema()
     assert "green chitin" in schema["anyOf"][0]["enum"]
     assert TypeAdapter(Cuts).json_schema()["anyOf"][1]["type"] == "array"
 
 
-def test_film_resolves_once_and_for_all() -> None:
+def test_resolving_a_film_is_idempotent() -> None:
     film = Film(preset="final", samples=3).resolved()
     assert (film.samples, film.size, film.denoise) == (3, (1280, 720), "high")
     assert film.resolved() == film
@@ -125,7 +125,7 @@ def test_the_sun_is_a_unit_vector_and_culminates_in_the_south(
     assert sun_direction(noon)[0] * north[0] + sun_direction(noon)[2] * north[1] < -0.7
 
 
-def test_the_sun_goes_down_in_the_west() -> None:
+def test_the_sun_sets_in_the_west() -> None:
     # North at -Z puts west at -X, east at +X.
     assert sun_direction(Sun(hour=17, north_deg=90))[0] < -0.5
     assert sun_direction(Sun(hour=7, north_deg=90))[0] > 0.5

@@ -1,4 +1,4 @@
-"""Films, as independent readers see them."""
+"""Film encoder, checked with independent readers."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_times_and_lengths_are_exact(tmp_path: Path, fps: Fraction, seconds: flo
         assert audio.rate == RATE
 
 
-def test_colours_come_back_and_are_tagged(tmp_path: Path) -> None:
+def test_colours_survive_encoding_and_are_tagged(tmp_path: Path) -> None:
     colors = [(200, 40, 40), (40, 160, 60), (30, 60, 190), (128, 128, 128), (255, 255, 255)]
     film = tmp_path / "f.mp4"
     write_film(film, (patches(c) for c in colors), Fraction(24))
@@ -88,7 +88,7 @@ def test_frames_are_shown_in_the_order_of_decoding(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("fps", [Fraction(24), Fraction(30000, 1001), Fraction(60)])
-def test_sound_meets_picture_within_a_millisecond(tmp_path: Path, fps: Fraction) -> None:
+def test_sound_and_video_agree_within_a_millisecond(tmp_path: Path, fps: Fraction) -> None:
     flashes = [12, 31]
     sound = np.zeros(RATE * 3)
     for frame in flashes:
@@ -116,7 +116,7 @@ def test_sound_meets_picture_within_a_millisecond(tmp_path: Path, fps: Fraction)
     assert len(bright) == len(flashes)
 
 
-def test_what_cannot_be_encoded_says_why_and_keeps_the_old_film(tmp_path: Path) -> None:
+def test_a_failed_encoding_says_why_and_keeps_the_old_film(tmp_path: Path) -> None:
     film = tmp_path / "f.mp4"
     write_film(film, [patches((1, 2, 3))], Fraction(24), key="old")
     with pytest.raises(EncodeError, match="no frame"):
@@ -132,7 +132,7 @@ def test_what_cannot_be_encoded_says_why_and_keeps_the_old_film(tmp_path: Path) 
     assert [p.name for p in tmp_path.iterdir()] == ["f.mp4"]
 
 
-def test_sound_of_a_part_begins_where_the_part_does(tmp_path: Path) -> None:
+def test_sound_of_a_part_starts_with_the_part(tmp_path: Path) -> None:
     # Silence for frames 1 to 6, then a tone: a part from frame 7 on begins with the tone.
     tone = np.sin(np.arange(48000) * (2 * np.pi * 440 / 48000)) * 0.5
     tone[: 6 * 2000] = 0.0

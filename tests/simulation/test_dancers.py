@@ -103,12 +103,12 @@ def test_torso_links_joints_and_masses() -> None:
 def test_arms_are_mirror_images() -> None:
     moving = LinkageSimulation(build_torso(ADULT).linkage, 1e-3)
     names = [hinge.name for hinge in moving.linkage.hinges]
-    chance = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     for _ in range(10):
         for joint in JOINT_AXES:
             if joint.split("_")[0] in ("shoulder", "elbow", "wrist"):
                 stem, motion = joint.split("_")
-                angle = chance.uniform(-0.4, 0.8)
+                angle = rng.uniform(-0.4, 0.8)
                 for side in "rl":
                     moving.q[names.index(f"{stem}_{side}_{motion}")] = angle
         moving.settle()

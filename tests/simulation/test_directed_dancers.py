@@ -140,7 +140,7 @@ def test_touch_of_other_performers_triggers_dance() -> None:
     met = None
     while not simulation.finished:
         simulation.step()
-        if met is None and any(h.kind == "touch" for h in simulation.happened):
+        if met is None and any(h.kind == "touch" for h in simulation.signals):
             met = ada(simulation).now
             first = [move.land for move in ada(simulation).moves[0]]
     assert met is not None
@@ -165,7 +165,7 @@ def test_characters_collide_with_dancer() -> None:
     met = None
     while not simulation.finished:
         simulation.step()
-        if met is None and any({h.who, h.other} == {"ball", "ada"} for h in simulation.happened):
+        if met is None and any({h.who, h.other} == {"ball", "ada"} for h in simulation.signals):
             met = ada(simulation).now
     assert met is not None
     assert 0.3 < met < 0.6
@@ -398,14 +398,14 @@ def test_wait_within_bars_resumes_them() -> None:
 @EACH_CONTROLLER
 @pytest.mark.parametrize("seed", range(4))
 def test_random_orders_keep_limits(by: str, seed: int) -> None:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     orders = [
         *("dance", "stop", "freeze", "let_go", "{wait: 0.4}", "{dance: out}", "{look: ahead}"),
         *("{dance: drum, bars: 1}", "{dance: up, tempo_bpm: 150}", "{look_at: [2, 1, 2]}"),
         *("{reach: [0.4, 1.5, 0.3]}", "{reach: [0.3, 1.2, 0.0], hand: both}", "{let_go: both}"),
     ]
-    times = np.sort(chance.uniform(0, 8, 24)).round(2)
-    script = [f"{{at: {at}, who: ada, do: {orders[chance.integers(len(orders))]}}}" for at in times]
+    times = np.sort(rng.uniform(0, 8, 24)).round(2)
+    script = [f"{{at: {at}, who: ada, do: {orders[rng.integers(len(orders))]}}}" for at in times]
     config = (
         f"controller: {by}, sway_deg: 4, pose: [{{at: 3, limb: arm_l, reach: [0.4, 1.2, -0.2]}}]"
     )

@@ -37,7 +37,11 @@ from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import ADULT, JOINTS
 from pipeline.simulation.spatial import Array
 
-TICK, STEPS = 1.0 / 96.0, 11
+TICK = 1.0 / 96.0
+"""Control interval [s]."""
+
+STEPS = 11
+"""Physics steps per control interval."""
 
 POSITION_TOLERANCE = 0.012
 """Position tolerance of a reached point [m]."""
@@ -85,8 +89,8 @@ def test_weighted_point_lies_in_convex_hull(fields) -> None:
     weights /= weights.sum()
     point = weighted_point(points, weights.tolist())
     # Support function of the hull, in random directions.
-    chance = np.random.default_rng(1)
-    directions = chance.normal(size=(40, 3))
+    rng = np.random.default_rng(1)
+    directions = rng.normal(size=(40, 3))
     along = np.array(points) @ directions.T
     own = np.array(point) @ directions.T
     assert (own <= along.max(axis=0) + 1e-12).all()
@@ -117,14 +121,14 @@ def test_minimum_jerk_step_has_derivative_and_inverse() -> None:
 
 
 def test_equilibrium_point_stays_in_bounds_for_any_hand_motion() -> None:
-    chance = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
     for _ in range(20):
-        places = chance.uniform(-1, 1, (4, 3))
+        places = rng.uniform(-1, 1, (4, 3))
         fields = HandField(np.zeros(3), FIELD_RATE, False)
         fields.go([0, 1, 2, 3], 0.0, 1.0, places)
         low, high = np.minimum(places.min(axis=0), 0.0), np.maximum(places.max(axis=0), 0.0)
         for now in np.arange(0.0, 2.5, 0.01):
-            fields.desired(tuple(chance.uniform(-1, 1, 3).tolist()), float(now), places)
+            fields.desired(tuple(rng.uniform(-1, 1, 3).tolist()), float(now), places)
             assert (np.array(fields.point) >= low - 1e-12).all()
             assert (np.array(fields.point) <= high + 1e-12).all()
         np.testing.assert_allclose(fields.point, places[3], atol=1e-12)
@@ -183,7 +187,7 @@ def clearance(start: Array, end: Array, torso: Torso) -> float:
 
 def check_random_reaches(count: int, seed: int) -> None:
     """Checks reaches between random reachable points, behind the back too."""
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     torso, moving, arm = standing_torso()
     home, own, done, retries = moving.q.copy(), torso.arm("r"), 0, 0
     lower, upper = np.radians([JOINT_LIMITS[joint] for joint in ARM]).T
@@ -193,7 +197,7 @@ def check_random_reaches(count: int, seed: int) -> None:
     def random_posture() -> tuple[Array, Array]:
         while True:
             moving.q[:], moving.v[:] = home, 0.0
-            moving.q[own] = chance.uniform(lower, upper)
+            moving.q[own] = rng.uniform(lower, upper)
             moving.settle()
             if not moving.touches():
                 return moving.q[own].copy(), moving.places[arm.palm].copy()
@@ -294,8 +298,8 @@ def test_uncompensated_arm_sags_by_weight_over_field_stiffness() -> None:
 
 
 def test_posture_spline_interpolates_and_rests_at_both_ends() -> None:
-    chance = np.random.default_rng(2)
-    keys = [chance.normal(size=7) for _ in range(5)]
+    rng = np.random.default_rng(2)
+    keys = [rng.normal(size=7) for _ in range(5)]
     passage = PostureSpline(keys, 1.0, 3.0)
     times = np.linspace(1.0, 3.0, 4001)
     q, v = (np.array(column) for column in zip(*(passage.at(float(t)) for t in times), strict=True))
@@ -308,8 +312,8 @@ def test_posture_spline_interpolates_and_rests_at_both_ends() -> None:
 
 def test_spline_curvatures_match_scipy() -> None:
     interpolate = pytest.importorskip("scipy.interpolate")
-    chance = np.random.default_rng(7)
-    knots = np.cumsum(chance.uniform(0.1, 1.0, 6))
-    keys = chance.normal(size=(6, 3))
+    rng = np.random.default_rng(7)
+    knots = np.cumsum(rng.uniform(0.1, 1.0, 6))
+    keys = rng.normal(size=(6, 3))
     theirs = interpolate.CubicSpline(knots, keys, bc_type="natural")
     np.testing.assert_allclose(natural_spline_curvatures(knots, keys), theirs(knots, 2), atol=1e-10)

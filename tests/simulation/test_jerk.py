@@ -34,9 +34,9 @@ def reach(
 
 
 def test_filter_matches_scipy_sosfiltfilt() -> None:
-    chance = np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     t = np.arange(0, 6, 1 / SAMPLE_RATE)
-    p = np.stack([np.sin(t), t**2 / 9, np.cumsum(chance.normal(size=len(t))) * 0.02], axis=-1)
+    p = np.stack([np.sin(t), t**2 / 9, np.cumsum(rng.normal(size=len(t))) * 0.02], axis=-1)
     sections = signal.butter(FILTER_ORDER, CUTOFF_FREQUENCY, fs=SAMPLE_RATE, output="sos")
     theirs = signal.sosfiltfilt(sections, p, axis=0)
     inner = slice(40, -40)
@@ -76,11 +76,11 @@ def test_jerk_scales_with_duration_and_distance() -> None:
 
 
 def test_quintic_is_lower_bound() -> None:
-    chance = np.random.default_rng(4)
+    rng = np.random.default_rng(4)
     for _ in range(30):
         t = np.arange(0, 4, 1 / 96)
         p = sum(
-            chance.normal(size=3) / k**2 * np.sin(k * t[:, None] + chance.uniform(0, 6, 3))
+            rng.normal(size=3) / k**2 * np.sin(k * t[:, None] + rng.uniform(0, 6, 3))
             for k in range(1, 6)
         )
         assert minimum_jerk_between(t, p, 1.0, 3.0) <= measure_jerk(t, p, 1.0, 3.0).integral * 1.02
@@ -143,11 +143,11 @@ def test_chebyshev_search_finds_no_better_timing() -> None:
 
 
 def test_retimed_jerk_lies_between_quintic_and_recorded() -> None:
-    chance = np.random.default_rng(8)
+    rng = np.random.default_rng(8)
     for _ in range(12):
         t = np.arange(0, 4, 1 / 96)
         p = sum(
-            chance.normal(size=3) / k**2 * np.sin(k * t[:, None] + chance.uniform(0, 6, 3))
+            rng.normal(size=3) / k**2 * np.sin(k * t[:, None] + rng.uniform(0, 6, 3))
             for k in range(1, 6)
         )
         best = retime_for_minimum_jerk(t, p, 1.0, 3.0)
@@ -178,9 +178,9 @@ def test_failed_search_keeps_recorded_timing(monkeypatch) -> None:
 
 
 def test_rank_correlation_matches_scipy() -> None:
-    chance = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     for _ in range(20):
-        a, b = chance.integers(0, 8, (2, 12)).astype(float)
+        a, b = rng.integers(0, 8, (2, 12)).astype(float)
         assert rank_correlation(a, b) == pytest.approx(stats.spearmanr(a, b)[0], abs=1e-12)
 
 

@@ -103,8 +103,7 @@ class Recorder:
 
     def _matrices(self, which: slice) -> Array:
         """Returns the rotations (n, J, 3, 3) of rows that are not stored yet."""
-        R: Array = self._R[which.start - self._first : which.stop - self._first]
-        return R
+        return self._R[which.start - self._first : which.stop - self._first]
 
     def show(self, which: slice, nodes: NDArray[np.int64]) -> None:
         """Stores the rotations of nodes in rows that are not stored yet, for `solids` to read."""

@@ -94,8 +94,7 @@ def low_passed(p: Array, rate: float = RATE) -> Array:
     warped = np.tan(np.pi * np.minimum(f, 0.4999 * rate) / rate) / np.tan(np.pi * CUTOFF / rate)
     gain = 1.0 / (1.0 + warped ** (2 * ORDER))
     smooth = np.fft.irfft(np.fft.rfft(whole - line, axis=0) * gain[:, None], n, axis=0)
-    result: Array = (smooth + line)[pad : pad + len(p)]
-    return result
+    return (smooth + line)[pad : pad + len(p)]
 
 
 def third_derivative(p: Array, rate: float = RATE) -> Array:
@@ -156,8 +155,7 @@ def rank_correlation(one: Array, other: Array) -> float:
 def _ranks(values: Array) -> Array:
     below = (values[None, :] < values[:, None]).sum(axis=1)
     same = (values[None, :] == values[:, None]).sum(axis=1)
-    result: Array = below + 0.5 * (same - 1)
-    return result
+    return below + 0.5 * (same - 1)
 
 
 def _integral(values: Array, h: float) -> float:

@@ -139,19 +139,16 @@ class _Path:
         t = np.interp(s, self.lengths, self.table)
         for _ in range(3):
             t = np.clip(t - (self.along(t) - s) / self.pace(t), self.table[0], self.table[-1])
-        result: Array = t
-        return result
+        return t
 
     def at(self, s: Array) -> Array:
         """Return places (n, 3) at s (n,)."""
-        result: Array = self.place(self.when(s))
-        return result
+        return self.place(self.when(s))
 
     def slope(self, s: Array) -> Array:
         """Return dp/ds (n, 3) at s (n,)."""
         t = self.when(s)
-        result: Array = self.place(t, 1) / self.pace(t)[:, None]
-        return result
+        return self.place(t, 1) / self.pace(t)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,8 +251,7 @@ class _Problem:
 
     def _jerk(self, s: Array) -> Array:
         """Returns the weighted jerk (n, 3) of a timing."""
-        result: Array = self.outer + self.inner.of(self.path.at(s))
-        return result
+        return self.outer + self.inner.of(self.path.at(s))
 
     def _nearest(self, matrix: Array, wanted: Array) -> Array:
         """Return increments d (m,), none negative, with M d as near b (n,) as can be."""
@@ -266,8 +262,7 @@ class _Problem:
         whole[:n, :m] = matrix / scale
         whole[:n, m] = 0.0
         b = np.append(wanted / scale, HEAVY * self.rise)
-        result: Array = nnls(whole, b, maxiter=20 * (m + 1))[0][:-1]
-        return result
+        return nnls(whole, b, maxiter=20 * (m + 1))[0][:-1]
 
 
 @dataclass(frozen=True, eq=False)

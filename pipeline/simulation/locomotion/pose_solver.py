@@ -340,5 +340,4 @@ def total_lowering(herd: Herd, lowering: Array, s: Array) -> Array:
     sums = np.zeros((len(s), len(herd.names)))
     for owners, legs in herd.legs_by_rank:
         sums[:, owners] += wanted[:, legs]
-    result: Array = np.sqrt(np.sqrt(sums))
-    return result
+    return np.sqrt(np.sqrt(sums))

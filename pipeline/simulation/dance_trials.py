@@ -1,32 +1,37 @@
-"""Dance trials: the public face of the dancers for reports that dance again, outside a take.
+"""Public interface of the dancers for reports that simulate dances outside a take.
 
-A trial varies controller, durations or gains, so no take holds it.
+A trial varies the controller, durations or gains, so no take contains it.
 """
 
 from pipeline.simulation.dancers.dance_measurement import (
     DanceRecord,
     MeasuredMove,
-    first_of_each,
+    first_of_each_subtask,
     measure_moves,
+    minimum_jerk_timing,
     record_dance,
-    same_way,
 )
-from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
-from pipeline.simulation.dancers.jerk import CUTOFF, LEAST, RATE, rank_correlation
+from pipeline.simulation.dancers.jerk import (
+    CUTOFF_FREQUENCY,
+    MINIMUM_DIMENSIONLESS_JERK,
+    SAMPLE_RATE,
+    rank_correlation,
+)
 from pipeline.simulation.dancers.minimum_jerk_retiming import RetimedPath
+from pipeline.simulation.dancers.paper_jerk import PAPER_JERK, PAPER_SUBTASK_COUNT
 
 __all__ = [
-    "COLUMNS",
-    "CUTOFF",
-    "LEAST",
-    "RATE",
-    "SUBTASKS",
+    "CUTOFF_FREQUENCY",
+    "MINIMUM_DIMENSIONLESS_JERK",
+    "PAPER_JERK",
+    "PAPER_SUBTASK_COUNT",
+    "SAMPLE_RATE",
     "DanceRecord",
     "MeasuredMove",
     "RetimedPath",
-    "first_of_each",
+    "first_of_each_subtask",
     "measure_moves",
+    "minimum_jerk_timing",
     "rank_correlation",
     "record_dance",
-    "same_way",
 ]

@@ -14,7 +14,7 @@ from pipeline.production.reports.jerk_report import report_jerk
 from pipeline.production.reports.jerk_trials import agreements, trials_of
 from pipeline.production.run.order import Order
 from pipeline.production.run.progress import reporter_for
-from pipeline.simulation.dancers.figure_three import COLUMNS
+from pipeline.simulation.dancers.paper_jerk import PAPER_JERK
 from pipeline.spec import read_scene
 
 SCENE = "pronk: 1\nduration: 12\ncast: [{name: adonis, dancer: torso}]\n"
@@ -95,7 +95,7 @@ def test_at_equal_durations_the_ranks_of_torques_agree_with_the_paper(trials) ->
 def test_the_report_has_both_columns_and_writes_table_and_plots(tmp_path: Path) -> None:
     order = Order(read_scene(SCENE), "adonis", tmp_path)
     report = report_jerk(order, reporter_for(False, True, False))
-    for column in COLUMNS.values():
+    for column in PAPER_JERK.values():
         for value in column:
             assert f" {value} " in report.text or value is None
     for word in ("10 Hz", "60 Hz", "720", "m²/s⁵", "m²/s⁶", "compensated", "subtasks 3 and 4"):

@@ -1,4 +1,4 @@
-"""Dancers that several tests look at: what they do, step by step."""
+"""Dancers that tests run step by step, and a record of their motion."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 
 HEADER = (
-    "pronk: 1\nduration: {duration}\n{more}\ncast:\n- {{name: adonis, dancer: {build}, {words}}}\n"
+    "pronk: 1\nduration: {duration}\n{more}\ncast:\n- {{name: adonis, dancer: {build}, {config}}}\n"
 )
 
 
-def dancing_of(
-    words: str, rate: float = 96.0, duration: float = 30, more: str = "", build: str = "torso"
+def build_dancer(
+    config: str, rate: float = 96.0, duration: float = 30, more: str = "", build: str = "torso"
 ) -> DancerMotion:
-    """Return a dancer of its words, about to begin."""
-    scene = read_scene(HEADER.format(duration=duration, words=words, more=more, build=build))
+    """Returns a rehearsed dancer at its start."""
+    scene = read_scene(HEADER.format(duration=duration, config=config, more=more, build=build))
     _, member = scene.dancers[0]
     dance = scene.dances[member.dance]
     moves = plan_moves(member, dance, duration, "cast[0]")
@@ -35,22 +35,22 @@ def dancing_of(
 
 
 @dataclass
-class Seen:
-    """What a dancer did.
+class DanceRecording:
+    """Motion of a dancer.
 
     Attributes:
-        dancing: the dancer.
-        times: of the rows [s].
-        hands: (K, 2, 3) middles of the palms, right and left [m].
-        gaps: per touched subtask, how far the palm is from the named place at each row [m].
+        dancer: the dancer.
+        times: (K,) times of the rows [s].
+        hands: (K, 2, 3) centres of the palms, right and left [m].
+        places: (K, S, 3) touch points of the subtasks, NaN for other subtasks [m].
         forward: (K, 2, 3) directions from shoulders to wrists.
-        deepest: depth and names of what went deepest into what.
-        strikes: what hands touched.
-        torques: (K, 20) [N m].
-        energies: kinetic and potential, row by row [J].
+        deepest: deepest penetration of each pair of solids [m].
+        strikes: contacts of the hands.
+        torques: (K, 20) joint torques [N m].
+        q: (K, 20) joint angles [rad].
     """
 
-    dancing: DancerMotion
+    dancer: DancerMotion
     times: list[float] = field(default_factory=list)
     hands: list[Array] = field(default_factory=list)
     places: list[Array] = field(default_factory=list)
@@ -60,15 +60,15 @@ class Seen:
     torques: list[Array] = field(default_factory=list)
     q: list[Array] = field(default_factory=list)
 
-    def look(self) -> None:
-        """Keep how the dancer is now."""
-        one, moving = self.dancing, self.dancing.moving
-        self.times.append(one.now)
-        self.hands.append(moving.places[[arm.palm for arm in one.arms]].copy())
+    def record(self) -> None:
+        """Appends the present state."""
+        dancer, moving = self.dancer, self.dancer.moving
+        self.times.append(dancer.now)
+        self.hands.append(moving.places[[arm.palm for arm in dancer.arms]].copy())
         R, p = moving.poses()
-        rest = np.array([link.place for link in one.torso.linkage.links])
+        rest = np.array([link.place for link in dancer.torso.linkage.links])
         rows = []
-        for goal in one.goals:
+        for goal in dancer.goals:
             row = np.full(3, np.nan)
             if goal.surface is not None:
                 k = LINKS.index(goal.surface.link) if goal.surface.link else 0
@@ -85,26 +85,26 @@ class Seen:
         self.torques.append(moving.torques())
         self.q.append(moving.q.copy())
 
-    def run(self, until: float) -> Seen:
-        """Let it dance."""
-        while self.dancing.now < until:
-            self.strikes += self.dancing.advance()
-            self.look()
+    def run(self, until: float) -> DanceRecording:
+        """Runs the dancer until a time [s]."""
+        while self.dancer.now < until:
+            self.strikes += self.dancer.advance()
+            self.record()
         return self
 
     def moves(self, bar: int = 0) -> list[tuple[Move, int]]:
-        """Return the moves of a bar, each with the number of its hand."""
-        rows = [(m, k) for k, moves in enumerate(self.dancing.moves) for m in moves]
+        """Returns the moves of a bar, each with the number of its hand."""
+        rows = [(m, k) for k, moves in enumerate(self.dancer.moves) for m in moves]
         return sorted((r for r in rows if r[0].bar == bar), key=lambda row: row[0].land)
 
     def around(self, move: Move, before: float, after: float) -> slice:
-        """Return the rows around the arrival of a move."""
+        """Returns the rows around the arrival of a move."""
         first = int(np.searchsorted(self.times, move.land - before))
         return slice(first, int(np.searchsorted(self.times, move.land + after)) + 1)
 
 
-def danced(
-    words: str, until: float, rate: float = 96.0, more: str = "", build: str = "torso"
-) -> Seen:
-    """Return what a dancer of its words did."""
-    return Seen(dancing_of(words, rate, until + 1.0, more, build)).run(until)
+def record_motion(
+    config: str, until: float, rate: float = 96.0, more: str = "", build: str = "torso"
+) -> DanceRecording:
+    """Returns the motion of a dancer until a time [s]."""
+    return DanceRecording(build_dancer(config, rate, until + 1.0, more, build)).run(until)

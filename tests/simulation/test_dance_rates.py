@@ -1,27 +1,27 @@
-"""The same dance at other frame rates and other steps."""
+"""The same dance at other frame rates and physics steps."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.simulation.dancing import Seen, danced
-from tests.simulation.test_dancers import DEPTH, unreached
+from tests.simulation.dancing import DanceRecording, record_motion
+from tests.simulation.test_dancers import MAX_PENETRATION, unreached
 
-BOTH = ("force-field", "joint-torque")
+CONTROLLERS = ("force-field", "joint-torque")
 
-# The whole dance: all twelve subtasks and a while after.
+# All twelve subtasks and some time after.
 BEATS = 13.0
 
 
-def whole(by: str, tempo: float, rate: float, steps: int) -> Seen:
-    words = f"controller: {by}, tempo_bpm: {tempo}, start: 1.0, steps_a_second: {steps}"
-    return danced(words, 1.0 + BEATS * 60.0 / tempo, rate)
+def full_dance(by: str, tempo: float, rate: float, steps: int) -> DanceRecording:
+    config = f"controller: {by}, tempo_bpm: {tempo}, start: 1.0, steps_a_second: {steps}"
+    return record_motion(config, 1.0 + BEATS * 60.0 / tempo, rate)
 
 
 HALVED = [
     pytest.param(by, tempo, rate, marks=[] if (tempo, rate) == (103, 100) else pytest.mark.nightly)
-    for by in BOTH
+    for by in CONTROLLERS
     for tempo in (60, 80, 103)
     for rate in (96, 100)
 ]
@@ -29,16 +29,16 @@ HALVED = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("by", "tempo", "rate"), HALVED)
-def test_halving_the_step_moves_hands_by_less_than_two_millimetres(
+def test_halving_step_moves_hands_less_than_two_millimetres(
     by: str, tempo: float, rate: float
 ) -> None:
-    # At 100 steps of the world a second these are 1/1000 s and 1/2000 s to the digit.
-    coarse, fine = (np.array(whole(by, tempo, rate, steps).hands) for steps in (1000, 2000))
+    # At 100 world steps a second these are exactly 1/1000 s and 1/2000 s.
+    coarse, fine = (np.array(full_dance(by, tempo, rate, steps).hands) for steps in (1000, 2000))
     apart = np.linalg.norm(coarse - fine, axis=-1)
     assert apart.max() < 0.002
 
 
-# 24 to 240 frames a second, of one to four steps each; steps of 1/288 s to 1/2000 s and less.
+# Frame rates and smallest step rates [Hz].
 SAMPLED = [
     pytest.param(24, 240, marks=pytest.mark.slow),
     pytest.param(96, 240, marks=pytest.mark.nightly),
@@ -49,23 +49,23 @@ SAMPLED = [
 ]
 
 
-@pytest.mark.parametrize("by", BOTH)
+@pytest.mark.parametrize("by", CONTROLLERS)
 @pytest.mark.parametrize(("rate", "steps"), SAMPLED)
-def test_every_goal_is_reached_at_every_frame_rate_and_step(by: str, rate: int, steps: int) -> None:
-    seen = whole(by, 103, rate, steps)
-    for rows in (seen.q, seen.hands, seen.torques):
+def test_every_goal_is_reached_at_any_rate(by: str, rate: int, steps: int) -> None:
+    motion = full_dance(by, 103, rate, steps)
+    for rows in (motion.q, motion.hands, motion.torques):
         assert np.isfinite(np.array(rows)).all()
-    assert unreached(seen, skipped=(2, 3) if by == "force-field" else ()) == []
-    assert max(seen.deepest.values()) < DEPTH
+    assert unreached(motion, skipped=(2, 3) if by == "force-field" else ()) == []
+    assert max(motion.deepest.values()) < MAX_PENETRATION
 
 
-# Subtasks 1 to 5 and the way to 6.
+# Subtasks 1 to 5 and part of 6.
 UNTIL = 1.0 + 5.5 * 0.6
 
 
-def hands(by: str, rate: float, steps: int) -> np.ndarray:
-    words = f"controller: {by}, tempo_bpm: 100, start: 1.0, steps_a_second: {steps}"
-    return np.array(danced(words, UNTIL, rate).hands)
+def hand_path(by: str, rate: float, steps: int) -> np.ndarray:
+    config = f"controller: {by}, tempo_bpm: 100, start: 1.0, steps_a_second: {steps}"
+    return np.array(record_motion(config, UNTIL, rate).hands)
 
 
 RATES = [
@@ -76,22 +76,22 @@ RATES = [
 ]
 
 
-@pytest.mark.parametrize("by", BOTH)
+@pytest.mark.parametrize("by", CONTROLLERS)
 @pytest.mark.parametrize(("rate", "steps"), RATES)
-def test_other_rates_and_steps_dance_the_same_dance(by: str, rate: int, steps: int) -> None:
-    seen = danced(
+def test_motion_agrees_between_rates(by: str, rate: int, steps: int) -> None:
+    motion = record_motion(
         f"controller: {by}, tempo_bpm: 100, start: 1.0, steps_a_second: {steps}", UNTIL, rate
     )
-    assert np.isfinite(np.array(seen.q)).all()
-    reference = hands(by, 96.0, 2000)
+    assert np.isfinite(np.array(motion.q)).all()
+    reference = hand_path(by, 96.0, 2000)
     times = np.arange(1, len(reference) + 1) / 96.0
-    own = np.array(seen.hands)
-    at = np.array(seen.times)
+    own = np.array(motion.hands)
+    at = np.array(motion.times)
     found = np.stack(
         [[np.interp(times, at, own[:, k, i]) for i in range(3)] for k in range(2)]
     ).transpose(2, 0, 1)
     inside = times <= at[-1]
     apart = np.linalg.norm(found - reference, axis=-1)[inside]
-    # Where they have arrived they are at one place, on the way within what a control lasts.
+    # Close at the arrivals; between them within the motion of one control interval.
     assert np.median(apart) < 0.01
     assert apart.max() < 0.08

@@ -1,4 +1,4 @@
-"""Dancers that a script tells what to do, and that are posed."""
+"""Dancers with script orders and poses."""
 
 from __future__ import annotations
 
@@ -37,21 +37,23 @@ dances:
     subtasks:
       - {{hand: r, touch: tom, lift: 0.12, on: [1, 2], beats: 0.8}}
 cast:
-  - {{name: ada, dancer: torso, dance: up, {words}}}
+  - {{name: ada, dancer: torso, dance: up, {config}}}
   - {{name: tor, prop: {{shape: box}}, at: [3, 3]}}
 script:
 {script}
 """
 
-BOTH = pytest.mark.parametrize("by", ["force-field", "joint-torque"])
+EACH_CONTROLLER = pytest.mark.parametrize("by", ["force-field", "joint-torque"])
 
 
-def told(*script: str, words: str = "", duration: float = 6.0, more: str = "") -> Simulation:
+def build_simulation(
+    *script: str, config: str = "", duration: float = 6.0, more: str = ""
+) -> Simulation:
     lines = "\n".join(f"  - {line}" for line in script) or "  []"
-    if "beat:" not in words:
-        words = f"start: 0, {words}"
+    if "beat:" not in config:
+        config = f"start: 0, {config}"
     return Simulation(
-        read_scene(SCENE.format(duration=duration, words=words, script=lines, more=more))
+        read_scene(SCENE.format(duration=duration, config=config, script=lines, more=more))
     )
 
 
@@ -60,90 +62,96 @@ def ada(simulation: Simulation) -> DancerMotion:
     return troupe.dancing[0]
 
 
-def go(simulation: Simulation, until: float) -> np.ndarray:
-    """Go on until a time; return where both palms are then (2, 3) [m]."""
-    one = ada(simulation)
-    while one.now < until - 1e-6:
+def run_until(simulation: Simulation, until: float) -> np.ndarray:
+    """Runs until a time, and returns the positions (2, 3) of both palms [m]."""
+    dancer = ada(simulation)
+    while dancer.now < until - 1e-6:
         simulation.step()
-    return np.array(one.moving.places[[arm.palm for arm in one.arms]])
+    return np.array(dancer.moving.places[[arm.palm for arm in dancer.arms]])
 
 
-def near(place: np.ndarray, wanted: tuple[float, float, float], far: float = 0.03) -> bool:
-    return bool(np.linalg.norm(place - wanted) < far)
+def is_near(place: np.ndarray, wanted: tuple[float, float, float], tolerance: float = 0.03) -> bool:
+    return bool(np.linalg.norm(place - wanted) < tolerance)
 
 
-@BOTH
-def test_a_dancer_stops_and_lets_its_arms_hang_and_goes_on(by: str) -> None:
-    words = f"controller: {by}"
-    one = told("{at: 1.5, who: ada, do: stop}", "{at: 3.5, who: ada, do: dance}", words=words)
-    assert near(go(one, 1.1)[0], (0.42, 1.5, 0.3))
+@EACH_CONTROLLER
+def test_stop_hangs_arms_and_dance_resumes(by: str) -> None:
+    config = f"controller: {by}"
+    simulation = build_simulation(
+        "{at: 1.5, who: ada, do: stop}", "{at: 3.5, who: ada, do: dance}", config=config
+    )
+    assert is_near(run_until(simulation, 1.1)[0], (0.42, 1.5, 0.3))
     for now in (2.9, 3.4):
-        # It hangs beside the thigh, and stays there.
-        hand = go(one, now)[0]
+        # The hand stays beside the thigh.
+        hand = run_until(simulation, now)[0]
         assert hand[1] < 0.9
         assert abs(hand[0]) < 0.2
-    assert near(go(one, 4.6)[0], (0.42, 1.5, 0.3))
-    assert near(go(one, 5.6)[0], (0.42, 1.2, 0.3))
+    assert is_near(run_until(simulation, 4.6)[0], (0.42, 1.5, 0.3))
+    assert is_near(run_until(simulation, 5.6)[0], (0.42, 1.2, 0.3))
 
 
-@BOTH
-def test_a_dancer_freezes_where_it_is(by: str) -> None:
-    one = told("{at: 0.6, who: ada, do: freeze}", words=f"controller: {by}")
-    begin = go(one, 0.6)
-    assert not near(begin[0], (0.42, 1.5, 0.3), 0.1)
-    still = go(one, 1.2)
-    # It comes to rest within a hand's breadth, and then is at rest.
-    assert np.linalg.norm(still - begin, axis=1).max() < 0.12
-    assert np.linalg.norm(go(one, 3.0) - still, axis=1).max() < 0.005
+@EACH_CONTROLLER
+def test_freeze(by: str) -> None:
+    simulation = build_simulation("{at: 0.6, who: ada, do: freeze}", config=f"controller: {by}")
+    start = run_until(simulation, 0.6)
+    assert not is_near(start[0], (0.42, 1.5, 0.3), 0.1)
+    still = run_until(simulation, 1.2)
+    # The hands stop within a hand's breadth.
+    assert np.linalg.norm(still - start, axis=1).max() < 0.12
+    assert np.linalg.norm(run_until(simulation, 3.0) - still, axis=1).max() < 0.005
 
 
-@BOTH
-def test_it_dances_something_else_for_a_bar_and_goes_back(by: str) -> None:
-    one = told("{at: 2.0, who: ada, do: {dance: out, bars: 1}}", words=f"controller: {by}")
-    assert near(go(one, 1.1)[0], (0.42, 1.5, 0.3))
-    assert near(go(one, 3.1)[0], (0.35, 1.4, 0.5))
-    assert near(go(one, 4.1)[1], (0.35, 1.4, -0.5))
-    assert near(go(one, 5.1)[0], (0.42, 1.5, 0.3))
+@EACH_CONTROLLER
+def test_dance_for_one_bar_then_own_dance(by: str) -> None:
+    simulation = build_simulation(
+        "{at: 2.0, who: ada, do: {dance: out, bars: 1}}", config=f"controller: {by}"
+    )
+    assert is_near(run_until(simulation, 1.1)[0], (0.42, 1.5, 0.3))
+    assert is_near(run_until(simulation, 3.1)[0], (0.35, 1.4, 0.5))
+    assert is_near(run_until(simulation, 4.1)[1], (0.35, 1.4, -0.5))
+    assert is_near(run_until(simulation, 5.1)[0], (0.42, 1.5, 0.3))
 
 
-def test_who_has_danced_its_bars_has_arrived_and_others_can_wait_for_that() -> None:
-    one = told(
+def test_arrived_signal_after_last_bar() -> None:
+    simulation = build_simulation(
         "{at: 1.0, who: ada, do: {dance: out, bars: 1, tempo_bpm: 120}}",
         "{when: {arrived: ada}, who: ada, do: stop}",
     )
-    heard = []
-    while not one.finished:
-        one.step()
-        heard += [(h.kind, round(ada(one).now, 2)) for h in one.signals if h.who == "ada"]
-    assert heard == [("arrived", 2.0)]
-    assert go(one, 6.0)[0, 1] < 0.9
+    signals = []
+    while not simulation.finished:
+        simulation.step()
+        signals += [
+            (h.kind, round(ada(simulation).now, 2)) for h in simulation.signals if h.who == "ada"
+        ]
+    assert signals == [("arrived", 2.0)]
+    assert run_until(simulation, 6.0)[0, 1] < 0.9
 
 
 @pytest.mark.slow
-def test_a_touch_of_two_others_makes_it_dance() -> None:
-    text = SCENE.format(duration=6, words="start: 0, bars: 1", script="SCRIPT", more="")
+def test_touch_of_other_performers_triggers_dance() -> None:
+    text = SCENE.format(duration=6, config="start: 0, bars: 1", script="SCRIPT", more="")
     others = (
         "  - {name: ball, character: ball, at: [3, 3], velocity: [1, 0, 0]}\n"
         "  - {name: wall, character: box, at: [4.2, 3]}\n"
     )
     when = "  - {when: {touch: [ball, wall]}, who: ada, do: {dance: out}}"
     text = text.replace("script:\n", f"{others}script:\n").replace("SCRIPT", when)
-    one = Simulation(read_scene(text))
+    simulation = Simulation(read_scene(text))
     met = None
-    while not one.finished:
-        one.step()
-        if met is None and any(h.kind == "touch" for h in one.happened):
-            met = ada(one).now
-            first = [move.land for move in ada(one).moves[0]]
+    while not simulation.finished:
+        simulation.step()
+        if met is None and any(h.kind == "touch" for h in simulation.happened):
+            met = ada(simulation).now
+            first = [move.land for move in ada(simulation).moves[0]]
     assert met is not None
-    assert min(abs(land - met - 1.0) for land in [m.land for m in ada(one).moves[0]]) < 0.05
+    assert min(abs(land - met - 1.0) for land in [m.land for m in ada(simulation).moves[0]]) < 0.05
     assert met + 1.0 not in first
-    assert near(go(one, 6.0)[1], (0.35, 1.4, -0.5))
+    assert is_near(run_until(simulation, 6.0)[1], (0.35, 1.4, -0.5))
 
 
 @pytest.mark.slow
-def test_characters_run_into_a_dancer_who_feels_that() -> None:
-    text = SCENE.format(duration=4, words="start: 0, bars: 1", script="SCRIPT", more="")
+def test_characters_collide_with_dancer() -> None:
+    text = SCENE.format(duration=4, config="start: 0, bars: 1", script="SCRIPT", more="")
     others = (
         "  - {name: ball, character: ball, at: [1.2, 1.0, 0.02], velocity: [-2.5, 1, 0]}\n"
         "  - {name: kid, character: child, at: [-1.4, 0]}\n"
@@ -153,18 +161,18 @@ def test_characters_run_into_a_dancer_who_feels_that() -> None:
         "  - {at: 0.1, who: kid, do: walk}\n"
     )
     text = text.replace("script:\n", f"{others}script:\n").replace("SCRIPT", script)
-    one = Simulation(read_scene(text))
+    simulation = Simulation(read_scene(text))
     met = None
-    while not one.finished:
-        one.step()
-        if met is None and any({h.who, h.other} == {"ball", "ada"} for h in one.happened):
-            met = ada(one).now
+    while not simulation.finished:
+        simulation.step()
+        if met is None and any({h.who, h.other} == {"ball", "ada"} for h in simulation.happened):
+            met = ada(simulation).now
     assert met is not None
     assert 0.3 < met < 0.6
-    assert near(go(one, 4.0)[1], (0.35, 1.4, -0.5))
-    take = one.take()
+    assert is_near(run_until(simulation, 4.0)[1], (0.35, 1.4, -0.5))
+    take = simulation.take()
     names = [node.name for node in take.nodes]
-    # The ball bounces off, and the child does not walk through the dancer.
+    # The ball bounces off; the child does not walk through the dancer.
     ball, kid = (take.positions[:, names.index(name)] for name in (ball_node(names), "kid.pelvis"))
     assert ball[-1, 0] > 0.5
     assert kid[:, 0].max() < -0.15
@@ -174,18 +182,19 @@ def ball_node(names: list[str]) -> str:
     return next(name for name in names if name.startswith("ball"))
 
 
-@BOTH
-def test_a_dance_that_is_told_strikes_on_its_beats(by: str) -> None:
-    one = told("{at: 1.5, who: ada, do: {dance: drum}}", words=f"controller: {by}", duration=5)
-    while not one.finished:
-        one.step()
+@EACH_CONTROLLER
+def test_ordered_dance_strikes_on_beats(by: str) -> None:
+    simulation = build_simulation(
+        "{at: 1.5, who: ada, do: {dance: drum}}", config=f"controller: {by}", duration=5
+    )
+    while not simulation.finished:
+        simulation.step()
     blows = [
         (c.step + c.fraction) / 96
-        for c in one.take().contacts
+        for c in simulation.take().contacts
         if (c.performer, c.other) == ("ada", "tom")
     ]
-    # The first is as far away as a hand is on its way to a blow, 0.8 beats of half a second; from
-    # where it happens to be it is not as well practised as the others.
+    # The first strike takes 0.8 beats of half a second; its start is not practised.
     blows = [blow for blow in blows if blow > 1.6]
     wanted = [1.9 + 0.5 * k for k in range(6)]
     late = np.array(blows[: len(wanted)]) - wanted
@@ -193,51 +202,53 @@ def test_a_dance_that_is_told_strikes_on_its_beats(by: str) -> None:
     assert np.abs(late[1:]).max() < 1 / 24
 
 
-def test_who_is_locked_to_the_score_changes_on_its_beats() -> None:
-    one = told(
+def test_locked_dancer_changes_dance_on_beats() -> None:
+    simulation = build_simulation(
         "{at: 1.3, who: ada, do: {dance: out}}",
-        words="beat: 1",
+        config="beat: 1",
         more="sound: {tempo_bpm: 60}",
     )
-    go(one, 1.6)
-    moves = ada(one).moves[0]
+    run_until(simulation, 1.6)
+    moves = ada(simulation).moves[0]
     assert moves[-1].land == pytest.approx(round(moves[-1].land))
 
 
-@BOTH
-def test_it_waits_and_goes_on(by: str) -> None:
-    one = told("{at: 1.2, who: ada, do: {wait: 1.5}}", words=f"controller: {by}")
-    still = go(one, 1.6)
-    assert np.linalg.norm(go(one, 2.6) - still, axis=1).max() < 0.01
-    assert near(go(one, 3.8)[0], (0.42, 1.5, 0.3))
+@EACH_CONTROLLER
+def test_wait(by: str) -> None:
+    simulation = build_simulation(
+        "{at: 1.2, who: ada, do: {wait: 1.5}}", config=f"controller: {by}"
+    )
+    still = run_until(simulation, 1.6)
+    assert np.linalg.norm(run_until(simulation, 2.6) - still, axis=1).max() < 0.01
+    assert is_near(run_until(simulation, 3.8)[0], (0.42, 1.5, 0.3))
 
 
-@BOTH
-def test_a_hand_reaches_for_a_place_and_is_let_go(by: str) -> None:
-    one = told(
+@EACH_CONTROLLER
+def test_reach_and_let_go(by: str) -> None:
+    simulation = build_simulation(
         "{at: 1.0, who: ada, do: {reach: [1.6, 1.3, 2.7], hand: left}}",
         "{at: 4.0, who: ada, do: {let_go: left}}",
-        words=f"controller: {by}, at: [2, 2.5], heading_deg: 180",
+        config=f"controller: {by}, at: [2, 2.5], heading_deg: 180",
         duration=7,
     )
-    # Turned about it stands with its left at greater z.
-    assert near(go(one, 2.2)[1], (0.4, 1.3, -0.2))
+    # Turned by 180 degrees: the left side is at greater z.
+    assert is_near(run_until(simulation, 2.2)[1], (0.4, 1.3, -0.2))
     # The right hand dances on meanwhile.
-    assert near(go(one, 3.05)[0], (0.42, 1.5, 0.3))
-    assert go(one, 5.6)[1, 1] < 0.9
+    assert is_near(run_until(simulation, 3.05)[0], (0.42, 1.5, 0.3))
+    assert run_until(simulation, 5.6)[1, 1] < 0.9
 
 
-@BOTH
-def test_it_is_posed_and_released(by: str) -> None:
+@EACH_CONTROLLER
+def test_pose_and_release(by: str) -> None:
     pose = (
         "[{at: 1.5, limb: arm_l, reach: [0.4, 1.4, -0.3]}, "
         "{at: 2.5, joints: {shoulder_l_flexion_deg: 80, elbow_l_flexion_deg: 30, "
         "waist_flexion_deg: 12}}, {at: 3.5, release: arm_l}, {at: 3.5, release: trunk}]"
     )
-    one = told(words=f"controller: {by}, pose: {pose}")
-    assert near(go(one, 1.6)[1], (0.4, 1.4, -0.3))
-    go(one, 2.9)
-    dancing = ada(one)
+    simulation = build_simulation(config=f"controller: {by}, pose: {pose}")
+    assert is_near(run_until(simulation, 1.6)[1], (0.4, 1.4, -0.3))
+    run_until(simulation, 2.9)
+    dancing = ada(simulation)
     names = dancing.torso.names
 
     def angle(joint: str) -> float:
@@ -246,31 +257,31 @@ def test_it_is_posed_and_released(by: str) -> None:
     assert angle("shoulder_l_flexion") == pytest.approx(80, abs=5)
     assert angle("elbow_l_flexion") == pytest.approx(30, abs=5)
     assert angle("waist_flexion") == pytest.approx(12, abs=2)
-    hand = go(one, 5.0)[1]
+    hand = run_until(simulation, 5.0)[1]
     assert hand[1] < 0.9
     assert abs(angle("waist_flexion")) < 2
 
 
-def test_it_looks_at_a_place_and_at_its_hand_again() -> None:
-    one = told(
+def test_look_at_and_look_ahead() -> None:
+    simulation = build_simulation(
         "{at: 0.5, who: ada, do: {look_at: [1, 1.5, -3]}}", "{at: 3.0, who: ada, do: {look: ahead}}"
     )
-    neck = ada(one).torso.names.index("neck_rotation")
-    go(one, 2.5)
-    # To the left, where no hand is.
-    assert ada(one).moving.q[neck] > 0.2
-    go(one, 4.5)
-    assert ada(one).moving.q[neck] < 0.1
+    neck = ada(simulation).torso.names.index("neck_rotation")
+    run_until(simulation, 2.5)
+    # To the left, away from the hands.
+    assert ada(simulation).moving.q[neck] > 0.2
+    run_until(simulation, 4.5)
+    assert ada(simulation).moving.q[neck] < 0.1
 
 
-def test_who_is_told_nothing_dances_as_ever() -> None:
-    plain, told_late = told(), told("{at: 5.5, who: ada, do: stop}")
-    apart = go(plain, 5.0) - go(told_late, 5.0)
+def test_later_order_does_not_change_earlier_motion() -> None:
+    plain, late_order = build_simulation(), build_simulation("{at: 5.5, who: ada, do: stop}")
+    apart = run_until(plain, 5.0) - run_until(late_order, 5.0)
     np.testing.assert_array_equal(apart, 0.0)
 
 
 @pytest.mark.parametrize(
-    ("script", "words", "path", "message"),
+    ("script", "config", "path", "message"),
     [
         ("do: walk", "", "script[0].do", "'ada' is a dancer, who can dance, stop"),
         ("do: {go_to: [1, 1]}", "", "script[0].do.go_to", "'ada' is a dancer"),
@@ -304,19 +315,19 @@ def test_who_is_told_nothing_dances_as_ever() -> None:
         ),
     ],
 )
-def test_what_a_dancer_cannot_be_told_is_said(script, words, path, message) -> None:
+def test_invalid_order_or_pose_is_refused(script, config, path, message) -> None:
     line = [f"{{at: 0.5, who: ada, {script}}}"] if script else []
     with pytest.raises(SceneError) as caught:
-        told(*line, words=words)
+        build_simulation(*line, config=config)
     assert len(caught.value.problems) == 1, caught.value
     assert path in str(caught.value)
     assert message in str(caught.value)
 
 
-def test_what_is_told_and_posed_is_written_out_and_read_again() -> None:
+def test_script_and_pose_round_trip() -> None:
     text = SCENE.format(
         duration=4,
-        words="beat: 2, pose: [{at: 1, limb: arm_r, reach: [0.4, 1.2, 0.2]}, "
+        config="beat: 2, pose: [{at: 1, limb: arm_r, reach: [0.4, 1.2, 0.2]}, "
         "{at: 2, joints: {elbow_l_flexion_deg: 40}}, {at: 3, release: arm_r}]",
         script="  - {at: 1, who: ada, do: {dance: out, bars: 1}}\n  - {at: 3, who: ada, do: stop}",
         more="sound: {tempo_bpm: 60}",
@@ -325,7 +336,7 @@ def test_what_is_told_and_posed_is_written_out_and_read_again() -> None:
     assert read_scene(dump(scene)) == scene
 
 
-def test_others_do_not_dance() -> None:
+def test_dance_order_needs_dancer() -> None:
     with pytest.raises(SceneError, match="is a creature; only a dancer can dance"):
         read_scene(
             "pronk: 1\nduration: 1\ncast: [{figure: beetle, name: a, walk: {}}]\n"
@@ -333,9 +344,9 @@ def test_others_do_not_dance() -> None:
         )
 
 
-def test_two_dances_of_one_dancer_have_no_different_drums_of_one_name() -> None:
+def test_conflicting_drums_of_two_dances_are_refused() -> None:
     more = "  other: {subtasks: [{touch: tom}], drums: {tom: {at: [0.4, 1, 0]}}}\n"
-    text = SCENE.format(duration=2, words="gaze: true", script="SCRIPT", more="")
+    text = SCENE.format(duration=2, config="gaze: true", script="SCRIPT", more="")
     text = text.replace("cast:\n", f"{more}cast:\n")
     lines = [
         f"  - {{at: {k}, who: ada, do: {{dance: {d}}}}}" for k, d in enumerate(("drum", "other"))
@@ -344,65 +355,65 @@ def test_two_dances_of_one_dancer_have_no_different_drums_of_one_name() -> None:
         Simulation(read_scene(text.replace("SCRIPT", "\n".join(lines))))
 
 
-def test_what_is_told_from_outside_goes_the_same_way_when_it_is_written_down() -> None:
-    told_so = [(1.0, {"dance": "out", "bars": 1}), (3.5, "freeze"), (4.0, "dance"), (5.0, "stop")]
-    text = SCENE.format(duration=6, words="start: 0", script="SCRIPT", more="")
+def test_live_orders_equal_script() -> None:
+    orders = [(1.0, {"dance": "out", "bars": 1}), (3.5, "freeze"), (4.0, "dance"), (5.0, "stop")]
+    text = SCENE.format(duration=6, config="start: 0", script="SCRIPT", more="")
     scene = read_scene(text.replace("SCRIPT", "  []"))
-    one = Simulation(scene, directed=True)
-    for at, do in told_so:
-        go(one, at)
-        one.add_instruction(instruction_of({"who": "ada", "do": do}, scene, at))
-    lines = [f"  - {{at: {at}, who: ada, do: {json.dumps(do)}}}" for at, do in told_so]
+    simulation = Simulation(scene, directed=True)
+    for at, do in orders:
+        run_until(simulation, at)
+        simulation.add_instruction(instruction_of({"who": "ada", "do": do}, scene, at))
+    lines = [f"  - {{at: {at}, who: ada, do: {json.dumps(do)}}}" for at, do in orders]
     other = Simulation(read_scene(text.replace("SCRIPT", "\n".join(lines))))
-    for simulation in (one, other):
-        while not simulation.finished:
-            simulation.step()
-    np.testing.assert_array_equal(one.take().positions, other.take().positions)
+    for run in (simulation, other):
+        while not run.finished:
+            run.step()
+    np.testing.assert_array_equal(simulation.take().positions, other.take().positions)
 
 
-def test_what_it_has_to_know_from_the_begin_is_refused_from_outside() -> None:
-    scene = read_scene(SCENE.format(duration=6, words="start: 0", script="  []", more=""))
-    one = Simulation(scene, directed=True)
+def test_live_order_needing_new_drums_or_places_is_refused() -> None:
+    scene = read_scene(SCENE.format(duration=6, config="start: 0", script="  []", more=""))
+    simulation = Simulation(scene, directed=True)
     for do, message in (
         ({"reach": [0.4, 1.3, 0.2]}, "only reaches for places that the scene"),
         ({"dance": "drum"}, "the drums of 'drum' exist only if the scene's script names"),
     ):
         with pytest.raises(SceneError, match=message):
-            one.add_instruction(instruction_of({"who": "ada", "do": do}, scene, 0.0))
-    one.add_instruction(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 0.0))
-    assert near(go(one, 1.1)[0], (0.35, 1.4, 0.5))
+            simulation.add_instruction(instruction_of({"who": "ada", "do": do}, scene, 0.0))
+    simulation.add_instruction(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 0.0))
+    assert is_near(run_until(simulation, 1.1)[0], (0.35, 1.4, 0.5))
 
 
-def test_a_wait_within_some_bars_goes_on_with_them_and_then_back() -> None:
-    one = told(
+def test_wait_within_bars_resumes_them() -> None:
+    simulation = build_simulation(
         "{at: 0.5, who: ada, do: {dance: out, bars: 1}}",
         "{at: 1.0, who: ada, do: {wait: 0.5}}",
         duration=8,
     )
-    assert near(go(one, 2.55)[0], (0.35, 1.4, 0.5))
-    assert near(go(one, 4.55)[0], (0.42, 1.5, 0.3))
+    assert is_near(run_until(simulation, 2.55)[0], (0.35, 1.4, 0.5))
+    assert is_near(run_until(simulation, 4.55)[0], (0.42, 1.5, 0.3))
 
 
 @pytest.mark.nightly
-@BOTH
+@EACH_CONTROLLER
 @pytest.mark.parametrize("seed", range(4))
-def test_whatever_is_told_it_stays_whole(by: str, seed: int) -> None:
+def test_random_orders_keep_limits(by: str, seed: int) -> None:
     chance = np.random.default_rng(seed)
-    said = [
+    orders = [
         *("dance", "stop", "freeze", "let_go", "{wait: 0.4}", "{dance: out}", "{look: ahead}"),
         *("{dance: drum, bars: 1}", "{dance: up, tempo_bpm: 150}", "{look_at: [2, 1, 2]}"),
         *("{reach: [0.4, 1.5, 0.3]}", "{reach: [0.3, 1.2, 0.0], hand: both}", "{let_go: both}"),
     ]
     times = np.sort(chance.uniform(0, 8, 24)).round(2)
-    script = [f"{{at: {at}, who: ada, do: {said[chance.integers(len(said))]}}}" for at in times]
-    words = (
+    script = [f"{{at: {at}, who: ada, do: {orders[chance.integers(len(orders))]}}}" for at in times]
+    config = (
         f"controller: {by}, sway_deg: 4, pose: [{{at: 3, limb: arm_l, reach: [0.4, 1.2, -0.2]}}]"
     )
-    one, deepest = told(*script, words=words, duration=9), 0.0
-    limits = ada(one).torso.linkage.hinges
-    while not one.finished:
-        one.step()
-        moving = ada(one).moving
+    simulation, deepest = build_simulation(*script, config=config, duration=9), 0.0
+    limits = ada(simulation).torso.linkage.hinges
+    while not simulation.finished:
+        simulation.step()
+        moving = ada(simulation).moving
         assert np.isfinite(moving.q).all()
         assert np.abs(moving.v).max() < 40
         for angle, hinge in zip(moving.q, limits, strict=True):
@@ -412,22 +423,22 @@ def test_whatever_is_told_it_stays_whole(by: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@BOTH
-def test_shipped_dances_wave_and_applaud(by: str) -> None:
-    one = told(
+@EACH_CONTROLLER
+def test_waving_and_applauding(by: str) -> None:
+    simulation = build_simulation(
         "{at: 0.5, who: ada, do: {dance: waving, bars: 1}}",
         "{at: 3.6, who: ada, do: {dance: applauding, bars: 1}}",
-        words=f"controller: {by}, bars: 1",
+        config=f"controller: {by}, bars: 1",
     )
     heights = []
-    while not one.finished:
-        one.step()
-        heights.append(ada(one).moving.places[ada(one).arms[0].palm][1])
-    # The hand goes up beside the head, and down again.
+    while not simulation.finished:
+        simulation.step()
+        heights.append(ada(simulation).moving.places[ada(simulation).arms[0].palm][1])
+    # The hand rises beside the head.
     assert max(heights[: round(3.0 * 96)]) > 1.6
-    claps = [c for c in one.take().contacts if {c.part, c.other} == {"hand_r", "hand_l"}]
+    claps = [c for c in simulation.take().contacts if {c.part, c.other} == {"hand_r", "hand_l"}]
     times = np.array([(c.step + c.fraction) / 96 for c in claps])
-    # From wherever its hands were, the first less exactly than those that follow.
+    # The first clap starts anywhere and is less exact.
     wanted = 4.0 + 0.4 * np.arange(4)
     assert len(times) == 4
     assert np.abs(times - wanted)[1:].max() < 1 / 24

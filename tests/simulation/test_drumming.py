@@ -1,4 +1,4 @@
-"""Hands that touch: on their beats, on their frames, and into the score."""
+"""Contacts of hands on their beats and frames."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, find_scene, load_scene, read_scene
-from tests.simulation.dancing import danced
+from tests.simulation.dancing import record_motion
 
 FRAME = 1.0 / 24.0
-"""Of a film [s]."""
+"""Duration of a frame [s]."""
 
 CASES = [
     pytest.param("force-field", 24, 90, marks=[]),
@@ -21,23 +21,23 @@ CASES = [
 ]
 
 
-def drummed(by: str, fps: int, tempo: float, duration: float = 6.0) -> tuple[Scene, Take]:
+def simulate_drummer(by: str, fps: int, tempo: float, duration: float = 6.0) -> tuple[Scene, Take]:
     changes = [f"cast[0].controller={by}", f"fps={fps}", f"cast[0].tempo_bpm={tempo}"]
     scene = load_scene(find_scene("drummer"), [*changes, f"duration={duration}"])
     return scene, simulate(scene)
 
 
-def asked(scene: Scene, drum: str) -> list[int]:
-    """Return the frames on which the pattern has a drum, from the words alone."""
+def expected_frames(scene: Scene, drum: str) -> list[int]:
+    """Returns the frames of a drum's strikes by the configuration alone."""
     member, dance = scene.dancers[0][1], scene.dances["drumming"]
     beat = 60.0 / float(member.tempo_bpm or 0)
     clock = Clock(scene.rate, scene.n_frames)
     frames = []
     for bar in range(20):
-        for one in dance.subtasks:
-            for on in one.on or ():
+        for subtask in dance.subtasks:
+            for on in subtask.on or ():
                 time = member.start + (bar * 4 + on - 1) * beat
-                if one.touch == drum and time < float(scene.duration or 0) - 0.05:
+                if subtask.touch == drum and time < float(scene.duration or 0) - 0.05:
                     step = clock.step_from(time)
                     frames.append(clock.frame_of(step, 0.0))
     return sorted(frames)
@@ -45,25 +45,25 @@ def asked(scene: Scene, drum: str) -> list[int]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("by", "fps", "tempo"), CASES)
-def test_a_pattern_comes_out_on_its_frames(by: str, fps: int, tempo: float) -> None:
-    scene, take = drummed(by, fps, tempo)
+def test_strikes_are_on_pattern_frames(by: str, fps: int, tempo: float) -> None:
+    scene, take = simulate_drummer(by, fps, tempo)
     for drum in ("high", "low"):
         blows = [e for e in take.events if e.other == drum and e.cause == "collision"]
         heard = [blow.frame for blow in blows if blow.frame <= scene.n_frames]
-        assert heard == asked(scene, drum)
+        assert heard == expected_frames(scene, drum)
 
 
-def test_a_drummer_who_is_locked_to_the_score_strikes_on_its_beats() -> None:
+def test_drummer_locked_to_score_strikes_on_beats() -> None:
     cast = "[{dancer: torso, dance: drumming, tempo_bpm: 60, beat: 3}]"
     scene = read_scene(f"pronk: 1\nduration: 4\nsound: {{tempo_bpm: 120}}\ncast: {cast}\n")
     take = simulate(scene)
-    # Half as fast as the score, from its third beat at 1 s on, in eighths.
+    # Half the score's tempo, from its third beat at 1 s, in eighths.
     blows = [e.frame for e in take.events if e.other == "high" and e.frame <= scene.n_frames]
     assert blows == [1 + 24 + 12 * k for k in range(6)]
 
 
-def test_blows_are_contacts_of_hands_with_speed_place_and_material() -> None:
-    _, take = drummed("force-field", 24, 90, 3.0)
+def test_strikes_have_speed_position_and_material() -> None:
+    _, take = simulate_drummer("force-field", 24, 90, 3.0)
     blows = [contact for contact in take.contacts if contact.other == "high"]
     assert len(blows) > 4
     for blow in blows:
@@ -78,9 +78,9 @@ def test_blows_are_contacts_of_hands_with_speed_place_and_material() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("by", ["force-field", "joint-torque"])
-def test_claps_are_heard_on_their_beats(by: str) -> None:
-    seen = danced(f"dance: clapping, controller: {by}, tempo_bpm: 100, start: 0.6", 6.2)
-    claps = [s.time for s in seen.strikes if {s.hand, s.other} == {"hand_r", "hand_l"}]
+def test_claps_are_on_beats(by: str) -> None:
+    motion = record_motion(f"dance: clapping, controller: {by}, tempo_bpm: 100, start: 0.6", 6.2)
+    claps = [s.time for s in motion.strikes if {s.hand, s.other} == {"hand_r", "hand_l"}]
     wanted = [0.6 + 0.6 * (on - 1) for on in (2, 4, 10)]
     for time in wanted:
         assert min(abs(clap - time) for clap in claps) < FRAME
@@ -95,25 +95,26 @@ TOUCHED = [
 
 
 @pytest.mark.parametrize(("by", "tempo"), TOUCHED)
-def test_the_dance_touches_the_body_where_it_says_within_a_frame_of_its_beats(
-    by: str, tempo: float
-) -> None:
+def test_touches_are_at_their_places_within_a_frame_of_beats(by: str, tempo: float) -> None:
     beat = 60.0 / tempo
-    seen = danced(f"controller: {by}, tempo_bpm: {tempo}, start: 1.0", 1.0 + 28.5 * beat)
+    motion = record_motion(f"controller: {by}, tempo_bpm: {tempo}, start: 1.0", 1.0 + 28.5 * beat)
     solids = {"shoulder": "yoke", "head": "head", "low": "ribs", "ribs": "ribs", "hip": "pelvis"}
-    for move, hand in [*seen.moves(0), *seen.moves(1)]:
-        goal = seen.dancing.goals[move.subtask]
+    for move, hand in [*motion.moves(0), *motion.moves(1)]:
+        goal = motion.dancer.goals[move.subtask]
         if goal.surface is None:
             continue
         solid, own = solids[str(goal.subtask.touch).split("_")[0]], f"hand_{'rl'[hand]}"
         near = [
             s
-            for s in seen.strikes
+            for s in motion.strikes
             if own in (s.hand, s.other) and abs(s.time - move.land) < 0.5 * beat
         ]
         first = min(near, key=lambda s: s.time)
         assert abs(first.time - move.land) < FRAME, (goal.subtask.name, move.bar, near)
-        # What is touched first may be what is beside it: an arm that lies there, or the other hand.
-        beside = {"ribs": ("ribs", "breast", "belly"), "head": ("head", "neck", "hand_r", "hand_l")}
-        others = (*beside.get(solid, (solid,)), "upper_arm_r", "upper_arm_l")
+        # A neighbouring solid may be touched first: an arm, or the other hand.
+        neighbours = {
+            "ribs": ("ribs", "breast", "belly"),
+            "head": ("head", "neck", "hand_r", "hand_l"),
+        }
+        others = (*neighbours.get(solid, (solid,)), "upper_arm_r", "upper_arm_l")
         assert first.other in others, (goal.subtask.name, near)

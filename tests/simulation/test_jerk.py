@@ -1,4 +1,4 @@
-"""The measure of smoothness, against closed forms and other people's filters."""
+"""Jerk measurement and retiming, against closed forms and scipy."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from scipy import optimize, signal, stats
 from scipy.spatial import cKDTree
 
 from pipeline.simulation.curves import ease
-from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
 from pipeline.simulation.dancers.jerk import (
-    CUTOFF,
-    LEAST,
-    ORDER,
-    RATE,
+    CUTOFF_FREQUENCY,
+    FILTER_ORDER,
+    MINIMUM_DIMENSIONLESS_JERK,
+    SAMPLE_RATE,
     low_passed,
     measure_jerk,
     minimum_jerk_between,
@@ -22,20 +21,23 @@ from pipeline.simulation.dancers.jerk import (
     third_derivative,
 )
 from pipeline.simulation.dancers.minimum_jerk_retiming import retime_for_minimum_jerk
+from pipeline.simulation.dancers.paper_jerk import PAPER_JERK, PAPER_SUBTASK_COUNT
 from pipeline.spec import read_scene
 
 
-def reach(time: float, way: np.ndarray, rate: float = 96.0) -> tuple[np.ndarray, np.ndarray]:
-    """Return the straight reach of least jerk from 0 to `time`, with rest around it."""
+def reach(
+    time: float, displacement: np.ndarray, rate: float = 96.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the minimum-jerk straight reach from 0 to `time`, with rest before and after."""
     t = np.arange(-1.0, time + 1.0, 1.0 / rate)
-    return t, ease(np.clip(t / time, 0, 1))[:, None] * way
+    return t, ease(np.clip(t / time, 0, 1))[:, None] * displacement
 
 
-def test_the_filter_is_butterworths_forward_and_backward() -> None:
+def test_filter_matches_scipy_sosfiltfilt() -> None:
     chance = np.random.default_rng(1)
-    t = np.arange(0, 6, 1 / RATE)
+    t = np.arange(0, 6, 1 / SAMPLE_RATE)
     p = np.stack([np.sin(t), t**2 / 9, np.cumsum(chance.normal(size=len(t))) * 0.02], axis=-1)
-    sections = signal.butter(ORDER, CUTOFF, fs=RATE, output="sos")
+    sections = signal.butter(FILTER_ORDER, CUTOFF_FREQUENCY, fs=SAMPLE_RATE, output="sos")
     theirs = signal.sosfiltfilt(sections, p, axis=0)
     inner = slice(40, -40)
     np.testing.assert_allclose(low_passed(p)[inner], theirs[inner], atol=2e-5)
@@ -51,13 +53,13 @@ def test_resampling_and_differences_are_exact_for_cubics() -> None:
 
 
 @pytest.mark.parametrize("rate", [96.0, 100.0, 240.0])
-def test_the_smoothest_reach_has_720_as_time_goes_on(rate: float) -> None:
+def test_minimum_jerk_reach_approaches_720_with_duration(rate: float) -> None:
     # The filter takes what is above 10 Hz: ever less of a slower movement.
     found = [
         measure_jerk(*reach(time, np.array([0.3, 0.4, 0]), rate), 0.0, time)
         for time in (1, 2, 4, 8)
     ]
-    lost = [1 - one.dimensionless / LEAST for one in found]
+    lost = [1 - jerk.dimensionless / MINIMUM_DIMENSIONLESS_JERK for jerk in found]
     assert all(0 < lost[k + 1] < lost[k] for k in range(3))
     assert lost[0] < 0.12
     assert lost[3] < 0.02
@@ -65,15 +67,15 @@ def test_the_smoothest_reach_has_720_as_time_goes_on(rate: float) -> None:
     assert found[1].mean == pytest.approx(found[1].integral / 2)
 
 
-def test_jerk_scales_with_the_fifth_power_of_time_and_the_second_of_length() -> None:
-    one = measure_jerk(*reach(4, np.array([0.3, 0, 0])), 0.0, 4.0)
+def test_jerk_scales_with_duration_and_distance() -> None:
+    base = measure_jerk(*reach(4, np.array([0.3, 0, 0])), 0.0, 4.0)
     slow = measure_jerk(*reach(8, np.array([0.3, 0, 0])), 0.0, 8.0)
     long = measure_jerk(*reach(4, np.array([0, 0.6, 0])), 0.0, 4.0)
-    assert slow.integral == pytest.approx(one.integral / 32, rel=0.05)
-    assert long.integral == pytest.approx(4 * one.integral, rel=1e-9)
+    assert slow.integral == pytest.approx(base.integral / 32, rel=0.05)
+    assert long.integral == pytest.approx(4 * base.integral, rel=1e-9)
 
 
-def test_no_movement_between_the_same_ends_has_less_than_the_floor() -> None:
+def test_quintic_is_lower_bound() -> None:
     chance = np.random.default_rng(4)
     for _ in range(30):
         t = np.arange(0, 4, 1 / 96)
@@ -88,60 +90,59 @@ def test_no_movement_between_the_same_ends_has_less_than_the_floor() -> None:
 
 
 @pytest.mark.parametrize("power", [1.0, 1.3, 2.0])
-def test_the_best_timing_of_a_straight_way_is_the_reach_of_least_jerk(power: float) -> None:
-    # As time goes on, since the filter rounds the ends of a quick one.
+def test_retimed_straight_path_is_minimum_jerk_reach(power: float) -> None:
+    # Long durations, since the filter smooths the ends of fast reaches.
     for time, lost in ((4.0, 0.035), (8.0, 0.018)):
         t = np.arange(-1.0, time + 1.0, 1 / 96)
         u = np.clip(t / time, 0, 1)
         p = ease(u**power)[:, None] * np.array([0.3, 0.4, 0])
         best = retime_for_minimum_jerk(t, p, 0.0, time)
-        assert best.integral * time**5 / 0.25 == pytest.approx(LEAST, rel=lost)
+        assert best.integral * time**5 / 0.25 == pytest.approx(MINIMUM_DIMENSIONLESS_JERK, rel=lost)
         assert best.integral <= best.danced == measure_jerk(t, p, 0.0, time).integral
         assert power == 1.0 or best.danced > 1.5 * best.integral
         along = best.places @ np.array([0.6, 0.8, 0])
         np.testing.assert_allclose(along, 0.5 * ease(best.times / time), atol=0.015)
 
 
-def turned(u: np.ndarray) -> np.ndarray:
-    """Return places on three quarters of a spiral that climbs, at shares `u` of its way."""
+def spiral(u: np.ndarray) -> np.ndarray:
+    """Returns positions on three quarters of a rising spiral, at phases `u`."""
     a = 1.5 * np.pi * u
     r = 0.2 + 0.1 * u
     return np.stack([r * np.cos(a), 0.2 * u, r * np.sin(a)], axis=-1)
 
 
-def test_another_search_finds_no_better_timing_of_a_curved_way() -> None:
+def test_chebyshev_search_finds_no_better_timing() -> None:
     time = 2.0
     t = np.arange(-1.0, time + 1.0, 1 / 96)
     u = np.clip(t / time, 0, 1)
 
     def moved(waves: np.ndarray) -> np.ndarray:
         series = np.polynomial.chebyshev.chebval(2 * u - 1, waves)
-        return turned(ease(u) + (u * (1 - u)) ** 3 * series)
+        return spiral(ease(u) + (u * (1 - u)) ** 3 * series)
 
     def jerks(waves: np.ndarray) -> np.ndarray:
-        inside = slice(60, 60 + round(time * RATE) + 1)
+        inside = slice(60, 60 + round(time * SAMPLE_RATE) + 1)
         return third_derivative(low_passed(resampled(t, moved(waves))[1]))[inside].ravel()
 
-    p = turned(ease(u**1.4))
+    p = spiral(ease(u**1.4))
     best = retime_for_minimum_jerk(t, p, 0.0, time)
     assert best.integral < 0.6 * best.danced
     waves = optimize.least_squares(jerks, np.zeros(10)).x
     theirs = measure_jerk(t, moved(waves), 0.0, time).integral
     assert theirs < measure_jerk(t, moved(np.zeros(1)), 0.0, time).integral
-    # The filter rounds the ends of theirs, where ours keeps those of the slower begin it was given.
+    # The filter smooths the ends of theirs; ours keeps the recorded end states.
     assert best.integral == pytest.approx(theirs, rel=0.15)
     again = retime_for_minimum_jerk(t, moved(waves), 0.0, time)
     assert again.integral == pytest.approx(theirs, rel=0.05)
 
-    # It stays on the path, which is that of the filtered places, and never turns back.
-    shares = np.linspace(0, 1, 20001)
-    way = turned(shares)
-    apart, nearest = cKDTree(way).query(best.places)
-    assert apart.max() < 1e-3
+    # The result stays on the path and never moves backward.
+    path = spiral(np.linspace(0, 1, 20001))
+    distances, nearest = cKDTree(path).query(best.places)
+    assert distances.max() < 1e-3
     assert (np.diff(nearest) >= 0).all()
 
 
-def test_the_best_timing_lies_between_the_dance_and_the_least_of_all_ways() -> None:
+def test_retimed_jerk_lies_between_quintic_and_recorded() -> None:
     chance = np.random.default_rng(8)
     for _ in range(12):
         t = np.arange(0, 4, 1 / 96)
@@ -152,22 +153,22 @@ def test_the_best_timing_lies_between_the_dance_and_the_least_of_all_ways() -> N
         best = retime_for_minimum_jerk(t, p, 1.0, 3.0)
         assert best.danced == measure_jerk(t, p, 1.0, 3.0).integral
         assert 0.98 * minimum_jerk_between(t, p, 1.0, 3.0) < best.integral <= best.danced
-        # Both ends are as they were: place, speed and acceleration.
+        # Position, velocity and acceleration are kept at both ends.
         x = low_passed(resampled(t, p)[1])
         for own, danced in ((best.places[:4], x[60:64]), (best.places[-4:], x[177:181])):
             np.testing.assert_allclose(own, danced, atol=4e-3)
         np.testing.assert_allclose(best.places[[0, -1]], x[[60, 180]], atol=1e-9)
 
 
-def test_what_rests_or_is_over_at_once_has_no_better_timing() -> None:
+def test_retiming_of_rest_and_of_shortest_movement() -> None:
     t = np.arange(0, 3, 1 / 96)
     still = np.broadcast_to(np.array([0.1, 1.2, 0.3]), (len(t), 3))
     assert retime_for_minimum_jerk(t, still, 1.0, 2.0).integral < 1e-9
     assert retime_for_minimum_jerk(t, np.outer(t, [1.0, 0, 0]), 1.0, 1.005).integral == 0.0
 
 
-def test_a_search_that_does_not_end_leaves_what_was_danced(monkeypatch) -> None:
-    def endless(*_args: object, **_words: object) -> None:
+def test_failed_search_keeps_recorded_timing(monkeypatch) -> None:
+    def endless(*_args: object, **_options: object) -> None:
         raise RuntimeError("too many iterations")
 
     monkeypatch.setattr("pipeline.simulation.dancers.minimum_jerk_retiming.nnls", endless)
@@ -176,19 +177,19 @@ def test_a_search_that_does_not_end_leaves_what_was_danced(monkeypatch) -> None:
     assert best.integral == best.danced == measure_jerk(t, p, 0.0, 2.0).integral
 
 
-def test_ranks_agree_as_others_compute_it() -> None:
+def test_rank_correlation_matches_scipy() -> None:
     chance = np.random.default_rng(6)
     for _ in range(20):
         a, b = chance.integers(0, 8, (2, 12)).astype(float)
         assert rank_correlation(a, b) == pytest.approx(stats.spearmanr(a, b)[0], abs=1e-12)
 
 
-def test_figure_three_stands_beside_the_dance_of_the_library() -> None:
+def test_paper_jerk_matches_library_dance() -> None:
     scene = read_scene("pronk: 1\nduration: 1\ncast: [{dancer: torso}]\n")
     dance = scene.dances["macarena"]
-    assert len(dance.subtasks) == SUBTASKS
-    assert set(dance.durations) == set(COLUMNS)
-    for name, column in COLUMNS.items():
+    assert len(dance.subtasks) == PAPER_SUBTASK_COUNT
+    assert set(dance.durations) == set(PAPER_JERK)
+    for name, column in PAPER_JERK.items():
         times = dance.durations[name]
         assert [time is None for time in times] == [jerk is None for jerk in column]
     assert sum(time or 0 for time in dance.durations["human"]) == pytest.approx(12.23)

@@ -1,4 +1,4 @@
-"""Dances in words: what is refused, where, and how it is said."""
+"""Configuration of dances: errors with their lines, library lookup, and move times."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.dancers.body_surfaces import body_surfaces
 from pipeline.simulation.dancers.dance_moves import beat_duration, plan_moves
-from pipeline.simulation.dancers.torso import ARM, AXES, WRIST
+from pipeline.simulation.dancers.torso import ARM, JOINT_AXES, WRIST
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene, simulation_key
@@ -25,27 +25,27 @@ dances:
     subtasks:
       - {subtask}
 cast:
-  - {{dancer: torso, dance: own, {words}}}
+  - {{dancer: torso, dance: own, {config}}}
 """
 
 GOOD = "{touch: chest}"
 
 
-def told(subtask: str = GOOD, words: str = "start: 0.5") -> str:
+def error_text(subtask: str = GOOD, config: str = "start: 0.5") -> str:
     with pytest.raises(SceneError) as caught:
-        Simulation(read_scene(SCENE.format(subtask=subtask, words=words)))
+        Simulation(read_scene(SCENE.format(subtask=subtask, config=config)))
     assert len(caught.value.problems) == 1, caught.value
     return str(caught.value)
 
 
-def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
+def test_config_and_torso_name_same_places_and_joints() -> None:
     assert set(body_surfaces(ADULT)) == set(BODY_PLACES)
     assert ARM_JOINTS == (*ARM, *WRIST)
-    assert {*ARM_JOINTS, *TRUNK_JOINTS} == set(AXES)
+    assert {*ARM_JOINTS, *TRUNK_JOINTS} == set(JOINT_AXES)
 
 
 @pytest.mark.parametrize(
-    ("subtask", "words", "path", "message"),
+    ("subtask", "config", "path", "message"),
     [
         ("{touch: sholder_l}", "", "subtasks[0].touch", "did you mean 'shoulder_l'"),
         ("{touch: tam}", "", "subtasks[0].touch", "no place is called 'tam', did you mean 'tom'"),
@@ -100,19 +100,19 @@ def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
         (GOOD, "controller: magic", "cast[0].controller", "force-field"),
     ],
 )
-def test_what_is_wrong_is_said_once_and_where(subtask, words, path, message) -> None:
-    text = told(subtask, words or "start: 0.5")
+def test_invalid_config_is_refused_with_its_path(subtask, config, path, message) -> None:
+    text = error_text(subtask, config or "start: 0.5")
     assert path in text
     assert message in text
     assert text.startswith("scene:")
 
 
-def test_a_dance_that_is_nowhere_gets_the_nearest_name() -> None:
+def test_unknown_dance_suggests_name() -> None:
     with pytest.raises(SceneError, match="no dance is called 'macarana', did you mean 'macarena'"):
         read_scene("pronk: 1\nduration: 1\ncast: [{dancer: torso, dance: macarana}]\n")
 
 
-def test_a_script_finds_dances_in_the_library_and_beside_the_scene(tmp_path: Path) -> None:
+def test_script_finds_dances_in_library_and_beside_scene(tmp_path: Path) -> None:
     text = "pronk: 1\nduration: 1\ncast: [{dancer: torso, name: a}]\n"
     script = "script: [{at: 0.5, who: a, do: {dance: NAME, bars: 1}}]\n"
     for name in ("waving", "applauding"):
@@ -123,7 +123,7 @@ def test_a_script_finds_dances_in_the_library_and_beside_the_scene(tmp_path: Pat
     assert "bow" in read_scene(text + script.replace("NAME", "bow"), beside=tmp_path).dances
 
 
-def test_a_dance_beside_the_scene_comes_before_the_library(tmp_path: Path) -> None:
+def test_dance_beside_scene_overrides_library(tmp_path: Path) -> None:
     (tmp_path / "dances").mkdir()
     own = "pronk: 1\ndance: {subtasks: [{touch: belly}]}\n"
     (tmp_path / "dances" / "macarena.yaml").write_text(own)
@@ -136,7 +136,7 @@ def test_a_dance_beside_the_scene_comes_before_the_library(tmp_path: Path) -> No
     assert "macarena.yaml:2:" in str(caught.value)
 
 
-def test_scenes_without_dancers_keep_the_keys_of_their_takes() -> None:
+def test_simulation_key_contains_dances() -> None:
     text = "pronk: 1\nduration: 1\ncast: [{prop: {shape: box}}]\n"
     dances = "dances: {one: {subtasks: [{touch: chest}]}}\n"
     plain, more = read_scene(text), read_scene(text + dances)
@@ -144,7 +144,7 @@ def test_scenes_without_dancers_keep_the_keys_of_their_takes() -> None:
     assert "dances" not in plain.model_fields_set
 
 
-def test_hands_arrive_on_beats_and_never_do_two_things_at_once() -> None:
+def test_hands_arrive_on_beats_without_overlap() -> None:
     text = "pronk: 1\nduration: 40\ncast: [{dancer: torso, tempo_bpm: 90, start: 2, bars: 2}]\n"
     scene = read_scene(text)
     member, dance = scene.dancers[0][1], scene.dances["macarena"]
@@ -155,19 +155,19 @@ def test_hands_arrive_on_beats_and_never_do_two_things_at_once() -> None:
     wanted = [2 + (16 * bar + k + 1) * beat for bar in range(2) for k in range(12)]
     assert landings == pytest.approx(wanted)
     for rows in moves.values():
-        for one, other in itertools.pairwise(rows):
-            assert one.begin < one.land <= other.begin
+        for move, following in itertools.pairwise(rows):
+            assert move.begin < move.land <= following.begin
 
 
-def test_durations_follow_one_another() -> None:
+def test_moves_with_durations_are_consecutive() -> None:
     text = "pronk: 1\nduration: 40\ncast: [{dancer: torso, durations: force, bars: 1}]\n"
     scene = read_scene(text)
     member, dance = scene.dancers[0][1], scene.dances["macarena"]
     moves = plan_moves(member, dance, 40.0, "cast[0]")
-    rows = sorted((m for some in moves.values() for m in some), key=lambda m: m.begin)
+    rows = sorted((m for hand_moves in moves.values() for m in hand_moves), key=lambda m: m.begin)
     assert [m.subtask + 1 for m in rows] == [1, 2, 5, 6, 7, 8, 9, 10, 11, 12]
-    for one, other in itertools.pairwise(rows):
-        assert other.begin == pytest.approx(one.land)
+    for move, following in itertools.pairwise(rows):
+        assert following.begin == pytest.approx(move.land)
     assert [m.land - m.begin for m in rows] == pytest.approx(
         [time for time in dance.durations["force"] if time]
     )
@@ -177,12 +177,12 @@ LOCKED = """pronk: 1
 duration: 20
 sound: {sound}
 cast:
-  - {{dancer: torso, dance: drumming, {words}}}
+  - {{dancer: torso, dance: drumming, {config}}}
 """
 
 
 @pytest.mark.parametrize(
-    ("sound", "words", "start", "tempo"),
+    ("sound", "config", "start", "tempo"),
     [
         ("{tempo_bpm: 90}", "beat: 1", 0.0, 90),
         ("{tempo_bpm: 90}", "beat: 5", 4 * 60 / 90, 90),
@@ -191,30 +191,30 @@ cast:
         ("{tempo_bpm: 60}", "beat: 2, tempo_bpm: 180", 1.0, 180),
     ],
 )
-def test_a_dance_is_locked_to_a_beat_of_the_score(sound, words, start, tempo) -> None:
-    scene = read_scene(LOCKED.format(sound=sound, words=words))
+def test_dance_locked_to_score_beat(sound, config, start, tempo) -> None:
+    scene = read_scene(LOCKED.format(sound=sound, config=config))
     member, dance = scene.dancers[0][1], scene.dances["drumming"]
     assert member.start == pytest.approx(start)
     moves = plan_moves(member, dance, 20.0, "cast[0]")
-    # The right hand plays eighths, each of them on half a beat of the dance.
+    # The right hand plays eighths of the dance.
     eighths = [(m.land - start) * tempo / 30 for m in moves["r"]]
-    assert eighths == pytest.approx([round(one) for one in eighths])
-    # Of the faster of the two every half beat is on half a beat from where the score's begin.
+    assert eighths == pytest.approx([round(position) for position in eighths])
+    # The first of the second bar is on a half beat of the faster tempo.
     first = next(m.land for m in moves["r"] if m.bar == 1)
     offset = scene.sound.quantise.offset if scene.sound.quantise else 0.0
     halves = (first - offset) * max(scene.sound.tempo_bpm, tempo) / 30
     assert halves == pytest.approx(round(halves))
 
 
-def test_a_beat_before_the_film_is_refused() -> None:
+def test_beat_before_film_is_refused() -> None:
     with pytest.raises(SceneError, match=r"beat 1 of the score is at -0\.5 s, before the film"):
-        read_scene(LOCKED.format(sound="{quantise: {offset: -0.5}}", words="beat: 1"))
+        read_scene(LOCKED.format(sound="{quantise: {offset: -0.5}}", config="beat: 1"))
 
 
-def test_only_locked_dances_are_simulated_again_when_the_score_has_another_tempo() -> None:
+def test_score_tempo_changes_key_of_locked_dances_only() -> None:
     keys = [
-        simulation_key(read_scene(LOCKED.format(sound=f"{{tempo_bpm: {tempo}}}", words=words)))
-        for words in ("start: 1", "beat: 3")
+        simulation_key(read_scene(LOCKED.format(sound=f"{{tempo_bpm: {tempo}}}", config=config)))
+        for config in ("start: 1", "beat: 3")
         for tempo in (90, 120)
     ]
     assert keys[0] == keys[1]

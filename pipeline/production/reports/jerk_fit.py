@@ -14,7 +14,7 @@ from pipeline.production.reports.tables import Report
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.simulation.dance_trials import (
     MeasuredMove,
-    first_of_each,
+    first_of_each_subtask,
     measure_moves,
     record_dance,
 )
@@ -49,7 +49,9 @@ def fit_jerk(scene: Scene, reporter: Reporter) -> Report:
 
     def movements_of(dancer: Dancer) -> Movements:
         alone = dancer.model_copy(update={"bars": 1})
-        return first_of_each(measure_moves(record_dance(alone, dance, f"cast[{i}]", rate, until)))
+        return first_of_each_subtask(
+            measure_moves(record_dance(alone, dance, f"cast[{i}]", rate, until))
+        )
 
     gains = _gains_of(member)
     with stage(reporter, "fit", 2 * len(gains) * len(FACTORS)) as current:

@@ -29,10 +29,10 @@ from pipeline.production.run.order import Order
 from pipeline.production.run.production import working
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.simulation.dance_trials import (
-    COLUMNS,
-    CUTOFF,
-    LEAST,
-    RATE,
+    CUTOFF_FREQUENCY,
+    MINIMUM_DIMENSIONLESS_JERK,
+    PAPER_JERK,
+    SAMPLE_RATE,
     MeasuredMove,
     RetimedPath,
 )
@@ -51,10 +51,10 @@ MEASURES = (
 """Quantities of a movement, with units."""
 
 METHOD = (
-    f"jerk: third derivative of the middle of the palm, at {RATE:g} Hz after a low-pass of "
-    f"{CUTOFF:g} Hz\n"
+    f"jerk: third derivative of the middle of the palm, at {SAMPLE_RATE:g} Hz after a low-pass of "
+    f"{CUTOFF_FREQUENCY:g} Hz\n"
     "C = integral of its square [m²/s⁵]; mean = C/T [m²/s⁶], figure 3's printed unit; "
-    f"C T⁵/D² >= {LEAST:g}\n"
+    f"C T⁵/D² >= {MINIMUM_DIMENSIONLESS_JERK:g}\n"
     "least = of the quintic between the same ends; same way = of the best timing of the same path\n"
     "between the same ends; ends are places, speeds and accelerations\n"
     "the weight of the arms is compensated, unless the scene says otherwise"
@@ -123,12 +123,12 @@ def _text(
 
 def _table(dance: Dance, trial: Trial) -> list[str]:
     has_printed = is_figure_three(dance)
-    heads = ["", *(f"1998 {name}" for name in COLUMNS if has_printed)]
+    heads = ["", *(f"1998 {name}" for name in PAPER_JERK if has_printed)]
     for name in trial.columns:
         heads += [f"{name} T", "C", "mean", "C T⁵/D²", "least", "same way", "J", "N m"]
     rows = [heads]
     for k, subtask in enumerate(dance.subtasks):
-        printed = [COLUMNS[name][k] for name in COLUMNS] if has_printed else []
+        printed = [PAPER_JERK[name][k] for name in PAPER_JERK] if has_printed else []
         row = [f"{k + 1:2d} {subtask.name}", *("*" if v is None else f"{v}" for v in printed)]
         for column in trial.columns.values():
             row += _cells(column.movements.get(k), column.smoothest.get(k))

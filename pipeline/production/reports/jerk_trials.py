@@ -8,16 +8,16 @@ import numpy as np
 
 from pipeline.errors import UsageError
 from pipeline.simulation.dance_trials import (
-    COLUMNS,
-    SUBTASKS,
+    PAPER_JERK,
+    PAPER_SUBTASK_COUNT,
     DanceRecord,
     MeasuredMove,
     RetimedPath,
-    first_of_each,
+    first_of_each_subtask,
     measure_moves,
+    minimum_jerk_timing,
     rank_correlation,
     record_dance,
-    same_way,
 )
 from pipeline.spec import Dance, Dancer, Scene
 from pipeline.spec.dance import Controller
@@ -116,18 +116,21 @@ def trials_of(scene: Scene) -> list[Trial]:
 
 def is_figure_three(dance: Dance) -> bool:
     """Return whether a dance has the subtasks of figure 3."""
-    return len(dance.subtasks) == SUBTASKS and {"human", "torque", "force"} <= set(dance.durations)
+    return len(dance.subtasks) == PAPER_SUBTASK_COUNT and {"human", "torque", "force"} <= set(
+        dance.durations
+    )
 
 
 def agreements(trial: Trial) -> list[Agreement]:
     """Return the rank correlations of our columns with those of figure 3."""
     found = list[Agreement]()
     for ours, column in trial.columns.items():
-        for theirs, printed in COLUMNS.items():
+        for theirs, printed in PAPER_JERK.items():
             both = [
                 k
                 for k in sorted(column.movements)
-                if printed[k] is not None and not (ours == "force" and COLUMNS["force"][k] is None)
+                if printed[k] is not None
+                and not (ours == "force" and PAPER_JERK["force"][k] is None)
             ]
             own = np.array([column.movements[k].jerk.integral for k in both])
             other = np.array([float(printed[k] or 0) for k in both])
@@ -159,11 +162,11 @@ def _trial(
         plain = tuple(task.model_copy(update={"controller": None}) for task in dance.subtasks)
         alone = dance.model_copy(update={"subtasks": plain})
         danced = record_dance(member.model_copy(update=changed), alone, path, rate, NO_END)
-        movements = first_of_each(measure_moves(danced))
+        movements = first_of_each_subtask(measure_moves(danced))
         if column == "force":
             # A force field cannot turn a hand, which then stands still.
             movements = {k: m for k, m in movements.items() if _suits_fields(dance, k)}
-        smoothest = {k: same_way(danced, movement) for k, movement in movements.items()}
+        smoothest = {k: minimum_jerk_timing(danced, movement) for k, movement in movements.items()}
         columns[column] = Column(column, danced, movements, smoothest)
     return Trial(name, columns)
 

@@ -52,7 +52,7 @@ class ArmController:
         torso: torso of the arm.
         moving: state of the torso.
         rate: k of its fields [1/s].
-        winner: whether the strongest field acts alone.
+        winner_takes_all: whether the strongest field acts alone.
 
     Attributes:
         by_fields: whether fields drive it now.
@@ -62,7 +62,12 @@ class ArmController:
     """
 
     def __init__(
-        self, side: str, torso: Torso, moving: LinkageSimulation, rate: float, winner: bool
+        self,
+        side: str,
+        torso: Torso,
+        moving: LinkageSimulation,
+        rate: float,
+        winner_takes_all: bool,
     ) -> None:
         self.side, self.moving, self.number = side, moving, HANDS.index(side)
         self.palm = moving.pulled[self.number]
@@ -75,7 +80,7 @@ class ArmController:
         self._before_wrist = wrist.start - arm.start
         self._wrist_targets = moving.targets[wrist]
         self._jacobian = moving.jacobian(self.number)[:, arm]
-        self.fields = HandField(self._hand, rate, winner)
+        self.fields = HandField(self._hand, rate, winner_takes_all)
         self.by_fields = False
         self.preferred: list[float] = moving.q[arm].tolist()
         self.retry_until = -math.inf

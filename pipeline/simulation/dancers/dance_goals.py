@@ -18,7 +18,7 @@ from pipeline.simulation.dancers.body_surfaces import (
     body_surfaces,
     drum_surface,
     link_number,
-    scaled_place,
+    scaled_position,
 )
 from pipeline.simulation.dancers.reach_limits import (
     beyond_limits,
@@ -31,8 +31,8 @@ from pipeline.simulation.dancers.torso import (
     LINKS,
     WRIST,
     Torso,
-    sided,
-    torso_of,
+    build_torso,
+    joint_name,
 )
 from pipeline.simulation.dynamics.linkage import Disc, Spot
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
@@ -167,7 +167,7 @@ def build_choreography(
     """
     surfaces = body_surfaces(person)
     surfaces |= {name: drum_surface(person, drum) for name, drum in drums.items()}
-    plain = LinkageSimulation(torso_of(person).linkage, 1e-3)
+    plain = LinkageSimulation(build_torso(person).linkage, 1e-3)
     spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
         placed = list(_spots(person, part, i, surfaces, plain))
@@ -189,7 +189,7 @@ def build_choreography(
         Disc(name, np.array(drum.at) - [0.0, 0.5 * drum.height, 0.0], drum.radius, drum.height)
         for name, drum in drums.items()
     )
-    torso = torso_of(person, tuple(spots), discs, compensated)
+    torso = build_torso(person, tuple(spots), discs, compensated)
     goals = tuple(
         _goal(person, part.subtask, [(torso.spot(spot), key) for spot, key in row], surfaces)
         for part, row in zip(parts, rows, strict=True)
@@ -263,7 +263,7 @@ def _spot(person: Proportions, name: str, place: Where, surfaces: dict[str, Surf
     if isinstance(place, str):
         surface = surfaces[place]
         return Spot(name, link_number(surface), surface.aim)
-    return Spot(name, CHEST, scaled_place(person, place))
+    return Spot(name, CHEST, scaled_position(person, place))
 
 
 def _positions(subtask: Subtask, placed: Sequence[tuple[Spot, str]]) -> list[tuple[Spot, str]]:
@@ -279,7 +279,7 @@ def _forward_kinematics(subtask: Subtask, plain: LinkageSimulation) -> Array:
     plain.q[:] = 0.0
     for joint in ARM:
         angle = subtask.joints.get(f"{joint}_deg", HANGING_ANGLES.get(joint, 0.0))
-        plain.q[names.index(sided(joint, subtask.hand))] = math.radians(angle)
+        plain.q[names.index(joint_name(joint, subtask.hand))] = math.radians(angle)
     plain.settle()
     spots = [spot.name for spot in plain.linkage.spots]
     return plain.places[spots.index(f"palm_{subtask.hand}")].copy()

@@ -1,4 +1,4 @@
-"""Dance measurement: a dancer dances alone, and each of its moves is measured."""
+"""Records a dancer dancing alone, and measures each move."""
 
 from __future__ import annotations
 
@@ -74,34 +74,32 @@ class MeasuredMove:
 
 
 def record_dance(member: Dancer, dance: Dance, path: str, rate: float, until: float) -> DanceRecord:
-    """Lets a dancer dance alone.
+    """Records the motion of a dancer that dances alone.
 
     Args:
-        member: its words.
-        dance: what it dances.
-        path: of the dancer in its scene, for messages.
+        member: configuration of the dancer.
+        dance: dance.
+        path: path of the dancer in its scene, for messages.
         rate: steps of the world a second.
-        until: no move begins later [s].
+        until: latest start of a move [s].
 
     Raises:
-        SceneError: it cannot.
+        SceneError: The dance cannot be record.
     """
-    who = dancer_proportions(member)
+    person = dancer_proportions(member)
     moves = plan_moves(member, dance, until, path)
-    choreography = dance_choreography(who, dance, member.dance, member.compensate_gravity)
-    one = rehearsed_motion(member, choreography, moves, beat_duration(member, dance), 1.0 / rate)
+    choreography = dance_choreography(person, dance, member.dance, member.compensate_gravity)
+    motion = rehearsed_motion(member, choreography, moves, beat_duration(member, dance), 1.0 / rate)
     last = max((move.land for rows in moves.values() for move in rows), default=0.0)
     count = round((min(last, until) + TAIL_TIME) * rate)
-    moving, palms = one.moving, [arm.palm for arm in one.arms]
-    rows = [
-        (moving.places[palms].copy(), moving.v.copy(), moving.torques(), one.target_distances())
-    ]
-    for _ in range(count):
-        one.advance()
-        rows.append(
-            (moving.places[palms].copy(), moving.v.copy(), moving.torques(), one.target_distances())
-        )
-    hands, speeds, torques, distances = (np.array(column) for column in zip(*rows, strict=True))
+    moving, palms = motion.moving, [arm.palm for arm in motion.arms]
+    rows = []
+    for k in range(count + 1):
+        if k:
+            motion.advance()
+        distances = motion.target_distances()
+        rows.append((moving.places[palms].copy(), moving.v.copy(), moving.torques(), distances))
+    hands, speeds, torques, gaps = (np.array(column) for column in zip(*rows, strict=True))
     times = np.arange(count + 1) / rate
     return DanceRecord(
         times,
@@ -109,41 +107,41 @@ def record_dance(member: Dancer, dance: Dance, path: str, rate: float, until: fl
         speeds,
         torques,
         moves,
-        distances,
+        gaps,
     )
 
 
-def measure_moves(danced: DanceRecord) -> list[MeasuredMove]:
-    """Measures every move of a dancer, in order of time."""
-    rows = [(move, side) for side, moves in danced.moves.items() for move in moves]
+def measure_moves(record: DanceRecord) -> list[MeasuredMove]:
+    """Measures every recorded move, in order of arrival."""
+    rows = [(move, side) for side, moves in record.moves.items() for move in moves]
     rows.sort(key=lambda row: (row[0].land, row[1]))
-    return [_measured(danced, move, side) for move, side in rows if _is_seen(danced, move)]
+    return [_measured(record, move, side) for move, side in rows if _is_recorded(record, move)]
 
 
-def first_of_each(measured: Sequence[MeasuredMove]) -> dict[int, MeasuredMove]:
-    """Returns the first move of each subtask by its number."""
-    found: dict[int, MeasuredMove] = {}
-    for one in measured:
-        found.setdefault(one.subtask, one)
-    return found
+def first_of_each_subtask(measured: Sequence[MeasuredMove]) -> dict[int, MeasuredMove]:
+    """Returns the first move of each subtask, by number."""
+    first: dict[int, MeasuredMove] = {}
+    for move in measured:
+        first.setdefault(move.subtask, move)
+    return first
 
 
-def same_way(danced: DanceRecord, one: MeasuredMove) -> RetimedPath:
+def minimum_jerk_timing(record: DanceRecord, move: MeasuredMove) -> RetimedPath:
     """Returns the minimum-jerk timing of a move on its own path."""
-    return retime_for_minimum_jerk(danced.times, danced.hands[one.side], *one.span)
+    return retime_for_minimum_jerk(record.times, record.hands[move.side], *move.span)
 
 
-def _is_seen(danced: DanceRecord, move: Move) -> bool:
-    return move.land <= float(danced.times[-1])
+def _is_recorded(record: DanceRecord, move: Move) -> bool:
+    return move.land <= float(record.times[-1])
 
 
-def _measured(danced: DanceRecord, move: Move, side: str) -> MeasuredMove:
-    times, hand = danced.times, danced.hands[side]
+def _measured(record: DanceRecord, move: Move, side: str) -> MeasuredMove:
+    times, hand = record.times, record.hands[side]
     span = move.begin, move.land
     inside = (times >= move.begin) & (times <= move.land)
     about = (times >= move.land - ARRIVAL_WINDOW) & (times <= move.land + ARRIVAL_WINDOW)
     h = float(times[1] - times[0])
-    power = np.abs(danced.torques[inside] * danced.speeds[inside]).sum(axis=1)
+    power = np.abs(record.torques[inside] * record.speeds[inside]).sum(axis=1)
     return MeasuredMove(
         move.subtask,
         side,
@@ -151,6 +149,6 @@ def _measured(danced: DanceRecord, move: Move, side: str) -> MeasuredMove:
         measure_jerk(times, hand, *span),
         minimum_jerk_between(times, hand, *span),
         float(power.sum() * h),
-        float(np.abs(danced.torques[inside]).max(initial=0.0)),
-        float(danced.distances[about, HANDS.index(side)].min(initial=np.inf)),
+        float(np.abs(record.torques[inside]).max(initial=0.0)),
+        float(record.distances[about, HANDS.index(side)].min(initial=np.inf)),
     )

@@ -1,4 +1,4 @@
-"""Looks: what is seen of dancers: a clothed person on its frames, and the drums before it."""
+"""Meshes of dancers and their drums, and the solids that others collide with."""
 
 from __future__ import annotations
 
@@ -19,28 +19,31 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 from pipeline.spec.dance import Drum
 
-AROUND, RIM = 48, 0.006
-"""Sides of a drum, and how much its rims are rounded [m]."""
+DRUM_SEGMENTS = 48
+"""Sides of a drum."""
 
-CORNERS = 20
-"""Corners of each end of a limb, as others run into it."""
+DRUM_RIM_RADIUS = 0.006
+"""Radius of a drum's bevelled rims [m]."""
 
-SHIN = 0.028
-"""Radius of a leg below the knee, in heights."""
+CAPSULE_CORNERS = 20
+"""Corners at each end of a limb's collision hull."""
 
-FIXED = "pelvis"
-"""The link that frames go with which no link moves: the legs stand still."""
+SHIN_RADIUS = 0.028
+"""Radius of a leg below the knee, per body height."""
+
+STATIC_LINK = "pelvis"
+"""Link of the frames without a link of their own: the legs do not move."""
 
 
 @dataclass(frozen=True, eq=False)
 class DancerAppearance:
-    """A dancer as it is seen.
+    """Appearance of a dancer.
 
     Attributes:
-        name: its.
-        proportions: its.
-        clothes: that it wears.
-        drums: that stand before it, by name.
+        name: name of the performer.
+        proportions: proportions of the body.
+        clothes: clothes.
+        drums: drums in front of the dancer, by name.
     """
 
     name: str
@@ -50,63 +53,69 @@ class DancerAppearance:
 
     @property
     def count(self) -> int:
-        """Number of its nodes: frames, then drums."""
+        """Number of nodes: frames, then drums."""
         return len(FRAMES) + len(self.drums)
 
     def rest(self) -> Array:
-        """Returns (count, 3) where its nodes are at rest [m]."""
+        """Returns the rest positions (count, 3) of the nodes [m]."""
         tops = [np.array(drum.at) for drum in self.drums.values()]
         return np.concatenate([frame_origins(self.proportions), *[top[None] for top in tops]])
 
 
 def frame_links() -> list[int]:
-    """Returns the link that each frame of a person goes with."""
-    return [LINKS.index(frame if frame in LINKS else FIXED) for frame in FRAMES]
+    """Returns the number of the link that moves each frame of a person."""
+    return [LINKS.index(frame if frame in LINKS else STATIC_LINK) for frame in FRAMES]
 
 
 def dancer_inventory(
-    looks: Sequence[DancerAppearance], torsos: Sequence[Torso], rows: int
+    appearances: Sequence[DancerAppearance], torsos: Sequence[Torso], rows: int
 ) -> Inventory:
-    """Returns what dancers add to a take."""
+    """Returns the nodes, channels, meshes, parts and solids of dancers."""
     nodes, channels = list[Node](), list[Channel]()
     meshes, parts, solids = list[Mesh](), list[Part](), list[Obstacle]()
-    for look, torso in zip(looks, torsos, strict=True):
-        first, rest = len(nodes), look.rest().tolist()
-        for name, place in zip((*FRAMES, *look.drums), rest, strict=True):
-            nodes.append(Node(f"{look.name}.{name}", look.name, -1, (place[0], place[1], place[2])))
-        layers = person_layers(look.proportions, look.clothes)
-        own, seen = layer_parts(look.name, layers, first, len(meshes), rows)
-        meshes += own
-        parts += seen
-        for k, (name, drum) in enumerate(look.drums.items()):
+    for appearance, torso in zip(appearances, torsos, strict=True):
+        first, rest = len(nodes), appearance.rest().tolist()
+        for name, place in zip((*FRAMES, *appearance.drums), rest, strict=True):
+            nodes.append(
+                Node(
+                    f"{appearance.name}.{name}", appearance.name, -1, (place[0], place[1], place[2])
+                )
+            )
+        layers = person_layers(appearance.proportions, appearance.clothes)
+        own_meshes, own_parts = layer_parts(appearance.name, layers, first, len(meshes), rows)
+        meshes += own_meshes
+        parts += own_parts
+        for k, (name, drum) in enumerate(appearance.drums.items()):
             meshes.append(_drum_mesh(drum, first + len(FRAMES) + k))
             size = 2.0 * drum.radius
-            whole = f"{look.name}.{name}"
-            parts.append(Part(whole, look.name, len(meshes) - 1, drum.material, size, (0, rows)))
-        channels += [Channel(f"{look.name}.{joint}", "rad") for joint in torso.names]
-        channels += [Channel(f"{look.name}.{joint}.torque", "N m") for joint in torso.names]
-        solids += _solids(look, torso, first)
+            part = f"{appearance.name}.{name}"
+            parts.append(
+                Part(part, appearance.name, len(meshes) - 1, drum.material, size, (0, rows))
+            )
+        channels += [Channel(f"{appearance.name}.{joint}", "rad") for joint in torso.names]
+        channels += [Channel(f"{appearance.name}.{joint}.torque", "N m") for joint in torso.names]
+        solids += _solids(appearance, torso, first)
     return Inventory(
         tuple(nodes), tuple(channels), tuple(meshes), tuple(parts), solids=tuple(solids)
     )
 
 
-def _solids(look: DancerAppearance, torso: Torso, first: int) -> list[Obstacle]:
-    """Returns what others run into: the solids of a torso, and its legs below the knees."""
-    who, h = look.proportions, look.proportions.height
-    rest, found = dict(zip(JOINTS, who.rest(), strict=True)), list[Obstacle]()
+def _solids(appearance: DancerAppearance, torso: Torso, first: int) -> list[Obstacle]:
+    """Returns the collision hulls of a dancer: the solids of the torso, and the shins."""
+    person, h = appearance.proportions, appearance.proportions.height
+    rest, found = dict(zip(JOINTS, person.rest(), strict=True)), list[Obstacle]()
     rows = [(link.name, link.place, solid) for link in torso.linkage.links for solid in link.solids]
     for side in HANDS:
         ends = np.stack([rest[f"knee_{side}"], rest[f"foot_{side}"]])
-        shin = Capsule(f"shin_{side}", ends, SHIN * h)
-        rows.append((FIXED, torso.linkage.links[0].place, shin))
-    around = directions(CORNERS)
+        shin = Capsule(f"shin_{side}", ends, SHIN_RADIUS * h)
+        rows.append((STATIC_LINK, torso.linkage.links[0].place, shin))
+    around = directions(CAPSULE_CORNERS)
     for name, place, solid in rows:
         corners = (solid.ends[:, None, :] + solid.radius * around).reshape(-1, 3) - place
-        node, whole = first + FRAMES.index(name), f"{look.name}.{solid.name}"
-        bare = solid.name.startswith(("head", "neck", "forearm", "hand", "shin"))
-        material = look.clothes.skin if bare else look.clothes.shirt
-        found.append(Obstacle(node, whole, look.name, material, corners))
+        node, part = first + FRAMES.index(name), f"{appearance.name}.{solid.name}"
+        is_bare = solid.name.startswith(("head", "neck", "forearm", "hand", "shin"))
+        material = appearance.clothes.skin if is_bare else appearance.clothes.shirt
+        found.append(Obstacle(node, part, appearance.name, material, corners))
     return found
 
 
@@ -122,11 +131,11 @@ def _drum_mesh(drum: Drum, node: int) -> Mesh:
 
 
 def _drum(drum: Drum) -> Solid:
-    """Returns an upright cylinder below the middle of its top, its rims rounded."""
-    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
-    ring = np.stack([np.sin(angle), np.zeros(AROUND), np.cos(angle)], axis=-1)
-    low, outer, inner = -drum.height, drum.radius, drum.radius - RIM
-    levels = ((inner, low), (outer, low + RIM), (outer, -RIM), (inner, 0.0))
+    """Returns an upright cylinder with bevelled rims, below the centre of its top."""
+    angle = np.arange(DRUM_SEGMENTS) * (2.0 * np.pi / DRUM_SEGMENTS)
+    ring = np.stack([np.sin(angle), np.zeros(DRUM_SEGMENTS), np.cos(angle)], axis=-1)
+    low, outer, inner = -drum.height, drum.radius, drum.radius - DRUM_RIM_RADIUS
+    levels = ((inner, low), (outer, low + DRUM_RIM_RADIUS), (outer, -DRUM_RIM_RADIUS), (inner, 0.0))
     rings = np.stack([radius * ring + [0.0, y, 0.0] for radius, y in levels])
     solid = loft(rings, rings[[0, -1]].mean(axis=1))
     return Solid(solid.vertices + np.array(drum.at), solid.faces)

@@ -1,20 +1,19 @@
-"""Fields: forces on a hand that converge to a point, and the point as it moves.
+"""Force fields that pull a hand to a moving equilibrium point.
 
     F = c (v_desired - v),    v_desired = k (x_EP - x) + v_EP
 
-A basis field i has its point p_i; its desired velocity falls with the distance to it and is
-zero at it. Fields act together by weights w_i >= 0 that sum to one:
+Basis field i has the equilibrium point p_i; its desired velocity falls with the distance to p_i
+and is zero there. The weights w_i >= 0 of superposed fields sum to one:
 
     Σ w_i k (p_i - x) = k (Σ w_i p_i - x),
 
-so that the sum is a field again, whose point lies in the hull of theirs; the strongest alone
-acts where the winner takes all. A move shifts the weights from one field to the next by a
-smooth step in time: the point of the sum then runs along a curve of bell-shaped speed, and
-carries its velocity v_EP. The next field of a row of sub-goals begins to act when the hand
-comes near the one before it: that is the feedback.
+so the sum is a field whose equilibrium point lies in the convex hull of the p_i. With
+winner-take-all, only the field of the largest weight acts. A move shifts the weights from each
+field to the next by a minimum-jerk step in time: the equilibrium point moves with a bell-shaped
+speed v_EP. Feedback: the next field of a sequence of sub-goals starts when the hand approaches
+the previous sub-goal.
 
-The paper prints F = c (v_actual - v_desired), which drives a hand away for c > 0; it converges
-as written here.
+The paper prints F = c (v_actual - v_desired), which diverges for c > 0; the sign here converges.
 
 Source: Matarić, Zordan and Mason 1998, section 5; Flash and Hogan 1985; Henis and Flash 1995.
 """
@@ -28,35 +27,35 @@ from itertools import pairwise
 
 from pipeline.simulation.spatial import Array
 
-# Numbers, not arrays: there are three of each, many thousand times a second.
+# Tuples, not arrays: three components, many thousand evaluations a second.
 Point = tuple[float, float, float]
 
-STILL: Point = (0.0, 0.0, 0.0)
+ZERO_VELOCITY: Point = (0.0, 0.0, 0.0)
 
 FIELD_RATE = 18.0
-"""k: speed by distance to the point [1/s]."""
+"""Rate k: desired speed per distance to the equilibrium point [1/s]."""
 
 SPEED_LIMIT = 4.0
-"""Speed that no desired velocity exceeds [m/s]."""
+"""Limit of the desired speed [m/s]."""
 
-SLOWER = 0.4
-"""Part of the rate with which the strongest field acts alone: its point jumps."""
+WINNER_RATE_FACTOR = 0.4
+"""Factor of the rate under winner-take-all, where the equilibrium point jumps."""
 
-OVERLAP = 0.55
-"""Part of a leg after which the next may begin."""
+OVERLAP_FRACTION = 0.55
+"""Fraction of the duration of a leg after which the next leg may start."""
 
-NEAR = 0.6
-"""The next begins when the hand is as near to a sub-goal as this, in lengths of the leg to it."""
+APPROACH_FRACTION = 0.6
+"""Distance to a sub-goal at which the next leg starts, as a fraction of the leg's length."""
 
 SURFACE_FRACTION_LIMIT = 0.6
-"""Most of a leg that may lie under a surface."""
+"""Largest fraction of a leg below a surface."""
 
-SHORTEST = 0.12
-"""Least time that a leg takes [s]."""
+MIN_LEG_DURATION = 0.12
+"""Shortest duration of a leg [s]."""
 
 
 def weighted_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
-    """Returns the point of a weighted sum of fields, in the hull of their points [m]."""
+    """Returns the equilibrium point of a weighted sum of fields [m]."""
     x = y = z = 0.0
     for (a, b, c), w in zip(points, weights, strict=True):
         x, y, z = x + w * a, y + w * b, z + w * c
@@ -64,29 +63,31 @@ def weighted_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
 
 
 def strongest_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
-    """Returns the point of the field that acts alone where the winner takes all [m]."""
+    """Returns the equilibrium point of the field with the largest weight [m]."""
     return points[max(range(len(weights)), key=lambda i: weights[i])]
 
 
-def desired_velocity(point: Point, x: Point, rate: float, own: Point = STILL) -> Point:
-    """Returns the velocity that a field asks of a hand [m/s].
+def desired_velocity(
+    point: Point, x: Point, rate: float, point_velocity: Point = ZERO_VELOCITY
+) -> Point:
+    """Returns the desired velocity of a hand in a field [m/s].
 
     Args:
-        point: of the field [m].
-        x: of the hand [m].
+        point: equilibrium point x_EP [m].
+        x: position of the hand [m].
         rate: k [1/s].
-        own: velocity of the point [m/s].
+        point_velocity: v_EP [m/s].
     """
-    u = rate * (point[0] - x[0]) + own[0]
-    v = rate * (point[1] - x[1]) + own[1]
-    w = rate * (point[2] - x[2]) + own[2]
-    # Never faster than the fastest, in the same direction.
-    share = 1.0 / math.sqrt(1.0 + (u * u + v * v + w * w) / SPEED_LIMIT**2)
-    return u * share, v * share, w * share
+    u = rate * (point[0] - x[0]) + point_velocity[0]
+    v = rate * (point[1] - x[1]) + point_velocity[1]
+    w = rate * (point[2] - x[2]) + point_velocity[2]
+    # A smooth speed limit keeps the direction.
+    scale = 1.0 / math.sqrt(1.0 + (u * u + v * v + w * w) / SPEED_LIMIT**2)
+    return u * scale, v * scale, w * scale
 
 
 def minimum_jerk_step(s: float) -> tuple[float, float]:
-    """Returns the smooth step of least jerk at `s`, and its slope."""
+    """Returns the minimum-jerk step at phase `s`, and its derivative."""
     if s <= 0.0:
         return 0.0, 0.0
     if s >= 1.0:
@@ -95,7 +96,7 @@ def minimum_jerk_step(s: float) -> tuple[float, float]:
 
 
 def minimum_jerk_phase(s: float) -> float:
-    """Returns where the smooth step has come to `s`, between 0 and 1."""
+    """Returns the phase in [0, 1] at which the minimum-jerk step has the value `s`."""
     low, high = 0.0, 1.0
     for _ in range(40):
         middle = 0.5 * (low + high)
@@ -105,127 +106,141 @@ def minimum_jerk_phase(s: float) -> float:
 
 @dataclass(slots=True)
 class Leg:
-    """Weights that go over to one sub-goal: its spot, its begin and its time [s]."""
+    """Transfer of the weight to one sub-goal.
+
+    Attributes:
+        spot: number of the sub-goal's spot.
+        start: start [s].
+        duration: duration [s].
+    """
 
     spot: int
-    begin: float
-    time: float
+    start: float
+    duration: float
 
 
 class HandField:
-    """The fields of one hand.
+    """The force field of one hand.
 
     Args:
-        anchor: where it begins [m].
+        anchor: initial equilibrium point (3,) [m].
         rate: k [1/s].
-        winner: whether the strongest acts alone.
+        winner_takes_all: whether only the field of the largest weight acts.
 
     Attributes:
-        point: of all that act together, as it was last asked for [m].
+        point: equilibrium point at the last call of `desired` [m].
+        spots: numbers of the sub-goals of the move.
+        legs: legs started so far.
+        land: arrival at the last sub-goal [s].
+        press: depth of the last sub-goal below a surface [m].
     """
 
-    def __init__(self, anchor: Array, rate: float, winner: bool) -> None:
-        self.rate, self.winner = rate, winner
+    def __init__(self, anchor: Array, rate: float, winner_takes_all: bool) -> None:
+        self.rate, self.winner_takes_all = rate, winner_takes_all
         self.spots: list[int] = []
         self.legs: list[Leg] = []
         self.land = self.press = 0.0
-        self._over = math.inf
-        self._seen, self._near = (0.0, math.inf), math.inf
+        self._end = math.inf
+        # Time of the last control and the remaining distance then; time of the approach.
+        self._last_distance, self._approach_time = (0.0, math.inf), math.inf
         self.stay(anchor)
 
     def stay(self, anchor: Array) -> None:
-        """Stay at a place (3,) [m]."""
+        """Sets the equilibrium point to a fixed position (3,) [m]."""
         self.point = self.anchor = as_point(anchor)
-        self.spots, self.legs, self._over = [], [], math.inf
+        self.spots, self.legs, self._end = [], [], math.inf
 
     def go(
         self, spots: Sequence[int], now: float, land: float, places: Array, press: float = 0.0
     ) -> None:
-        """Go from where the point is now through `spots`, to be at the last one at `land`.
+        """Starts a move of the equilibrium point through `spots`.
 
         Args:
-            spots: numbers of places.
-            now: the time [s].
-            land: the time when it is to be there [s].
-            places: (S, 3) of all spots [m].
-            press: how far the last lies under a surface, which is to be touched at `land` [m].
+            spots: numbers of the sub-goals.
+            now: start [s].
+            land: arrival at the last sub-goal, or at the surface above it [s].
+            places: (S, 3) positions of all spots [m].
+            press: depth of the last sub-goal below a surface [m].
         """
         self.anchor = self.point
         self.spots, self.land, self.legs = list(spots), land, []
-        self.press, self._over = press, math.inf
-        self._begin(now, places)
+        self.press, self._end = press, math.inf
+        self._start_leg(now, places)
 
     def is_there(self, now: float) -> bool:
-        """Returns whether the point has come to its last place."""
-        return now >= self._over
+        """Returns whether the equilibrium point has reached its last sub-goal."""
+        return now >= self._end
 
     def desired(self, x: Point, now: float, places: Array) -> Point:
-        """Returns the velocity that the hand at `x` is to have [m/s]."""
-        if now >= self._over:
+        """Returns the desired velocity of the hand at `x` [m/s]."""
+        if now >= self._end:
             self.point = as_point(places[self.spots[-1]])
             return desired_velocity(self.point, x, self.rate)
         if len(self.legs) < len(self.spots):
-            self._switch(x, now, places)
+            self._start_next_leg(x, now, places)
         weights, points, before, last = [1.0], [self.anchor], self.anchor, 1.0
         u = v = w = 0.0
         for leg in self.legs:
-            s, slope = minimum_jerk_step((now - leg.begin) / leg.time)
+            s, slope = minimum_jerk_step((now - leg.start) / leg.duration)
             if s > last:
-                # No weight is less than none.
+                # Weights stay non-negative.
                 s, slope = last, 0.0
             here = as_point(places[leg.spot])
-            slope /= leg.time
+            slope /= leg.duration
             u += slope * (here[0] - before[0])
             v += slope * (here[1] - before[1])
             w += slope * (here[2] - before[2])
-            # What the next has is taken from the one before.
+            # Each weight is taken from the previous field.
             weights[-1] -= s
             weights.append(s)
             points.append(here)
             before, last = here, s
         self.point = weighted_point(points, weights)
-        if self.winner:
-            return desired_velocity(strongest_point(points, weights), x, SLOWER * self.rate)
+        if self.winner_takes_all:
+            strongest = strongest_point(points, weights)
+            return desired_velocity(strongest, x, WINNER_RATE_FACTOR * self.rate)
         return desired_velocity(self.point, x, self.rate, (u, v, w))
 
-    def _switch(self, x: Point, now: float, places: Array) -> None:
-        """Begin the next leg at the moment when the hand came near, between two controls."""
+    def _start_next_leg(self, x: Point, now: float, places: Array) -> None:
+        """Starts the next leg once the hand approaches, at a time between two controls."""
         leg = self.legs[-1]
         goal = as_point(places[leg.spot])
         before = as_point(places[self.legs[-2].spot]) if len(self.legs) > 1 else self.anchor
-        left = math.dist(x, goal) - NEAR * math.dist(before, goal)
-        since, was_left = self._seen
-        if left < 0.0 and math.isinf(self._near):
-            # Both are of this leg; how far is left falls evenly for so short a time.
-            share = was_left / (was_left - left) if was_left < math.inf else 1.0
-            self._near = since + share * (now - since)
-        elif left >= 0.0:
-            self._near = math.inf
-        self._seen = now, left
-        early = max(self._near, leg.begin + OVERLAP * leg.time)
-        begin = min(early, leg.begin + leg.time)
-        if begin <= now:
-            self._begin(begin, places)
+        remaining = math.dist(x, goal) - APPROACH_FRACTION * math.dist(before, goal)
+        last_time, last_remaining = self._last_distance
+        if remaining < 0.0 and math.isinf(self._approach_time):
+            # The distance is linear in time between two controls of one leg.
+            fraction = (
+                last_remaining / (last_remaining - remaining) if last_remaining < math.inf else 1.0
+            )
+            self._approach_time = last_time + fraction * (now - last_time)
+        elif remaining >= 0.0:
+            self._approach_time = math.inf
+        self._last_distance = now, remaining
+        early = max(self._approach_time, leg.start + OVERLAP_FRACTION * leg.duration)
+        start = min(early, leg.start + leg.duration)
+        if start <= now:
+            self._start_leg(start, places)
 
-    def _begin(self, now: float, places: Array) -> None:
-        """Begin the next leg at `now`; the time left is shared by the roots of the lengths."""
+    def _start_leg(self, start: float, places: Array) -> None:
+        """Starts a leg; the remaining legs divide the time by the square roots of their lengths."""
         done = len(self.legs)
-        ways = [self.point if not done else as_point(places[self.spots[done - 1]])]
-        ways += [as_point(places[spot]) for spot in self.spots[done:]]
-        shares = [math.sqrt(max(math.dist(a, b), 1e-4)) for a, b in pairwise(ways)]
-        whole = OVERLAP * sum(shares[:-1]) + shares[-1]
-        time = max((self.land - now) * shares[0] / whole, SHORTEST)
+        points = [self.point if not done else as_point(places[self.spots[done - 1]])]
+        points += [as_point(places[spot]) for spot in self.spots[done:]]
+        shares = [math.sqrt(max(math.dist(a, b), 1e-4)) for a, b in pairwise(points)]
+        total = OVERLAP_FRACTION * sum(shares[:-1]) + shares[-1]
+        duration = max((self.land - start) * shares[0] / total, MIN_LEG_DURATION)
         if done == len(self.spots) - 1 and self.press:
-            # The surface is met before the point below it is reached.
-            under = min(self.press / max(math.dist(*ways), self.press), SURFACE_FRACTION_LIMIT)
-            time /= minimum_jerk_phase(1.0 - under)
-        self.legs.append(Leg(self.spots[done], now, time))
-        self._seen, self._near = (now, math.inf), math.inf
+            # The hand meets the surface before the equilibrium point below it.
+            below = min(self.press / max(math.dist(*points), self.press), SURFACE_FRACTION_LIMIT)
+            duration /= minimum_jerk_phase(1.0 - below)
+        self.legs.append(Leg(self.spots[done], start, duration))
+        self._last_distance, self._approach_time = (start, math.inf), math.inf
         if len(self.legs) == len(self.spots):
-            self._over = max(leg.begin + leg.time for leg in self.legs)
+            self._end = max(leg.start + leg.duration for leg in self.legs)
 
 
 def as_point(place: Array) -> Point:
-    """Returns a place (3,) as numbers."""
+    """Returns a position (3,) as a tuple [m]."""
     x, y, z = place.tolist()
     return x, y, z

@@ -1,12 +1,12 @@
-"""Jerk: how smoothly a hand moves, by the integral of the square of its third derivative.
+"""Smoothness of a hand's motion by its squared jerk, integrated over time.
 
     C = ∫ |d³x/dt³|² dt            [m²/s⁵]
 
-Positions are resampled to 60 Hz and low-passed at 10 Hz, forward and backward, before they are
-differentiated: jerk is sensitive to the least error of position. The paper names m²/s⁶ as the
-unit of an integral, which is that of the mean over time; both are told. C scales with T⁻⁵, so
-that slow movements have little of it whatever their form: C T⁵/D² has no unit and is 720 for the
-smoothest straight reach, of D in T between rest and rest, and more for every other.
+Positions are resampled to 60 Hz and low-passed at 10 Hz, forward and backward, before
+differentiation, since jerk amplifies position noise. The paper gives m²/s⁶ as the unit of the
+integral, which is the unit of its mean over time; both are reported. C scales with T⁻⁵, so slow
+movements have a small C whatever their form. The dimensionless C T⁵/D² is 720 for the
+minimum-jerk straight reach over distance D in time T from rest to rest, and larger otherwise.
 
 Source: Matarić, Zordan and Mason 1998, section 7.3; Flash and Hogan 1985.
 """
@@ -20,11 +20,17 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 
-RATE, CUTOFF, ORDER = 60.0, 10.0, 4
-"""Samples a second, cut-off of the filter [Hz], and its order in each direction."""
+SAMPLE_RATE = 60.0
+"""Sample rate of the measurement [Hz]."""
 
-LEAST = 720.0
-"""C T⁵/D² of the smoothest straight reach."""
+CUTOFF_FREQUENCY = 10.0
+"""Cut-off frequency of the Butterworth filter [Hz]."""
+
+FILTER_ORDER = 4
+"""Order of the Butterworth filter in each direction."""
+
+MINIMUM_DIMENSIONLESS_JERK = 720.0
+"""C T⁵/D² of the minimum-jerk straight reach."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +40,7 @@ class Jerk:
     Attributes:
         integral: C [m²/s⁵].
         time: T [s].
-        distance: D, straight from its begin to its end [m].
+        distance: D, straight from start to end [m].
     """
 
     integral: float
@@ -48,22 +54,22 @@ class Jerk:
 
     @property
     def dimensionless(self) -> float:
-        """C T⁵/D²; endless where the movement ends where it began."""
+        """C T⁵/D²; infinite for a movement that ends at its start."""
         if self.distance <= 0.0:
             return float("inf")
         return float(self.integral * self.time**5 / self.distance**2)
 
 
 def resampled(times: Array, p: Array) -> tuple[Array, Array]:
-    """Return times (n,) at 60 Hz and positions (n, 3) there, by cubics through four samples.
+    """Returns times (n,) at 60 Hz and positions (n, 3) there, by four-point cubic interpolation.
 
     Args:
-        times: (K,) at equal distances [s].
-        p: (K, 3) [m].
+        times: (K,) equally spaced times [s].
+        p: (K, 3) positions [m].
     """
     h = float(times[1] - times[0])
-    count = int((times[-1] - times[0]) * RATE + 1e-9) + 1
-    wanted = times[0] + np.arange(count) / RATE
+    count = int((times[-1] - times[0]) * SAMPLE_RATE + 1e-9) + 1
+    wanted = times[0] + np.arange(count) / SAMPLE_RATE
     place = (wanted - times[0]) / h
     i = np.clip(np.floor(place).astype(int), 1, len(p) - 3)
     u = (place - i)[:, None]
@@ -77,76 +83,78 @@ def resampled(times: Array, p: Array) -> tuple[Array, Array]:
     return wanted, result
 
 
-def low_passed(p: Array, rate: float = RATE) -> Array:
-    """Return positions (n, 3) through a Butterworth filter, forward and backward: without a lag.
+def low_passed(p: Array, rate: float = SAMPLE_RATE) -> Array:
+    """Returns positions (n, 3) after a zero-phase Butterworth filter.
 
-    Both passes together have the gain 1 / (1 + (tan(π f / r) / tan(π f_c / r))^(2 n)), the
-    bilinear transform of the filter. The ends are continued by odd reflection.
+    The gain of both passes is 1 / (1 + (tan(π f / r) / tan(π f_c / r))^(2 n)), the
+    bilinear transform of the filter. Odd reflection extends both ends.
     """
     pad = min(len(p) - 1, int(rate))
     before = 2.0 * p[0] - p[pad:0:-1]
     after = 2.0 * p[-1] - p[-2 : -pad - 2 : -1]
     whole = np.concatenate([before, p, after])
-    # A straight line is taken out: its two ends do not meet.
+    # Removing a line makes the signal periodic.
     n = len(whole)
     line = whole[0] + (whole[-1] - whole[0]) * (np.arange(n) / (n - 1))[:, None]
     f = np.fft.rfftfreq(n, 1.0 / rate)
-    warped = np.tan(np.pi * np.minimum(f, 0.4999 * rate) / rate) / np.tan(np.pi * CUTOFF / rate)
-    gain = 1.0 / (1.0 + warped ** (2 * ORDER))
+    warped = np.tan(np.pi * np.minimum(f, 0.4999 * rate) / rate) / np.tan(
+        np.pi * CUTOFF_FREQUENCY / rate
+    )
+    gain = 1.0 / (1.0 + warped ** (2 * FILTER_ORDER))
     smooth = np.fft.irfft(np.fft.rfft(whole - line, axis=0) * gain[:, None], n, axis=0)
     return (smooth + line)[pad : pad + len(p)]
 
 
-def third_derivative(p: Array, rate: float = RATE) -> Array:
+def third_derivative(p: Array, rate: float = SAMPLE_RATE) -> Array:
     """Returns the third derivatives (n, 3) by central differences; the two at each end repeat."""
     inner = (p[4:] - 2.0 * p[3:-1] + 2.0 * p[1:-3] - p[:-4]) * (0.5 * rate**3)
     return np.concatenate([inner[:1], inner[:1], inner, inner[-1:], inner[-1:]])
 
 
-def measure_jerk(times: Array, p: Array, begin: float, end: float) -> Jerk:
-    """Returns the smoothness of a movement from `begin` to `end` within a longer record.
+def measure_jerk(times: Array, p: Array, start: float, end: float) -> Jerk:
+    """Returns the smoothness of a movement from `start` to `end` within a longer record.
 
     Args:
-        times: (K,) at equal distances [s].
-        p: (K, 3) of the hand [m].
-        begin: [s].
-        end: [s].
+        times: (K,) equally spaced times [s].
+        p: (K, 3) positions of the hand [m].
+        start: start of the movement [s].
+        end: end of the movement [s].
     """
     t, x = resampled(times, p)
     x = low_passed(x)
-    rows = np.flatnonzero((t >= begin - 1e-9) & (t <= end + 1e-9))
+    rows = np.flatnonzero((t >= start - 1e-9) & (t <= end + 1e-9))
     integral = total_square_jerk(x, rows)
-    ways = [np.array([np.interp(when, t, axis) for axis in x.T]) for when in (begin, end)]
-    return Jerk(integral, end - begin, float(np.linalg.norm(ways[1] - ways[0])))
+    ends = [np.array([np.interp(when, t, axis) for axis in x.T]) for when in (start, end)]
+    return Jerk(integral, end - start, float(np.linalg.norm(ends[1] - ends[0])))
 
 
 def total_square_jerk(x: Array, rows: NDArray[np.int64]) -> float:
-    """Return C [m²/s⁵] of the samples `rows` of places x (n, 3) at 60 Hz."""
-    return _integral((third_derivative(x)[rows] ** 2).sum(axis=1), 1.0 / RATE)
+    """Returns C of the samples `rows` of positions x (n, 3) at 60 Hz [m²/s⁵]."""
+    return _integral((third_derivative(x)[rows] ** 2).sum(axis=1), 1.0 / SAMPLE_RATE)
 
 
-def minimum_jerk_between(times: Array, p: Array, begin: float, end: float) -> float:
-    """Return C of the smoothest movement with the same ends: their places, speeds, accelerations.
+def minimum_jerk_between(times: Array, p: Array, start: float, end: float) -> float:
+    """Returns the smallest C of any movement between the same end states [m²/s⁵].
 
-    That is a polynomial of degree five; no movement between these ends has less [m²/s⁵].
+    The quintic between the positions, velocities and accelerations of both ends attains it.
     """
     t, x = resampled(times, p)
     x = low_passed(x)
-    v = np.gradient(x, 1.0 / RATE, axis=0)
-    a = np.gradient(v, 1.0 / RATE, axis=0)
-    time, total = end - begin, 0.0
+    v = np.gradient(x, 1.0 / SAMPLE_RATE, axis=0)
+    a = np.gradient(v, 1.0 / SAMPLE_RATE, axis=0)
+    time, total = end - start, 0.0
     for axis in range(3):
-        ends = [[float(np.interp(when, t, q[:, axis])) for q in (x, v, a)] for when in (begin, end)]
+        ends = [[float(np.interp(when, t, q[:, axis])) for q in (x, v, a)] for when in (start, end)]
         total += _quintic_jerk(ends[0], ends[1], time)
     return total
 
 
-def rank_correlation(one: Array, other: Array) -> float:
-    """Returns how far two columns agree in their order, from -1 to 1.
+def rank_correlation(x: Array, y: Array) -> float:
+    """Returns Spearman's rank correlation of two columns, with mean ranks for ties.
 
-    Source: Spearman 1904; ties share the mean of their ranks.
+    Source: Spearman 1904.
     """
-    a, b = _ranks(one), _ranks(other)
+    a, b = _ranks(x), _ranks(y)
     a, b = a - a.mean(), b - b.mean()
     scale = float(np.sqrt((a * a).sum() * (b * b).sum()))
     return float((a * b).sum() / scale) if scale > 0.0 else 0.0
@@ -165,7 +173,7 @@ def _integral(values: Array, h: float) -> float:
 
 
 def _quintic_jerk(first: list[float], last: list[float], time: float) -> float:
-    """Return ∫ x'''² dt of the quintic from (x, v, a) to (x, v, a) in `time`."""
+    """Returns ∫ x'''² dt of the quintic from (x, v, a) to (x, v, a) in `time`."""
     x0, v0, a0 = first[0], first[1] * time, first[2] * time**2
     x1, v1, a1 = last[0], last[1] * time, last[2] * time**2
     d = x1 - x0

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.dancers.torso import LIMITS, PALM
+from pipeline.simulation.dancers.torso import JOINT_LIMITS, PALM_FRACTION
 from pipeline.simulation.dynamics.linkage import Capsule, Link, Spot
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
@@ -36,7 +36,7 @@ def out_of_reach(
         place_path: path of the place instead, where it is outside the subtask.
     """
     shoulder = proportions.rest()[JOINTS.index(f"shoulder_{side}")]
-    length = proportions.upper_arm + proportions.forearm + PALM * proportions.hand
+    length = proportions.upper_arm + proportions.forearm + PALM_FRACTION * proportions.hand
     length *= proportions.height
     for spot, key in spots:
         distance = float(np.linalg.norm(spot.place - shoulder))
@@ -79,7 +79,7 @@ def beyond_limits(angles: Mapping[str, float], path: str) -> Iterator[Problem]:
     """
     for key, angle in angles.items():
         joint = key.removesuffix("_deg").replace("_r_", "_").replace("_l_", "_")
-        lower, upper = LIMITS[joint]
+        lower, upper = JOINT_LIMITS[joint]
         if not lower <= angle <= upper:
             message = f"is {angle:g} degrees, but the joint goes from {lower} to {upper}"
             yield Problem(f"{path}.joints.{key}", message)

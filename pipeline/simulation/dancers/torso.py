@@ -1,8 +1,8 @@
-"""Torso: eight rigid links and twenty degrees of freedom on static legs.
+"""Torso of a dancer: eight rigid links with twenty degrees of freedom on static legs.
 
-The frame is that of `Proportions.rest`: X forward, Y up, Z to the right, standing at the
-origin. Angles are those of anatomy: flexion raises an arm forward, abduction away from the
-body, rotation turns it inward, pronation turns the palm down when the arm is out.
+The frame is the frame of `Proportions.rest`: X forward, Y up, Z to the right, with the person at
+the origin. Angles follow anatomy: flexion raises an arm forward, abduction raises it sideways,
+rotation turns it inward, pronation turns the palm of an outstretched arm down.
 
 Source: Matarić, Zordan and Mason 1998, section 3; Winter 2009 for masses.
 """
@@ -28,14 +28,14 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.dancer import Build, Dancer, Gains
 
 HANDS = ("r", "l")
-"""Sides, in the order in which hands are numbered."""
+"""Sides, in the order of the hands' numbers."""
 
 ARM = ("shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow_flexion")
-"""Joints of an arm that a force on its hand moves."""
+"""Joints of an arm that a force on the hand moves."""
 
 WRIST = ("wrist_pronation", "wrist_flexion", "wrist_deviation")
 
-AXES = {
+JOINT_AXES = {
     "waist_rotation": (0.0, 1.0, 0.0),
     "waist_flexion": (0.0, 0.0, -1.0),
     "waist_bend": (1.0, 0.0, 0.0),
@@ -50,9 +50,9 @@ AXES = {
     "wrist_flexion": (-1.0, 0.0, 0.0),
     "wrist_deviation": (0.0, 0.0, 1.0),
 }
-"""Axis of each joint at rest; on the left those along X and Y point the other way."""
+"""Axis of each joint at rest; the X and Y components are negated on the left side."""
 
-LIMITS = {
+JOINT_LIMITS = {
     "waist_rotation": (-40, 40),
     "waist_flexion": (-15, 45),
     "waist_bend": (-25, 25),
@@ -67,7 +67,7 @@ LIMITS = {
     "wrist_flexion": (-70, 75),
     "wrist_deviation": (-30, 30),
 }
-"""Least and greatest angle [degrees]."""
+"""Smallest and largest angle [degrees]."""
 
 GAINS = {
     "waist": (1600.0, 150.0, 300.0),
@@ -76,30 +76,32 @@ GAINS = {
     "elbow": (130.0, 6.5, 60.0),
     "wrist": (14.0, 0.6, 15.0),
 }
-"""Stiffness [N m/rad], damping [N m s/rad] and strength [N m] of a grown-up's servos, chosen by
-hand and the same all the time."""
+"""Stiffness [N m/rad], damping [N m s/rad] and strength [N m] of an adult's servos; constant gains,
+tuned by hand."""
 
-FIELD_GAIN, FIELD_FORCE_LIMIT = 230.0, 320.0
-"""Gain c of the fields [N s/m], and their greatest force along an axis [N], of a grown-up."""
+FIELD_GAIN = 230.0
+"""Gain c of an adult's force fields [N s/m]."""
 
-PALM = 0.45
-"""Where on a hand one touches, from the wrist to the fingertips."""
+FIELD_FORCE_LIMIT = 320.0
+"""Largest force of an adult's force fields along each axis [N]."""
+
+PALM_FRACTION = 0.45
+"""Position of the centre of the palm, as a fraction of the distance from wrist to fingertips."""
 
 HAND_RADIUS = 0.013
-"""Of a hand's solid, as a part of the height."""
+"""Radius of the solid of a hand, per body height."""
 
 REFERENCE_MASS = 68.0
-"""Mass that the gains are chosen for [kg]."""
+"""Body mass for which the gains are tuned [kg]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Torso:
-    """The linkage of a dancer, and where in it things are.
+    """Linkage of a dancer, with lookups of its joints and spots.
 
     Attributes:
-        proportions: of the dancer.
-        linkage: that is simulated.
-        names: of its joints, in their order.
+        proportions: proportions of the dancer.
+        linkage: simulated linkage.
     """
 
     proportions: Proportions
@@ -107,16 +109,16 @@ class Torso:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the twenty joints, in their order."""
+        """Names of the twenty joints, in order."""
         return tuple(hinge.name for hinge in self.linkage.hinges)
 
     def arm(self, side: str) -> slice:
-        """Returns the places of an arm's joints, shoulder and elbow, among all."""
+        """Returns the slice of the shoulder and elbow joints of an arm."""
         first = self.names.index(f"shoulder_{side}_flexion")
         return slice(first, first + len(ARM))
 
     def wrist(self, side: str) -> slice:
-        """Returns the places of a wrist's joints among all."""
+        """Returns the slice of the joints of a wrist."""
         first = self.names.index(f"wrist_{side}_pronation")
         return slice(first, first + len(WRIST))
 
@@ -125,13 +127,13 @@ class Torso:
         return [spot.name for spot in self.linkage.spots].index(name)
 
 
-def sided(joint: str, side: str) -> str:
-    """Returns the name of a joint of one side: wrist_flexion of r is wrist_r_flexion."""
-    stem, what = joint.split("_")
-    return f"{stem}_{side}_{what}"
+def joint_name(joint: str, side: str) -> str:
+    """Returns the name of a joint with its side: wrist_flexion and r give wrist_r_flexion."""
+    stem, motion = joint.split("_")
+    return f"{stem}_{side}_{motion}"
 
 
-def torso_of(
+def build_torso(
     proportions: Proportions,
     spots: tuple[Spot, ...] = (),
     discs: tuple[Disc, ...] = (),
@@ -140,22 +142,26 @@ def torso_of(
     """Returns the torso of a person.
 
     Args:
-        proportions: of the person.
-        spots: places beside the palms whose way matters, their links as in `LINKS`.
-        discs: that stand about it.
-        compensated: whether the arms' weight is.
+        proportions: proportions of the person.
+        spots: tracked points in addition to the palms, with links as in `LINKS`.
+        discs: static drums around the torso.
+        compensated: whether gravity of the arms is compensated.
     """
     links = _links(proportions, compensated)
     numbers = {link.name: i for i, link in enumerate(links)}
     rest, hand = _rest(proportions), proportions.hand * proportions.height
     palms = tuple(
-        Spot(f"palm_{side}", numbers[f"hand_{side}"], rest[f"hand_{side}"] - [0, PALM * hand, 0])
+        Spot(
+            f"palm_{side}",
+            numbers[f"hand_{side}"],
+            rest[f"hand_{side}"] - [0, PALM_FRACTION * hand, 0],
+        )
         for side in HANDS
     )
-    apart = tuple(
-        (f"{one}_{side}", f"{other}_{side}")
+    excluded_pairs = tuple(
+        (f"{first}_{side}", f"{second}_{side}")
         for side in HANDS
-        for one, other in (("upper_arm", "hand"), ("upper_arm", "forearm"), ("forearm", "hand"))
+        for first, second in (("upper_arm", "hand"), ("upper_arm", "forearm"), ("forearm", "hand"))
     )
     scale = proportions.mass / REFERENCE_MASS
     linkage = Linkage(
@@ -164,7 +170,7 @@ def torso_of(
         tuple(palm.name for palm in palms),
         FIELD_GAIN * scale,
         FIELD_FORCE_LIMIT * scale,
-        apart,
+        excluded_pairs,
         discs,
     )
     return Torso(proportions, linkage)
@@ -174,39 +180,43 @@ LINKS = (
     *("pelvis", "chest", "head"),
     *("upper_arm_r", "forearm_r", "hand_r", "upper_arm_l", "forearm_l", "hand_l"),
 )
-"""Names of the links, in their order: the first stands still."""
+"""Names of the links, in order; the first is static."""
 
 
 def _rest(proportions: Proportions) -> dict[str, Array]:
     return dict(zip(JOINTS, proportions.rest(), strict=True))
 
 
-def _links(who: Proportions, compensated: bool) -> tuple[Link, ...]:
-    rest, h = _rest(who), who.height
-    # The trunk's mass is spread over its height; what is below the waist stands still.
-    chest = SEGMENT_MASSES["trunk"] * (who.shoulder - who.spine) / (who.shoulder - who.hip)
+def _links(person: Proportions, compensated: bool) -> tuple[Link, ...]:
+    rest, h = _rest(person), person.height
+    # The trunk's mass is uniform over its height; the part below the waist is static.
+    chest = (
+        SEGMENT_MASSES["trunk"] * (person.shoulder - person.spine) / (person.shoulder - person.hip)
+    )
     links = [
-        Link("pelvis", -1, rest["pelvis"], 1.0, (), _pelvis(who)),
-        Link("chest", 0, rest["spine"], who.mass * chest, _hinges("waist", who), _chest(who)),
+        Link("pelvis", -1, rest["pelvis"], 1.0, (), _pelvis(person)),
+        Link(
+            "chest", 0, rest["spine"], person.mass * chest, _hinges("waist", person), _chest(person)
+        ),
         Link(
             "head",
             1,
             rest["shoulders"],
-            who.mass * SEGMENT_MASSES["head"],
-            _hinges("neck", who),
+            person.mass * SEGMENT_MASSES["head"],
+            _hinges("neck", person),
             (_capsule("head", (0.004, 0.918), (0.004, 0.948), 0.05, h, "trunk"),),
         ),
     ]
     for side in HANDS:
-        links += _arm(who, rest, side, len(links), compensated)
+        links += _arm(person, rest, side, len(links), compensated)
     return tuple(links)
 
 
 def _arm(
-    who: Proportions, rest: dict[str, Array], side: str, first: int, compensated: bool
+    person: Proportions, rest: dict[str, Array], side: str, first: int, compensated: bool
 ) -> list[Link]:
-    h, hand = who.height, who.hand * who.height
-    shoulder, elbow, wrist = (rest[f"{what}_{side}"] for what in ("shoulder", "elbow", "hand"))
+    h, hand = person.height, person.hand * person.height
+    shoulder, elbow, wrist = (rest[f"{joint}_{side}"] for joint in ("shoulder", "elbow", "hand"))
     along = np.array([0.0, -hand, 0.0])
     fingers = np.stack([wrist + 0.12 * along, wrist + 0.85 * along])
     kinds = (
@@ -217,62 +227,62 @@ def _arm(
     links, meets = list[Link](), dict[str, CollisionGroup](limb="limb", trunk="trunk")
     for k, (name, place, ends, radius, kind, hinges) in enumerate(kinds):
         solid = Capsule(f"{name}_{side}", ends, radius * h, meets[kind])
-        mass = who.mass * SEGMENT_MASSES[name]
+        mass = person.mass * SEGMENT_MASSES[name]
         parent = 1 if k == 0 else first + k - 1
-        own = _hinges(hinges, who, side)
+        own = _hinges(hinges, person, side)
         links.append(Link(f"{name}_{side}", parent, place, mass, own, (solid,), compensated))
     return links
 
 
-def _hinges(stem: str, who: Proportions, side: str = "") -> tuple[Hinge, ...]:
-    # Torques go with mass times height, inertia with mass times height squared.
-    scale = who.mass / REFERENCE_MASS
+def _hinges(stem: str, person: Proportions, side: str = "") -> tuple[Hinge, ...]:
+    # Gains scale with body mass.
+    scale = person.mass / REFERENCE_MASS
     stiffness, damping, strength = (value * scale for value in GAINS[stem])
-    found = list[Hinge]()
-    for joint in AXES:
+    result = list[Hinge]()
+    for joint in JOINT_AXES:
         if joint.startswith(f"{stem}_"):
-            axis = np.array(AXES[joint])
+            axis = np.array(JOINT_AXES[joint])
             if side == "l":
                 axis = axis * [-1.0, -1.0, 1.0]
-            lower, upper = (math.radians(angle) for angle in LIMITS[joint])
-            name = sided(joint, side) if side else joint
-            found.append(Hinge(name, axis, lower, upper, stiffness, damping, strength))
-    return tuple(found)
+            lower, upper = (math.radians(angle) for angle in JOINT_LIMITS[joint])
+            name = joint_name(joint, side) if side else joint
+            result.append(Hinge(name, axis, lower, upper, stiffness, damping, strength))
+    return tuple(result)
 
 
 def _capsule(
     name: str,
-    one: tuple[float, float],
-    other: tuple[float, float],
+    first: tuple[float, float],
+    second: tuple[float, float],
     radius: float,
     h: float,
     meets: CollisionGroup,
 ) -> Capsule:
-    """Returns a capsule in the middle plane, given as forward and up in heights."""
-    ends = np.array([[*one, 0.0], [*other, 0.0]])
+    """Returns a capsule in the sagittal plane; ends (forward, up) and radius per body height."""
+    ends = np.array([[*first, 0.0], [*second, 0.0]])
     return Capsule(name, ends * h, radius * h, meets)
 
 
-def _across(name: str, up: float, half: float, radius: float, h: float) -> Capsule:
-    """Returns a capsule across the body, given in heights."""
+def _lateral_capsule(name: str, up: float, half: float, radius: float, h: float) -> Capsule:
+    """Returns a capsule from left to right; dimensions per body height."""
     ends = np.array([[0.0, up, -half], [0.0, up, half]])
     return Capsule(name, ends * h, radius * h, "trunk")
 
 
-def _chest(who: Proportions) -> tuple[Capsule, ...]:
-    h, yoke = who.height, who.shoulder
-    middle = 0.5 * (who.spine + who.shoulder)
+def _chest(person: Proportions) -> tuple[Capsule, ...]:
+    h, yoke = person.height, person.shoulder
+    middle = 0.5 * (person.spine + person.shoulder)
     return (
-        _across("belly", who.spine + 0.02, 0.030, 0.058, h),
-        _across("ribs", middle, 0.032, 0.061, h),
-        _across("breast", yoke - 0.043, 0.040, 0.059, h),
-        _across("yoke", yoke - 0.006, who.shoulders - 0.02, 0.030, h),
+        _lateral_capsule("belly", person.spine + 0.02, 0.030, 0.058, h),
+        _lateral_capsule("ribs", middle, 0.032, 0.061, h),
+        _lateral_capsule("breast", yoke - 0.043, 0.040, 0.059, h),
+        _lateral_capsule("yoke", yoke - 0.006, person.shoulders - 0.02, 0.030, h),
         _capsule("neck", (0.0, yoke), (0.004, yoke + 0.06), 0.031, h, "trunk"),
     )
 
 
-def _pelvis(who: Proportions) -> tuple[Capsule, ...]:
-    h, rest = who.height, _rest(who)
+def _pelvis(person: Proportions) -> tuple[Capsule, ...]:
+    h, rest = person.height, _rest(person)
     thighs = [
         Capsule(
             f"thigh_{side}",
@@ -282,11 +292,11 @@ def _pelvis(who: Proportions) -> tuple[Capsule, ...]:
         )
         for side in HANDS
     ]
-    return (_across("pelvis", who.hip + 0.015, 0.038, 0.060, h), *thighs)
+    return (_lateral_capsule("pelvis", person.hip + 0.015, 0.038, 0.060, h), *thighs)
 
 
 def with_gains(torso: Torso, gains: Gains) -> Torso:
-    """Returns a torso whose servos and fields have the author's gain factors."""
+    """Returns a torso with scaled gains of its servos and fields."""
     if gains == Gains():
         return torso
     links = tuple(
@@ -308,6 +318,7 @@ def with_gains(torso: Torso, gains: Gains) -> Torso:
 
 
 BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
+"""Proportions by the name of a build."""
 
 
 def dancer_proportions(member: Dancer) -> Proportions:
@@ -317,7 +328,7 @@ def dancer_proportions(member: Dancer) -> Proportions:
         return BUILDS[dancer]
     build = BUILDS[dancer.build]
     height = dancer.height or build.height
-    # At the same build, mass grows with the square of height (body mass index).
+    # A constant body mass index.
     mass = dancer.mass or build.mass * (height / build.height) ** 2
     return replace(build, height=height, mass=mass)
 

@@ -1,4 +1,4 @@
-"""Force fields: they converge, their speed is bell-shaped, their sums lie in the hull."""
+"""Force fields: convergence, bell-shaped speed, and sums within the convex hull."""
 
 from __future__ import annotations
 
@@ -24,7 +24,14 @@ from pipeline.simulation.dancers.posture_sequence import (
     PostureSpline,
     natural_spline_curvatures,
 )
-from pipeline.simulation.dancers.torso import ARM, HANDS, LIMITS, PALM, Torso, torso_of
+from pipeline.simulation.dancers.torso import (
+    ARM,
+    HANDS,
+    JOINT_LIMITS,
+    PALM_FRACTION,
+    Torso,
+    build_torso,
+)
 from pipeline.simulation.dynamics.linkage import Spot
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import ADULT, JOINTS
@@ -32,20 +39,20 @@ from pipeline.simulation.spatial import Array
 
 TICK, STEPS = 1.0 / 96.0, 11
 
-NEAR = 0.012
-"""How near hands come to what they reach for, forearms against the ribs too [m]."""
+POSITION_TOLERANCE = 0.012
+"""Position tolerance of a reached point [m]."""
 
 SHOULDER = ADULT.rest()[JOINTS.index("shoulder_r")]
-REACH = (ADULT.upper_arm + ADULT.forearm + PALM * ADULT.hand) * ADULT.height
+REACH = (ADULT.upper_arm + ADULT.forearm + PALM_FRACTION * ADULT.hand) * ADULT.height
 
 places = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * 3)
 
 
-def standing(
+def standing_torso(
     spots: tuple[Spot, ...] = (), compensated: bool = True
 ) -> tuple[Torso, LinkageSimulation, ArmController]:
-    """Return a torso whose right hand is pulled by fields; the left arm hangs."""
-    torso = torso_of(ADULT, spots, compensated=compensated)
+    """Returns a torso with a force field on the right hand; the left arm hangs."""
+    torso = build_torso(ADULT, spots, compensated=compensated)
     moving = LinkageSimulation(torso.linkage, TICK / STEPS)
     for side in HANDS:
         own = slice(torso.arm(side).start, torso.wrist(side).stop)
@@ -57,13 +64,13 @@ def standing(
     return torso, moving, arms[0]
 
 
-def go_on(
-    moving: LinkageSimulation, arm: ArmController, seconds: float, begin: float = 0.0
+def simulate_arm(
+    moving: LinkageSimulation, arm: ArmController, seconds: float, start: float = 0.0
 ) -> Array:
-    """Let it move; return the hand's places (n, 3), one a tick [m]."""
+    """Returns the positions (n, 3) of the hand, one per tick [m]."""
     rows = []
     for k in range(round(seconds / TICK)):
-        arm.control(begin + k * TICK)
+        arm.control(start + k * TICK)
         done = 0
         while done < STEPS:
             done += moving.advance(STEPS - done)
@@ -72,25 +79,25 @@ def go_on(
 
 
 @given(st.lists(st.tuples(places, st.floats(0.01, 1.0)), min_size=1, max_size=6))
-def test_a_weighted_sum_has_its_point_in_the_hull_of_the_points(fields) -> None:
+def test_weighted_point_lies_in_convex_hull(fields) -> None:
     points = [point for point, _ in fields]
     weights = np.array([weight for _, weight in fields])
     weights /= weights.sum()
     point = weighted_point(points, weights.tolist())
-    # It is nowhere farther along any direction than the farthest of them.
+    # Support function of the hull, in random directions.
     chance = np.random.default_rng(1)
     directions = chance.normal(size=(40, 3))
     along = np.array(points) @ directions.T
     own = np.array(point) @ directions.T
     assert (own <= along.max(axis=0) + 1e-12).all()
-    # And the sum of the fields is zero there.
+    # The sum of the fields is zero there.
     each = [FIELD_RATE * (np.array(p) - point) for p in points]
     np.testing.assert_allclose((weights[:, None] * each).sum(axis=0), 0.0, atol=1e-11)
     assert strongest_point(points, weights.tolist()) == points[int(np.argmax(weights))]
 
 
 @given(places, places, st.floats(0.1, 50.0))
-def test_a_field_points_to_its_point_and_is_zero_at_it(point, x, rate) -> None:
+def test_field_points_to_equilibrium_point(point, x, rate) -> None:
     v = np.array(desired_velocity(point, x, rate))
     d = np.array(point) - x
     assert np.linalg.norm(np.cross(v, d)) <= 1e-9
@@ -99,7 +106,7 @@ def test_a_field_points_to_its_point_and_is_zero_at_it(point, x, rate) -> None:
     assert desired_velocity(point, point, rate) == (0.0, 0.0, 0.0)
 
 
-def test_the_smooth_step_is_that_of_least_jerk_and_is_inverted() -> None:
+def test_minimum_jerk_step_has_derivative_and_inverse() -> None:
     s = np.linspace(0, 1, 101)
     np.testing.assert_allclose([minimum_jerk_step(float(x))[0] for x in s], ease(s), atol=1e-15)
     h = 1e-6
@@ -109,7 +116,7 @@ def test_the_smooth_step_is_that_of_least_jerk_and_is_inverted() -> None:
         assert minimum_jerk_phase(minimum_jerk_step(x)[0]) == pytest.approx(x, abs=1e-9)
 
 
-def test_weights_of_fields_stay_between_none_and_all_whatever_the_hand_does() -> None:
+def test_equilibrium_point_stays_in_bounds_for_any_hand_motion() -> None:
     chance = np.random.default_rng(5)
     for _ in range(20):
         places = chance.uniform(-1, 1, (4, 3))
@@ -123,7 +130,7 @@ def test_weights_of_fields_stay_between_none_and_all_whatever_the_hand_does() ->
         np.testing.assert_allclose(fields.point, places[3], atol=1e-12)
 
 
-def test_the_next_field_begins_when_the_hand_came_near_whenever_that_is_looked_at() -> None:
+def test_leg_starts_do_not_depend_on_control_rate() -> None:
     places = np.array([[0.0, 0.0, 0.0], [0.3, 0.2, 0.0], [0.1, 0.5, 0.2], [0.4, 0.4, 0.4]])
     found = []
     for rate in (96, 97, 480, 5000):
@@ -131,39 +138,39 @@ def test_the_next_field_begins_when_the_hand_came_near_whenever_that_is_looked_a
         fields.go([1, 2, 3], 0.0, 1.2, places)
         lag = 0.013
         for k in range(round(1.5 * rate)):
-            # A hand that comes after the point as it was a moment ago, at any rate the same.
+            # A hand that lags behind the point by a fixed time.
             now = k / rate
             s = np.interp(now - lag, [0.0, 0.3, 0.7, 1.2], [0.0, 1.0, 2.0, 3.0])
             x = [np.interp(s, range(4), places[:, i]) for i in range(3)]
             fields.desired((x[0], x[1], x[2]), now, places)
-        found.append([leg.begin for leg in fields.legs])
+        found.append([leg.start for leg in fields.legs])
         assert len(fields.legs) == 3
     np.testing.assert_allclose(found[:-1], [found[-1]] * 3, atol=2e-4)
 
 
 @pytest.mark.parametrize("time", [0.5, 0.8, 1.2])
 @pytest.mark.parametrize("place", [(0.45, 1.3, 0.3), (0.3, 1.6, 0.45), (0.55, 1.15, 0.12)])
-def test_a_free_reach_has_one_peak_of_speed_and_the_shape_of_least_jerk(place, time) -> None:
-    torso, moving, arm = standing((Spot("goal", -1, np.array(place)),))
-    begin = moving.places[arm.palm].copy()
-    arm.fields.stay(begin)
+def test_free_reach_has_bell_shaped_speed(place, time) -> None:
+    torso, moving, arm = standing_torso((Spot("goal", -1, np.array(place)),))
+    start = moving.places[arm.palm].copy()
+    arm.fields.stay(start)
     arm.fields.go([torso.spot("goal")], 0.0, time, moving.places)
-    way = np.concatenate([begin[None], go_on(moving, arm, time + 0.3)])
-    assert np.linalg.norm(way[-1] - place) < 0.005
-    speed = np.linalg.norm(np.diff(way, axis=0), axis=1) / TICK
+    path = np.concatenate([start[None], simulate_arm(moving, arm, time + 0.3)])
+    assert np.linalg.norm(path[-1] - place) < 0.005
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=1) / TICK
     top = int(np.argmax(speed))
-    # Up to the peak it never falls, after it never rises, but for some hundredths of the peak.
-    little = 0.03 * speed[top]
-    assert (np.maximum.accumulate(speed[: top + 1]) - speed[: top + 1]).max() < little
-    assert (speed[top:] - np.minimum.accumulate(speed[top:])).max() < little
+    # One peak, within 3 % of its height.
+    tolerance = 0.03 * speed[top]
+    assert (np.maximum.accumulate(speed[: top + 1]) - speed[: top + 1]).max() < tolerance
+    assert (speed[top:] - np.minimum.accumulate(speed[top:])).max() < tolerance
     t = (np.arange(len(speed)) + 0.5) * TICK / time
     bell = np.where(t < 1, 30 * t**2 * (1 - t) ** 2, 0.0)
     assert np.corrcoef(speed, bell)[0, 1] > 0.95
 
 
-def room(one: Array, other: Array, torso: Torso) -> float:
-    """Return how far the straight way from one place to another stays from the body [m]."""
-    x = one + np.linspace(0, 1, 31)[:, None] * (other - one)
+def clearance(start: Array, end: Array, torso: Torso) -> float:
+    """Returns the distance of a straight segment from the trunk and head [m]."""
+    x = start + np.linspace(0, 1, 31)[:, None] * (end - start)
     least = np.inf
     for link in torso.linkage.links[:3]:
         for solid in link.solids:
@@ -174,16 +181,16 @@ def room(one: Array, other: Array, torso: Torso) -> float:
     return float(least)
 
 
-def reaches(count: int, seed: int) -> None:
-    """Check that hands come to places anywhere that an arm can hold them, behind the back too."""
+def check_random_reaches(count: int, seed: int) -> None:
+    """Checks reaches between random reachable points, behind the back too."""
     chance = np.random.default_rng(seed)
-    torso, moving, arm = standing()
-    home, own, done, anew = moving.q.copy(), torso.arm("r"), 0, 0
-    lower, upper = np.radians([LIMITS[joint] for joint in ARM]).T
-    # An arm that is abducted further is the same as one that is flexed otherwise.
+    torso, moving, arm = standing_torso()
+    home, own, done, retries = moving.q.copy(), torso.arm("r"), 0, 0
+    lower, upper = np.radians([JOINT_LIMITS[joint] for joint in ARM]).T
+    # Further abduction repeats postures with another flexion.
     upper[1] = np.radians(90.0)
 
-    def anywhere() -> tuple[Array, Array]:
+    def random_posture() -> tuple[Array, Array]:
         while True:
             moving.q[:], moving.v[:] = home, 0.0
             moving.q[own] = chance.uniform(lower, upper)
@@ -192,9 +199,9 @@ def reaches(count: int, seed: int) -> None:
                 return moving.q[own].copy(), moving.places[arm.palm].copy()
 
     while done < count:
-        goal, (angles, start) = anywhere()[1], anywhere()
+        goal, (angles, start) = random_posture()[1], random_posture()
         away = [np.linalg.norm(x - SHOULDER) for x in (start, goal)]
-        if max(away) > REACH - 0.05 or room(start, goal, torso) < 0.05:
+        if max(away) > REACH - 0.05 or clearance(start, goal, torso) < 0.05:
             continue
         moving.q[:], moving.v[:] = home, 0.0
         moving.q[own] = angles
@@ -204,29 +211,29 @@ def reaches(count: int, seed: int) -> None:
         arm.trace(goal[None], reaching_posture(), 0.0, 1.0)
         now = 0.0
         for _ in range(10):
-            hand = go_on(moving, arm, 1.5, now)[-1]
+            hand = simulate_arm(moving, arm, 1.5, now)[-1]
             now += 1.5
-            if np.linalg.norm(hand - goal) < NEAR and arm.by_fields:
+            if np.linalg.norm(hand - goal) < POSITION_TOLERANCE and arm.by_fields:
                 break
-        assert np.linalg.norm(hand - goal) < NEAR, (angles, start, goal, hand)
-        anew += arm.retry_until > 0.0
+        assert np.linalg.norm(hand - goal) < POSITION_TOLERANCE, (angles, start, goal, hand)
+        retries += arm.retry_until > 0.0
         done += 1
-    assert anew < 0.1 * count
+    assert retries < 0.1 * count
 
 
 @pytest.mark.slow
-def test_points_are_reached_from_random_starts() -> None:
-    reaches(50, 1)
+def test_random_reaches() -> None:
+    check_random_reaches(50, 1)
 
 
 @pytest.mark.nightly
-def test_points_are_reached_from_five_hundred_random_starts() -> None:
-    reaches(500, 2)
+def test_many_random_reaches() -> None:
+    check_random_reaches(500, 2)
 
 
-def held_up() -> tuple[LinkageSimulation, ArmController, Array, float]:
-    """Return an arm just being taken back, where its hand was to go, and the time."""
-    torso, moving, arm = standing()
+def blocked_reach() -> tuple[LinkageSimulation, ArmController, Array, float]:
+    """Returns an arm at the start of a retreat, its goal, and the time."""
+    torso, moving, arm = standing_torso()
     moving.q[torso.arm("r")] = [1.07, -0.70, -1.69, 1.26]
     moving.targets[:] = moving.q
     moving.settle()
@@ -236,46 +243,46 @@ def held_up() -> tuple[LinkageSimulation, ArmController, Array, float]:
     now = 0.0
     while arm.by_fields:
         assert now < 4.0
-        go_on(moving, arm, TICK, now)
+        simulate_arm(moving, arm, TICK, now)
         now += TICK
     return moving, arm, goal, now
 
 
-def test_a_hand_that_the_trunk_holds_up_is_taken_back_and_comes_there_anew() -> None:
-    moving, arm, goal, now = held_up()
-    # The forearm lay on the belly, the elbow on the wrong side of it.
+def test_hand_blocked_by_trunk_retreats_and_reaches_goal() -> None:
+    moving, arm, goal, now = blocked_reach()
+    # The forearm is blocked by the belly.
     assert np.linalg.norm(moving.places[arm.palm] - goal) > 0.05
-    hand = go_on(moving, arm, 2.5, now)[-1]
+    hand = simulate_arm(moving, arm, 2.5, now)[-1]
     assert arm.by_fields
     assert arm.retry_until < now + 2.5
-    assert np.linalg.norm(hand - goal) < NEAR
+    assert np.linalg.norm(hand - goal) < POSITION_TOLERANCE
 
 
-def test_who_is_told_something_else_while_a_hand_is_taken_back_does_that() -> None:
-    moving, arm, _, now = held_up()
+def test_new_order_ends_retreat() -> None:
+    moving, arm, _, now = blocked_reach()
     posture = hanging_posture()
     arm.drive(False)
     arm.turn((posture,), now, now + 0.8)
-    go_on(moving, arm, 2.0, now)
+    simulate_arm(moving, arm, 2.0, now)
     assert not arm.by_fields
     np.testing.assert_allclose(moving.q[arm.all], posture, atol=0.05)
-    moving, arm, _, now = held_up()
+    moving, arm, _, now = blocked_reach()
     arm.hold(now)
     hand = moving.places[arm.palm].copy()
     assert arm.by_fields
-    assert np.linalg.norm(go_on(moving, arm, 2.0, now)[-1] - hand) < 0.05
+    assert np.linalg.norm(simulate_arm(moving, arm, 2.0, now)[-1] - hand) < 0.05
 
 
-def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffness() -> None:
+def test_uncompensated_arm_sags_by_weight_over_field_stiffness() -> None:
     goal = np.array([0.42, 1.25, 0.25])
     found = []
     for compensated in (True, False):
-        torso, moving, arm = standing(compensated=compensated)
+        torso, moving, arm = standing_torso(compensated=compensated)
         arm.fields.stay(goal)
-        go_on(moving, arm, 2.0)
+        simulate_arm(moving, arm, 2.0)
         x = moving.places[arm.palm]
         found.append(x - goal)
-        # At rest the field alone bears what pulls at the hand: c k (goal - x).
+        # At rest the field force c k (goal - x) balances gravity.
         force = torso.linkage.drag * FIELD_RATE * (goal - x)
         own = torso.arm("r")
         J = moving.jacobian(0)[:, own]
@@ -286,7 +293,7 @@ def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffnes
     assert found[1][1] < -0.0015
 
 
-def test_a_spline_goes_through_its_postures_and_rests_at_both_ends() -> None:
+def test_posture_spline_interpolates_and_rests_at_both_ends() -> None:
     chance = np.random.default_rng(2)
     keys = [chance.normal(size=7) for _ in range(5)]
     passage = PostureSpline(keys, 1.0, 3.0)
@@ -299,7 +306,7 @@ def test_a_spline_goes_through_its_postures_and_rests_at_both_ends() -> None:
     np.testing.assert_array_equal(passage.at(9.0)[0], keys[-1])
 
 
-def test_the_spline_is_the_natural_one_that_others_compute() -> None:
+def test_spline_curvatures_match_scipy() -> None:
     interpolate = pytest.importorskip("scipy.interpolate")
     chance = np.random.default_rng(7)
     knots = np.cumsum(chance.uniform(0.1, 1.0, 6))

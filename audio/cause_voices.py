@@ -2,7 +2,7 @@
 
 An impact without an entry sounds by its materials alone. A new cause needs an entry in
 `CAUSE_VOICES`, beside its configuration in `pipeline/spec/sound_thresholds.py` and its detector in
-`pipeline/simulation/detect`.
+`pipeline/simulation/sound_detection`.
 
 Source: Sims 1987, 13.1.2; Peterson and Barney 1952 for the vowel of a cry.
 """

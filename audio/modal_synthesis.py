@@ -220,8 +220,7 @@ def ring(bank: ModalBank, samples: int) -> Signal:
     left = np.concatenate((coarse.real, -coarse.imag), axis=1)
     right = np.concatenate((fine.real, fine.imag), axis=0)
     stacked = left.reshape(-1, rows, left.shape[1])
-    whole: Signal = np.matmul(stacked, right).reshape(-1)[:samples]
-    return whole
+    return np.matmul(stacked, right).reshape(-1)[:samples]
 
 
 def with_contact_time(response: Signal, taps: int) -> Signal:

@@ -14,8 +14,7 @@ def ease(s: Array) -> Array:
 
     Source: Flash and Hogan 1985.
     """
-    result: Array = s * s * s * (10.0 + s * (6.0 * s - 15.0))
-    return result
+    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
 
 
 def bump(s: Array) -> Array:
@@ -24,8 +23,7 @@ def bump(s: Array) -> Array:
     It rises with the square of `s` where `ease` rises with its cube, so a foot that follows both
     leaves the ground upward before it moves forward.
     """
-    result: Array = 16.0 * s * s * (1.0 - s) * (1.0 - s)
-    return result
+    return 16.0 * s * s * (1.0 - s) * (1.0 - s)
 
 
 def hinge(x: Array, width: Array | float) -> Array:
@@ -34,8 +32,7 @@ def hinge(x: Array, width: Array | float) -> Array:
     The derivative stays continuous where a bound begins to act.
     """
     rounded = (x + width) ** 2 / (4.0 * width)
-    result: Array = np.where(x <= -width, 0.0, np.where(x >= width, x, rounded))
-    return result
+    return np.where(x <= -width, 0.0, np.where(x >= width, x, rounded))
 
 
 def cyclic(values: Array, phase: Array | float) -> Array:
@@ -55,13 +52,9 @@ def cyclic(values: Array, phase: Array | float) -> Array:
     i = np.floor(position).astype(int) % n
     t = position - np.floor(position)
     a, b, c, d = (values[(i + k) % n] for k in (-1, 0, 1, 2))
-    result: Array = b + 0.5 * t * (
-        (c - a) + t * ((2 * a - 5 * b + 4 * c - d) + t * (3 * (b - c) + d - a))
-    )
-    return result
+    return b + 0.5 * t * ((c - a) + t * ((2 * a - 5 * b + 4 * c - d) + t * (3 * (b - c) + d - a)))
 
 
 def bounded(x: Array) -> Array:
     """Returns x / (1 + x⁴)^(1/4): about x near 0, and never beyond ±1."""
-    result: Array = x / np.sqrt(np.sqrt(1.0 + (x * x) * (x * x)))
-    return result
+    return x / np.sqrt(np.sqrt(1.0 + (x * x) * (x * x)))

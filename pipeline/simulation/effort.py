@@ -89,8 +89,7 @@ class Effort:
     @cached_property
     def power(self) -> Array:
         """(n,) mechanical power of all joints together [W]."""
-        result: Array = np.abs(self.torques * self.speeds).sum(axis=-1)
-        return result
+        return np.abs(self.torques * self.speeds).sum(axis=-1)
 
     @property
     def energy(self) -> float:
@@ -112,8 +111,7 @@ class Effort:
     @property
     def max_torques(self) -> Array:
         """(J,) largest torques of the joints in either direction [N m or N]."""
-        result: Array = np.abs(self.torques).max(axis=0)
-        return result
+        return np.abs(self.torques).max(axis=0)
 
 
 def efforts_of(take: Take, names: Sequence[str]) -> list[Effort]:
@@ -176,8 +174,7 @@ def _joint_values(take: Take, name: str, mechanism: Mechanism) -> Array:
 def _bears(take: Take, leg: Leg, path: Array) -> NDArray[np.bool_]:
     """Return whether a foot can carry load in each row except the first and the last (n,)."""
     resting = resting_rows(take, leg, path, ground_below(take, path))
-    result: NDArray[np.bool_] = resting[1:] | resting[:-1]
-    return result
+    return resting[1:] | resting[:-1]
 
 
 def _centre_arm(tree: JointTree, masses: FrameMasses, q: Array, X_WB: Array) -> Array:
@@ -185,5 +182,4 @@ def _centre_arm(tree: JointTree, masses: FrameMasses, q: Array, X_WB: Array) -> 
     X = tree.pose(q)
     joints = (X[..., :3, :3] @ masses.centre[:-1, :, None])[..., 0] + X[..., :3, 3]
     weighted = (masses.mass[:-1, None] * joints).sum(axis=-2) + masses.mass[-1] * masses.centre[-1]
-    result: Array = (X_WB[..., :3, :3] @ (weighted / masses.mass.sum())[..., None])[..., 0]
-    return result
+    return (X_WB[..., :3, :3] @ (weighted / masses.mass.sum())[..., None])[..., 0]

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect.contact_sounds import ContactSounds
-from pipeline.simulation.detect.motion_sounds import MotionSounds
-from pipeline.simulation.detect.sound_sources import SoundSources, rigid_parts
-from pipeline.simulation.detect.vocal_sounds import VocalSounds
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch
 from pipeline.simulation.signals import Signal
+from pipeline.simulation.sound_detection.contact_sounds import ContactSounds
+from pipeline.simulation.sound_detection.motion_sounds import MotionSounds
+from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts
+from pipeline.simulation.sound_detection.vocal_sounds import VocalSounds
 from pipeline.simulation.take import Contact, SoundEvent
 from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene

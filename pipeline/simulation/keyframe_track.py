@@ -94,8 +94,7 @@ class Track:
             [s, s * s * (1.5 - 0.5 * s), s * (1.5 - 0.5 * s * s), np.floor(s)],
             ease(s),
         )[:, None]
-        result: Array = np.where((kind == "spline")[:, None], spline, a + (b - a) * eased)
-        return result
+        return np.where((kind == "spline")[:, None], spline, a + (b - a) * eased)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,5 +178,4 @@ def rotation_from_angles(angles: Array) -> Array:
     About z first, then x, then y, each about a fixed axis.
     """
     x, y, z = (rotation(axis, angles[..., k]) for k, axis in enumerate(np.eye(3)))
-    result: Array = y @ x @ z
-    return result
+    return y @ x @ z

@@ -99,8 +99,7 @@ class SolidMotion:
 def outermost(points: Array, count: int = HULL_DIRECTIONS) -> Array:
     """Returns those of points (n, 3) that are farthest in one of `count` directions."""
     along = (points[:, None, :] * directions(count)).sum(axis=-1)
-    result: Array = points[np.unique(np.argmax(along, axis=0))]
-    return result
+    return points[np.unique(np.argmax(along, axis=0))]
 
 
 def directions(count: int = HULL_DIRECTIONS) -> Array:

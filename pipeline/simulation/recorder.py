@@ -23,9 +23,9 @@ from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,
     Header,
-    Note,
     SoundEvent,
     Take,
+    TakeNote,
     TerrainRecord,
     Told,
 )
@@ -58,7 +58,7 @@ class Recorder:
         self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self._notes: dict[tuple[str, str], Note] = {}
+        self._notes: dict[tuple[str, str], TakeNote] = {}
         self.orders: list[Told] = []
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
@@ -103,8 +103,7 @@ class Recorder:
 
     def _matrices(self, which: slice) -> Array:
         """Returns the rotations (n, J, 3, 3) of rows that are not stored yet."""
-        R: Array = self._R[which.start - self._first : which.stop - self._first]
-        return R
+        return self._R[which.start - self._first : which.stop - self._first]
 
     def show(self, which: slice, nodes: NDArray[np.int64]) -> None:
         """Stores the rotations of nodes in rows that are not stored yet, for `solids` to read."""
@@ -162,7 +161,7 @@ class Recorder:
         self,
         contacts: Iterable[Contact],
         events: Iterable[SoundEvent],
-        notes: Iterable[Note],
+        notes: Iterable[TakeNote],
     ) -> None:
         """Adds facts of one step; of notes of one kind on one part the earliest is kept."""
         self.contacts.extend(contacts)
@@ -174,7 +173,7 @@ class Recorder:
                 self._notes[key] = note
 
     @property
-    def notes(self) -> list[Note]:
+    def notes(self) -> list[TakeNote]:
         """Notes so far, in the order of time."""
         return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
 

@@ -21,8 +21,7 @@ UP: Array = np.array([0.0, 1.0, 0.0])
 def normalized(v: Array) -> Array:
     """Returns `v` (..., 3) scaled to length one; a zero vector stays zero."""
     length = np.linalg.norm(v, axis=-1, keepdims=True)
-    result: Array = v / np.where(length > 0.0, length, 1.0)
-    return result
+    return v / np.where(length > 0.0, length, 1.0)
 
 
 def rotation(axis: Array, angle: Array | float) -> Array:
@@ -33,8 +32,7 @@ def rotation(axis: Array, angle: Array | float) -> Array:
     axis = np.asarray(axis, dtype=float)
     K = cross_matrix(axis)
     s, c = np.sin(angle)[..., None, None], np.cos(angle)[..., None, None]
-    result: Array = np.eye(3) + s * K + (1.0 - c) * (K @ K)
-    return result
+    return np.eye(3) + s * K + (1.0 - c) * (K @ K)
 
 
 def cross_matrix(v: Array) -> Array:
@@ -116,14 +114,12 @@ def continuous(q: Array) -> Array:
 
 def turn(R: Array, v: Array) -> Array:
     """Returns the vectors `v` (..., 3) rotated by the matrices `R` (..., 3, 3)."""
-    result: Array = (R @ v[..., None])[..., 0]
-    return result
+    return (R @ v[..., None])[..., 0]
 
 
 def unturn(R: Array, v: Array) -> Array:
     """Returns the vectors `v` (..., 3) rotated by the inverses of `R` (..., 3, 3)."""
-    result: Array = (v[..., None, :] @ R)[..., 0, :]
-    return result
+    return (v[..., None, :] @ R)[..., 0, :]
 
 
 def from_directions(forward: Array, up: Array) -> Array:

@@ -46,5 +46,4 @@ def resting_rows(take: Take, leg: Leg, path: Array, ground: Array) -> NDArray[np
     row = 1.0 / float(take.header.rate * take.header.samples)
     still = np.linalg.norm(np.diff(path, axis=0), axis=-1) < RESTING_SPEED * leg.length * row
     above = path[:, 1] - ground - leg.sole
-    result: NDArray[np.bool_] = still & (above[1:] < RESTING_CLEARANCE * leg.length)
-    return result
+    return still & (above[1:] < RESTING_CLEARANCE * leg.length)

@@ -252,7 +252,7 @@ class SoundEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
+class TakeNote:
     """A message to the author: stopped, toppled, dropped, clamped."""
 
     kind: str
@@ -329,7 +329,7 @@ class Take:
     terrain: TerrainRecord
     contacts: tuple[Contact, ...]
     events: tuple[SoundEvent, ...]
-    notes: tuple[Note, ...]
+    notes: tuple[TakeNote, ...]
     told: tuple[Told, ...] = ()
     mechanisms: tuple[Mechanism, ...] = ()
     legs: tuple[Leg, ...] = ()

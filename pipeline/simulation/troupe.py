@@ -22,7 +22,7 @@ from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Contact, Mesh, Node, Note
+from pipeline.simulation.take import Contact, Mesh, Node, TakeNote
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
@@ -84,7 +84,7 @@ class Facts:
     """
 
     contacts: tuple[Contact, ...] = ()
-    notes: tuple[Note, ...] = ()
+    notes: tuple[TakeNote, ...] = ()
     arrived: tuple[str, ...] = ()
     touched: tuple[tuple[str, str], ...] = ()
     signals: tuple[Signal, ...] = ()

@@ -18,7 +18,7 @@ from pipeline.spec.model_base import (
     Integer,
     Name,
     Number,
-    Step,
+    PathSegment,
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, Performer
@@ -284,7 +284,7 @@ def faults_of_beats(
     for i, member in enumerate(cast):
         if not isinstance(member, Dancer) or member.beat is None:
             continue
-        tempos: list[tuple[tuple[Step, ...], float | None]] = [
+        tempos: list[tuple[tuple[PathSegment, ...], float | None]] = [
             (("cast", i, "tempo_bpm"), member.tempo_bpm)
         ]
         for k, instruction in enumerate(script):

@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from pipeline.errors import Problem
-from pipeline.spec.model_base import Step
+from pipeline.spec.model_base import PathSegment
 from pipeline.spec.source_tree import ListNode, MappingNode, ScalarNode, SourceNode, find_node
 
-Steps = tuple[Step, ...]
+Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
 """Takes a file and the name that the author gave it; returns what is wrong, None if nothing."""
 

@@ -13,7 +13,7 @@ from pydantic import Field
 from pipeline.errors import Problem
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
-from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, Step
+from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
 from pipeline.spec.scene_library import FIGURES, SUFFIX, library, names_in
 from pipeline.spec.source_tree import (
     ListNode,
@@ -27,7 +27,7 @@ from pipeline.spec.suggestions import hint
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_reader import read_file
 
-Steps = tuple[Step, ...]
+Steps = tuple[PathSegment, ...]
 References = Iterator[tuple[Steps, SourceNode | None]]
 
 DANCES = "dances"

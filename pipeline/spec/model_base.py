@@ -72,7 +72,7 @@ def keyed_union(forms: Mapping[str, type[BaseModel]], default: str, word: Any = 
     return Annotated[union, Discriminator(tag)]
 
 
-Step = str | int
+PathSegment = str | int
 """A key of a mapping or an index of a list."""
 
 FAULTS = "faults"
@@ -92,11 +92,11 @@ class Fault:
         at_key: the key is wrong, not its value.
     """
 
-    path: tuple[Step, ...]
+    path: tuple[PathSegment, ...]
     message: str
     at_key: bool = False
 
-    def below(self, *path: Step) -> Fault:
+    def below(self, *path: PathSegment) -> Fault:
         """Return the fault as seen from a model around this one."""
         return Fault((*path, *self.path), self.message, self.at_key)
 
@@ -113,7 +113,7 @@ def raise_faults(faults: Iterable[Fault]) -> None:
         raise PydanticCustomError(FAULTS, "{text}", {"text": text, "faults": found})
 
 
-def fault_error(message: str, *path: Step, at_key: bool = False) -> PydanticCustomError:
+def fault_error(message: str, *path: PathSegment, at_key: bool = False) -> PydanticCustomError:
     """Return one fault as an error of pydantic, to be raised."""
     context = {"text": message, "faults": (Fault(path, message, at_key),)}
     return PydanticCustomError(FAULTS, "{text}", context)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from pipeline.errors import Problem
-from pipeline.spec.model_base import Step
+from pipeline.spec.model_base import PathSegment
 from pipeline.spec.partial_scene import member_names
 from pipeline.spec.source_tree import (
     Entry,
@@ -36,7 +36,7 @@ _ALTERNATIVES = {"frames": "duration", "duration": "frames"}
 class _PathError(Exception):
     """The path of an assignment leads nowhere."""
 
-    def __init__(self, path: Sequence[Step], message: str) -> None:
+    def __init__(self, path: Sequence[PathSegment], message: str) -> None:
         self.path = tuple(path)
         self.message = message
 
@@ -75,8 +75,8 @@ def _assigned(scene: MappingNode, assignment: str, place: SourceLocation) -> Map
     return changed
 
 
-def _path(text: str) -> list[Step]:
-    steps: list[Step] = []
+def _path(text: str) -> list[PathSegment]:
+    steps: list[PathSegment] = []
     end = 0
     while end < len(text):
         match = _STEP.match(text, end)
@@ -89,7 +89,7 @@ def _path(text: str) -> list[Step]:
     return steps
 
 
-def _value(text: str, path: Sequence[Step], place: SourceLocation) -> SourceNode:
+def _value(text: str, path: Sequence[PathSegment], place: SourceLocation) -> SourceNode:
     tree, problems = read_yaml(text, place.file)
     if problems:
         raise _PathError(path, problems[0].message)
@@ -110,7 +110,7 @@ def _at_place(tree: SourceNode, place: SourceLocation) -> SourceNode:
 
 def _changed(
     tree: SourceNode | None,
-    path: Sequence[Step],
+    path: Sequence[PathSegment],
     depth: int,
     value: SourceNode,
     place: SourceLocation,
@@ -138,7 +138,7 @@ def _changed(
     return tree.with_entry(step, entry.key if entry else place, below)
 
 
-def _index(row: ListNode, before: Sequence[Step], step: Step) -> int:
+def _index(row: ListNode, before: Sequence[PathSegment], step: PathSegment) -> int:
     where = path_text(before)
     if isinstance(step, int):
         if step < len(row.items):

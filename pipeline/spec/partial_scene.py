@@ -11,10 +11,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from pipeline.spec.model_base import Fault, Step
+from pipeline.spec.model_base import Fault, PathSegment
 from pipeline.spec.suggestions import hint
 
-Path = tuple[Step, ...]
+Path = tuple[PathSegment, ...]
 
 MEMBER_BLOCKS = ("figure", "prop", "body", "group", "many", "dancer", "character")
 """The block that says what a member of the cast is."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeline.errors import Problem
-from pipeline.spec.model_base import Step
+from pipeline.spec.model_base import PathSegment
 from pipeline.spec.source_tree import (
     Entry,
     ListNode,
@@ -63,7 +63,7 @@ def _renamed(
     tree: SourceNode,
     key: RenamedKey,
     block: tuple[str, ...],
-    path: tuple[Step, ...],
+    path: tuple[PathSegment, ...],
     warnings: list[str],
     problems: list[Problem],
 ) -> SourceNode:
@@ -86,7 +86,7 @@ def _renamed(
 def _renamed_here(
     tree: SourceNode,
     key: RenamedKey,
-    path: tuple[Step, ...],
+    path: tuple[PathSegment, ...],
     warnings: list[str],
     problems: list[Problem],
 ) -> SourceNode:

@@ -44,7 +44,7 @@ class Cause(ConfigModel):
     who: Pattern = Field("*", description="Whose, by name; `*` stands for any letters.")
 
 
-class Blow(Cause):
+class ImpactCause(Cause):
     """A cause that is over at once."""
 
     above: Speed = Field(0.0, description="Least speed that is heard [m/s].")
@@ -53,14 +53,14 @@ class Blow(Cause):
     )
 
 
-class Lasting(Cause):
+class SustainedCause(Cause):
     """A cause that lasts for a while."""
 
     least: Seconds = Field(0.1, description="How long it lasts at least to be heard [s].")
     pause: Seconds = Field(0.1, description="A shorter pause than this does not end it [s].")
 
 
-class Moving(Lasting):
+class MotionCause(SustainedCause):
     """A cause that lasts as long as something is fast."""
 
     above: Speed = Field(description="Speed that begins it [m/s].")
@@ -79,7 +79,7 @@ class Moving(Lasting):
         return 0.5 * self.above if self.below is None else self.below
 
 
-class Bending(Lasting):
+class JointMotionCause(SustainedCause):
     """A cause that lasts as long as a joint bends."""
 
     above_deg_s: Rate = Field(description="How fast a joint bends that begins it [degrees/s].")
@@ -114,17 +114,17 @@ def _faults_of_ends(below: float, above: float, *keys: str) -> Sequence[Fault]:
     return (Fault((keys[0],), message),)
 
 
-class Footfall(Blow):
+class Footfall(ImpactCause):
     """Feet that come down."""
 
     above: Speed = Field(0.005, description="Least speed of approach that is heard [m/s].")
 
 
-class Scuff(Blow):
+class Scuff(ImpactCause):
     """Feet that drag."""
 
 
-class Collision(Blow):
+class Collision(ImpactCause):
     """Bodies that strike the terrain or one another."""
 
     pause: Seconds = Field(
@@ -132,7 +132,7 @@ class Collision(Blow):
     )
 
 
-class Roll(Moving):
+class Roll(MotionCause):
     """Balls that roll."""
 
     least: Seconds = Field(0.05, description="How long it lasts at least to be heard [s].")
@@ -143,13 +143,13 @@ class Slide(Roll):
     """Bodies that slide."""
 
 
-class Squeak(Bending):
+class Squeak(JointMotionCause):
     """Joints that bend."""
 
     above_deg_s: Rate = Field(8.0, description="How fast a joint bends that squeaks [degrees/s].")
 
 
-class Squawk(Bending):
+class Squawk(JointMotionCause):
     """Joints that jerk; what squawks does not squeak."""
 
     above_deg_s: Rate = Field(360.0, description="How fast a joint bends that squawks [degrees/s].")
@@ -160,7 +160,7 @@ class Squawk(Bending):
     least: Seconds = Field(0.04, description="How long it lasts at least to be heard [s].")
 
 
-class Swoosh(Moving):
+class Swoosh(MotionCause):
     """Props and bodies that speed through the air."""
 
     above: Speed = Field(9.0, description="Speed through the air that begins it [m/s].")
@@ -171,7 +171,7 @@ class Swoosh(Moving):
     )
 
 
-class Whistle(Moving):
+class Whistle(MotionCause):
     """Thin props and bodies that sing in the air."""
 
     above: Speed = Field(12.0, description="Speed through the air that begins it [m/s].")
@@ -200,11 +200,11 @@ class Breath(Cause):
     )
 
 
-class Voiced(Blow):
+class VocalCause(ImpactCause):
     """A sound that a person makes."""
 
 
-class Cry(Voiced):
+class Cry(VocalCause):
     """Cries of people, for pain or for fear."""
 
     above: Speed = Field(
@@ -214,7 +214,7 @@ class Cry(Voiced):
     pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
 
 
-class Hug(Voiced):
+class Hug(VocalCause):
     """Hugs, when the arms close around somebody."""
 
     above: Speed = Field(0.0, description="Least speed of the arms that is heard [m/s].")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline.errors import Problem, SceneError
-from pipeline.spec.model_base import Step
+from pipeline.spec.model_base import PathSegment
 from pipeline.spec.yaml_scalars import Scalar
 
 MAX_LINE_LENGTH = 200
@@ -37,20 +37,20 @@ class SourceLocation:
     column: int = 0
     source: str = ""
 
-    def problem(self, path: Sequence[Step], message: str) -> Problem:
+    def problem(self, path: Sequence[PathSegment], message: str) -> Problem:
         """Return a problem at this location."""
         source = self.source if len(self.source) <= MAX_LINE_LENGTH else ""
         return Problem(path_text(path), message, self.file, self.line, self.column, source)
 
 
-class Refused:
+class InvalidValue:
     """Replaces a value that the reader refused, so that no model accepts it."""
 
     def __repr__(self) -> str:
         return "a value that was refused"
 
 
-REFUSED = Refused()
+REFUSED = InvalidValue()
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class ScalarNode:
     """A scalar, or the stand-in for a refused value."""
 
     place: SourceLocation
-    value: Scalar | Refused
+    value: Scalar | InvalidValue
 
     @property
     def size(self) -> int:
@@ -170,7 +170,7 @@ def has_refused(tree: SourceNode) -> bool:
             return any(has_refused(entry.value) for entry in tree.entries.values())
 
 
-def path_text(path: Sequence[Step]) -> str:
+def path_text(path: Sequence[PathSegment]) -> str:
     """Return a path as an author writes it, such as `cast[0].walk.speed`."""
     text = ""
     for step in path[:MAX_PATH_STEPS]:
@@ -197,16 +197,16 @@ class FoundNode:
         skipped: number of steps that do not exist in the tree, such as tags of unions.
     """
 
-    path: tuple[Step, ...]
+    path: tuple[PathSegment, ...]
     tree: SourceNode
     key: SourceLocation
     skipped: int = 0
 
 
-def find_node(tree: SourceNode, path: Sequence[Step]) -> FoundNode:
+def find_node(tree: SourceNode, path: Sequence[PathSegment]) -> FoundNode:
     """Follow a path of pydantic's through the tree, skipping the tags of unions."""
     here, key = tree, tree.place
-    steps: list[Step] = []
+    steps: list[PathSegment] = []
     skipped = 0
     for step in path:
         if isinstance(here, MappingNode) and isinstance(step, str) and step in here.entries:
@@ -253,7 +253,7 @@ class SourceMap:
         """
         if self.tree is None:
             return None
-        steps: list[Step] = [
+        steps: list[PathSegment] = [
             int(found[2]) if found[2] else found[1].strip("'") for found in _STEP.finditer(path)
         ]
         found = find_node(self.tree, steps)

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pipeline.spec.model_base import Step
+from pipeline.spec.model_base import PathSegment
 
 # Matching is quadratic: bounds on what is listed, on the names compared and on their lengths.
 MAX_LISTED = 12
@@ -38,7 +38,7 @@ def hint(name: str, known: Iterable[str]) -> str:
     return f"known: {listed}" + (", ..." if len(names) > MAX_LISTED else "")
 
 
-def known_keys(model: type[BaseModel], path: Iterable[Step]) -> list[str]:
+def known_keys(model: type[BaseModel], path: Iterable[PathSegment]) -> list[str]:
     """Return the keys that the models accept at a path of pydantic's.
 
     Args:
@@ -52,7 +52,7 @@ def known_keys(model: type[BaseModel], path: Iterable[Step]) -> list[str]:
     return sorted({key for kind in here if _is_model(kind) for key in _fields(kind)})
 
 
-def _below(kind: Any, step: Step) -> Iterator[Any]:
+def _below(kind: Any, step: PathSegment) -> Iterator[Any]:
     """Yield the types that a key or index of a type leads to."""
     if _is_model(kind):
         if isinstance(step, str) and step in _fields(kind):
@@ -83,7 +83,7 @@ def _alternatives(annotation: Any) -> Iterator[Any]:
         yield annotation
 
 
-def _tagged(kinds: list[Any], tag: Step) -> list[Any]:
+def _tagged(kinds: list[Any], tag: PathSegment) -> list[Any]:
     """Return the models of a union that a tag selects."""
     models = [kind for kind in kinds if _is_model(kind)]
     fitting = [kind for kind in models if tag == kind.__name__ or tag in _literals(kind)]

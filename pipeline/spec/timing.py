@@ -111,8 +111,7 @@ def _checked_rate(value: Any) -> int | str:
         raise fault_error(f"{allowed}{suggestion}, is {described(value)}")
     if not MIN_RATE <= rate <= MAX_RATE:
         raise fault_error(f"must be from {MIN_RATE} to {MAX_RATE} frames a second, is {value}")
-    result: int | str = value
-    return result
+    return value
 
 
 Rate = Annotated[

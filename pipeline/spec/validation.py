@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from pipeline.errors import Problem
-from pipeline.spec.model_base import FAULTS, Fault, Step
+from pipeline.spec.model_base import FAULTS, Fault, PathSegment
 from pipeline.spec.source_tree import (
     REFUSED,
     FoundNode,
@@ -87,7 +87,7 @@ def problems_of_faults(tree: SourceNode, faults: Iterable[Fault]) -> list[Proble
 
 def _problems(findings: Iterable[_Finding]) -> list[Problem]:
     """Return the first problem of each place, leaving out what follows from a refused value."""
-    first: dict[tuple[str, int, int, tuple[Step, ...]], Problem] = {}
+    first: dict[tuple[str, int, int, tuple[PathSegment, ...]], Problem] = {}
     for finding in findings:
         node, place = finding.node, finding.place
         stays = finding.at_key or finding.is_missing or not node.path
@@ -138,7 +138,7 @@ def _lacks_value(error: ErrorDetails) -> bool:
     return error["type"] == "missing" and isinstance(error["loc"][-1], int)
 
 
-def _missing(node: FoundNode, path: Sequence[Step]) -> _Finding:
+def _missing(node: FoundNode, path: Sequence[PathSegment]) -> _Finding:
     last = path[-1]
     if isinstance(last, int):
         length = len(node.tree.items) if isinstance(node.tree, ListNode) else 0
@@ -149,7 +149,7 @@ def _missing(node: FoundNode, path: Sequence[Step]) -> _Finding:
     return _Finding(node, f"should be a mapping that has '{last}'")
 
 
-def _of_fault(tree: SourceNode, path: Sequence[Step], fault: Fault) -> _Finding:
+def _of_fault(tree: SourceNode, path: Sequence[PathSegment], fault: Fault) -> _Finding:
     node = find_node(tree, (*path, *fault.path))
     return _Finding(node, fault.message, at_key=fault.at_key)
 
@@ -158,7 +158,7 @@ def _joined_expectations(findings: Sequence[_Finding]) -> list[_Finding]:
     """Join what the branches of a union expect of one value into one message."""
     # A branch that went deeper into the value knows better what is wrong.
     deeper = {f.node.path[:n] for f in findings for n in range(len(f.node.path))}
-    expected: dict[tuple[Step, ...], dict[str, None]] = {}
+    expected: dict[tuple[PathSegment, ...], dict[str, None]] = {}
     for finding in findings:
         if finding.expected:
             expected.setdefault(finding.node.path, {})[finding.expected] = None

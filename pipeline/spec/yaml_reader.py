@@ -25,13 +25,13 @@ from yaml.events import (
 from yaml.reader import ReaderError
 
 from pipeline.errors import Problem
-from pipeline.spec.model_base import Step
+from pipeline.spec.model_base import PathSegment
 from pipeline.spec.source_tree import (
     REFUSED,
     Entry,
+    InvalidValue,
     ListNode,
     MappingNode,
-    Refused,
     ScalarNode,
     SourceLocation,
     SourceNode,
@@ -77,7 +77,7 @@ class _Open:
     key: tuple[str | None, SourceLocation] | None = None
 
     @property
-    def step(self) -> Step | None:
+    def step(self) -> PathSegment | None:
         """Key or index of the value that is read next."""
         if self.is_table:
             return self.key[0] if self.key else None
@@ -193,7 +193,7 @@ class _Reader:
             return
         self._attach(ScalarNode(self._place(event), value), event.anchor)
 
-    def _take_key(self, parent: _Open, event: Event, value: Scalar | Refused) -> None:
+    def _take_key(self, parent: _Open, event: Event, value: Scalar | InvalidValue) -> None:
         place = self._place(event)
         parent.key = (None, place)
         if not isinstance(value, str):
@@ -252,7 +252,7 @@ class _Reader:
             if name is not None:
                 parent.entries[name] = Entry(key_place, tree)
 
-    def _value(self, event: ScalarEvent) -> Scalar | Refused:
+    def _value(self, event: ScalarEvent) -> Scalar | InvalidValue:
         """Return the value of a scalar, refused if its tag or the value itself is."""
         tag = event.tag
         plain = event.implicit[0] if tag is None else tag.startswith(_CORE) and tag != _CORE + "str"
@@ -280,7 +280,7 @@ class _Reader:
         source = self.lines[line] if line < len(self.lines) else ""
         return SourceLocation(self._file, line + 1, column + 1, source)
 
-    def _path(self) -> list[Step]:
+    def _path(self) -> list[PathSegment]:
         return [step for opened in self._open if (step := opened.step) is not None]
 
     def _wrong(self, event: Event, message: str) -> None:

@@ -30,7 +30,7 @@ from render.lights.environment_map import (
 from render.lights.key_light import KeyLight, LightEnvironment, card_illuminance, card_turn
 from render.lights.night_sky import MOON_LUX, moonlight, night_sky, star_map
 from render.lights.sky_model import (
-    SUNSET_DEG,
+    MIN_MODEL_ELEVATION_DEG,
     SUNSET_LUX,
     clear_sky,
     twilight_brightness,
@@ -69,18 +69,18 @@ def outdoor_light(sun: Sun, moon: Moon, stars: float, ground: Vector) -> LightEn
     direction = sun_direction(sun)
     azimuth = math.atan2(-direction[2], direction[0])
     shown = np.array(direction)
-    if elevation < SUNSET_DEG:
-        shown = direction_of(azimuth, math.radians(SUNSET_DEG))
+    if elevation < MIN_MODEL_ELEVATION_DEG:
+        shown = direction_of(azimuth, math.radians(MIN_MODEL_ELEVATION_DEG))
     sky, sun_irradiance = clear_sky(shown, sun.turbidity)
     key = KeyLight(shown, sun.softness_deg, sun_irradiance)
     # Clouds hide the disc sooner than they whiten the sky.
-    veil = (1 - sun.clouds) ** 2
-    if elevation >= SUNSET_DEG:
-        key = key.scaled(veil)
+    sun_transmittance = (1 - sun.clouds) ** 2
+    if elevation >= MIN_MODEL_ELEVATION_DEG:
+        key = key.scaled(sun_transmittance)
         image = _with_ground(_clouded(sky, sun), ground, key)
         return LightEnvironment(image, key, card_illuminance(image, key))
     unit = illuminance(_above_horizon(sky), UP) / SUNSET_LUX
-    turn = card_turn(_clouded(sky, sun), key.scaled(veil))
+    turn = card_turn(_clouded(sky, sun), key.scaled(sun_transmittance))
     faded = twilight_sky(sky, elevation, azimuth)
     lux = SUNSET_LUX * twilight_brightness(elevation) / illuminance(_above_horizon(faded), UP)
     sky = faded * (lux * unit) + night_sky(moon) * unit
@@ -88,11 +88,13 @@ def outdoor_light(sun: Sun, moon: Moon, stars: float, ground: Vector) -> LightEn
     if not key.is_lit:
         key = moonlight(moon, elevation, unit)
     level_lux = (illuminance(_above_horizon(sky), UP) + key.illuminance(UP)) / unit
-    key = key.scaled(veil)
+    key = key.scaled(sun_transmittance)
     image = _with_ground(_clouded(sky, sun), ground, key)
     # As the day ends, the card that faced the sun is laid level.
     turn *= float(
-        smoothstep(np.array((elevation - _CARD_LEVEL_DEG) / (SUNSET_DEG - _CARD_LEVEL_DEG)))
+        smoothstep(
+            np.array((elevation - _CARD_LEVEL_DEG) / (MIN_MODEL_ELEVATION_DEG - _CARD_LEVEL_DEG))
+        )
     )
     is_sun = key.direction @ shown > 0.99
     facing = KeyLight(shown, key.diameter_deg, key.irradiance if is_sun else 0 * UP)
@@ -103,7 +105,7 @@ def outdoor_light(sun: Sun, moon: Moon, stars: float, ground: Vector) -> LightEn
         key,
         level + turn * (half - level),
         float(np.interp(math.log10(max(level_lux, 1e-9)), _EXPOSURE_LOG_LUX, _EXPOSURE_STOPS)),
-        star_map(stars * veil, elevation),
+        star_map(stars * sun_transmittance, elevation),
     )
 
 
@@ -114,7 +116,7 @@ def _clouded(sky: Map, sun: Sun) -> Map:
 
 def _setting_sun(key: KeyLight, elevation: float, azimuth: float) -> KeyLight:
     """Return the sun while it sets: fading, and redder with every degree."""
-    t = (elevation - _SUN_SET_DEG) / (SUNSET_DEG - _SUN_SET_DEG)
+    t = (elevation - _SUN_SET_DEG) / (MIN_MODEL_ELEVATION_DEG - _SUN_SET_DEG)
     share = float(smoothstep(np.array(t)))
     red = np.array([1.0, 0.62, 0.35]) ** (1 - share)
     direction = direction_of(azimuth, math.radians(max(elevation, 0.2)))
@@ -136,7 +138,7 @@ def _overcast(mean: float, sun: Sun) -> Map:
         sun: behind the clouds; at night they are as blue as everything else.
     """
     up = pixel_directions(WIDTH, HEIGHT)[..., 1].clip(0, 1)
-    night = float(smoothstep(np.array((SUNSET_DEG - sun_elevation_deg(sun)) / 9.0)))
+    night = float(smoothstep(np.array((MIN_MODEL_ELEVATION_DEG - sun_elevation_deg(sun)) / 9.0)))
     tint = (1 - night) * np.array([0.95, 1.0, 1.07]) + night * np.array([0.50, 0.76, 1.25])
     angle = angles_from(np.array(sun_direction(sun)))
     veiled = np.exp(-((angle / _VEIL_WIDTH_DEG) ** 2)) * (1 - night)

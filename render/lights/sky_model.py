@@ -29,11 +29,11 @@ _MODEL_WIDTH, _MODEL_HEIGHT = 256, 128
 _SUN_DIAMETER_DEG = 0.5358
 """Angular diameter of the sun in Mitsuba's model."""
 
-SUNSET_DEG = 1.0
+MIN_MODEL_ELEVATION_DEG = 1.0
 """Lowest elevation of the sun at which the sky model is evaluated."""
 
 # Seidelmann 1992, table 9.3: elevation of the sun [degrees], log10 of the illuminance [lx].
-_ELEVATIONS = (-18.0, -12.0, -9.0, -6.0, -3.0, 0.0, SUNSET_DEG)
+_ELEVATIONS = (-18.0, -12.0, -9.0, -6.0, -3.0, 0.0, MIN_MODEL_ELEVATION_DEG)
 _LOG_LUX = (-3.2, -2.1, -0.8, 0.53, 1.7, 2.6, 2.84)
 
 SUNSET_LUX = 10 ** _LOG_LUX[-1]
@@ -87,7 +87,7 @@ def _radiance(model: Any, directions: Vector) -> Vector:
 
 
 def twilight_brightness(sun_elevation_deg: float) -> float:
-    """Return the brightness of the twilight: 1 at `SUNSET_DEG`, about 1e-6 at its end."""
+    """Return the brightness of twilight: 1 at `MIN_MODEL_ELEVATION_DEG`, 1e-6 at its end."""
     log_lux = np.interp(sun_elevation_deg, _ELEVATIONS, _LOG_LUX)
     return float(10 ** (log_lux - _LOG_LUX[-1]))
 
@@ -99,11 +99,11 @@ def twilight_sky(sunset_sky: Map, sun_elevation_deg: float, sun_azimuth: float) 
     shadow of the earth rises opposite to it.
 
     Args:
-        sunset_sky: (H, W, 3) with the sun at `SUNSET_DEG`.
+        sunset_sky: (H, W, 3) with the sun at `MIN_MODEL_ELEVATION_DEG`.
         sun_elevation_deg: of the sun.
         sun_azimuth: of the sun [rad].
     """
-    depth = min(max((SUNSET_DEG - sun_elevation_deg) / 12.0, 0.0), 1.0)
+    depth = min(max((MIN_MODEL_ELEVATION_DEG - sun_elevation_deg) / 12.0, 0.0), 1.0)
     if depth == 0.0:
         return sunset_sky
     d = pixel_directions(WIDTH, HEIGHT)

@@ -134,10 +134,7 @@ class Wavefront(Tracer):
     def add_direct(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of direct light and albedo with one more sample of every pixel."""
         ray = _camera_ray(sensor, pixels, self.direct.size, strata.step(0))
-        added: Sums = self._add_direct(
-            self._scene, pixels, ray, self._depth > 1, sums, strata.step(1)
-        )
-        return added
+        return self._add_direct(self._scene, pixels, ray, self._depth > 1, sums, strata.step(1))
 
     def add_indirect(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of indirect light and albedo with one more path of every pixel."""

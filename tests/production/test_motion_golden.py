@@ -25,7 +25,7 @@ from pipeline.production.goldens.packed_series import Series
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix, quaternion, rotation
-from pipeline.simulation.take import Channel, Note, Take
+from pipeline.simulation.take import Channel, Take, TakeNote
 from pipeline.spec import load_scene
 from pipeline.spec.scene_library import library
 
@@ -126,7 +126,7 @@ def test_the_digest_is_of_the_motion_alone(take: Take) -> None:
         replace(take, values=take.values + 1.0),
         replace(take, events=take.events[1:]),
         replace(take, contacts=take.contacts[1:]),
-        replace(take, notes=(Note("stopped", 3, "bug", "why"),)),
+        replace(take, notes=(TakeNote("stopped", 3, "bug", "why"),)),
         replace(take, nodes=(replace(take.nodes[0], name="x"), *take.nodes[1:])),
         replace(take, terrain=replace(take.terrain, vertices=take.terrain.vertices + 1e-9)),
     ]
@@ -276,7 +276,7 @@ def test_contacts_have_tolerances_of_their_own(
 
 
 def test_a_note_is_named(golden: MotionGolden, take: Take) -> None:
-    note = Note("stopped", 5, "bug", "no foothold")
+    note = TakeNote("stopped", 5, "bug", "no foothold")
     assert _only(compare(golden, replace(take, notes=(note,)))) == (5, "note", "bug")
 
 

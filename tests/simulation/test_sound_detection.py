@@ -12,18 +12,21 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.detect.active_intervals import ActiveInterval, IntervalTracker
-from pipeline.simulation.detect.contact_sounds import CONTACT_CAUSES
-from pipeline.simulation.detect.motion_sounds import MOTION_CAUSES, MotionSounds
-from pipeline.simulation.detect.sound_sources import SoundSources, rigid_parts
 from pipeline.simulation.event_detection import sound_sources
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation, simulate
+from pipeline.simulation.sound_detection.active_intervals import (
+    ActiveInterval,
+    IntervalTracker,
+)
+from pipeline.simulation.sound_detection.contact_sounds import CONTACT_CAUSES
+from pipeline.simulation.sound_detection.motion_sounds import MOTION_CAUSES, MotionSounds
+from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Contact, SoundEvent, Take
 from pipeline.simulation.take_store import read_take, write_take
 from pipeline.spec import Scene, find_scene, load_scene, simulation_key
-from pipeline.spec.sound_thresholds import Detect, Lasting, Voiced
+from pipeline.spec.sound_thresholds import Detect, SustainedCause, VocalCause
 
 from .conftest import scene_of, walk_through
 
@@ -338,7 +341,7 @@ def test_a_rolling_ball_has_a_course() -> None:
 
 
 def intervals(level: list[float], least: float, pause: float, batch: int) -> list[ActiveInterval]:
-    config = Lasting(least=least, pause=pause)
+    config = SustainedCause(least=least, pause=pause)
     tracker = IntervalTracker(np.array([1.0]), np.array([2.0]), config, 1.0)
     found = []
     for first in range(0, len(level), batch):
@@ -395,7 +398,7 @@ def test_a_stored_take_keeps_its_events(tmp_path: Path) -> None:
 
 
 def test_every_cause_has_one_detector_and_every_detector_a_cause() -> None:
-    vocal = [cause for cause, config in Detect() if isinstance(config, Voiced)]
+    vocal = [cause for cause, config in Detect() if isinstance(config, VocalCause)]
     assert sorted([*CONTACT_CAUSES, *MOTION_CAUSES, *vocal]) == sorted(Detect.model_fields)
 
 

@@ -31,8 +31,7 @@ class CameraPath:
     @property
     def tangent(self) -> Array:
         """Half the height of the frame (F,) at a distance of 1."""
-        result: Array = np.tan(np.radians(self.fov_deg) / 2.0)
-        return result
+        return np.tan(np.radians(self.fov_deg) / 2.0)
 
     @property
     def axes(self) -> tuple[Array, Array, Array]:
@@ -89,8 +88,7 @@ def _extension(path: Array, count: int) -> Array:
     # A path shorter than the reach is reflected repeatedly.
     steps = np.arange(1, count + 1)
     mirrored = np.pad(np.arange(len(near)), (count, 0), mode="reflect")[:count][::-1]
-    result: Array = near[mirrored] - (steps + mirrored)[:, None] * slope
-    return result
+    return near[mirrored] - (steps + mirrored)[:, None] * slope
 
 
 def envelope(least: Array, sigma: float) -> Array:
@@ -115,5 +113,4 @@ def _reach(sigma: float) -> int:
 def _kernel(sigma: float) -> Array:
     reach = _reach(sigma)
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
-    result: Array = kernel / kernel.sum()
-    return result
+    return kernel / kernel.sum()

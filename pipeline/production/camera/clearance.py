@@ -61,8 +61,7 @@ class VisibleGround:
         outer = np.searchsorted(reach, out).clip(1, len(reach) - 1)
         around = (at[:, None] + [-1, 0, 1]) % len(edge)
         corners = [rings[ring[:, None], around, 1] for ring in (outer - 1, outer)]
-        result: Array = np.maximum(*corners).max(axis=-1)
-        return result
+        return np.maximum(*corners).max(axis=-1)
 
     @cached_property
     def _far(self) -> tuple[Array, Array]:
@@ -151,8 +150,7 @@ class Clearance:
         eye = path.eye[:, None]
         inside = ((eye > self.low - MIN_HEIGHT) & (eye < self.high + MIN_HEIGHT)).all(axis=-1)
         rise = np.where(inside, self.high[..., 1] + 2.0 * MIN_HEIGHT - eye[..., 1], 0.0)
-        result: Array = rise.max(axis=-1, initial=0.0)
-        return result
+        return rise.max(axis=-1, initial=0.0)
 
     def _rise_over_obstacles(self, path: CameraPath, distance: Array) -> Array:
         """Return the rise (F,) to see over still obstacles."""
@@ -172,5 +170,4 @@ class Clearance:
         # Decided over the whole cut, so that the camera does not start to climb and give up.
         worst = np.where(hides, needed / distance[:, None], 0.0).max(axis=0)
         rise = np.where(hides & (worst < MAX_RISE), needed, 0.0)
-        result: Array = rise.max(axis=-1, initial=0.0)
-        return result
+        return rise.max(axis=-1, initial=0.0)

@@ -79,8 +79,7 @@ def _focus_pull(cut: Camera, times: Array, distance: Callable[[Focus], Array]) -
     weights = Track.of([(key.at, shares[k].tolist(), key.ease) for k, (key, _) in enumerate(keyed)])
     near = np.stack([1.0 / distance(focus) for _, focus in keyed], axis=-1)
     mixed = (weights(times) * near).sum(axis=-1)
-    result: Array = 1.0 / mixed.clip(1.0 / MAX_FOCUS, 1.0 / MIN_FOCUS)
-    return result
+    return 1.0 / mixed.clip(1.0 / MAX_FOCUS, 1.0 / MIN_FOCUS)
 
 
 def _depth(path: CameraPath, places: Array) -> Array:

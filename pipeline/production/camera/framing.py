@@ -91,16 +91,14 @@ class AutoFraming:
             relative = self.followed.points[some] - self.target[some, None]
             nearest[some] = np.einsum("fnk,fk->fn", relative, towards[some]).max(axis=-1)
         least = max(float(nearest.max()), 0.0) + MIN_DISTANCE
-        result: Array = least + hinge(distance - least, MIN_DISTANCE)
-        return result
+        return least + hinge(distance - least, MIN_DISTANCE)
 
     def _smooth(self, needed: Array) -> Array:
         """Return a smooth distance (F,) that is nowhere less than needed."""
         rate, nearer = self.followed.rate, self.moves.nearer
         if nearer.any():
             # Keeps the motion of the dolly: the needed distance only offsets it.
-            result: Array = (needed + nearer).max() - nearer
-            return result
+            return (needed + nearer).max() - nearer
         return envelope(needed, DISTANCE_SMOOTHING_S * rate)
 
     def _fitting(self, distance: Array) -> Array:
@@ -142,8 +140,7 @@ class AutoFraming:
         if not self.moves.zoom:
             return self.fov_deg
         half = np.tan(np.radians(self.fov_deg) / 2.0) * distance[0] / distance
-        zoomed: Array = np.degrees(2.0 * np.arctan(half)).clip(1.0, 150.0)
-        return zoomed
+        return np.degrees(2.0 * np.arctan(half)).clip(1.0, 150.0)
 
     @cached_property
     def _risen(self) -> Array:
@@ -152,8 +149,7 @@ class AutoFraming:
             return self.moves.risen
         sigma = TARGET_SMOOTHING_S * self.followed.rate
         below = smoothed(self.clearance.ground.height(self.target)[:, None], sigma)[:, 0]
-        risen: Array = self.moves.height + below - self.target[:, 1]
-        return risen
+        return self.moves.height + below - self.target[:, 1]
 
     @property
     def _elevation(self) -> Array:
@@ -199,5 +195,4 @@ def lead_offset(velocity: Array, path: CameraPath, lead: float | None, aspect: f
     slope = np.divide(bounded(speed), speed, out=np.ones_like(speed), where=speed > 1e-9)
     part = (LEAD_ROOM if lead is None else lead) / LEAD_SPEED * slope
     sideways = (part * across * high * aspect)[:, None] * right
-    shift: Array = sideways + (part * along * high)[:, None] * upward
-    return shift
+    return sideways + (part * along * high)[:, None] * upward

@@ -65,8 +65,7 @@ def fields_of_view(cut: Camera, times: Array) -> Array:
     wide = _track(cut.keyframes, "fov_deg")
     if wide is None:
         return np.full(len(times), cut.fov_deg)
-    result: Array = wide(times)[:, 0].clip(1.0, 150.0)
-    return result
+    return wide(times)[:, 0].clip(1.0, 150.0)
 
 
 def _positions(cut: Camera, times: Array) -> Array:
@@ -75,8 +74,7 @@ def _positions(cut: Camera, times: Array) -> Array:
     if track is not None:
         return track(times)
     velocity = np.array(cut.velocity or (0.0, 0.0, 0.0))
-    result: Array = np.array(cut.at) + (times - cut.start)[:, None] * velocity
-    return result
+    return np.array(cut.at) + (times - cut.start)[:, None] * velocity
 
 
 def _rotations(cut: Camera, times: Array) -> Array:
@@ -87,8 +85,7 @@ def _rotations(cut: Camera, times: Array) -> Array:
     R = rotation_from_angles(np.radians(np.array(cut.rotation_deg or (0.0, 0.0, 0.0))))
     spin = np.radians(np.array(cut.spin_deg or (0.0, 0.0, 0.0)))
     rate = float(np.linalg.norm(spin))
-    result: Array = rotation(normalized(spin), rate * (times - cut.start)) @ R
-    return result
+    return rotation(normalized(spin), rate * (times - cut.start)) @ R
 
 
 def _track(keyframes: Sequence[CameraKey], name: str) -> Track | None:

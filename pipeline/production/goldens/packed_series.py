@@ -46,8 +46,7 @@ class Series:
     @property
     def values(self) -> Array:
         """The rounded numbers (K, n)."""
-        result: Array = np.where(self.multiples == NOT_FINITE, np.nan, self.multiples * self.quanta)
-        return result
+        return np.where(self.multiples == NOT_FINITE, np.nan, self.multiples * self.quanta)
 
     def packed(self) -> dict[str, Any]:
         """Return the series as plain values."""

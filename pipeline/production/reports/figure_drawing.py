@@ -87,8 +87,7 @@ class StandingFigure:
         if joint == BODY:
             return points
         X = self.frames[joint]
-        result: Array = (points - skeleton.places[joint]) @ X[:3, :3].T + X[:3, 3]
-        return result
+        return (points - skeleton.places[joint]) @ X[:3, :3].T + X[:3, 3]
 
     def bounds(self, view: Array) -> tuple[Array, Array]:
         """Return the least and greatest (2,) right and up that are seen [m]."""
@@ -123,8 +122,7 @@ class StandingFigure:
         width, height = frame
         fine = render_preview(solids, (width * SUPERSAMPLING, height * SUPERSAMPLING), background)
         coarse = fine.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3).mean(axis=(1, 3))
-        result: NDArray[np.uint8] = np.rint(coarse * 255.0).astype(np.uint8)
-        return result
+        return np.rint(coarse * 255.0).astype(np.uint8)
 
 
 def draw_drawing(canvas: Canvas, panel: Panel, figure: Figure, colors: Sequence[str]) -> None:

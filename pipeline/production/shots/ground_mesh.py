@@ -113,13 +113,11 @@ def _mirrored_height(grid: Array, half: Array, xz: Array) -> Array:
     place = np.abs(np.mod(place + period, period))
     place = np.where(place > cells, period - place, place)
     index = np.rint(place).astype(np.int64)
-    heights: Array = grid[index[:, 1], index[:, 0], 1]
-    return heights
+    return grid[index[:, 1], index[:, 0], 1]
 
 
 def _smoothed(values: Array, width: float) -> Array:
     """Return periodic `values` filtered by a gaussian of about `width` neighbours."""
     n = len(values)
     k = np.fft.rfftfreq(n)
-    result: Array = np.fft.irfft(np.fft.rfft(values) * np.exp(-0.5 * (k * width) ** 2), n)
-    return result
+    return np.fft.irfft(np.fft.rfft(values) * np.exp(-0.5 * (k * width) ** 2), n)

@@ -105,8 +105,7 @@ class Skin:
         norm = np.maximum(np.sqrt((real * real).sum(axis=-1, keepdims=True)), 1e-12)
         real, dual = real / norm, share * dual / norm
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
-        result: Array = _turned(real, here) + moved
-        return result
+        return _turned(real, here) + moved
 
 
 def visible_parts(take: Take) -> tuple[Part, ...]:
@@ -150,8 +149,7 @@ def _turned(q: Array, v: Array) -> Array:
     """Return vectors (n, 3) turned by unit quaternions (n, 4)."""
     w, u = q[:, :1], q[:, 1:]
     once = cross(u, v)
-    result: Array = v + 2.0 * (w * once + cross(u, once))
-    return result
+    return v + 2.0 * (w * once + cross(u, once))
 
 
 def pattern_coordinates(
@@ -187,7 +185,4 @@ def aligned_vertices(mesh: Mesh) -> Array:
     along = along * np.sign(along[first])
     across = np.cross(along, np.eye(3)[int(np.abs(along).argmin())])
     across /= np.linalg.norm(across)
-    result: Array = np.einsum(
-        "vk,ak->va", vertices, np.array([along, across, np.cross(along, across)])
-    )
-    return result
+    return np.einsum("vk,ak->va", vertices, np.array([along, across, np.cross(along, across)]))

@@ -72,8 +72,7 @@ def render_preview(
         picture[pixel[nearest]] = _lit(solid.color, normals[nearest])
         parts[pixel[nearest]] = solid.part
     rim = _outlines(parts.reshape(height, width), depth.reshape(height, width))
-    result: Array = picture.reshape(height, width, 3) * (1.0 - OUTLINE_DARKENING * rim[..., None])
-    return result
+    return picture.reshape(height, width, 3) * (1.0 - OUTLINE_DARKENING * rim[..., None])
 
 
 def _points(solid: PreviewSolid) -> tuple[Array, Array]:
@@ -108,8 +107,7 @@ def _lit(color: Array, normals: Array) -> Array:
     # Wrapped (half-Lambert) lighting leaves no side black.
     bright = AMBIENT + (1.0 - AMBIENT) * (0.5 + 0.5 * towards) ** 1.3
     highlight = SPECULAR * np.clip(towards, 0.0, 1.0) ** 24
-    result: Array = np.clip(color * bright[:, None] + highlight[:, None], 0.0, 1.0)
-    return result
+    return np.clip(color * bright[:, None] + highlight[:, None], 0.0, 1.0)
 
 
 def _outlines(parts: NDArray[np.int64], depth: Array) -> Array:

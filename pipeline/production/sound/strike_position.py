@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.simulation.detect.sound_sources import rigid_parts
+from pipeline.simulation.sound_detection.sound_sources import rigid_parts
 from pipeline.simulation.spatial import Array, matrix, unturn
 from pipeline.simulation.take import SoundEvent, Take
 

@@ -51,8 +51,7 @@ def _inset_polygon(polygon: Array, normal: Array, width: float) -> Array:
     width = min(width, MAX_INSET * room)
     before = np.roll(inward, 1, axis=0)
     cosine = (before * inward).sum(axis=1, keepdims=True)
-    result: Array = polygon + width * (before + inward) / (1.0 + cosine)
-    return result
+    return polygon + width * (before + inward) / (1.0 + cosine)
 
 
 def _flat_shaded(hull: Hull) -> Solid:

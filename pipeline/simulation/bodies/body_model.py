@@ -55,8 +55,7 @@ def _regular_points(config: Regular) -> Array:
                 [CUBE_CORNERS, _golden_points(1.0 / GOLDEN_RATIO, GOLDEN_RATIO)]
             )
     radius = np.sqrt((corners[0] ** 2).sum())
-    result: Array = corners * (0.5 * config.size / radius)
-    return result
+    return corners * (0.5 * config.size / radius)
 
 
 def _golden_points(a: float, b: float) -> Array:

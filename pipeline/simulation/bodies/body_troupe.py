@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.bodies.body_instances import body_inventory, instantiate_bodies
 from pipeline.simulation.bodies.sliding_tracker import SlidingInterval, SlidingTracker
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.body import Body, Many
 
@@ -61,7 +61,7 @@ class BodyTroupe(Troupe):
         self._rolls = SlidingTracker("roll", len(self.bodies), dt, world.detect.roll)
         self._slides = SlidingTracker("slide", len(self.bodies), dt, world.detect.slide)
         self._contacts: list[Contact] = []
-        self._notes: list[Note] = []
+        self._notes: list[TakeNote] = []
 
     def facts(self) -> Facts:
         """See `Troupe`."""
@@ -75,7 +75,7 @@ class BodyTroupe(Troupe):
         lost = np.flatnonzero(self.alive & (heights < self._floor))
         self.alive[lost] = False
         text = f"left the terrain; removed {DROP_DEPTH:g} m below it"
-        self._notes += [Note("dropped", step, self.bodies[i].name, text) for i in lost]
+        self._notes += [TakeNote("dropped", step, self.bodies[i].name, text) for i in lost]
         return lost
 
     def _contact(

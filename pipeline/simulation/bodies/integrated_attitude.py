@@ -101,8 +101,7 @@ class TorquedAttitude:
     def momentum(self) -> Array:
         """(3,) angular momentum in the world [kg m²/s]."""
         turning = np.array(self._state[4:]) * self.moments
-        result: Array = matrix(np.array(self._state[:4])) @ turning
-        return result
+        return matrix(np.array(self._state[:4])) @ turning
 
     @property
     def energy(self) -> float:
@@ -115,8 +114,7 @@ class TorquedAttitude:
             q = np.tile(self._state[:4], (len(times), 1))
         else:
             q = np.array([self._go_to(float(time)) for time in times])
-        result: Array = matrix(q) @ self._axes.T
-        return result
+        return matrix(q) @ self._axes.T
 
     def _go_to(self, time: float) -> tuple[float, ...]:
         """Return the attitude of the principal axes at a time not before the last [s]."""

@@ -208,5 +208,4 @@ def _piece_between(track: Track, right: int) -> Array:
         powers[3] = -2.0 * (b - a) + first + last
     else:
         powers += np.array(EASE_COEFFICIENTS[kind])[:, None] * (b - a)
-    result: Array = powers / span ** np.arange(MAX_DEGREE + 1.0)[:, None]
-    return result
+    return powers / span ** np.arange(MAX_DEGREE + 1.0)[:, None]

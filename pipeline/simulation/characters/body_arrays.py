@@ -193,11 +193,9 @@ class CharacterArrays(NamedTuple):
     @property
     def p(self) -> Array:
         """(N, 3) positions of the nodes [m]."""
-        result: Array = self.nodes["p"]
-        return result
+        return self.nodes["p"]
 
     @property
     def previous(self) -> Array:
         """(N, 3) positions of the nodes one sub-step ago [m]."""
-        result: Array = self.nodes["previous"]
-        return result
+        return self.nodes["previous"]

@@ -321,5 +321,4 @@ def _turned_rest(member: Character, plan: BodyPlan) -> Array:
     R = heading(math.radians(member.heading_deg))
     if any(member.rotation_deg):
         R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
-    result: Array = plan.rest @ R.T
-    return result
+    return plan.rest @ R.T

@@ -151,13 +151,12 @@ def slide_feet(person: Record, nodes: Records, h: float) -> None:
 @inlined
 def _is_near(person: Record, solid: Record) -> bool:
     reach = 0.5 * person.height
-    is_near: bool = (
+    return (
         solid.low[0] - reach < person.at[0] < solid.high[0] + reach
         and solid.low[2] - reach < person.at[1] < solid.high[2] + reach
         and solid.high[1] > person.floor + PROBE_LEVELS[0] * person.height
         and solid.low[1] < person.floor + person.height
     )
-    return is_near
 
 
 @inlined

@@ -87,8 +87,7 @@ def duty_factor(speed: float, leg: float) -> float:
 @compiled
 def leg_length(person: Record) -> float:
     """Return the leg length, which is the height of the hips [m]."""
-    height: float = person.hip_height
-    return height
+    return person.hip_height
 
 
 @compiled
@@ -115,5 +114,4 @@ def gait_pace(person: Record) -> tuple[float, float]:
 @compiled
 def leg_phase(person: Record, k: int) -> float:
     """Return the phase of a leg in its own cycle: 0 when its foot may leave the ground."""
-    phase: float = (person.phase + 0.5 * k) % 1.0
-    return phase
+    return (person.phase + 0.5 * k) % 1.0

@@ -117,8 +117,7 @@ def may_touch(nodes: Records, one: Record, other: Record) -> bool:
         squared += offset * offset
     lengths = one.length_limits[0] + other.length_limits[0]
     reach = one.radius + other.radius + 0.5 * lengths * (1.0 + STRETCH_MARGIN)
-    near: bool = squared < reach * reach
-    return near
+    return squared < reach * reach
 
 
 @inlined
@@ -225,8 +224,7 @@ def _damp_and_push(
 
 @inlined
 def _is_hinged(nodes: Records, link: Record) -> bool:
-    hinged: bool = (nodes[link.ends[0]].mobility == 0.0) != (nodes[link.ends[1]].mobility == 0.0)
-    return hinged
+    return (nodes[link.ends[0]].mobility == 0.0) != (nodes[link.ends[1]].mobility == 0.0)
 
 
 @inlined

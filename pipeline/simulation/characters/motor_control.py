@@ -146,8 +146,7 @@ def _is_placed(person: Record, node: Record, k: int) -> bool:
     squared = 0.0
     for c in range(3):
         squared += (node.p[c] - person.ankles[k, c]) ** 2
-    is_placed: bool = squared < MAX_LOCK_OFFSET * MAX_LOCK_OFFSET
-    return is_placed
+    return squared < MAX_LOCK_OFFSET * MAX_LOCK_OFFSET
 
 
 @compiled

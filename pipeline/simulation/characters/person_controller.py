@@ -72,8 +72,7 @@ class CharacterView:
 
     @cached_property
     def _spans(self) -> list[list[int]]:
-        spans: list[list[int]] = self.arrays.owners["nodes"].tolist()
-        return spans
+        return self.arrays.owners["nodes"].tolist()
 
     @cached_property
     def heavy_things(self) -> tuple[int, ...]:
@@ -91,14 +90,12 @@ class CharacterView:
     def nodes(self, owner: int) -> Array:
         """Return (n, 3) the nodes of a character [m]."""
         first, count = self._spans[owner]
-        nodes: Array = self.p[first : first + count]
-        return nodes
+        return self.p[first : first + count]
 
     def _joint(self, owner: int, joint: int) -> Array:
         """Return (3,) a joint of a person, or the middle of a thing [m]."""
         nodes = self.nodes(owner)
-        place: Array = nodes[joint] if owner in self.people else nodes.mean(axis=0)
-        return place
+        return nodes[joint] if owner in self.people else nodes.mean(axis=0)
 
     def middle(self, owner: int) -> Array:
         """Return (3,) the chest of a person, or the middle of a thing [m]."""
@@ -155,8 +152,7 @@ class PersonController:
 
     def hand(self, k: int) -> Array:
         """Return (3,) the place of a hand [m]."""
-        place: Array = self.view.p[self.record.node + HAND + k]
-        return place
+        return self.view.p[self.record.node + HAND + k]
 
     def ground_distance(self, place: Array) -> float:
         """Return the horizontal distance to a place [m]."""
@@ -169,8 +165,7 @@ class PersonController:
         size = math.hypot(offset[0], offset[2])
         if size < 1e-9:
             return np.array([math.cos(record.heading), 0.0, -math.sin(record.heading)])
-        result: Array = offset / size
-        return result
+        return offset / size
 
     def obstacles(self) -> tuple[Array, Array]:
         """Return the middles (n, 2) and radii (n,) of circles to walk around [m].

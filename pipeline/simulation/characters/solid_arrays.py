@@ -172,8 +172,7 @@ def _facets(hull: Hull) -> NDArray[np.int64]:
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     similarity = (normals[:, None, :] * hull.normals).sum(axis=-1)
-    result: NDArray[np.int64] = np.argmax(similarity, axis=1)
-    return result
+    return np.argmax(similarity, axis=1)
 
 
 class SolidTracker:

@@ -161,8 +161,7 @@ def meet_solids(
 @inlined
 def _max_speed(solid: Record) -> float:
     """Return the speed of the fastest place of a solid, at most [m/s]."""
-    speed: float = length(triple(solid.v)) + length(triple(solid.w)) * solid.reach
-    return speed
+    return length(triple(solid.v)) + length(triple(solid.w)) * solid.reach
 
 
 @inlined

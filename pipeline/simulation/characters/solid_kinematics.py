@@ -72,8 +72,7 @@ def mobility_at(solid: Record, arm: Vector, n: Vector) -> float:
     if solid.inverse_mass == 0.0:
         return 0.0
     lever = cross(arm, n)
-    result: float = solid.inverse_mass + dot(lever, turned(rows_of(solid.inverse_inertia), lever))
-    return result
+    return solid.inverse_mass + dot(lever, turned(rows_of(solid.inverse_inertia), lever))
 
 
 @inlined

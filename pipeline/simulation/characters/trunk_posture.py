@@ -193,8 +193,7 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
         else:
             highest = min(highest, height - _early_lowering(person, k, height, leg_bones))
     person.pelvis_drop = max(height - highest, person.pelvis_drop * math.exp(-RISE_RATE * dt))
-    held: float = height - person.pelvis_drop
-    return held
+    return height - person.pelvis_drop
 
 
 @compiled
@@ -212,8 +211,7 @@ def _early_lowering(person: Record, k: int, height: float, bones: float) -> floa
     z = person.landing_place[k, 2] - person.targets[HIP + k, 2] - person.velocity[1] * time
     away = min(x * x + z * z, 0.75 * bones * bones)
     top = person.landing_place[k, 1] + math.sqrt(bones * bones - away) - person.floor
-    lower: float = max(height - top, 0.0) * smoothstep(1.0 - left / EARLY_LOWERING)
-    return lower
+    return max(height - top, 0.0) * smoothstep(1.0 - left / EARLY_LOWERING)
 
 
 @compiled
@@ -323,5 +321,4 @@ def _breath_lift(person: Record, dt: float) -> float:
     effort = min(froude(ground_speed(person), leg_length(person)), 1.2)
     person.breath = (person.breath + (0.25 + 0.45 * effort) * dt) % 1.0
     depth = (0.0035 + 0.004 * effort) * person.height
-    lift: float = depth * math.sin(2.0 * math.pi * person.breath)
-    return lift
+    return depth * math.sin(2.0 * math.pi * person.breath)

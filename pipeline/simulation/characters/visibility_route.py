@@ -143,8 +143,7 @@ def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> Array
     along = np.clip((way @ offset.T) / squared[:, None], 0.0, 1.0)
     x = along * way[:, :1] - offset[:, 0]
     z = along * way[:, 1:] - offset[:, 1]
-    free: Array = (x * x + z * z >= (reaches - 1e-6) ** 2).all(axis=1)
-    return free
+    return (x * x + z * z >= (reaches - 1e-6) ** 2).all(axis=1)
 
 
 def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, bounds: Array) -> Array:
@@ -186,8 +185,7 @@ def _trace_back(places: Array, parents: Array) -> Array:
     while at > 0:
         way.append(at)
         at = int(parents[at])
-    result: Array = places[way[::-1]]
-    return result
+    return places[way[::-1]]
 
 
 @dataclass

@@ -282,5 +282,4 @@ def _forward_kinematics(subtask: Subtask, plain: LinkageSimulation) -> Array:
         plain.q[names.index(joint_name(joint, subtask.hand))] = math.radians(angle)
     plain.settle()
     spots = [spot.name for spot in plain.linkage.spots]
-    place: Array = plain.places[spots.index(f"palm_{subtask.hand}")].copy()
-    return place
+    return plain.places[spots.index(f"palm_{subtask.hand}")].copy()

@@ -102,8 +102,7 @@ def low_passed(p: Array, rate: float = SAMPLE_RATE) -> Array:
     )
     gain = 1.0 / (1.0 + warped ** (2 * FILTER_ORDER))
     smooth = np.fft.irfft(np.fft.rfft(whole - line, axis=0) * gain[:, None], n, axis=0)
-    result: Array = (smooth + line)[pad : pad + len(p)]
-    return result
+    return (smooth + line)[pad : pad + len(p)]
 
 
 def third_derivative(p: Array, rate: float = SAMPLE_RATE) -> Array:
@@ -164,8 +163,7 @@ def rank_correlation(x: Array, y: Array) -> float:
 def _ranks(values: Array) -> Array:
     below = (values[None, :] < values[:, None]).sum(axis=1)
     same = (values[None, :] == values[:, None]).sum(axis=1)
-    result: Array = below + 0.5 * (same - 1)
-    return result
+    return below + 0.5 * (same - 1)
 
 
 def _integral(values: Array, h: float) -> float:

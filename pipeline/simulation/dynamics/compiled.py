@@ -59,10 +59,7 @@ def is_cached(room: str) -> bool:
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
     """Compiles a function that other compiled functions call."""
-    made: Callable[P, T] = numba.njit(
-        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True
-    )(function)
-    return made
+    return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
 
 
 def inlined(function: Callable[P, T]) -> Callable[P, T]:
@@ -70,13 +67,11 @@ def inlined(function: Callable[P, T]) -> Callable[P, T]:
 
     A tuple of many arrays is passed array by array, which costs more than short work on it.
     """
-    made: Callable[P, T] = numba.njit(
+    return numba.njit(
         error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
     )(function)
-    return made
 
 
 def entry(function: Callable[P, T]) -> Callable[P, T]:
     """Compiles a function that Python calls; its machine code is cached."""
-    made: Callable[P, T] = numba.njit(cache=CACHE_WRITABLE, error_model="numpy")(function)
-    return made
+    return numba.njit(cache=CACHE_WRITABLE, error_model="numpy")(function)

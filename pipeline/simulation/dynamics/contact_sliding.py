@@ -95,5 +95,4 @@ def sliding_motion(contacts: Contacts, which: range) -> SlidingMotion:
 
 def _tangential_speed(u: Array, normal: Array) -> Array:
     across = u - dot(u, normal)[:, None] * normal
-    result: Array = np.sqrt(dot(across, across))
-    return result
+    return np.sqrt(dot(across, across))

@@ -78,5 +78,4 @@ def _shared_forces(points: Array, bears: NDArray[np.bool_], force: Array, moment
         np.linalg.pinv(square, rcond=NEGLIGIBLE_LEVER, hermitian=True), dtype=np.float64
     )
     differ = turn(wide.transpose(0, 2, 1), turn(inverse, left)).reshape(K, F, 3)
-    result: Array = even + differ
-    return result
+    return even + differ

@@ -47,8 +47,7 @@ class Hull:
     def offsets(self) -> Array:
         """Distances (P,) of the facets from the origin [m]."""
         first = np.array([facet[0] for facet in self.facets])
-        result: Array = np.sum(self.normals * self.vertices[first], axis=-1)
-        return result
+        return np.sum(self.normals * self.vertices[first], axis=-1)
 
 
 def hull_of(points: Array) -> Hull:
@@ -172,5 +171,4 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
 def _polygon_area(polygon: Array) -> Array:
     """Returns the area vector (3,) of a plane polygon (n, 3)."""
     arms = polygon - polygon[0]
-    result: Array = 0.5 * cross(arms[1:-1], arms[2:]).sum(axis=0)
-    return result
+    return 0.5 * cross(arms[1:-1], arms[2:]).sum(axis=0)

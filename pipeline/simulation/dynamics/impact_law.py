@@ -253,8 +253,7 @@ def _friction(contact: Record, one: Record, other: Record, pushed: float, w: flo
         return damping
     ratio = _pair_compliance(one, other, place, times(1.0 / speed, slides))
     ratio /= max(_pair_compliance(one, other, place, n), 1e-12)
-    result: float = min(damping, least * ratio / speed)
-    return result
+    return min(damping, least * ratio / speed)
 
 
 @compiled
@@ -277,8 +276,7 @@ def _compliance(thing: Record, place: Vector, n: Vector) -> float:
     total += u * (J[0, 0] * u + J[0, 1] * v + J[0, 2] * w)
     total += v * (J[1, 0] * u + J[1, 1] * v + J[1, 2] * w)
     total += w * (J[2, 0] * u + J[2, 1] * v + J[2, 2] * w)
-    result: float = total
-    return result
+    return total
 
 
 @compiled

@@ -84,5 +84,4 @@ def _rotation_vector(R: Array) -> Array:
     sine = np.sqrt((q[:, 1:] ** 2).sum(axis=1))
     angle = 2.0 * np.arctan2(sine, q[:, 0])
     scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
-    result: Array = q[:, 1:] * scale[:, None]
-    return result
+    return q[:, 1:] * scale[:, None]

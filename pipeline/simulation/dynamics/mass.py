@@ -64,8 +64,7 @@ class MassProperties:
         Source: parallel axis theorem, for tensors.
         """
         arm = self.centre - point
-        result: Array = self.inertia + _inertia(self.mass * np.outer(arm, arm))
-        return result
+        return self.inertia + _inertia(self.mass * np.outer(arm, arm))
 
     def moment(self, axis: Array) -> float:
         """Returns the moment of inertia about an axis through the centre of mass [kg m²].
@@ -162,13 +161,11 @@ def joined(parts: Iterable[MassProperties]) -> MassProperties:
 
 def _inertia(second: Array) -> Array:
     """Return the inertia (3, 3) of a second moment ∫ x xᵀ dm (3, 3) [kg m²]."""
-    result: Array = np.trace(second) * np.eye(3) - second
-    return result
+    return np.trace(second) * np.eye(3) - second
 
 
 def _symmetric(matrix: Array) -> Array:
-    result: Array = 0.5 * (matrix + matrix.T)
-    return result
+    return 0.5 * (matrix + matrix.T)
 
 
 def _refuse_open(vertices: Array, faces: NDArray[np.integer[Any]]) -> None:

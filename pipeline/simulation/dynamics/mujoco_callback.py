@@ -101,8 +101,7 @@ def _dtype(fields: dict[str, tuple[int, Any]], size: int | None = None) -> np.dt
     }
     if size is not None:
         words["itemsize"] = size
-    made: np.dtype[np.void] = np.dtype(words)  # type: ignore[call-overload]
-    return made
+    return np.dtype(words)  # type: ignore[call-overload]
 
 
 def _find_value(begin: int, value: Any) -> int:

@@ -154,13 +154,11 @@ class LinkageSimulation:
 
     def place_of(self, link: int) -> Array:
         """Returns the position of a link's hinges, a view (3,) [m]."""
-        place: Array = self.data.xpos[self._bodies[link]]
-        return place
+        return self.data.xpos[self._bodies[link]]
 
     def turned(self, link: int) -> Array:
         """Returns the rotation of a link, row by row, a view (9,)."""
-        R: Array = self.data.xmat[self._bodies[link]]
-        return R
+        return self.data.xmat[self._bodies[link]]
 
     def poses(self) -> tuple[Array, Array]:
         """Returns rotations (L, 3, 3) and positions (L, 3) of the links, as copies."""
@@ -169,14 +167,12 @@ class LinkageSimulation:
 
     def given(self) -> Array:
         """Returns (n,) torques of servos and forces on the hinges [N m]."""
-        result: Array = self.data.qfrc_actuator.copy()
-        return result
+        return self.data.qfrc_actuator.copy()
 
     def torques(self) -> Array:
         """Returns (n,) total torques on the hinges: servos, forces, compensation [N m]."""
         data = self.data
-        result: Array = data.qfrc_actuator + data.qfrc_applied + data.qfrc_gravcomp
-        return result
+        return data.qfrc_actuator + data.qfrc_applied + data.qfrc_gravcomp
 
     def touches(self) -> list[SolidContact]:
         """Returns the contacts at the start of the last step."""

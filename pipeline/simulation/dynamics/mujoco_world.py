@@ -120,8 +120,7 @@ class MujocoWorld:
     @property
     def asleep(self) -> NDArray[np.bool_]:
         """(N,) which bodies sleep."""
-        result: NDArray[np.bool_] = self._awake[: self.count] == 0
-        return result
+        return self._awake[: self.count] == 0
 
     def _put(self, state: State) -> None:
         n = self.count
@@ -133,8 +132,7 @@ class MujocoWorld:
         """(N,) which bodies touched anything in the last sub-step."""
         found = np.zeros(self.model.nbody, dtype=bool)
         found[self._things_that_touch()] = True
-        result: NDArray[np.bool_] = found[1 : 1 + self.count]
-        return result
+        return found[1 : 1 + self.count]
 
     def push(self, impulses: Array, twists: Array) -> None:
         """Spreads impulses over the next step.
@@ -197,8 +195,7 @@ class MujocoWorld:
     def _things_that_touch(self) -> NDArray[np.int64]:
         """Returns the two things (K, 2) of each contact, the terrain 0."""
         geoms = self.data.contact.geom.reshape(-1, 2)
-        result: NDArray[np.int64] = self.model.geom_bodyid[geoms].astype(np.int64)
-        return result
+        return self.model.geom_bodyid[geoms].astype(np.int64)
 
     def advance(self, poses: Poses | None = None) -> list[Strike]:
         """Advances by one step.

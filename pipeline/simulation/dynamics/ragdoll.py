@@ -176,8 +176,7 @@ class Ragdoll:
     def _times_for_depth(self, deep: Array) -> Array:
         # An overdamped spring comes out by depth / (2 SPENT² time) a second.
         slow = deep / (2.0 * CONTACT_DAMPING**2 * DEPENETRATION_SPEED * self.size / self.tau)
-        result: Array = np.maximum(slow, CONTACT_TIME * self.tau)
-        return result
+        return np.maximum(slow, CONTACT_TIME * self.tau)
 
     def _depths(self) -> Array:
         """Returns the depth of bones (n,) in the ground, -inf without contact [m]."""

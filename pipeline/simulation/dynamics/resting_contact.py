@@ -181,5 +181,4 @@ def limit_energy(body: Record, before: Motion, after: Motion) -> Motion:
 @compiled
 def _kinetic(body: Record, now: Motion) -> float:
     turning = dot(now.w, turned(rows_of(body.inertia), now.w))
-    result: float = 0.5 * (body.mass * dot(now.v, now.v) + turning)
-    return result
+    return 0.5 * (body.mass * dot(now.v, now.v) + turning)

@@ -129,14 +129,12 @@ class State:
 def kinetic_energy(bodies: Bodies, v: Array, w: Array) -> Array:
     """Returns the kinetic energies (N,) [J]."""
     turning = dot(w, rotate(bodies.inertia, w))
-    result: Array = 0.5 * (bodies.mass * dot(v, v) + turning)
-    return result
+    return 0.5 * (bodies.mass * dot(v, v) + turning)
 
 
 def total_energy(bodies: Bodies, state: State) -> Array:
     """Returns kinetic and potential energy (N,) over height 0 [J]."""
-    result: Array = kinetic_energy(bodies, state.v, state.w) + bodies.mass * GRAVITY * state.p[:, 1]
-    return result
+    return kinetic_energy(bodies, state.v, state.w) + bodies.mass * GRAVITY * state.p[:, 1]
 
 
 def angular_momentum(bodies: Bodies, state: State) -> Array:
@@ -146,16 +144,14 @@ def angular_momentum(bodies: Bodies, state: State) -> Array:
 
 def dot(a: Array, b: Array) -> Array:
     """Returns a · b (...) of vectors (..., 3), summed in one order for any number of them."""
-    result: Array = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-    return result
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
 def rotate(R: Array, v: Array) -> Array:
     """Returns R v (..., 3), summed in one order for any number of vectors."""
-    result: Array = (R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]) + R[
-        ..., :, 2
-    ] * v[..., None, 2]
-    return result
+    return (R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]) + R[..., :, 2] * v[
+        ..., None, 2
+    ]
 
 
 def unrotate(R: Array, v: Array) -> Array:

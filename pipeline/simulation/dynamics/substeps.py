@@ -125,8 +125,7 @@ def _native_quickest() -> Callable[[int, int], None]:
             array_at(at.paths, 5 * at.pushers, FLOAT64).reshape(-1, 5),
         )
 
-    made: Callable[[int, int], None] = native_callback(look)
-    return made
+    return native_callback(look)
 
 
 @compiled

@@ -269,5 +269,4 @@ def is_under_ground(grid: Grid, body: Record, p: Vector) -> bool:
     """Returns whether a body at p is wholly below the ground, entered from the side."""
     if not is_over_grid(grid.frame, p[0], p[2]):
         return False
-    below: bool = p[1] < surface_at(grid.frame, grid.vertices, p[0], p[2])[0] - 2.0 * body.reach
-    return below
+    return p[1] < surface_at(grid.frame, grid.vertices, p[0], p[2])[0] - 2.0 * body.reach

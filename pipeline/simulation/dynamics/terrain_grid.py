@@ -65,8 +65,7 @@ def _triangle_normals(triangles: Array) -> Array:
     """Returns the normals (F, 3) of triangles (F, 3, 3)."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     up = cross(b - a, c - a)
-    result: Array = up / np.sqrt((up**2).sum(axis=-1))[:, None]
-    return result
+    return up / np.sqrt((up**2).sum(axis=-1))[:, None]
 
 
 TILE_CELLS = 8
@@ -181,8 +180,7 @@ def to_grid_frame(frame: Record, x: float, z: float) -> tuple[float, float]:
 def is_over_grid(frame: Record, x: float, z: float) -> bool:
     """Returns whether a position lies over the grid."""
     u, v = to_grid_frame(frame, x, z)
-    over: bool = abs(u) <= 0.5 * frame.size_x and abs(v) <= 0.5 * frame.size_z
-    return over
+    return abs(u) <= 0.5 * frame.size_x and abs(v) <= 0.5 * frame.size_z
 
 
 @compiled

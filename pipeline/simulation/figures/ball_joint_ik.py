@@ -52,8 +52,7 @@ def base_ball_joint(batch: LimbBatch) -> NDArray[np.bool_]:
     here = np.abs(batch.places - batch.places[:, :1]).max(axis=-1) < 1e-9 * batch.lengths[:, None]
     own = np.logical_and.accumulate(here & ~batch.prismatic & batch.is_joint, axis=1)
     across = np.linalg.norm(np.cross(batch.axes[:, :1], batch.axes), axis=-1) > 1e-6
-    result: NDArray[np.bool_] = own & (across & own).any(axis=1, keepdims=True)
-    return result
+    return own & (across & own).any(axis=1, keepdims=True)
 
 
 def full_reach(batch: LimbBatch) -> Array:
@@ -111,8 +110,7 @@ def _aim_ball_joint(
 
 
 def _distance(batch: LimbBatch, tips: Array) -> Array:
-    result: Array = np.linalg.norm(tips - batch.places[:, 0], axis=-1)
-    return result
+    return np.linalg.norm(tips - batch.places[:, 0], axis=-1)
 
 
 def ball_joint_branches(batch: LimbBatch, goals: Array) -> Array:
@@ -207,5 +205,4 @@ def _wrap_into_limits(batch: LimbBatch, q: Array) -> Array:
 
 
 def _dot(a: Array, b: Array) -> Array:
-    result: Array = np.sum(a * b, axis=-1, keepdims=True)
-    return result
+    return np.sum(a * b, axis=-1, keepdims=True)

@@ -128,5 +128,4 @@ def _hull_corners(figure: Figure, number: int) -> Array:
     # Scaled by the extents; the corners of a long solid would else all be at its ends.
     extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
     far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
-    result: Array = vertices[np.unique(far.argmax(axis=0))]
-    return result
+    return vertices[np.unique(far.argmax(axis=0))]

@@ -233,8 +233,7 @@ class PosedLimb:
 
     def weight(self, times: Array) -> Array:
         """Return the weight (n,) of the demands against the limb's own motion."""
-        result: Array = self.weights(times).max(axis=-1)
-        return result
+        return self.weights(times).max(axis=-1)
 
     def follow(
         self, q: Array, frames: FigureFrames, R_BP: Array, p_BP: Array

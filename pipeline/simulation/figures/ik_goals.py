@@ -181,8 +181,7 @@ def singular_values(batch: LimbBatch, pose: LimbPose) -> Array:
 
 def dexterity(batch: LimbBatch, pose: LimbPose) -> Array:
     """Return w = √det(J Jᵀ) (L,); for n < 3 joints the volume over the directions it has."""
-    result: Array = np.prod(singular_values(batch, pose), axis=-1)
-    return result
+    return np.prod(singular_values(batch, pose), axis=-1)
 
 
 def dexterity_gradient(batch: LimbBatch, pose: LimbPose) -> Array:
@@ -198,8 +197,7 @@ def dexterity_gradient(batch: LimbBatch, pose: LimbPose) -> Array:
     )
     change = hessian(batch, pose)[..., :3] / scale[..., None]
     G = (U * others[:, None, :]) @ Vt
-    result: Array = np.einsum("lxj,lkjx->lk", G, change)
-    return result
+    return np.einsum("lxj,lkjx->lk", G, change)
 
 
 @dataclass(frozen=True, eq=False)

@@ -195,13 +195,11 @@ def _apply_jacobian(jacobian: Array, q: Array) -> Array:
 
     Summed joint by joint, unlike a BLAS, so that padding does not affect the last bit.
     """
-    result: Array = np.add.reduce(jacobian * q[..., None], axis=1)
-    return result
+    return np.add.reduce(jacobian * q[..., None], axis=1)
 
 
 def _norm(v: Array) -> Array:
-    result: Array = np.sqrt(np.einsum("li,li->l", v, v))
-    return result
+    return np.sqrt(np.einsum("li,li->l", v, v))
 
 
 def closest_pose(

@@ -194,8 +194,7 @@ def _pick_limbs(values: Array, which: slice | NDArray[np.int64]) -> Array:
 
 
 def _dot(a: Array, b: Array) -> Array:
-    result: Array = (a * b).sum(axis=-1)
-    return result
+    return (a * b).sum(axis=-1)
 
 
 def _perpendicular(v: Array, z: Array) -> Array:

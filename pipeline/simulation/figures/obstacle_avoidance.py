@@ -89,5 +89,4 @@ def closest_points(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array
 
 
 def _dot(a: Array, b: Array) -> Array:
-    result: Array = np.sum(a * b, axis=-1)
-    return result
+    return np.sum(a * b, axis=-1)

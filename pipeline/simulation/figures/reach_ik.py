@@ -146,8 +146,7 @@ def reach(
 def _nearest_draw(batch: LimbBatch, aim: TipPlacement, draws: Array) -> Array:
     """Return, of several joint values (D, L, n), those (L, n) with the least error."""
     errors = np.stack([_error(batch, batch.pose(q), aim) for q in draws])
-    result: Array = draws[errors.argmin(axis=0), np.arange(len(aim.places))]
-    return result
+    return draws[errors.argmin(axis=0), np.arange(len(aim.places))]
 
 
 def _first_approach(
@@ -353,5 +352,4 @@ def _serve_secondary(
 
 
 def _error(batch: LimbBatch, pose: LimbPose, aim: TipPlacement) -> Array:
-    result: Array = np.linalg.norm(aim.task(batch, pose).velocity, axis=-1)
-    return result
+    return np.linalg.norm(aim.task(batch, pose).velocity, axis=-1)

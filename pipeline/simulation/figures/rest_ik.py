@@ -241,5 +241,4 @@ def _sum_joints(terms: Array) -> Array:
 
 
 def _norm(v: Array) -> Array:
-    result: Array = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    return result
+    return np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

@@ -70,8 +70,7 @@ class Herd:
     @cached_property
     def swings(self) -> Array:
         """(L,) fractions of a cycle that the feet are in the air."""
-        result: Array = np.mod(self.down - self.up, 1.0)
-        return result
+        return np.mod(self.down - self.up, 1.0)
 
     @cached_property
     def first_leg(self) -> NDArray[np.int64]:

@@ -42,7 +42,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     swing_positions,
 )
 from pipeline.simulation.spatial import Array, heading, turn, unturn
-from pipeline.simulation.take import Note
+from pipeline.simulation.take import TakeNote
 
 # Distance between foot and foothold that is noted [m].
 NOTED_MISS = 1e-4
@@ -95,7 +95,7 @@ class Poses:
     positions: Array
     rotations: Array
     values: Array
-    notes: list[Note]
+    notes: list[TakeNote]
 
 
 class PoseSolver:
@@ -304,16 +304,16 @@ class PoseSolver:
 
     def _notes(
         self, steps: Sequence[int], residual: Array, misses: Sequence[tuple[int, GoalMiss]]
-    ) -> list[Note]:
+    ) -> list[TakeNote]:
         """Return notes about feet (n, L) that miss their footholds [m], and about posed limbs."""
-        herd, notes = self.herd, list[Note]()
+        herd, notes = self.herd, list[TakeNote]()
         for row, leg in np.argwhere(residual > NOTED_MISS):
             name = f"{herd.names[herd.owner[leg]]}.{herd.leg_names[leg]}"
             text = f"misses its foothold by {1000.0 * float(residual[row, leg]):.2g} mm"
-            notes.append(Note("clamped", steps[row], name, text))
+            notes.append(TakeNote("clamped", steps[row], name, text))
         for c, miss in misses:
             text = f"misses its authored place by {100.0 * miss.gap:.2g} % of its length"
-            notes.append(Note("clamped", steps[miss.row], f"{herd.names[c]}.{miss.limb}", text))
+            notes.append(TakeNote("clamped", steps[miss.row], f"{herd.names[c]}.{miss.limb}", text))
         return notes
 
 
@@ -340,5 +340,4 @@ def total_lowering(herd: Herd, lowering: Array, s: Array) -> Array:
     sums = np.zeros((len(s), len(herd.names)))
     for owners, legs in herd.legs_by_rank:
         sums[:, owners] += wanted[:, legs]
-    result: Array = np.sqrt(np.sqrt(sums))
-    return result
+    return np.sqrt(np.sqrt(sums))

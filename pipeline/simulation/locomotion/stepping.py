@@ -38,7 +38,7 @@ from pipeline.simulation.locomotion.routes.speed_control import predicted
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.spatial import Array, turn
-from pipeline.simulation.take import Note
+from pipeline.simulation.take import TakeNote
 from pipeline.simulation.troupe import World
 
 # Strides in which a foot has done its step and stood.
@@ -77,7 +77,7 @@ class Stepping:
     lookahead: BarrierLookahead
     swings: SwingPlanner | None
     contacts: FootContacts
-    notes: list[Note] = field(default_factory=list)
+    notes: list[TakeNote] = field(default_factory=list)
 
     @staticmethod
     def of(
@@ -203,7 +203,7 @@ def lift_foot(stepping: Stepping, step: int, leg: int, phase: float) -> None:
             _halt(stepping, owner)
         if not noted:
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
-            stepping.notes.append(Note("stopped", step, name, "no foothold within reach"))
+            stepping.notes.append(TakeNote("stopped", step, name, "no foothold within reach"))
         return
     timing = request.timing
     start_swing(feet, leg, hold)
@@ -329,7 +329,7 @@ def end_route_before(stepping: Stepping, step: int, leg: int, barrier: Barrier |
     redirect(progress, c, route.upto(barrier.distance))
     if not noted:
         name = f"{stepping.herd.names[c]}.{stepping.herd.leg_names[leg]}"
-        stepping.notes.append(Note("stopped", step, name, barrier.cause))
+        stepping.notes.append(TakeNote("stopped", step, name, barrier.cause))
 
 
 def _halt(stepping: Stepping, c: int) -> None:

@@ -41,7 +41,7 @@ from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Note
+from pipeline.simulation.take import TakeNote
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
@@ -86,12 +86,12 @@ class Walkers(Troupe):
         contacts = FootContacts(herd, world, self.authored_poses, materials)
         self.stepping = Stepping.of(world, self.progress, swings, contacts)
         self.leaps = WalkerJumps(cast, world, self.progress, self.stepping, materials)
-        self._order_notes: list[Note] = []
-        self._pose_notes: list[Note] = []
+        self._order_notes: list[TakeNote] = []
+        self._pose_notes: list[TakeNote] = []
         self._arrived: list[str] = []
         self._buffered: list[HerdSnapshot] = []
         place_feet(self.stepping)
-        self._notes: list[Note] = list(self.stepping.notes)
+        self._notes: list[TakeNote] = list(self.stepping.notes)
 
     @property
     def travelled(self) -> Array:
@@ -131,7 +131,7 @@ class Walkers(Troupe):
                 if c in self.progress.transition_ends:
                     self.stepping.feet.changing.add(c)
                 if unable is not None:
-                    self._order_notes.append(Note("clamped", self.step, name, unable))
+                    self._order_notes.append(TakeNote("clamped", self.step, name, unable))
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""

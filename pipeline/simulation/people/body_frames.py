@@ -228,10 +228,8 @@ def _pitched(R: Array, angle: Array) -> Array:
 
 def _smoothstep(s: Array) -> Array:
     s = np.clip(s, 0.0, 1.0)
-    result: Array = s * s * (3.0 - 2.0 * s)
-    return result
+    return s * s * (3.0 - 2.0 * s)
 
 
 def _dot(a: Array, b: Array) -> Array:
-    result: Array = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-    return result
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]

@@ -82,8 +82,7 @@ def _breadths(build: BodyMeasures) -> Array:
     """Return the breadth factor of each row of a shirt, from the hips to the chest."""
     heights = np.array([row[0] for row in TORSO])
     up = ramp(heights, 0.56, 0.70)
-    result: Array = build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)
-    return result
+    return build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)
 
 
 ARM = (
@@ -267,8 +266,7 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
 
 def _spread(build: BodyMeasures, y: Array) -> Array:
     below = np.maximum(build.level(CROTCH_LEVEL) - y, 0.0)
-    result: Array = LEG_SPREAD * below * below / (below + 0.03 * build.girth)
-    return result
+    return LEG_SPREAD * below * below / (below + 0.03 * build.girth)
 
 
 def _skinned_trousers(build: BodyMeasures, places: Array, surface: Surface) -> SkinnedPatch:

@@ -194,8 +194,7 @@ class BodyMeasures:
     def levels(self, fractions: Array) -> Array:
         """Return the heights (n,) of landmarks at fractions (n,) of an adult's height [m]."""
         own = np.interp(fractions, _landmarks(ADULT), _landmarks(self.proportions))
-        result: Array = own * self.proportions.height
-        return result
+        return own * self.proportions.height
 
     @property
     def hips(self) -> float:

@@ -24,8 +24,7 @@ def ellipsoid(centre: Sequence[float] | Array, radii: float | Array) -> Field:
     least = float(scale.min())
 
     def distance(places: Array) -> Array:
-        result: Array = (_length((places - origin) / scale) - 1.0) * least
-        return result
+        return (_length((places - origin) / scale) - 1.0) * least
 
     return distance
 
@@ -46,8 +45,7 @@ def round_cone(
         offset = places - start
         s = np.clip((offset * along).sum(axis=-1) / square, 0.0, 1.0)
         radial = (offset - s[:, None] * along) / scale
-        result: Array = (_length(radial) - (r_a + (r_b - r_a) * s)) * least
-        return result
+        return (_length(radial) - (r_a + (r_b - r_a) * s)) * least
 
     return distance
 
@@ -72,8 +70,7 @@ def oval_stack(rows: Sequence[Sequence[float]] | Array, z: float = 0.0) -> Field
         radius = np.hypot(x / depth, (places[:, 2] - z) / aside)
         side = (radius - 1.0) * np.minimum(depth, aside)
         cap = np.maximum(heights[0] - places[:, 1], places[:, 1] - heights[-1])
-        result: Array = np.maximum(side, cap)
-        return result
+        return np.maximum(side, cap)
 
     return distance
 
@@ -85,8 +82,7 @@ def half_space(point: Sequence[float] | Array, normal: Sequence[float] | Array) 
     p = np.asarray(point, dtype=float)
 
     def distance(places: Array) -> Array:
-        result: Array = ((places - p) * n).sum(axis=-1)
-        return result
+        return ((places - p) * n).sum(axis=-1)
 
     return distance
 
@@ -140,8 +136,7 @@ def _smooth_minimum(a: Array, b: Array, blend: float) -> Array:
 
 
 def _length(v: Array) -> Array:
-    result: Array = np.sqrt((v * v).sum(axis=-1))
-    return result
+    return np.sqrt((v * v).sum(axis=-1))
 
 
 def _monotone_slopes(x: Array, y: Array) -> Array:
@@ -162,10 +157,9 @@ def _hermite(x: Array, y: Array, slopes: Array, places: Array) -> Array:
     span = x[i + 1] - x[i]
     s = ((places - x[i]) / span)[:, None]
     span = span[:, None]
-    result: Array = (
+    return (
         (1.0 + 2.0 * s) * (1.0 - s) ** 2 * y[i]
         + s * (1.0 - s) ** 2 * span * slopes[i]
         + s * s * (3.0 - 2.0 * s) * y[i + 1]
         + s * s * (s - 1.0) * span * slopes[i + 1]
     )
-    return result

@@ -214,8 +214,7 @@ def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
 def ramp(values: Array, start: float | Array, end: float | Array) -> Array:
     """Return 0 up to `start`, 1 from `end` on, smooth between; `end` may be the lower."""
     s = np.clip((values - start) / (end - start), 0.0, 1.0)
-    result: Array = s * s * (3.0 - 2.0 * s)
-    return result
+    return s * s * (3.0 - 2.0 * s)
 
 
 CAP_LATITUDES = np.radians([25.0, 65.0])  # of the rings of a cap

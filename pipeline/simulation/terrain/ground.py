@@ -55,8 +55,7 @@ class Ground:
     def steppable(self, x: Array, z: Array) -> NDArray[np.bool_]:
         """Return where a foot may be put; outside the grid it may not."""
         forbidden = self.forbidden[self.field.cell_of(x, z)]
-        result: NDArray[np.bool_] = self.field.inside(x, z) & ~forbidden
-        return result
+        return self.field.inside(x, z) & ~forbidden
 
 
 def level_ground(height: float, like: Ground) -> Ground:

@@ -148,8 +148,7 @@ class HeightField:
         # Both triangles share h00 and h11; the nearer side corner decides.
         side = np.where(u >= v, h10, h01)
         near, far = np.maximum(u, v), np.minimum(u, v)
-        result: Array = h00 + near * (side - h00) + far * (h11 - side)
-        return result
+        return h00 + near * (side - h00) + far * (h11 - side)
 
     def _rise(self, at: Located) -> tuple[Array, Array]:
         (h00, h10, h01, h11), u, v = at
@@ -185,10 +184,7 @@ class HeightField:
     def inside(self, x: Array, z: Array) -> NDArray[np.bool_]:
         """Return which points lie over the grid."""
         x, z = self.to_grid(x, z)
-        result: NDArray[np.bool_] = (np.abs(x) <= self.size[0] / 2) & (
-            np.abs(z) <= self.size[1] / 2
-        )
-        return result
+        return (np.abs(x) <= self.size[0] / 2) & (np.abs(z) <= self.size[1] / 2)
 
     @cached_property
     def vertices(self) -> Array:
@@ -255,8 +251,7 @@ class QuadField(HeightField):
         (h00, h10, h01, h11), u, v = at
         rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
         middle = 0.25 * ((h00 + h10) + (h01 + h11))
-        result: Array = middle + rise_u * (u - 0.5) + rise_v * (v - 0.5)
-        return result
+        return middle + rise_u * (u - 0.5) + rise_v * (v - 0.5)
 
     def _rise(self, at: Located) -> tuple[Array, Array]:
         (h00, h10, h01, h11), u, v = at

@@ -115,8 +115,7 @@ class Islands:
 def cell_heights(ground: Ground) -> Array:
     """Return the heights (n_z, n_x) of the middles of cells [m]."""
     h = ground.field.heights
-    result: Array = 0.5 * (h[:-1, :-1] + h[1:, 1:])
-    return result
+    return 0.5 * (h[:-1, :-1] + h[1:, 1:])
 
 
 def labelled(free: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -97,8 +97,7 @@ def _spanning(heights: Array, height: float) -> Array:
     # Hills far wider than the ground leave nothing of their waves but what underflows.
     if span < SMALLEST_SPAN:
         return np.zeros_like(heights)
-    result: Array = (heights - heights.mean()) * (height / span)
-    return result
+    return (heights - heights.mean()) * (height / span)
 
 
 MIN_WIDTH, MIN_HEIGHT, MAX_HEIGHT = 0.7, 0.55, 0.9

@@ -109,8 +109,7 @@ class SmoothGround:
         n_z, n_x = self.walls.shape
         i = np.rint((x + 0.5 * self.field.size[0]) / self.side[0] - 0.5).astype(np.int64)
         j = np.rint((z + 0.5 * self.field.size[1]) / self.side[1] - 0.5).astype(np.int64)
-        result: NDArray[np.bool_] = self.walls[np.clip(j, 0, n_z - 1), np.clip(i, 0, n_x - 1)]
-        return result
+        return self.walls[np.clip(j, 0, n_z - 1), np.clip(i, 0, n_x - 1)]
 
     def at(self, x: Array, z: Array) -> tuple[Array, Array]:
         """Return height and rise above it [m] at world (x, z); any equal shapes."""
@@ -234,8 +233,7 @@ def filled(height: Array, share: Array) -> Array:
     ones = (_blurred(np.ones((n, 1)), [0, 2]) for n in wide.shape)
     one = np.multiply.outer(*(blurred[:, 0] for blurred in ones))
     smooth = _blurred(wide, [2, 2]) / one
-    result: Array = (height + SURROUNDINGS_WEIGHT * smooth) / (share + SURROUNDINGS_WEIGHT)
-    return result
+    return (height + SURROUNDINGS_WEIGHT * smooth) / (share + SURROUNDINGS_WEIGHT)
 
 
 def _above(field: HeightField, surface: Array, side: tuple[float, float]) -> Array:
@@ -252,8 +250,7 @@ def _above(field: HeightField, surface: Array, side: tuple[float, float]) -> Arr
         surface = low + part * (high - low)
     h = field.heights - surface
     rows = np.maximum(h[:-1], h[1:])
-    result: Array = np.maximum(rows[:, :-1], rows[:, 1:])
-    return result
+    return np.maximum(rows[:, :-1], rows[:, 1:])
 
 
 def _dilated(values: Array, near: list[int]) -> Array:

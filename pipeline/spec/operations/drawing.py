@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from pipeline.spec.model_base import WORLD_LIMIT, ConfigModel, Fault, Step
+from pipeline.spec.model_base import WORLD_LIMIT, ConfigModel, Fault, PathSegment
 from pipeline.spec.suggestions import hint
 
 MAX_NODES = 1000
@@ -113,7 +113,7 @@ def copied_connections(
 
 
 def unknown_nodes(
-    names: Iterable[str], known: Mapping[str, object], path: tuple[Step, ...]
+    names: Iterable[str], known: Mapping[str, object], path: tuple[PathSegment, ...]
 ) -> Iterator[Fault]:
     """Find names of nodes that do not exist.
 
@@ -128,7 +128,7 @@ def unknown_nodes(
 
 
 def faults_of_chain(
-    chain: tuple[str, ...], sheet: Sheet, path: tuple[Step, ...]
+    chain: tuple[str, ...], sheet: Sheet, path: tuple[PathSegment, ...]
 ) -> Iterator[Fault]:
     """Find what is wrong with a chain of nodes.
 
@@ -177,7 +177,7 @@ def faults_of_result(before: Sheet, after: Sheet) -> Iterator[Fault]:
             return
 
 
-def fault_of_room(sheet: Sheet, more: int, *path: Step) -> Fault | None:
+def fault_of_room(sheet: Sheet, more: int, *path: PathSegment) -> Fault | None:
     """Return the fault of a drawing with too many nodes, None if there is room for `more`."""
     total = len(sheet.marks) + more
     if total <= MAX_NODES:

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from pipeline.spec.model_base import Fault, Name, Point, Step
+from pipeline.spec.model_base import Fault, Name, PathSegment, Point
 from pipeline.spec.operations.drawing import At, DrawingOperation, Sheet, unknown_nodes
 
 Names = Annotated[tuple[Name, ...], Field(min_length=1)]
@@ -29,12 +29,12 @@ Chosen = Annotated[
 ]
 """A list of names; `selected`, what the last `select` chose; or `all`."""
 
-Picked = tuple[str, tuple[Step, ...]]
+Picked = tuple[str, tuple[PathSegment, ...]]
 """A node, and the path at which the operation names it."""
 
 
 def chosen(
-    nodes: tuple[str, ...] | str, sheet: Sheet, path: tuple[Step, ...]
+    nodes: tuple[str, ...] | str, sheet: Sheet, path: tuple[PathSegment, ...]
 ) -> tuple[list[Picked], list[Fault]]:
     """Return the chosen nodes that exist, each once, and what is wrong with the choice.
 
@@ -52,7 +52,7 @@ def chosen(
     return [(name, (*path, first[name])) for name in dict.fromkeys(nodes) if name in first], faults
 
 
-def _repeated(nodes: tuple[str, ...], path: tuple[Step, ...]) -> Iterator[Fault]:
+def _repeated(nodes: tuple[str, ...], path: tuple[PathSegment, ...]) -> Iterator[Fault]:
     for k, name in enumerate(nodes):
         if name in nodes[:k]:
             yield Fault((*path, k), f"node '{name}' is listed twice")

@@ -45,8 +45,7 @@ class CounterRandom:
         state = _mix(slots + self._key)
         state = _mix(state + np.asarray(generation).astype(np.int64).astype(np.uint64))
         state = _mix(state + np.uint64(draw))
-        result: Array = (state >> np.uint64(11)).astype(float) * MANTISSA_UNIT
-        return result
+        return (state >> np.uint64(11)).astype(float) * MANTISSA_UNIT
 
 
 def _mix(state: NDArray[np.uint64]) -> NDArray[np.uint64]:

@@ -83,8 +83,7 @@ class FireRule(GroupRule):
         if self._parent is None:
             return self.setting.place
         R, p = others.R[k, self._parent], others.p[k, self._parent]
-        result: Array = p + R @ self.setting.place
-        return result
+        return p + R @ self.setting.place
 
     def _pose(self, rows: Rows, k: int, aged: Array) -> None:
         """Writes a row of flames that have lived fractions `aged` (N,) of their lives."""

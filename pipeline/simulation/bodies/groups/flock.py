@@ -124,8 +124,7 @@ class FlockRule(GroupRule):
         for ahead in LOOKAHEAD_TIMES:
             q = p + ahead * v
             must = np.maximum(must, (self.setting.height(q) + room - q[:, 1]) / room)
-        up: Array = np.clip(1.5 * must, 0.0, 1.0)[:, None] * UP
-        return up
+        return np.clip(1.5 * must, 0.0, 1.0)[:, None] * UP
 
     def _from_others(self, p: Array, v: Array, middles: Array, radii: Array) -> Array:
         """Returns how each must turn away from obstacles (N, 3)."""

@@ -113,5 +113,4 @@ def _build_rule(i: int, member: Group, world: World) -> GroupRule:
         place = position_on_ground(member.at, world)
     material = member.material or rule.default_material
     setting = GroupContext(member.name, f"cast[{i}]", place, member.parent, material, world)
-    built: GroupRule = rule(setting, member.group)
-    return built
+    return rule(setting, member.group)

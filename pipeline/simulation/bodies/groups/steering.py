@@ -71,8 +71,7 @@ class GoalSelector:
                 return sent[-1]
             if self._followed is not None:
                 up = np.array([0.0, self.config.above, 0.0])
-                followed: Array = others.p[k, self._followed] + up
-                return followed
+                return others.p[k, self._followed] + up
             return self._of_path(p) if self.config.path else self.setting.place
 
         return goal
@@ -224,8 +223,7 @@ class Steering:
         v[:, 1] = np.clip(v[:, 1], -limit, limit)
         own = _length(v)
         bounded = np.clip(own, MIN_SPEED * self.speed, MAX_SPEED * self.speed)
-        result: Array = v * (bounded / np.maximum(own, 1e-9))[:, None]
-        return result
+        return v * (bounded / np.maximum(own, 1e-9))[:, None]
 
 
 def nearest_members(p: Array, count: int) -> NDArray[np.int64]:
@@ -248,11 +246,9 @@ def nearest_members(p: Array, count: int) -> NDArray[np.int64]:
 
 
 def _length(v: Array) -> Array:
-    result: Array = np.sqrt((v * v).sum(axis=-1))
-    return result
+    return np.sqrt((v * v).sum(axis=-1))
 
 
 def _limit_factors(v: Array, most: Array) -> Array:
     """Returns factors (N, 1) that limit the length of vectors (N, 3) to `most` (N,)."""
-    result: Array = np.minimum(1.0, most / np.maximum(_length(v), 1e-9))[:, None]
-    return result
+    return np.minimum(1.0, most / np.maximum(_length(v), 1e-9))[:, None]

@@ -87,8 +87,7 @@ def refuge(mind: Mind, push: Array, distance: float) -> Array:
         # Along the wall, not to and fro in front of it.
         push = push + 0.8 * np.array([-push[1], push[0]])
     way = push + walls
-    result: Array = mind.at + distance * way / max(math.hypot(way[0], way[1]), 1e-6)
-    return result
+    return mind.at + distance * way / max(math.hypot(way[0], way[1]), 1e-6)
 
 
 @implements(Flee)
@@ -126,8 +125,7 @@ class KeepOff(ConfiguredBehaviour[Shyness]):
     def _intrusions(self, mind: Mind) -> Array:
         """Return (C,) by how much each character is too near, from 0 to 1."""
         reach = mind.memory.distances / max(self.config.keep_off, 1e-6)
-        intrusions: Array = np.where(self.others, np.clip(1.0 - reach, 0.0, 1.0), 0.0)
-        return intrusions
+        return np.where(self.others, np.clip(1.0 - reach, 0.0, 1.0), 0.0)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""

@@ -92,8 +92,7 @@ class PlayBall(ConfiguredBehaviour[Play]):
         far = math.hypot(back[0], back[1])
         is_inside = mind.is_on_terrain(ball, KICK_RANGE)
         if (far > self.config.within or not is_inside) and far > 1e-6:
-            result: Array = back / far
-            return result
+            return back / far
         return ahead
 
 

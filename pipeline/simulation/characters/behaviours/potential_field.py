@@ -45,8 +45,7 @@ def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: fl
     ahead = np.clip(0.35 - (away @ offset) / size, 0.0, 1.0)
     push = pace * BALANCE_GAP * ahead / np.maximum(gaps, MIN_GAP)
     curl = np.stack([-away[:, 1], away[:, 0]], axis=1)
-    result: Array = pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
-    return result
+    return pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
 
 
 def steer(

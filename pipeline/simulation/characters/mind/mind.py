@@ -168,13 +168,11 @@ class Mind:
 
     def place(self, owner: int) -> Array:
         """Return (2,) x and z of a character as remembered [m]."""
-        result: Array = self.memory.places[owner, [0, 2]]
-        return result
+        return self.memory.places[owner, [0, 2]]
 
     def velocity(self, owner: int) -> Array:
         """Return (2,) the velocity of a character as remembered [m/s]."""
-        result: Array = self.memory.velocities[owner, [0, 2]]
-        return result
+        return self.memory.velocities[owner, [0, 2]]
 
     def distance_to(self, owner: int) -> float:
         """Return the distance of a character as remembered [m]."""

@@ -153,8 +153,7 @@ class Memory:
 
     def freshness(self, now: float) -> Array:
         """Return (C,) how well each is remembered, from 1 in view to 0."""
-        left: Array = np.clip(1.0 - (now - self.seen) / MEMORY_SPAN, 0.0, 1.0)
-        return left
+        return np.clip(1.0 - (now - self.seen) / MEMORY_SPAN, 0.0, 1.0)
 
 
 def exposure(distance: float) -> float:

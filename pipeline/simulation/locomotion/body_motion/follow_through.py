@@ -56,14 +56,12 @@ class SoftJointLimits:
     def at(self, wish: Array) -> Array:
         """Return joint values for wishes (...) relative to rest, of any size."""
         room = self._room(wish)
-        result: Array = self.preferred + room * bounded(wish / room)
-        return result
+        return self.preferred + room * bounded(wish / room)
 
     def slope(self, wish: Array) -> Array:
         """Return the derivatives of joint values by their wishes, 0 to 1."""
         x = wish / self._room(wish)
-        result: Array = (1.0 + (x * x) * (x * x)) ** -1.25
-        return result
+        return (1.0 + (x * x) * (x * x)) ** -1.25
 
     def _room(self, wish: Array) -> Array:
         rooms = np.where(wish < 0.0, self.preferred - self.lower, self.upper - self.preferred)
@@ -93,8 +91,7 @@ class FreeLimb:
     def tip_at(self, tree: JointTree, frames: Array) -> Array:
         """Return the tip (3,) for frames (M, 4, 4) of the tree's joints [m]."""
         last = self.joints[-1]
-        tip: Array = frames[last, :3, 3] + frames[last, :3, :3] @ (self.tip - tree.places[last])
-        return tip
+        return frames[last, :3, 3] + frames[last, :3, :3] @ (self.tip - tree.places[last])
 
 
 def joint_turns(skeleton: Skeleton, limb: Limb) -> list[str]:

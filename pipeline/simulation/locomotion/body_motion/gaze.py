@@ -90,8 +90,7 @@ class BodyMotion:
     @cached_property
     def headings(self) -> Array:
         """(n, C) of the bodies [rad]."""
-        result: Array = np.arctan2(-self.R_WB[..., 2, 0], self.R_WB[..., 0, 0])
-        return result
+        return np.arctan2(-self.R_WB[..., 2, 0], self.R_WB[..., 0, 0])
 
     @cached_property
     def spans(self) -> Sequence[slice]:
@@ -344,5 +343,4 @@ def _rotation_vector(R: Array) -> Array:
         [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=-1
     )
     trace = R[:, 0, 0] + R[:, 1, 1] + R[:, 2, 2]
-    result: Array = 2.0 * axis / np.maximum(1.0 + trace, 0.2)[:, None]
-    return result
+    return 2.0 * axis / np.maximum(1.0 + trace, 0.2)[:, None]

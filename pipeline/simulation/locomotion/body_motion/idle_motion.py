@@ -107,8 +107,7 @@ class FreeJoints:
         # Two waves of incommensurable length never repeat.
         angle = 2.0 * np.pi * self.frequency * time[:, None] + self.offset
         waves = 0.65 * np.sin(angle) + 0.35 * np.sin(1.618 * angle + 1.0)
-        result: Array = style.wander[:, self.owner] * self.wander * waves
-        return result
+        return style.wander[:, self.owner] * self.wander * waves
 
 
 def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:

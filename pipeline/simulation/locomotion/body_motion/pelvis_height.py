@@ -104,8 +104,7 @@ class PelvisHeight:
         # Less towards the rim, so that nothing jumps where a foot comes under the hip.
         below = np.maximum(1.0 - across, 0.0) ** 2
         least = tips[..., 1] + self.shortest * np.sqrt(below)
-        result: Array = below * hinge(least - hips[..., 1], ROUNDING * self.herd.legs.lengths)
-        return result
+        return below * hinge(least - hips[..., 1], ROUNDING * self.herd.legs.lengths)
 
     def _catch(
         self,
@@ -139,8 +138,7 @@ class PelvisHeight:
         hips[:, 1] -= np.maximum(lowered[row, c], feet.lowering[:, 1][near])
         stretch = _overstretch(hips, feet.end[near], herd.legs.lengths[leg])
         apart = np.abs(here - at) / (SUPPORT_FRACTION * feet.swing_length[near])
-        result: Array = stretch * (1.0 - ease(apart))
-        return result
+        return stretch * (1.0 - ease(apart))
 
 
 def _overstretch(hips: Array, tips: Array, lengths: Array) -> Array:

@@ -164,5 +164,4 @@ def _limited(most: float, wave: Wave) -> Wave:
     highest = float(np.abs(oscillation.at(np.arange(SAMPLES) / SAMPLES)[0]).max())
     if highest == 0.0:
         return wave
-    result: Wave = wave * float(most * bounded(np.array(highest / most)) / highest)
-    return result
+    return wave * float(most * bounded(np.array(highest / most)) / highest)

@@ -191,8 +191,7 @@ class FootholdPlanner:
         )
         x, z = xz[..., 0].ravel(), xz[..., 1].ravel()
         allowed = self.trajectory.surface.is_allowed(owner, x, z).reshape(lowering.shape)
-        result: NDArray[np.bool_] = (lowering == 0.0) & allowed
-        return result
+        return (lowering == 0.0) & allowed
 
     def _swings(
         self,

@@ -164,16 +164,14 @@ class FootholdSearch:
         """Return the neutral place (2,) of a foot below a body that has gone `distance` [m]."""
         legs, now = np.array([leg]), np.array([phase])
         R, p = self.trajectory.pose(self.herd.owner[legs], np.array([distance]), now)
-        place: Array = neutral_positions(self.trajectory, legs, now, R, p)[0]
-        return place
+        return neutral_positions(self.trajectory, legs, now, R, p)[0]
 
     def tip_positions(self, legs: NDArray[np.int64], xz: Array) -> Array:
         """Return the tips (N, k, 3) of legs (N,) with their soles on the ground at (N, k, 2)."""
         x, z = xz[..., 0], xz[..., 1]
         heights, normals = self.ground.surface(x, z)
         radii = self.herd.sole[legs, None, None]
-        tips: Array = np.stack([x, heights, z], axis=-1) + radii * normals
-        return tips
+        return np.stack([x, heights, z], axis=-1) + radii * normals
 
     def _stance(self, request: StepRequest) -> tuple[StepBatch, Stances]:
         batch = StepBatch.of(self.herd, [request])
@@ -194,16 +192,14 @@ class FootholdSearch:
     @staticmethod
     def retreat(neutral: Array, present: Array) -> Array:
         """Return places (n, 2) [m] from `neutral` back to the present one (2,)."""
-        result: Array = present + RETREAT_FRACTIONS[:, None] * (neutral - present)
-        return result
+        return present + RETREAT_FRACTIONS[:, None] * (neutral - present)
 
     def rings(self, leg: int, middle: Array) -> Array:
         """Return places (n, 2) [m] on rings around `middle` (2,), the nearest first."""
         angle = np.arange(SPOKES) * (2.0 * np.pi / SPOKES)
         spokes = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         radii = np.linspace(0.0, RING_RADIUS * self.herd.legs.lengths[leg], RINGS)
-        result: Array = middle + (radii[:, None, None] * spokes).reshape(-1, 2)
-        return result
+        return middle + (radii[:, None, None] * spokes).reshape(-1, 2)
 
     def _best(
         self,

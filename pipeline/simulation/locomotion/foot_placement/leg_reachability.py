@@ -164,5 +164,4 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     missed = nearer & (residual > REACHED_DISTANCE * legs.lengths)
     # The last distance before the first miss; legs without a miss fold up completely.
     first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(FOLD_DISTANCES))
-    result: Array = FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths
-    return result
+    return FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths

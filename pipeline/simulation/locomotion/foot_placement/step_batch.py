@@ -138,5 +138,4 @@ def neutral_positions(
     )
     x, z = herd.rest[legs].T
     rest = trajectory.without_rocking(owner, phase, np.stack([x, -height, z + aside], axis=-1))
-    result: Array = (p + turn(R, rest))[:, [0, 2]]
-    return result
+    return (p + turn(R, rest))[:, [0, 2]]

@@ -42,8 +42,7 @@ class Gait:
     @property
     def swing(self) -> Array:
         """(n,) fractions of the cycle that the feet are in the air."""
-        result: Array = np.mod(self.down - self.up, 1.0)
-        return result
+        return np.mod(self.down - self.up, 1.0)
 
     @property
     def duty(self) -> Array:
@@ -72,8 +71,7 @@ class Gait:
     def standing(self, phase: Array) -> NDArray[np.bool_]:
         """Return which feet (..., n) are down at `phase` (...)."""
         into = np.mod(np.asarray(phase)[..., None] - self.up, 1.0)
-        result: NDArray[np.bool_] = into >= self.swing
-        return result
+        return into >= self.swing
 
     def flights(self) -> Array:
         """Return start phase and length in cycles (k, 2) of the times when all feet are up."""
@@ -87,13 +85,11 @@ class Gait:
 
     def next_up(self, phase: float) -> Array:
         """Return the phases (n,), whole cycles counted, of the next foot-up of every leg."""
-        result: Array = phase + np.mod(self.up - phase, 1.0)
-        return result
+        return phase + np.mod(self.up - phase, 1.0)
 
     def down_after(self, up: Array) -> Array:
         """Return the phases (n,) at which feet come down that went up at `up` (n,)."""
-        result: Array = up + self.swing
-        return result
+        return up + self.swing
 
 
 def gait_from_config(config: GaitPhases, names: Sequence[str]) -> Gait:
@@ -136,8 +132,7 @@ class FlightBounce:
         t = np.clip((s - f) / support, 0.0, 1.0)
         given = 0.5 * lengths[following]
         thrown = support * t * (1.0 - t) * (-0.5 * f * (1.0 - t) - given * t)
-        result: Array = np.where(s < f, falling, thrown)
-        return result
+        return np.where(s < f, falling, thrown)
 
     @cached_property
     def amplitude(self) -> float:

@@ -79,16 +79,14 @@ class GaitTransition:
 
     def offset(self, phase: Array | float) -> Array:
         """Return the foot-up phases (..., n) that hold at `phase`."""
-        result: Array = self.before.up + self.done(phase)[..., None] * self.shift
-        return result
+        return self.before.up + self.done(phase)[..., None] * self.shift
 
     def leg_phase(self, phase: Array | float) -> Array:
         """Return the phases (..., n) of the legs' own clocks, whole numbers at every foot-up.
 
         They grow with `phase`, never slower than `MIN_CLOCK_RATE` times as fast.
         """
-        result: Array = np.asarray(phase)[..., None] - self.offset(phase)
-        return result
+        return np.asarray(phase)[..., None] - self.offset(phase)
 
     def at(self, phase: float) -> Gait:
         """Return the blended gait at `phase`, for display only."""
@@ -109,14 +107,12 @@ class GaitTransition:
 
     def _clock(self, phase: Array) -> Array:
         """Return the time of each leg's own clock (n,) at a phase of its own (n,)."""
-        result: Array = phase - self.before.up - self.done(phase) * self.shift
-        return result
+        return phase - self.before.up - self.done(phase) * self.shift
 
     def _swing(self, phase: Array) -> Array:
         """Return the swings (n,), by the legs' own clocks, of feet that go up at `phase` (n,)."""
         before, after = self.before.swing, self.after.swing
-        result: Array = before + self.done(phase) * (after - before)
-        return result
+        return before + self.done(phase) * (after - before)
 
     def _when(self, clock: Array) -> Array:
         """Return the phases (n,) at which the legs' own clocks show `clock` (n,)."""
@@ -132,8 +128,7 @@ class GaitTransition:
 
 def phase_shift(before: Gait, after: Gait) -> Array:
     """Return the delays of the legs (n,), the shorter way round, in cycles."""
-    result: Array = np.mod(after.up - before.up + 0.5, 1.0) - 0.5
-    return result
+    return np.mod(after.up - before.up + 0.5, 1.0) - 0.5
 
 
 def shortest_transition(before: Gait, after: Gait) -> float:
@@ -173,5 +168,4 @@ class PaceTransition:
         gaits = self.gaits
         u = np.maximum((phase - gaits.start) / gaits.length, 0.0)
         t = np.minimum(u, 1.0)
-        result: Array = gaits.length * (t**4 * (2.5 + t * (t - 3.0)) + (u - t))
-        return result
+        return gaits.length * (t**4 * (2.5 + t * (t - 3.0)) + (u - t))

@@ -94,8 +94,7 @@ class EndFoot:
     @property
     def middle(self) -> Array:
         """(3,) in the creation frame [m]."""
-        result: Array = self.link.ends.mean(axis=0)
-        return result
+        return self.link.ends.mean(axis=0)
 
     @property
     def taper(self) -> float:
@@ -167,8 +166,7 @@ class InchwormChain:
     def along(self) -> Array:
         """(m,) middles of these links, 0 at the rear foot and 1 at the front one."""
         ends = np.cumsum(self.spans)
-        result: Array = (ends - 0.5 * self.spans) / ends[-1]
-        return result
+        return (ends - 0.5 * self.spans) / ends[-1]
 
     @property
     def length(self) -> float:
@@ -210,8 +208,7 @@ def loop_chord(chain: InchwormChain, amplitude: Array | float) -> Array:
     wave = np.sin(2.0 * np.pi * chain.along)
     θ = np.asarray(amplitude)[..., None] * wave
     # Not by matmul: a BLAS result depends on the number of rows in the last bit.
-    result: Array = (np.cos(θ) * chain.spans).sum(axis=-1)
-    return result
+    return (np.cos(θ) * chain.spans).sum(axis=-1)
 
 
 def loop_neck(chain: InchwormChain, amplitude: Array) -> Array:
@@ -222,8 +219,7 @@ def loop_neck(chain: InchwormChain, amplitude: Array) -> Array:
     s = chain.along
     θ = amplitude[:, None] * np.sin(2.0 * np.pi * s)
     sides = np.where(np.abs(s - 0.5) > 0.25, np.maximum(np.cos(θ), 0.0), 0.0)
-    result: Array = loop_chord(chain, amplitude) - (sides * chain.spans).sum(axis=1)
-    return result
+    return loop_chord(chain, amplitude) - (sides * chain.spans).sum(axis=1)
 
 
 def loop_amplitude(chain: InchwormChain, chords: Array) -> Array:

@@ -97,8 +97,7 @@ class InchwormTrack:
         R, p = self.pose(poses)
         solid = (foot.solid - foot.middle) @ R.transpose(0, 2, 1) + p[:, None]
         over = self.ground.height(solid[..., 0], solid[..., 2]) - solid[..., 1]
-        result: Array = over.max(axis=-1)
-        return result
+        return over.max(axis=-1)
 
     def lie(self, foot: EndFoot, ways: Array) -> Array:
         """Return the poses (n, 3) of a foot lying on the ground at distances `ways` (n,) [m].
@@ -115,8 +114,7 @@ class InchwormTrack:
     def safe(self, foot: EndFoot, ways: Array) -> NDArray[np.bool_]:
         """Return where (n,) all of the ground under a foot is steppable."""
         x, z = self.places(ways[:, None] + foot.length * FOOT_SAMPLES)
-        result: NDArray[np.bool_] = np.all(self.ground.steppable(x, z), axis=1)
-        return result
+        return np.all(self.ground.steppable(x, z), axis=1)
 
 
 def foot_chord(chain: InchwormChain, rear: Array, front: Array) -> tuple[Array, Array]:

@@ -179,8 +179,7 @@ class Inchworm:
             best = int(np.argmin(np.maximum(depth, PENETRATION_TOLERANCE * self.chain.length)))
             if depth[best] <= PENETRATION_TOLERANCE * self.chain.length:
                 break
-        result: Array = poses[best]
-        return result
+        return poses[best]
 
     def _arch_height(self, end: int, start: Array, finish: Array) -> float:
         """Return the arch height with which a step clears the ground [m]."""

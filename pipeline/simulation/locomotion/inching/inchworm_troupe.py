@@ -32,7 +32,7 @@ from pipeline.simulation.locomotion.inventory import (
     parent_links,
 )
 from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
-from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
+from pipeline.simulation.take import Channel, Contact, Mesh, Node, Part, TakeNote
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import Instruction
@@ -65,8 +65,8 @@ class InchwormTroupe(Troupe):
         self.phases = [0.0 for _ in self.worms]
         self.halted = [not worm.walks for worm in self.worms]
         self._contacts: list[Contact] = []
-        self._notes: list[Note] = []
-        self._row_notes: list[Note] = []
+        self._notes: list[TakeNote] = []
+        self._row_notes: list[TakeNote] = []
         self._kept: list[tuple[int, tuple[InchwormStep, ...], tuple[float, ...]]] = []
         for w in range(len(self.worms)):
             self._start_step(0, w)
@@ -140,7 +140,7 @@ class InchwormTroupe(Troupe):
             self.halted[w] = True
             end = FRONT if self.steps[w].end == REAR else REAR
             part = f"{self.worms[w].name}.{self.worms[w].chain.feet[end].limb.name}"
-            self._notes.append(Note("stopped", step, part, "no foothold within reach"))
+            self._notes.append(TakeNote("stopped", step, part, "no foothold within reach"))
             return
         self.steps[w] = planned
 
@@ -194,7 +194,7 @@ class InchwormTroupe(Troupe):
         for row in np.flatnonzero(poses.residual > FOOT_MISS):
             part = f"{worm.name}.{worm.chain.feet[ends[row]].limb.name}"
             gap = f"{1000.0 * poses.residual[row]:.2g} mm from where it is to be"
-            self._row_notes.append(Note("clamped", self._kept[row][0], part, gap))
+            self._row_notes.append(TakeNote("clamped", self._kept[row][0], part, gap))
         return poses
 
 

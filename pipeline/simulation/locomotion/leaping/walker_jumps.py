@@ -52,7 +52,7 @@ from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping import Stepping, is_astray, phase_before_lift
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import World
 from pipeline.spec.creature import Creature, Pronk
 from pipeline.spec.script import Do, GoTo, HopOver, Instruction, JumpOnce, TurnBy, Wait
@@ -116,9 +116,9 @@ class WalkerJumps:
         self._cast = cast
         self.trips: dict[int, WalkerJump] = {}
         self.contacts: list[Contact] = []
-        self.notes: list[Note] = []
+        self.notes: list[TakeNote] = []
         self.arrived: list[str] = []
-        self._pending_notes: list[Note] = []
+        self._pending_notes: list[TakeNote] = []
         self._solids: Solids = {}
         self._recorder = HopEventRecorder(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
@@ -212,7 +212,7 @@ class WalkerJumps:
                 if turned is not None:
                     redirect(progress, c, turned)
         if reason:
-            self._pending_notes.append(Note("stopped", step, self.herd.names[c], reason))
+            self._pending_notes.append(TakeNote("stopped", step, self.herd.names[c], reason))
         else:
             self.trips[c] = WalkerJump(order, route, distance)
 
@@ -261,7 +261,7 @@ class WalkerJumps:
         hopper, own, trip.is_ready = self.hoppers[c], self.herd.owner == c, False
         if is_blocked(self.progress, c):
             text, step = "its way to the jump is barred", round(time / self.world.clock.dt)
-            self._pending_notes.append(Note("stopped", step, hopper.name, text))
+            self._pending_notes.append(TakeNote("stopped", step, hopper.name, text))
             del self.trips[c]
             return
         R, p = self._standing_pose(c)

@@ -12,7 +12,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import foot_materials
 from pipeline.simulation.scalar_rotation import vector_tuple
 from pipeline.simulation.spatial import UP, Array
-from pipeline.simulation.take import Contact, ContactKind, Note
+from pipeline.simulation.take import Contact, ContactKind, TakeNote
 from pipeline.simulation.troupe import World
 
 HopEventKind = Literal[
@@ -87,24 +87,24 @@ class HopEventRecorder:
 
     def records(
         self, step: int, c: int, events: Iterable[HopEvent]
-    ) -> tuple[list[Contact], list[Note]]:
+    ) -> tuple[list[Contact], list[TakeNote]]:
         """Return the contacts and notes of creature `c` in a step."""
-        contacts, notes = list[Contact](), list[Note]()
+        contacts, notes = list[Contact](), list[TakeNote]()
         for event in events:
             record = self._record(step, c, event)
-            if isinstance(record, Note):
+            if isinstance(record, TakeNote):
                 notes.append(record)
             else:
                 contacts.append(record)
         return contacts, notes
 
-    def _record(self, step: int, c: int, event: HopEvent) -> Contact | Note:
+    def _record(self, step: int, c: int, event: HopEvent) -> Contact | TakeNote:
         herd, name = self.herd, self.herd.names[c]
         link = herd.figures[c].skeleton.links[event.link]
         leg = int(herd.first_leg[c]) + event.leg
         part = f"{name}.{link.name}" if event.leg < 0 else self.part(leg)
         if event.kind in NOTE_KINDS:
-            return Note(NOTE_KINDS[event.kind], step, part, event.text)
+            return TakeNote(NOTE_KINDS[event.kind], step, part, event.text)
         dt = self.world.clock.dt
         fraction = min(max(event.time / dt - step, 0.0), float(np.nextafter(1.0, 0.0)))
         body = link.material or self.materials[c]

@@ -277,8 +277,7 @@ def _crouch_height(where: str, config: Pronk, low: float, stand: float) -> float
 def _reach_heights(lengths: Array, hips: Array, rest: Array, soles: Array) -> Array:
     """Return the heights (n,) from which legs of given lengths just reach the ground [m]."""
     across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
-    result: Array = np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + soles
-    return result
+    return np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + soles
 
 
 def _lowest_height(belly: float, hips: Array, rest: Array, folds: Array, soles: Array) -> float:

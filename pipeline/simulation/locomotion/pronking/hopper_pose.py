@@ -144,8 +144,7 @@ class HopperPoser:
         R, p, owner = snapshot.R[None], snapshot.p[None], self.herd.owner
         goals = unturn(R[:, owner], snapshot.tips[None] - p[:, owner])
         limp = snapshot.limp[None][:, owner]
-        result: Array = self.leg_solver.solve(goals, R, p, snapshot.down[None], limp).q[0]
-        return result
+        return self.leg_solver.solve(goals, R, p, snapshot.down[None], limp).q[0]
 
     def _set_joints(self, legs: RestSolution, q: Array, row: int, c: int, values: Array) -> None:
         """Set all joints of a creature to values (J,) [rad or m]."""
@@ -234,8 +233,7 @@ class HopperPoseBuffer:
         planted = snapshot.down.copy()
         R[c], p[c], feet[own], planted[own] = now.R, now.origin, tips, down
         q = self.poser.legs(replace(snapshot, R=R, p=p, tips=feet, down=planted))
-        result: Array = q[own][herd.legs.is_joint[own]]
-        return result
+        return q[own][herd.legs.is_joint[own]]
 
     def _columns(self, c: int) -> NDArray[np.int64]:
         """Return the columns (J,) of a creature's joints among the channel values."""

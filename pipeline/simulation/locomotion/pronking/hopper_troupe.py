@@ -30,7 +30,7 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
 )
 from pipeline.simulation.locomotion.pronking.jump_orders import Solids, apply_order, scripted_jump
 from pipeline.simulation.script import Orders
-from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.creature import Creature, Pronk
 from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
@@ -85,9 +85,9 @@ class HopperTroupe(Troupe):
         self._recorder = HopEventRecorder(herd, world, materials)
         self.step = 0
         self._contacts: list[Contact] = []
-        self._notes: list[Note] = []
-        self._pending_notes: list[Note] = []
-        self._row_notes: list[Note] = []
+        self._notes: list[TakeNote] = []
+        self._pending_notes: list[TakeNote] = []
+        self._row_notes: list[TakeNote] = []
         self._arrived: list[str] = []
         self._solids: Solids = {}
 
@@ -128,7 +128,9 @@ class HopperTroupe(Troupe):
         try:
             self.looks = set_look_target(self.looks, self.herd, c, at)
         except ValueError as error:
-            self._pending_notes.append(Note("clamped", self.step, self.herd.names[c], str(error)))
+            self._pending_notes.append(
+                TakeNote("clamped", self.step, self.herd.names[c], str(error))
+            )
 
     def advance(self, step: int) -> None:
         """Advance from `step` to the next."""
@@ -183,7 +185,7 @@ class HopperTroupe(Troupe):
             for row, leg in np.argwhere(poses.residual > FOOTHOLD_MISS):
                 part, gap = self._recorder.part(int(leg)), 1000.0 * float(poses.residual[row, leg])
                 text = f"{gap:.2g} mm from its foothold"
-                self._row_notes.append(Note("clamped", snapshots[row].step, part, text))
+                self._row_notes.append(TakeNote("clamped", snapshots[row].step, part, text))
             first = here.stop
 
     def facts(self) -> Facts:

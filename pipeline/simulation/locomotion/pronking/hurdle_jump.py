@@ -366,8 +366,7 @@ def _upper_hull(points: Array, along: Array) -> Array:
             upper.pop()
         upper.append(point)
     s, y = np.array(upper).T
-    result: Array = np.interp(along, s, y, left=EMPTY_HEIGHT, right=EMPTY_HEIGHT)
-    return result
+    return np.interp(along, s, y, left=EMPTY_HEIGHT, right=EMPTY_HEIGHT)
 
 
 def _turns_left(a: Array, b: Array, c: Array) -> bool:

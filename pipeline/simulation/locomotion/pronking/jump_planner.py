@@ -253,8 +253,7 @@ def _find_landing(
         t = times[:, None]
         x, z = tips[:, 0] + v[0] * t, tips[:, 2] + v[2] * t
         y = tips[:, 1] + v[1] * t - 0.5 * GRAVITY * t * t
-        result: Array = (y - hopper.sole_radii - ground.height(x, z)).mean(axis=-1)
-        return result
+        return (y - hopper.sole_radii - ground.height(x, z)).mean(axis=-1)
 
     times = np.linspace(top, last, FALL_SAMPLES)
     below = gaps(times) <= 0.0
@@ -327,8 +326,7 @@ def lift_off_point(hopper: Hopper, state: HopState, v: Array) -> tuple[float, fl
     mean = 0.5 * (state.v + v)
 
     def place_at(rise: float) -> Array:
-        place: Array = state.p + (rise / mean[1]) * mean
-        return place
+        return state.p + (rise / mean[1]) * mean
 
     def spare_reach(rise: float) -> float:
         span = levers + place_at(rise)

@@ -162,8 +162,7 @@ class LegSolver:
         last = batch.is_joint[legs].sum(axis=-1) - 1
         X = solution.X_BJ[rows, legs, last]
         arm = batch.tips[legs] - batch.places[legs, last]
-        result: Array = X[:, :3, 3] + turn(X[:, :3, :3], arm)
-        return result
+        return X[:, :3, 3] + turn(X[:, :3, :3], arm)
 
     def _clamp_reach(self, goals: Array, down: NDArray[np.bool_]) -> Array:
         """Return goals (n, L, 3) in the air, limited to what legs can stretch and fold [m]."""

@@ -90,8 +90,7 @@ class Route:
     @cached_property
     def _moves(self) -> Array:
         """(n - 1,) whether the body moves between two entries, or turns in place."""
-        result: Array = np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
-        return result
+        return np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
 
     @cached_property
     def _rests(self) -> Array:

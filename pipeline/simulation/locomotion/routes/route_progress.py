@@ -149,8 +149,7 @@ class RouteProgress:
     @property
     def arrived(self) -> NDArray[np.bool_]:
         """(C,) whether it has come to the end of its route."""
-        result: NDArray[np.bool_] = np.isfinite(self.closing_phase)
-        return result
+        return np.isfinite(self.closing_phase)
 
     @property
     def sample(self) -> ProgressSample:

@@ -115,8 +115,7 @@ def _ramped(progress: RouteProgress, target: Array, phase: Array) -> Array:
     if not np.isfinite(progress.restart_phase).any():
         return target
     since = phase - progress.restart_phase
-    ramped: Array = np.minimum(target, START_SPEED_FRACTION + since / START_RAMP_CYCLES)
-    return ramped
+    return np.minimum(target, START_SPEED_FRACTION + since / START_RAMP_CYCLES)
 
 
 def _next_speed(

@@ -112,8 +112,7 @@ def scuff_at_touchdown(tips: Array, parts: Array, place: Array, normal: Array) -
 def _tangential(v: Array, normals: Array) -> Array:
     """Return the lengths (n,) of the parts of vectors (n, 3) along a surface."""
     across = (v * normals).sum(axis=-1, keepdims=True)
-    result: Array = np.linalg.norm(v - across * normals, axis=-1)
-    return result
+    return np.linalg.norm(v - across * normals, axis=-1)
 
 
 class ScuffDetector:

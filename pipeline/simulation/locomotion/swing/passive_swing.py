@@ -102,8 +102,7 @@ def simulate_fall(trial: SwingTrial, height: float) -> tuple[Array, int]:
 
 def _level_way(trial: SwingTrial) -> Array:
     """Return the way over the ground (3,) [m]."""
-    way: Array = (trial.end - trial.start) * (1.0 - UP)
-    return way
+    return (trial.end - trial.start) * (1.0 - UP)
 
 
 def _free_motion(trial: SwingTrial, height: float) -> Array:
@@ -148,8 +147,7 @@ def _missing_work(
     p = np.broadcast_to(trial.p_WB[near, None], (3, many, 3))
     motion = finite_difference_motion(q, R, p, trial.dt)
     needed = trial.load(motion).torques + damping * motion.speeds
-    result: Array = (needed[0] * turned).sum(axis=-1)
-    return result
+    return (needed[0] * turned).sum(axis=-1)
 
 
 def _near_row(trial: SwingTrial, height: float, row: int, σ: float) -> tuple[Array, Array]:

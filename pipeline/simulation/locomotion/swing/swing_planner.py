@@ -126,8 +126,7 @@ class _Candidates:
 
 def _warped(s: Array, early: float) -> Array:
     """Map 0..1 to itself, the middle coming sooner with `early` above 0."""
-    result: Array = s + early * s * (1.0 - s)
-    return result
+    return s + early * s * (1.0 - s)
 
 
 # --- planning -----------------------------------------------------------------------

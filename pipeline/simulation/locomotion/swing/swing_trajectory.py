@@ -89,8 +89,7 @@ def fit_bend(values: Array) -> Array:
     control points leave less freedom.
     """
     curved = values[..., :-2, :] - 2.0 * values[..., 1:-1, :] + values[..., 2:, :]
-    result: Array = values[..., 2:-2, :] - curved[..., 1:-1, :] / 6.0
-    return result
+    return values[..., 2:-2, :] - curved[..., 1:-1, :] / 6.0
 
 
 def touchdown_speed(
@@ -204,5 +203,4 @@ def lowest_center_height(ground: Ground, x: Array, z: Array, sole: Array | float
     """
     radius = np.asarray(sole)[..., None]
     around = ground.height(x[..., None] + radius * _OUT_X, z[..., None] + radius * _OUT_Z)
-    result: Array = (around + radius * _DOWN).max(axis=-1)
-    return result
+    return (around + radius * _DOWN).max(axis=-1)

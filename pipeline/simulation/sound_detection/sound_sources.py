@@ -51,8 +51,7 @@ class RigidPart:
     @property
     def _spread(self) -> Array:
         corners = self.mesh.vertices.astype(float)
-        spread: Array = corners - corners.mean(axis=0)
-        return spread
+        return corners - corners.mean(axis=0)
 
 
 def rigid_parts(parts: Sequence[Part], meshes: Sequence[Mesh]) -> dict[int, RigidPart]:
@@ -136,8 +135,7 @@ class RowBatch:
     @property
     def first_new(self) -> int:
         """Index of the first new row."""
-        index: int = self.first + self.new.start
-        return index
+        return self.first + self.new.start
 
     def at_rows(self, between: Array) -> Array:
         """Return values at the new rows (m, ...) from values between rows (n - 1, ...).
@@ -147,5 +145,4 @@ class RowBatch:
         if not len(between):
             return np.zeros((self.new.stop - self.new.start, *between.shape[1:]))
         whole = np.concatenate([between[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]])
-        result: Array = whole[self.new]
-        return result
+        return whole[self.new]

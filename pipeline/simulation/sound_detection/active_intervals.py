@@ -14,7 +14,7 @@ from itertools import count
 import numpy as np
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.sound_thresholds import Lasting
+from pipeline.spec.sound_thresholds import SustainedCause
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class IntervalTracker:
         dt: time from row to row [s].
     """
 
-    def __init__(self, lower: Array, upper: Array, config: Lasting, dt: float) -> None:
+    def __init__(self, lower: Array, upper: Array, config: SustainedCause, dt: float) -> None:
         self._lower, self._upper = lower, upper
         self._least, self._pause = config.least / dt, config.pause / dt
         self._open: dict[int, _OpenInterval] = {}

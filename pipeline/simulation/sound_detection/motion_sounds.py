@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.detect.sound_sources import RowBatch, SoundSources
+from pipeline.simulation.sound_detection.sound_sources import RowBatch, SoundSources
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, SoundEvent
 from pipeline.spec.sound_thresholds import Detect

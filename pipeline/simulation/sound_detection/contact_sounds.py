@@ -15,9 +15,9 @@ from math import inf
 
 from audio.names import matches_pattern
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect.sound_events import contact_event
+from pipeline.simulation.sound_detection.sound_events import contact_event
 from pipeline.simulation.take import Contact, SoundEvent
-from pipeline.spec.sound_thresholds import Blow, Cause, Detect
+from pipeline.spec.sound_thresholds import Cause, Detect, ImpactCause
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class ContactSounds:
     def _is_audible(self, contact: Contact, cause: str, config: Cause) -> bool:
         if not matches_pattern(contact.performer, config.who):
             return False
-        if not isinstance(config, Blow):
+        if not isinstance(config, ImpactCause):
             return True
         return contact.speed >= config.above and not self._is_repeated(contact, cause, config.pause)
 

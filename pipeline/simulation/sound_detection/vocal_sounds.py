@@ -1,6 +1,6 @@
 """Vocal sounds: cries and hugs of people, from the signals of their behaviour.
 
-Every cause with a `Voiced` configuration is detected from the signals of the same name.
+Every cause with a `VocalCause` configuration is detected from the signals of the same name.
 
 Source: Horswill 2008, "Example application".
 """
@@ -14,7 +14,7 @@ from audio.names import matches_pattern
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.sound_thresholds import Detect, Voiced
+from pipeline.spec.sound_thresholds import Detect, VocalCause
 
 SKIN = "skin"
 """Material of people."""
@@ -30,7 +30,9 @@ class VocalSounds:
 
     def __init__(self, detect: Detect, clock: Clock) -> None:
         self._configs = {
-            cause: config for cause, config in detect if isinstance(config, Voiced) and config.heard
+            cause: config
+            for cause, config in detect
+            if isinstance(config, VocalCause) and config.heard
         }
         self._clock = clock
         self._last_times: dict[tuple[str, str], float] = {}

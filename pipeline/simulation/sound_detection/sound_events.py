@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect.active_intervals import ActiveInterval
-from pipeline.simulation.detect.sound_sources import RigidPart
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval
+from pipeline.simulation.sound_detection.sound_sources import RigidPart
 from pipeline.simulation.take import Contact, Place, SoundEvent
 
 STEP_TOLERANCE = 1e-6

@@ -17,11 +17,15 @@ from math import inf
 import numpy as np
 
 from audio.names import matches_pattern
-from pipeline.simulation.detect.active_intervals import ActiveInterval
-from pipeline.simulation.detect.motion_sounds import detects
-from pipeline.simulation.detect.sound_events import interval_event
-from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval
+from pipeline.simulation.sound_detection.motion_sounds import detects
+from pipeline.simulation.sound_detection.sound_events import interval_event
+from pipeline.simulation.sound_detection.sound_sources import (
+    RigidPart,
+    RowBatch,
+    SoundSources,
+)
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.sound_thresholds import Boing, Detect
 

@@ -15,13 +15,20 @@ import numpy as np
 
 from audio.acoustic_materials import family_name
 from audio.names import matches_pattern
-from pipeline.simulation.detect.active_intervals import ActiveInterval, IntervalTracker
-from pipeline.simulation.detect.motion_sounds import detects
-from pipeline.simulation.detect.sound_events import interval_event
-from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
+from pipeline.simulation.sound_detection.active_intervals import (
+    ActiveInterval,
+    IntervalTracker,
+)
+from pipeline.simulation.sound_detection.motion_sounds import detects
+from pipeline.simulation.sound_detection.sound_events import interval_event
+from pipeline.simulation.sound_detection.sound_sources import (
+    RigidPart,
+    RowBatch,
+    SoundSources,
+)
 from pipeline.simulation.spatial import Array, unturn
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.sound_thresholds import Bending, Detect
+from pipeline.spec.sound_thresholds import Detect, JointMotionCause
 
 
 class JointDetector:
@@ -35,7 +42,11 @@ class JointDetector:
     """
 
     def __init__(
-        self, sources: SoundSources, config: Bending, cause: str, max_rate: float = math.inf
+        self,
+        sources: SoundSources,
+        config: JointMotionCause,
+        cause: str,
+        max_rate: float = math.inf,
     ) -> None:
         self._sources, self._cause = sources, cause
         parts = [part for part in sources.parts.values() if _is_audible(sources, part, config)]
@@ -105,7 +116,7 @@ def squawks(sources: SoundSources, detect: Detect) -> JointDetector:
     return JointDetector(sources, detect.squawk, "squawk")
 
 
-def _is_audible(sources: SoundSources, part: RigidPart, config: Bending) -> bool:
+def _is_audible(sources: SoundSources, part: RigidPart, config: JointMotionCause) -> bool:
     node = sources.nodes[part.node]
     has_joint = node.parent >= 0 and sources.nodes[node.parent].performer == node.performer
     return (

@@ -13,12 +13,16 @@ from collections.abc import Callable
 import numpy as np
 
 from audio.names import matches_pattern
-from pipeline.simulation.detect.active_intervals import IntervalTracker
-from pipeline.simulation.detect.motion_sounds import detects
-from pipeline.simulation.detect.sound_events import interval_event
-from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
+from pipeline.simulation.sound_detection.active_intervals import IntervalTracker
+from pipeline.simulation.sound_detection.motion_sounds import detects
+from pipeline.simulation.sound_detection.sound_events import interval_event
+from pipeline.simulation.sound_detection.sound_sources import (
+    RigidPart,
+    RowBatch,
+    SoundSources,
+)
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.sound_thresholds import Detect, Moving
+from pipeline.spec.sound_thresholds import Detect, MotionCause
 
 STROUHAL_NUMBER = 0.2
 """Of long round bodies, at audible speeds."""
@@ -37,7 +41,7 @@ class FlightDetector:
     def __init__(
         self,
         sources: SoundSources,
-        config: Moving,
+        config: MotionCause,
         cause: str,
         min_speed: Callable[[RigidPart], float],
     ) -> None:

@@ -12,12 +12,16 @@ from collections.abc import Iterator
 from math import floor
 
 from audio.names import matches_pattern
-from pipeline.simulation.detect.active_intervals import ActiveInterval
-from pipeline.simulation.detect.motion_sounds import detects
-from pipeline.simulation.detect.sound_events import interval_event
-from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval
+from pipeline.simulation.sound_detection.motion_sounds import detects
+from pipeline.simulation.sound_detection.sound_events import interval_event
+from pipeline.simulation.sound_detection.sound_sources import (
+    RigidPart,
+    RowBatch,
+    SoundSources,
+)
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.sound_thresholds import Breath, Detect
 

@@ -19,7 +19,7 @@ from pipeline.production.goldens.motion_sensitivity import predictable_steps
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
-from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
+from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
 
 ROOT = Path(__file__).parents[2]
 MOTION = ROOT / "tests" / "goldens" / "motion"
@@ -32,7 +32,7 @@ from pipeline.production.goldens.motion_comparison import compare
 from pipeline.production.goldens.motion_file import read_golden
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.scene_library import SUFFIX, library
+from pipeline.spec.library_search import SUFFIX, library
 for name in sys.argv[2:]:
     golden = read_golden(Path(sys.argv[1], name + ".json"))
     verdict = compare(golden, simulate(load_scene(library() / (name + SUFFIX))))

@@ -21,12 +21,14 @@ from pipeline.production.reports.canvas import (
     FAINT,
     INK,
     MARGIN,
+    Axis,
     Canvas,
     Panel,
+    draw_frames,
+    draw_seconds,
     limb_colors,
     write_plot,
 )
-from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter

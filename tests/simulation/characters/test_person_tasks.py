@@ -12,7 +12,7 @@ from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.scene_library import library
+from pipeline.spec.library_search import library
 from pipeline.spec.scene_loader import load_scene
 
 from .character_yard import least_bend

@@ -127,8 +127,7 @@ Ball = tuple[Array, float]
 
 
 def _shape(obstacle: Obstacle) -> Hull | Ball | None:
-    corners = np.ascontiguousarray(obstacle.corners, dtype=float)
-    return _shape_of(corners.tobytes())
+    return _shape_of(np.ascontiguousarray(obstacle.corners, dtype=float).tobytes())
 
 
 @cache
@@ -170,8 +169,7 @@ def _describe(solid: Record, obstacle: Obstacle, shape: Hull | Ball) -> None:
 def _facets(hull: Hull) -> NDArray[np.int64]:
     """Return the facet (F,) of each triangle, the one with the most similar normal."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    similarity = (normals[:, None, :] * hull.normals).sum(axis=-1)
+    similarity = (np.cross(b - a, c - a)[:, None, :] * hull.normals).sum(axis=-1)
     return np.argmax(similarity, axis=1)
 
 
@@ -230,5 +228,4 @@ class SolidTracker:
             return bool((np.sqrt((offset * offset).sum(axis=1)) < solid["radius"]).all())
         first, count = solid["planes"]
         planes = self.solids.planes[first : first + count]
-        along = (local[:, None, :] * planes[:, :3]).sum(axis=-1)
-        return bool((along < planes[:, 3]).all())
+        return bool(((local[:, None, :] * planes[:, :3]).sum(axis=-1) < planes[:, 3]).all())

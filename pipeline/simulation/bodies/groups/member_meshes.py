@@ -26,8 +26,7 @@ def spindle(places: Array, heights: Array, widths: Array) -> Solid:
     rings[..., 0] = places[:, None]
     rings[..., 1] = heights[:, None] * np.cos(angle)
     rings[..., 2] = widths[:, None] * np.sin(angle)
-    ends = np.array([[places[0], 0.0, 0.0], [places[-1], 0.0, 0.0]])
-    return loft(rings, ends)
+    return loft(rings, np.array([[places[0], 0.0, 0.0], [places[-1], 0.0, 0.0]]))
 
 
 def plate(outline: Array, thickness: float) -> Solid:

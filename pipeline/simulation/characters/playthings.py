@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.dynamics.hull import hull_of
-from pipeline.simulation.figures.solids import Solid, ball_solid, loft
+from pipeline.simulation.figures.solids import Solid, ball_solid, join_solids, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 from pipeline.spec.character import Character
 
@@ -186,7 +186,7 @@ def _bench_solids(size: tuple[float, float, float], material: str) -> NamedSolid
         for side in (-1, 1)
     ]
     stretcher = _slab((0.9 * thickness, 1.6 * thickness, z - 5.0 * thickness), (0.0, 0.55 * y, 0.0))
-    return [("", _joined([seat, *legs, stretcher]), material)]
+    return [("", join_solids([seat, *legs, stretcher]), material)]
 
 
 def _merry_go_round_solids(plan: BodyPlan, radius: float, material: str) -> NamedSolids:
@@ -201,8 +201,8 @@ def _merry_go_round_solids(plan: BodyPlan, radius: float, material: str) -> Name
     plate = _revolved([*profile, (0.3 * radius, deck - 2.0 * bar_radius)])
     base = _revolved([(5.0 * bar_radius, deck), (8.0 * bar_radius, 0.0)])
     return [
-        ("", _joined([*bars, post]), material),
-        (".deck", _joined([plate, base]), DECK_MATERIAL),
+        ("", join_solids([*bars, post]), material),
+        (".deck", join_solids([plate, base]), DECK_MATERIAL),
     ]
 
 
@@ -237,13 +237,3 @@ def _slab(size: tuple[float, float, float], middle: tuple[float, float, float]) 
         corners.append(signs * reach)
     hull = hull_of(np.concatenate(corners) + np.array(middle))
     return Solid(hull.vertices, hull.faces)
-
-
-def _joined(solids: list[Solid]) -> Solid:
-    counts = np.cumsum([0, *(len(solid.vertices) for solid in solids)])
-    return Solid(
-        np.concatenate([solid.vertices for solid in solids]),
-        np.concatenate(
-            [solid.faces + first for solid, first in zip(solids, counts, strict=False)]
-        ).astype(np.uint32),
-    )

@@ -64,4 +64,5 @@ def replace_folder(new: Path, place: Path) -> None:
     with suppress(FileNotFoundError):
         os.replace(place, old)
     os.replace(new, place)
-    shutil.rmtree(old, ignore_errors=True)
+    # A file may have stood where the folder belongs.
+    old.unlink(missing_ok=True) if old.is_file() else shutil.rmtree(old, ignore_errors=True)

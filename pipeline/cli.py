@@ -1,4 +1,4 @@
-"""The commands, in the order that help has them, and how they end."""
+"""The command line: the commands in the order of help, and exit codes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _common(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """One YAML scene in; a path-traced film and a frame-exact score out."""

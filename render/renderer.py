@@ -92,7 +92,7 @@ class Renderer:
         if film.denoise != "off":
             self._denoiser.require()
         with device_memory_errors():
-            scene = self._scene_of(shot)
+            scene = self.scene_for(shot)
             layers = self._trace(scene, shot, film)
         with self.timings.timed("denoise"):
             light = self._denoiser.clean(
@@ -116,7 +116,8 @@ class Renderer:
         with self.timings.timed("trace"):
             return accumulator.layers()
 
-    def _scene_of(self, shot: Shot) -> MitsubaScene:
+    def scene_for(self, shot: Shot) -> MitsubaScene:
+        """Return the Mitsuba scene of a shot, updated in place where the build is the same."""
         from render.mitsuba_scene import MitsubaScene
 
         # A scene whose update raised must not be used again.

@@ -15,13 +15,13 @@ from pipeline.commands.options import (
     with_options,
 )
 
-plots = typer.Typer(no_args_is_help=True, help="Draw what a scene's creatures do, over time.")
-reports = typer.Typer(no_args_is_help=True, help="Say what is measured of a scene.")
+plots = typer.Typer(no_args_is_help=True, help="Draw plots over time: gait, events, minds.")
+reports = typer.Typer(no_args_is_help=True, help="Print measurements of a scene.")
 
 
 @with_options
 def simulate(scene: SceneName, options: RunOptions) -> None:
-    """Simulate a scene and keep its take, rendering nothing."""
+    """Simulate a scene and store its take without rendering."""
     from pipeline.production.run import production
 
     reporter = options.reporter()
@@ -34,10 +34,10 @@ def effort(
     scene: SceneName,
     options: RunOptions,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write the torques of all joints over time as well.")
+        bool, typer.Option("--csv", help="Also write the torques of all joints over time.")
     ] = False,
 ) -> None:
-    """Say what walking takes: power, energy, cost of transport, torques of the joints."""
+    """Report power, energy, cost of transport and joint torques of walkers."""
     from pipeline.production.reports.effort_report import report_effort
 
     reporter = options.reporter()
@@ -47,7 +47,7 @@ def effort(
 
 @with_options
 def jumps(scene: SceneName, options: SceneOptions) -> None:
-    """Say how creatures hop: what was asked for, what was resolved, and what a jump takes."""
+    """Report requested, resolved and actual values of hops."""
     from pipeline.production.reports.jump_report import report_jumps
 
     reporter = options.reporter()
@@ -57,8 +57,8 @@ def jumps(scene: SceneName, options: SceneOptions) -> None:
 
 @with_options
 def fit(scene: SceneName, options: SceneOptions) -> None:
-    """Find gains with which the first dancer of a scene moves its hands more smoothly."""
-    from pipeline.production.reports.jerk_trials import fit_jerk
+    """Find gains that make the first dancer move its hands more smoothly."""
+    from pipeline.production.reports.jerk_fit import fit_jerk
 
     reporter = options.reporter()
     fitted = fit_jerk(options.scene(scene), reporter)
@@ -71,11 +71,11 @@ def plot_events(
     scene: SceneName,
     options: RunOptions,
     pictures: Annotated[
-        bool, typer.Option("--pictures/--no-pictures", help="Show frames of the film, or none.")
+        bool, typer.Option("--pictures/--no-pictures", help="Show frames of the film.")
     ] = True,
     backend: BackendOption = BackendName.auto,
 ) -> None:
-    """Draw what is heard: a piano roll by causes, frames of the film, the waveform."""
+    """Draw sound events: piano roll by cause, frames, waveform."""
     from pipeline.production.reports import event_plot
 
     reporter = options.reporter()
@@ -87,7 +87,7 @@ def plot_events(
 @plots.command("gait")
 @with_options
 def plot_gait(scene: SceneName, options: RunOptions) -> None:
-    """Draw when the feet of all walkers are down, as planned and as they were."""
+    """Draw planned and actual foot contacts of all walkers."""
     from pipeline.production.reports import gait_plot
 
     reporter = options.reporter()
@@ -98,7 +98,7 @@ def plot_gait(scene: SceneName, options: RunOptions) -> None:
 @plots.command("mind")
 @with_options
 def plot_mind(scene: SceneName, options: RunOptions) -> None:
-    """Draw anxiety, distance, focus and behaviour of all characters that act by themselves."""
+    """Draw anxiety, distance, focus and behaviour of autonomous characters."""
     from pipeline.production.reports import mind_plot
 
     reporter = options.reporter()
@@ -108,13 +108,13 @@ def plot_mind(scene: SceneName, options: RunOptions) -> None:
 
 @reports.callback()
 def about() -> None:
-    """Say what is measured of a scene."""
+    """Print measurements of a scene."""
 
 
 @reports.command()
 @with_options
 def jerk(scene: SceneName, options: RunOptions) -> None:
-    """Say how smoothly the first dancer moves its hands, by both controllers."""
+    """Report how smoothly the first dancer moves its hands with both controllers."""
     from pipeline.production.reports.jerk_report import report_jerk
 
     reporter = options.reporter()

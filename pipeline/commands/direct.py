@@ -26,20 +26,20 @@ def direct(
     options: DirectOptions,
     socket: Annotated[
         Path | None,
-        typer.Option(help="Listen at a local socket of this name, not at standard input."),
+        typer.Option(help="Listen on a local socket of this name instead of standard input."),
     ] = None,
     port: Annotated[
         int | None,
-        typer.Option(min=0, max=65535, help="Listen at a port of TCP; 0 takes a free one."),
+        typer.Option(min=0, max=65535, help="Listen on a TCP port; 0 takes a free one."),
     ] = None,
     host: Annotated[
-        str, typer.Option(help="Address of the port; this machine alone if left out.")
+        str, typer.Option(help="Address of the port; default: this machine only.")
     ] = "127.0.0.1",
     name: Annotated[
-        str | None, typer.Option(help="Name of the directed scene; SCENE_directed if left out.")
+        str | None, typer.Option(help="Name of the directed scene; default: SCENE_directed.")
     ] = None,
 ) -> None:
-    """Let another program direct a scene, by JSON-RPC 2.0: one message a line.
+    """Let another program direct a scene by JSON-RPC 2.0, one message per line.
 
     Leaves a take, and a scene that does the same by itself.
     """

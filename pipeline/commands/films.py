@@ -28,12 +28,14 @@ def render(
     options: FrameOptions,
     preset: PresetOption = None,
     frames: Annotated[
-        str | None, typer.Option(help="Frames to render, such as 1-48,60-90x5; all if left out.")
+        str | None, typer.Option(help="Frames to render, for example 1-48,60-90x5; default: all.")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes that render at once.")] = 1,
-    no_sound: Annotated[bool, typer.Option("--no-sound", help="Make no sound, no MIDI.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Number of rendering processes.")] = 1,
+    no_sound: Annotated[
+        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
+    ] = False,
 ) -> None:
-    """Make films: simulate, write the score, render the frames, encode.
+    """Render films: simulate, write the score, render the frames, encode.
 
     Outputs that are still right are kept; a run that was stopped goes on where it was.
     """
@@ -68,8 +70,8 @@ def frame(
 def sheet(
     scene: SceneName,
     options: FrameOptions,
-    count: Annotated[int, typer.Option(min=1, max=400, help="How many frames.")] = 12,
-    columns: Annotated[int, typer.Option(min=1, max=40, help="How many side by side.")] = 3,
+    count: Annotated[int, typer.Option(min=1, max=400, help="Number of frames.")] = 12,
+    columns: Annotated[int, typer.Option(min=1, max=40, help="Frames per row.")] = 3,
     preset: PresetOption = None,
 ) -> None:
     """Render a contact sheet: frames spread evenly over the film."""
@@ -85,14 +87,14 @@ def watch(
     scene: SceneName,
     options: FrameOptions,
     frame: Annotated[
-        int | None, typer.Option(min=1, help="The frame to show; the middle one if left out.")
+        int | None, typer.Option(min=1, help="The frame to show; default: the middle one.")
     ] = None,
     film: Annotated[
-        bool, typer.Option("--film", help="Make the film with its sound instead of one frame.")
+        bool, typer.Option("--film", help="Render the whole film instead of one frame.")
     ] = False,
     preset: PresetOption = Preset.draft,
 ) -> None:
-    """Show a scene, and again whenever its file or what it names has changed."""
+    """Render a frame again whenever the scene or a file it uses changes."""
     from pipeline.production.reports.stills import still
     from pipeline.production.run import production
     from pipeline.production.run import watch as watching
@@ -120,10 +122,12 @@ def midi(
     options: RunOptions,
     subframe: Annotated[
         bool,
-        typer.Option("--subframe", help="Notes and sounds at their exact times, not on frames."),
+        typer.Option(
+            "--subframe", help="Put notes and sounds at their exact times instead of on frames."
+        ),
     ] = False,
 ) -> None:
-    """Write a scene's score as MIDI and as sound, rendering nothing."""
+    """Write the MIDI score and the sound track without rendering."""
     from pipeline.production.run import production
 
     reporter = options.reporter()
@@ -136,13 +140,13 @@ def bench(
     scene: SceneName,
     options: FrameOptions,
     preset: Annotated[
-        list[Preset] | None, typer.Option(help="A preset to measure; may be repeated.")
+        list[Preset] | None, typer.Option(help="Preset to measure; may be repeated.")
     ] = None,
     frames: Annotated[
         int, typer.Option(min=1, max=100, help="Frames to render after the first.")
     ] = 2,
 ) -> None:
-    """Say how long a frame takes with each preset, and the whole film."""
+    """Measure the time of a frame with each preset; estimate the film."""
     from dataclasses import asdict
 
     from pipeline.production.reports import render_speed

@@ -18,21 +18,23 @@ from pipeline.commands.options import (
 
 Scenes = Annotated[
     list[str] | None,
-    typer.Argument(metavar="SCENE", help="Files, or names of shipped scenes; all with a golden."),
+    typer.Argument(
+        metavar="SCENE", help="Files or names of shipped scenes; default: all with a golden."
+    ),
 ]
 Goldens = Annotated[
-    Path | None, typer.Option(help="Folder of the goldens; 'goldens' beside the scene if left out.")
+    Path | None, typer.Option(help="Folder of the goldens; default: 'goldens' beside the scene.")
 ]
-ReportOut = Annotated[Path, typer.Option(help="Folder for the report and for what differs.")]
+ReportOut = Annotated[Path, typer.Option(help="Folder of the report and the differing pictures.")]
 Layers = Annotated[
-    str | None, typer.Option(metavar="LAYERS", help="Such as motion,frames; all if left out.")
+    str | None, typer.Option(metavar="LAYERS", help="For example motion,frames; default: all.")
 ]
 Seeds = Annotated[
-    int, typer.Option(min=0, max=100, help="Seeds to propose limits from; 0 for none.")
+    int, typer.Option(min=0, max=100, help="Number of seeds to derive limits from; 0 for none.")
 ]
 
 
-golden = typer.Typer(no_args_is_help=True, help="Keep a film as it is: its regression tests.")
+golden = typer.Typer(no_args_is_help=True, help="Regression tests of films: motion, frames, sound.")
 
 
 @golden.command()
@@ -43,11 +45,11 @@ def record(
     goldens: Goldens = None,
     layers: Layers = None,
     seeds: Seeds = 4,
-    again: Annotated[bool, typer.Option("--again", help="Replace a golden that is there.")] = False,
+    again: Annotated[bool, typer.Option("--again", help="Replace an existing golden.")] = False,
     sets: Assignments = None,
     backend: BackendOption = BackendName.auto,
 ) -> None:
-    """Write the goldens of scenes that have none."""
+    """Record goldens of scenes without one."""
     from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of, layers_of
 
@@ -68,10 +70,12 @@ def check(
     out: ReportOut = Path("out"),
     layers: Layers = None,
     sets: Assignments = None,
-    jobs: Annotated[int, typer.Option(min=1, max=256, help="Scenes checked at once.")] = 1,
+    jobs: Annotated[
+        int, typer.Option(min=1, max=256, help="Number of scenes checked in parallel.")
+    ] = 1,
     backend: BackendOption = BackendName.auto,
 ) -> None:
-    """Compare scenes with their goldens; write a report, and never a golden.
+    """Compare scenes with their goldens and write a report.
 
     Ends with 0 if all hold, 1 if something changed, 5 if a golden is missing, 6 if this
     machine cannot judge.
@@ -95,7 +99,7 @@ def approve(
     out: ReportOut = Path("out"),
     layers: Layers = None,
 ) -> None:
-    """Make what the last check found to differ the golden, as it was looked at."""
+    """Accept the differences of the last check as the new golden."""
     from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import cases_of, layers_of
 
@@ -110,7 +114,7 @@ def list_(
     options: Reporting,
     goldens: Goldens = None,
 ) -> None:
-    """Say which goldens there are, what they hold and what they weigh."""
+    """List goldens with contents and sizes."""
     from pipeline.production.goldens.golden_case import GOLDENS_FOLDER, golden_list
 
     text, facts = golden_list(goldens or Path(GOLDENS_FOLDER))
@@ -124,10 +128,12 @@ def calibrate(
     scenes: Scenes = None,
     goldens: Goldens = None,
     seeds: Seeds = 8,
-    write: Annotated[bool, typer.Option("--write", help="Write them into the golden.")] = False,
+    write: Annotated[
+        bool, typer.Option("--write", help="Write the limits into the golden.")
+    ] = False,
     backend: BackendOption = BackendName.auto,
 ) -> None:
-    """Propose limits from pictures that differ in noise alone."""
+    """Propose limits from pictures that differ only in noise."""
     from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of
 

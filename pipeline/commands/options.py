@@ -44,38 +44,38 @@ class BackendName(enum.StrEnum):
     scalar = "scalar"
 
 
-SceneName = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A file, or the name of a shipped scene.")
-]
+SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="File or name of a shipped scene.")]
 SceneNames = Annotated[
-    list[str], typer.Argument(metavar="SCENE", help="Files, or names of shipped scenes.")
+    list[str], typer.Argument(metavar="SCENE", help="Files or names of shipped scenes.")
 ]
-OutFolder = Annotated[Path, typer.Option(help="Folder that the scenes' folders are made in.")]
+OutFolder = Annotated[Path, typer.Option(help="Folder for the output folders of scenes.")]
 Assignments = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change a value of the scene: fps=30."),
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Change a value of the scene, for example fps=30."
+    ),
 ]
 PresetOption = Annotated[
-    Preset | None, typer.Option(help="Size and quality of the frames; the scene's own if left out.")
+    Preset | None, typer.Option(help="Size and quality of the frames; default: the scene's own.")
 ]
 BackendOption = Annotated[
-    BackendName, typer.Option(help="Variant of Mitsuba; the fastest that works if left out.")
+    BackendName, typer.Option(help="Variant of Mitsuba; default: the fastest that works.")
 ]
 
 
 @dataclass(kw_only=True)
 class Verbosity:
-    """How much a command says."""
+    """Verbosity of a command."""
 
     stopped: ClassVar[str] = "the same command goes on where it was"
-    """What is said after Ctrl-C."""
+    """Message after Ctrl-C."""
 
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")] = False
-    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Say more.")] = False
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print errors only.")] = False
+    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Print details.")] = False
 
     @property
     def as_json(self) -> bool:
-        """Whether to say everything as lines of JSON."""
+        """Whether to print JSON lines."""
         return False
 
     def reporter(self) -> Reporter:
@@ -87,15 +87,13 @@ class Verbosity:
 
 @dataclass(kw_only=True)
 class Reporting(Verbosity):
-    """How much a command says, and whether for programs."""
+    """Verbosity, and JSON lines for programs."""
 
-    json_lines: Annotated[bool, typer.Option("--json", help="Say everything as lines of JSON.")] = (
-        False
-    )
+    json_lines: Annotated[bool, typer.Option("--json", help="Print JSON lines.")] = False
 
     @property
     def as_json(self) -> bool:
-        """Whether to say everything as lines of JSON."""
+        """Whether to print JSON lines."""
         return self.json_lines
 
 
@@ -160,7 +158,7 @@ class FrameOptions(RunOptions):
     """Options of commands that render frames."""
 
     size: Annotated[
-        str | None, typer.Option(metavar="WxH", help="Size of the frames, such as 1280x720.")
+        str | None, typer.Option(metavar="WxH", help="Size of the frames, for example 1280x720.")
     ] = None
     samples: Annotated[
         int | None, typer.Option(min=1, max=65536, help="Rays through each pixel.")

@@ -25,7 +25,7 @@ def new(
 
 @with_options
 def check(scenes: SceneNames, options: SceneOptions) -> None:
-    """Say whether scenes are right; every mistake at once, with its line."""
+    """Check scenes: every mistake at once, with its line."""
     from pipeline.production.run.scene_check import check_scene, figure_remarks
 
     reporter = options.reporter()
@@ -59,11 +59,11 @@ def figure(
     options: Reporting,
     out: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path("out"),
     denavit: Annotated[
-        bool, typer.Option("--dh", help="Say the Denavit-Hartenberg parameters of all limbs.")
+        bool, typer.Option("--dh", help="Print the Denavit-Hartenberg parameters of all limbs.")
     ] = False,
 ) -> None:
-    """Say which parts a figure's drawing has and what they weigh, and picture it as it stands."""
-    from pipeline.production.reports.figure_report import figure_sheet, figures_of
+    """Report the parts and masses of a figure and draw it standing."""
+    from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
 
     reporter = options.reporter()
     for drawing in (drawing for name in names for drawing in figures_of(name)):
@@ -73,7 +73,9 @@ def figure(
 
 
 def schema(
-    figure: Annotated[bool, typer.Option("--figure", help="Of figure files instead.")] = False,
+    figure: Annotated[
+        bool, typer.Option("--figure", help="Schema of figure files instead.")
+    ] = False,
 ) -> None:
     """Print the JSON Schema (draft-07) of the scene language, for editors."""
     import json
@@ -87,11 +89,9 @@ def schema(
 
 def doctor(
     fresh: Annotated[bool, typer.Option("--fresh", help="Probe backends again.")] = False,
-    json_lines: Annotated[
-        bool, typer.Option("--json", help="Say everything as lines of JSON.")
-    ] = False,
+    json_lines: Annotated[bool, typer.Option("--json", help="Print JSON lines.")] = False,
 ) -> None:
-    """Say what is found on this machine, what will be used, and what is missing."""
+    """Report what is installed, what will be used, and what is missing."""
     import json
     from dataclasses import asdict
 

@@ -46,7 +46,7 @@ class Obstacle:
         performer: name of the performer.
         material: by name.
         corners: (V, 3) in the frame of the node [m].
-        weight: None if it pushes and is not pushed.
+        mass_properties: None if it pushes and is not pushed.
     """
 
     node: int
@@ -54,7 +54,7 @@ class Obstacle:
     performer: str
     material: str
     corners: Array
-    weight: ObstacleMass | None = None
+    mass_properties: ObstacleMass | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,22 +66,22 @@ class SolidMotion:
         R: (S, 3, 3).
         v: (S, 3) [m/s].
         w: (S, 3) in the world [rad/s].
-        here: (S,) whether a solid exists now.
-        borne: (S,) whether a solid is supported by something other than those who push it.
+        is_present: (S,) whether a solid exists now.
+        is_supported: (S,) whether a solid is supported by something other than those that push it.
     """
 
     p: Array
     R: Array
     v: Array
     w: Array
-    here: NDArray[np.bool_]
-    borne: NDArray[np.bool_]
+    is_present: NDArray[np.bool_]
+    is_supported: NDArray[np.bool_]
 
     def selected(self, mask: NDArray[np.bool_]) -> SolidMotion:
         """Returns the motion of some of the solids."""
         return SolidMotion(
             *(self.p[mask], self.R[mask], self.v[mask], self.w[mask]),
-            *(self.here[mask], self.borne[mask]),
+            *(self.is_present[mask], self.is_supported[mask]),
         )
 
     def joined(self, other: SolidMotion) -> SolidMotion:
@@ -91,8 +91,8 @@ class SolidMotion:
             np.concatenate([self.R, other.R]),
             np.concatenate([self.v, other.v]),
             np.concatenate([self.w, other.w]),
-            np.concatenate([self.here, other.here]),
-            np.concatenate([self.borne, other.borne]),
+            np.concatenate([self.is_present, other.is_present]),
+            np.concatenate([self.is_supported, other.is_supported]),
         )
 
 

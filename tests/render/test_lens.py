@@ -36,9 +36,9 @@ def seen_through(lens: Lens | None, depth: float, half: float = 0.02) -> Shot:
 
 def coverage(renderer: Renderer, shot: Shot) -> NDArray[np.float64]:
     """Return how much of each pixel the plate covers: its colour, whatever lights it."""
-    scene = renderer._staged(shot)
+    scene = renderer.scene_for(shot)
     # Four looks for each path make as many samples.
-    return scene.trace(3, range(256), 256).color[..., 0].astype(float)
+    return scene.trace(3, range(256), 256).albedo[..., 0].astype(float)
 
 
 def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -90,12 +90,10 @@ def test_focus_changes_without_a_build(renderer: Renderer) -> None:
     """What is moved in place is what would be built."""
     near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))
     assert near.build == far.build
-    coverage(renderer, near)
-    scene = renderer._stage
+    scene = renderer.scene_for(near)
     pulled = coverage(renderer, far)
-    assert renderer._stage is scene
-    renderer._stage = None
-    np.testing.assert_array_equal(pulled, coverage(renderer, far))
+    assert renderer.scene_for(far) is scene
+    np.testing.assert_array_equal(pulled, coverage(Renderer(renderer.backend), far))
 
 
 def test_a_pinhole_and_a_lens_do_not_share_a_scene() -> None:

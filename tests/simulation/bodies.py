@@ -57,7 +57,7 @@ def thrown(
     bouncing = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).dynamics
     if state is not None:
         bouncing.state.put(np.arange(len(cast)), state)
-        bouncing.look()
+        bouncing.find_contacts()
     return bouncing
 
 

@@ -49,12 +49,12 @@ def test_machine_code_does_what_python_does() -> None:
 
 ENTRY = """
 import numpy as np
-from pipeline.simulation.dynamics.compiled import is_made
-from pipeline.simulation.dynamics.free_motion import tumble
+from pipeline.simulation.dynamics.compiled import is_cached
+from pipeline.simulation.dynamics.free_motion import rotate_freely
 q, one = np.array([[1.0, 0.0, 0.0, 0.0]]), np.eye(3)[None]
-before = is_made("dynamics")
-tumble(q, np.ones((1, 3)), one, one, 0.01)
-print(tumble.stats.cache_path, before, is_made("dynamics"))
+before = is_cached("dynamics")
+rotate_freely(q, np.ones((1, 3)), one, one, 0.01)
+print(rotate_freely.stats.cache_path, before, is_cached("dynamics"))
 """
 
 

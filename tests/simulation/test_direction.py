@@ -177,7 +177,7 @@ def test_speed_order() -> None:
         ("walk: {}", "{at: 1, when: {arrived: b}, who: b, do: stop}", "either at or when"),
         ("walk: {}", "{at: 1, who: b, do: {go_too: [0, 0]}}", "did you mean 'go_to'"),
         ("walk: {}", "{at: 1, who: b, do: halt}", "halt"),
-        ("walk: {path: [[1, 1], [1, 1]]}", "", "is where the one before is"),
+        ("walk: {path: [[1, 1], [1, 1]]}", "", "repeats the place before it"),
         ("walk: {repeat: loop}", "", "needs a path"),
         ("walk: {path: [[1]]}", "", "must hold 2 values"),
     ],

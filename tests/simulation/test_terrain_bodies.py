@@ -53,7 +53,7 @@ def dropped_flat(b: float, height: float, **more: Any) -> TerrainBodies:
     low = np.array([BALL["radius"] if hull is None else hull.offsets[0] for hull in hulls])
     p = np.column_stack([np.linspace(-8, 8, len(low)), low + height, np.zeros(len(low))])
     bouncing.state.put(np.arange(len(low)), still(p, face_down(bouncing)))
-    bouncing.look()
+    bouncing.find_contacts()
     return bouncing
 
 
@@ -107,7 +107,7 @@ def drops(chance: np.random.Generator, count: int, terrain: str) -> TerrainBodie
     # Walls beside it may be higher than what is right below a body.
     while (deep := bouncing.depths() > 0.0).any():
         bouncing.state.p[deep, 1] += 0.5
-        bouncing.look()
+        bouncing.find_contacts()
     return bouncing
 
 

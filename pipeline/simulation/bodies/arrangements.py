@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.spatial import Array, heading, matrix
@@ -53,19 +52,14 @@ def _wall(config: Wall, extent: Extent, rng: np.random.Generator) -> Placements:
 
 
 def _pyramid(config: Pyramid, extent: Extent, rng: np.random.Generator) -> Placements:
-    return _centred_rows(np.arange(config.rows, 0, -1), config.gap, extent)
-
-
-def _centred_rows(lengths: NDArray[np.int64], gap: float, extent: Extent) -> Placements:
-    """Returns rows of given lengths, each centred on the one below."""
+    lengths = np.arange(config.rows, 0, -1)
     rows = np.repeat(np.arange(len(lengths)), lengths)
     columns = np.concatenate([np.arange(n) - 0.5 * (n - 1) for n in lengths])
-    return _stacked_rows(rows, columns, gap, extent)
+    return _stacked_rows(rows, columns, config.gap, extent)
 
 
 def _stack(config: Stack, extent: Extent, rng: np.random.Generator) -> Placements:
-    rows = np.arange(config.count)
-    return _stacked_rows(rows, np.zeros(config.count), 0.0, extent)
+    return _stacked_rows(np.arange(config.count), np.zeros(config.count), 0.0, extent)
 
 
 def _stacked_rows(rows: Any, columns: Any, gap: float, extent: Extent) -> Placements:

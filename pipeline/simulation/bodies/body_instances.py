@@ -171,8 +171,7 @@ def _highest_ground(ground: Ground, places: Array, radius: float) -> float:
     """Returns the greatest height of the ground around positions (n, 2), at vertices or near."""
     angle = np.linspace(0.0, 2.0 * np.pi, PERIMETER_SAMPLES)
     x = places[:, :1] + radius * np.cos(angle)
-    z = places[:, 1:] + radius * np.sin(angle)
-    highest = float(ground.height(x, z).max())
+    highest = float(ground.height(x, places[:, 1:] + radius * np.sin(angle)).max())
     vertices = ground.field.vertices
     low, high = places.min(axis=0) - radius, places.max(axis=0) + radius
     inside = ((vertices[:, [0, 2]] >= low) & (vertices[:, [0, 2]] <= high)).all(axis=1)

@@ -112,8 +112,8 @@ class ColliderTroupe(BodyTroupe):
     def solid_motion(self) -> SolidMotion:
         """See `Troupe`."""
         state, R = self.solver.state, matrix(self.solver.state.q)
-        borne = self.solver.asleep | self.solver.touching
-        return SolidMotion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), borne)
+        is_supported = self.solver.asleep | self.solver.touching
+        return SolidMotion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), is_supported)
 
     def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """See `Troupe`."""

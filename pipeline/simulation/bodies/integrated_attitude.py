@@ -184,8 +184,7 @@ def _short_steps(start: float, times: Array, begins: Array) -> tuple[Array, Arra
 
     None crosses the start of a piece, and one ends at each of the times.
     """
-    last = float(times[-1])
-    between = begins[(begins > start) & (begins < last)]
+    between = begins[(begins > start) & (begins < float(times[-1]))]
     edges = np.unique(np.concatenate([[start], between, times[times > start]]))
     spans = np.diff(edges)
     counts = np.maximum(np.ceil(spans / MAX_STEP - TIME_ROUNDING), 1).astype(int)

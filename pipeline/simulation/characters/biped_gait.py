@@ -87,7 +87,12 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
     rate, stance = gait_pace(person)
     walks = speed > WALKING_FROUDE * math.sqrt(GRAVITY * leg)
     if not person.stepping:
-        _start_stepping(person, walks)
+        offsets = [foot_offset(person, 0), foot_offset(person, 1)]
+        if walks or max(offsets[0], offsets[1]) > 1.0:
+            first = 0 if offsets[0] >= offsets[1] else 1
+            person.stepping = True
+            # Due when the clock has gone on.
+            person.phase = (1.0 - 1e-9 - 0.5 * first) % 1.0
     if person.stepping:
         person.phase = (person.phase + rate * dt) % 1.0
     for k in range(2):
@@ -122,16 +127,6 @@ def _is_closed(person: Record) -> bool:
         ):
             return False
     return True
-
-
-@compiled
-def _start_stepping(person: Record, walks: bool) -> None:
-    offsets = [foot_offset(person, 0), foot_offset(person, 1)]
-    if walks or max(offsets[0], offsets[1]) > 1.0:
-        first = 0 if offsets[0] >= offsets[1] else 1
-        person.stepping = True
-        # Due when the clock has gone on.
-        person.phase = (1.0 - 1e-9 - 0.5 * first) % 1.0
 
 
 @compiled
@@ -181,7 +176,12 @@ def _choose_landing(
     half_stance = 0.5 * stance / rate
     x += vx * half_stance - heel_offset * math.cos(heading)
     z += vz * half_stance + heel_offset * math.sin(heading)
-    x, z = _on_own_side(person, k, x, z, heading)
+    other_foot = _other_ankle(person, k)
+    right_x, right_z = math.sin(heading), math.cos(heading)
+    side = 1.0 if k == 1 else -1.0
+    lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
+    shift = side * max(LATERAL_CLEARANCE * person.hips - lateral, 0.0)
+    x, z = x + shift * right_x, z + shift * right_z
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
     y, _ = surface_at(frame, vertices, x, z)
@@ -202,16 +202,6 @@ def _other_ankle(person: Record, k: int) -> Vector:
         if person.foot_state[1 - k] == STANCE
         else row(person.landing_place, 1 - k)
     )
-
-
-@compiled
-def _on_own_side(person: Record, k: int, x: float, z: float, heading: float) -> tuple[float, float]:
-    other_foot = _other_ankle(person, k)
-    right_x, right_z = math.sin(heading), math.cos(heading)
-    side = 1.0 if k == 1 else -1.0
-    lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
-    shift = side * max(LATERAL_CLEARANCE * person.hips - lateral, 0.0)
-    return x + shift * right_x, z + shift * right_z
 
 
 @compiled

@@ -161,8 +161,7 @@ def _length_limits(plan: BodyPlan, link: Link) -> tuple[float, float]:
 
 
 def _starts(counts: Sequence[int]) -> IntArray:
-    ends = np.cumsum([0, *counts])
-    return ends[:-1]
+    return np.cumsum([0, *counts])[:-1]
 
 
 def _renumbered(

@@ -115,7 +115,7 @@ def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
         Link(
             _ends(*ends),
             _girth(name) * proportions.height,
-            damping=_damping(name),
+            damping=JOINT_DAMPING if name[-2:] in ("_l", "_r") else 0.0,
             is_arm=name.startswith(("upper_arm", "forearm")),
         )
         for name, ends in SEGMENTS.items()
@@ -147,10 +147,6 @@ def _ends(a: str, b: str) -> tuple[int, int]:
 
 def _girth(segment: str) -> float:
     return LINK_RADII[segment.removesuffix("_l").removesuffix("_r")]
-
-
-def _damping(segment: str) -> float:
-    return JOINT_DAMPING if segment[-2:] in ("_l", "_r") else 0.0
 
 
 def _masses(mass: float) -> Array:
@@ -293,7 +289,10 @@ def start_nodes(member: Character, plan: BodyPlan, ground: Ground) -> Array:
         return standing_nodes(
             proportions, np.array([x, z]), math.radians(member.heading_deg), height
         )
-    p = _turned_rest(member, plan)
+    R = heading(math.radians(member.heading_deg))
+    if any(member.rotation_deg):
+        R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
+    p = plan.rest @ R.T
     p += [x, 0.0, z]
     floor = float((p[:, 1] - plan.radius).min())
     clearance = float((p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])).min())
@@ -314,11 +313,3 @@ def previous_nodes(member: Character, p: Array, mass: Array, h: float) -> Array:
     middle = (weights[:, None] * p).sum(axis=0) / weights.sum()
     v = np.cross(np.radians(member.spin_deg), p - middle) + member.velocity
     return np.where(free[:, None], p - h * v, p)
-
-
-def _turned_rest(member: Character, plan: BodyPlan) -> Array:
-    """Return the nodes (n, 3) about the origin, turned as they start [m]."""
-    R = heading(math.radians(member.heading_deg))
-    if any(member.rotation_deg):
-        R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
-    return plan.rest @ R.T

@@ -103,8 +103,7 @@ def _repulsion(one: Record, other: Record) -> tuple[float, float]:
         # Across the own way, to the side on which the other will not be.
         speed = max(ground_speed(one), 1e-6)
         right_x, right_z = -one.velocity[1] / speed, one.velocity[0] / speed
-        side = near_x * right_x + near_z * right_z
-        turn = -1.0 if side > 0.15 * space else 1.0
+        turn = -1.0 if (near_x * right_x + near_z * right_z) > 0.15 * space else 1.0
         amount = one.pace * (1.0 - time / PREDICTION_TIME) * (1.0 - closest / (1.5 * space)) * 1.6
         push_x, push_z = turn * amount * right_x, turn * amount * right_z
     if distance < 1.25 * space:
@@ -142,8 +141,7 @@ def slide_feet(person: Record, nodes: Records, h: float) -> None:
     for k in range(2):
         if person.foot_state[k] == STANCE:
             push = nodes[person.node + FEET + k].contact_push
-            distance = math.hypot(push[0], push[2])
-            share = min(SLIDE_SPEED * h / max(distance, 1e-9), 1.0)
+            share = min(SLIDE_SPEED * h / max(math.hypot(push[0], push[2]), 1e-9), 1.0)
             person.stance_place[k, 0] += share * push[0]
             person.stance_place[k, 2] += share * push[2]
 

@@ -213,16 +213,13 @@ class Hug:
         wide = (1.0 - closed) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide
-            middle = self._trunk_middle(controller, self._arm_level(controller, k))
+            level = self._arm_level(controller, k)
+            spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
+            x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
+            middle = np.array([x, level, z])
             beyond = HUG.reach * reach - controller.ground_distance(middle)
             behind = min(full, max(beyond, HUG.back_depth * self.size))
             controller.put_hand_around(k, middle + behind * ahead + side * right)
-
-    def _trunk_middle(self, controller: PersonController, level: float) -> Array:
-        """Return the middle (3,) of the partner's trunk at a height, however it leans [m]."""
-        spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
-        x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
-        return np.array([x, level, z])
 
 
 def shoulder_height(controller: PersonController) -> float:

@@ -151,8 +151,7 @@ def _allowed_direction(
     c = _turned_with(_in_world(limb.bend, x, y, z), m, d)
     if dot(e, e) == 0.0:
         return c
-    cosine = dot(e, c)
-    if cosine >= limb.spread[0]:
+    if dot(e, c) >= limb.spread[0]:
         return e
     side = cross(d, c)
     sine = limb.spread[1] if dot(e, side) >= 0.0 else -limb.spread[1]

@@ -125,10 +125,8 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
         target = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:
         target = person.heading
-    error = wrap_angle(target - person.heading)
-    rate = min(max(3.2 * error, -MAX_YAW_RATE), MAX_YAW_RATE)
-    acceleration = min(max(9.0 * (rate - person.yaw_rate), -14.0), 14.0)
-    person.yaw_rate += acceleration * dt
+    rate = min(max(3.2 * wrap_angle(target - person.heading), -MAX_YAW_RATE), MAX_YAW_RATE)
+    person.yaw_rate += min(max(9.0 * (rate - person.yaw_rate), -14.0), 14.0) * dt
     person.heading = wrap_angle(person.heading + person.yaw_rate * dt)
 
 

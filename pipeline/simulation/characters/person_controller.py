@@ -252,8 +252,7 @@ class PersonController:
         """End an embrace when the partner is out of reach."""
         partner = int(self.view.arrays.owners["embraces"][self.record.owner])
         if partner >= 0:
-            distance = self.ground_distance(self.view.pelvis(partner))
-            if distance > EMBRACE_RANGE * self.arm:
+            if self.ground_distance(self.view.pelvis(partner)) > EMBRACE_RANGE * self.arm:
                 self.embrace(NOBODY)
 
     def join_hands(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.dynamics.hull import hull_of
-from pipeline.simulation.figures.solids import Solid, ball_solid, loft
+from pipeline.simulation.figures.solids import Solid, ball_solid, join_solids, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 from pipeline.spec.character import Character
 
@@ -55,8 +55,7 @@ def ball_plan(radius: float, mass: float) -> BodyPlan:
 def box_plan(size: tuple[float, float, float], mass: float) -> BodyPlan:
     """Return a box of eight nodes, linked pairwise; its edges can be touched."""
     edge_radius = EDGE_FRACTION * min(size)
-    inner = np.array(size) - 2.0 * edge_radius
-    rest = CORNERS * inner + [0.0, edge_radius, 0.0]
+    rest = CORNERS * (np.array(size) - 2.0 * edge_radius) + [0.0, edge_radius, 0.0]
     links = tuple(
         Link(pair, edge_radius if _is_edge(*pair) else 0.0) for pair in combinations(range(8), 2)
     )
@@ -160,24 +159,19 @@ def thing_solids(member: Character, plan: BodyPlan) -> NamedSolids:
     """Return the meshes of a thing at rest at the origin."""
     material = member.material or MATERIALS[member.character]
     if member.character == "ball":
-        return _ball_solids(BALL_RADIUS * member.scale, material)
+        whole = ball_solid(np.zeros(3), BALL_RADIUS * member.scale)
+        middles = whole.vertices[whole.faces].mean(axis=1)
+        light = np.arctan2(middles[:, 1], middles[:, 2]) // (np.pi / 3.0) % 2.0 == 1.0
+        return [
+            ("", Solid(whole.vertices, whole.faces[~light]), material),
+            (".panels", Solid(whole.vertices, whole.faces[light]), PANEL_MATERIAL),
+        ]
     if member.character == "box":
         x, y, z = box_size(member)
         return [("", _slab((x, y, z), (0.0, 0.5 * y, 0.0)), material)]
     if member.character == "bench":
         return _bench_solids(box_size(member), material)
     return _merry_go_round_solids(plan, DECK_RADIUS * member.scale, material)
-
-
-def _ball_solids(radius: float, material: str) -> NamedSolids:
-    """Return a ball of two colours, which show its rotation."""
-    whole = ball_solid(np.zeros(3), radius)
-    middles = whole.vertices[whole.faces].mean(axis=1)
-    light = np.arctan2(middles[:, 1], middles[:, 2]) // (np.pi / 3.0) % 2.0 == 1.0
-    return [
-        ("", Solid(whole.vertices, whole.faces[~light]), material),
-        (".panels", Solid(whole.vertices, whole.faces[light]), PANEL_MATERIAL),
-    ]
 
 
 def _bench_solids(size: tuple[float, float, float], material: str) -> NamedSolids:
@@ -192,7 +186,7 @@ def _bench_solids(size: tuple[float, float, float], material: str) -> NamedSolid
         for side in (-1, 1)
     ]
     stretcher = _slab((0.9 * thickness, 1.6 * thickness, z - 5.0 * thickness), (0.0, 0.55 * y, 0.0))
-    return [("", _joined([seat, *legs, stretcher]), material)]
+    return [("", join_solids([seat, *legs, stretcher]), material)]
 
 
 def _merry_go_round_solids(plan: BodyPlan, radius: float, material: str) -> NamedSolids:
@@ -207,8 +201,8 @@ def _merry_go_round_solids(plan: BodyPlan, radius: float, material: str) -> Name
     plate = _revolved([*profile, (0.3 * radius, deck - 2.0 * bar_radius)])
     base = _revolved([(5.0 * bar_radius, deck), (8.0 * bar_radius, 0.0)])
     return [
-        ("", _joined([*bars, post]), material),
-        (".deck", _joined([plate, base]), DECK_MATERIAL),
+        ("", join_solids([*bars, post]), material),
+        (".deck", join_solids([plate, base]), DECK_MATERIAL),
     ]
 
 
@@ -243,13 +237,3 @@ def _slab(size: tuple[float, float, float], middle: tuple[float, float, float]) 
         corners.append(signs * reach)
     hull = hull_of(np.concatenate(corners) + np.array(middle))
     return Solid(hull.vertices, hull.faces)
-
-
-def _joined(solids: list[Solid]) -> Solid:
-    counts = np.cumsum([0, *(len(solid.vertices) for solid in solids)])
-    return Solid(
-        np.concatenate([solid.vertices for solid in solids]),
-        np.concatenate(
-            [solid.faces + first for solid, first in zip(solids, counts, strict=False)]
-        ).astype(np.uint32),
-    )

@@ -98,7 +98,8 @@ def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, l
     bodies = zero_records(len(shapes), SOLID)
     # Limbs of one creature are one thing; bricks of one wall are not.
     things = [
-        obstacle.performer if obstacle.weight is None else obstacle.name for obstacle in obstacles
+        obstacle.performer if obstacle.mass_properties is None else obstacle.name
+        for obstacle in obstacles
     ]
     numbers = {name: n for n, name in enumerate(dict.fromkeys(things))}
     planes, triangles, corners = np.zeros((0, 4)), np.zeros((0, 4), np.int64), np.zeros((0, 3))
@@ -127,8 +128,7 @@ Ball = tuple[Array, float]
 
 
 def _shape(obstacle: Obstacle) -> Hull | Ball | None:
-    corners = np.ascontiguousarray(obstacle.corners, dtype=float)
-    return _shape_of(corners.tobytes())
+    return _shape_of(np.ascontiguousarray(obstacle.corners, dtype=float).tobytes())
 
 
 @cache
@@ -161,17 +161,16 @@ def _describe(solid: Record, obstacle: Obstacle, shape: Hull | Ball) -> None:
         solid["middle"], solid["radius"] = shape
         solid["half"] = shape[1]
         solid["reach"] = float(np.linalg.norm(shape[0])) + shape[1]
-    weight = obstacle.weight
-    solid["friction"] = DEFAULT_FRICTION if weight is None else weight.friction
-    solid["bounciness"] = 0.0 if weight is None else weight.bounciness
-    solid["inverse_mass"] = 0.0 if weight is None else 1.0 / weight.mass
+    properties = obstacle.mass_properties
+    solid["friction"] = DEFAULT_FRICTION if properties is None else properties.friction
+    solid["bounciness"] = 0.0 if properties is None else properties.bounciness
+    solid["inverse_mass"] = 0.0 if properties is None else 1.0 / properties.mass
 
 
 def _facets(hull: Hull) -> NDArray[np.int64]:
     """Return the facet (F,) of each triangle, the one with the most similar normal."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    similarity = (normals[:, None, :] * hull.normals).sum(axis=-1)
+    similarity = (np.cross(b - a, c - a)[:, None, :] * hull.normals).sum(axis=-1)
     return np.argmax(similarity, axis=1)
 
 
@@ -188,13 +187,15 @@ class SolidTracker:
         self.solids, indices = solids_of(obstacles, characters)
         self.obstacles = [obstacles[k] for k in indices]
         inverse = [
-            np.zeros((3, 3)) if (weight := obstacle.weight) is None else weight.inverse_inertia
+            np.zeros((3, 3))
+            if (properties := obstacle.mass_properties) is None
+            else properties.inverse_inertia
             for obstacle in self.obstacles
         ]
         self._inverse = np.array(inverse).reshape(-1, 3, 3)
         self._enclosing: NDArray[np.bool_] | None = None
         self._movable = np.array(
-            [obstacle.weight is not None for obstacle in self.obstacles], dtype=bool
+            [obstacle.mass_properties is not None for obstacle in self.obstacles], dtype=bool
         )
 
     def update(self, motion: SolidMotion, characters: Sequence[Array]) -> None:
@@ -210,11 +211,11 @@ class SolidTracker:
             # A room or a sky: characters that start all inside a solid do not meet it.
             inside = [any(self._encloses(solid, p) for p in characters) for solid in bodies]
             self._enclosing = np.array(inside, dtype=bool)
-        bodies["is_present"] = motion.here & np.logical_not(self._enclosing)
+        bodies["is_present"] = motion.is_present & np.logical_not(self._enclosing)
         bodies["v"], bodies["w"] = motion.v, motion.w
         R = motion.R
         bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
-        bodies["fall_acceleration"] = np.where(self._movable & ~motion.borne, GRAVITY, 0.0)
+        bodies["fall_acceleration"] = np.where(self._movable & ~motion.is_supported, GRAVITY, 0.0)
         bodies["impulse"] = bodies["angular_impulse"] = 0.0
 
     def impulses(self) -> tuple[Array, Array]:
@@ -230,5 +231,4 @@ class SolidTracker:
             return bool((np.sqrt((offset * offset).sum(axis=1)) < solid["radius"]).all())
         first, count = solid["planes"]
         planes = self.solids.planes[first : first + count]
-        along = (local[:, None, :] * planes[:, :3]).sum(axis=-1)
-        return bool((along < planes[:, 3]).all())
+        return bool(((local[:, None, :] * planes[:, :3]).sum(axis=-1) < planes[:, 3]).all())

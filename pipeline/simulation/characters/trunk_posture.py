@@ -230,8 +230,7 @@ def backward_shift(person: Record) -> float:
 def _lean(person: Record, nodes: Records, dt: float) -> None:
     """Lean to balance over the feet, into a run, and into acceleration."""
     leg, speed = leg_length(person), ground_speed(person)
-    running = run_blend(speed, leg)
-    speed_lean = 0.03 * min(froude(speed, leg), 0.6) + 0.16 * running
+    speed_lean = 0.03 * min(froude(speed, leg), 0.6) + 0.16 * run_blend(speed, leg)
     size = max(speed, 1e-6)
     along_x, along_z = (
         speed_lean * person.velocity[0] / size,
@@ -249,7 +248,15 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
         c, s = math.cos(person.heading), math.sin(person.heading)
         along_x, along_z = along_x + person.bow * c, along_z - person.bow * s
     elif not person.stepping:
-        x, z = _balance_error(person, nodes)
+        x = z = weight = 0.0
+        for i in range(person.node, person.node + NODE_COUNT):
+            node = nodes[i]
+            mass = 1.0 / max(node.inverse_mass, 1e-9)
+            x, z, weight = x + mass * node.p[0], z + mass * node.p[2], weight + mass
+        x, z = (
+            x / weight - 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0]),
+            z / weight - 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2]),
+        )
         along_x -= 1.2 * x / leg
         along_z -= 1.2 * z / leg
     size = max(math.hypot(along_x, along_z) / MAX_LEAN, 1.0)
@@ -257,19 +264,6 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
         person.lean[c], person.lean_rate[c] = spring_step(
             person.lean[c], person.lean_rate[c], target, 5.0, dt
         )
-
-
-@compiled
-def _balance_error(person: Record, nodes: Records) -> tuple[float, float]:
-    x = z = weight = 0.0
-    for i in range(person.node, person.node + NODE_COUNT):
-        node = nodes[i]
-        mass = 1.0 / max(node.inverse_mass, 1e-9)
-        x, z, weight = x + mass * node.p[0], z + mass * node.p[2], weight + mass
-    return (
-        x / weight - 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0]),
-        z / weight - 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2]),
-    )
 
 
 @compiled

@@ -169,7 +169,11 @@ def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, boun
         if closed[here]:
             continue
         if here == 1:
-            return _trace_back(places, parents)
+            way, at = list[int](), 1
+            while at > 0:
+                way.append(at)
+                at = int(parents[at])
+            return places[way[::-1]]
         closed[here] = True
         new_cost = cost[here] + np.sqrt(((places - places[here]) ** 2).sum(axis=1))
         better = np.flatnonzero(~closed & (new_cost < cost - 1e-9))
@@ -178,14 +182,6 @@ def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, boun
         for k in free.tolist():
             heapq.heappush(queue, (float(cost[k] + heuristic[k]), k))
     return np.zeros((0, 2))
-
-
-def _trace_back(places: Array, parents: Array) -> Array:
-    way, at = list[int](), 1
-    while at > 0:
-        way.append(at)
-        at = int(parents[at])
-    return places[way[::-1]]
 
 
 @dataclass
@@ -224,8 +220,7 @@ class Route:
         distances = np.sqrt(((middles - at) ** 2).sum(axis=1))
         at_goal = np.sqrt(((middles - goal) ** 2).sum(axis=1))
         limits = SHRINK_FACTOR * np.minimum(distances, at_goal)
-        radii = np.minimum(reaches + clearance, limits)
-        if are_free(at, goal[None], middles, radii)[0]:
+        if are_free(at, goal[None], middles, np.minimum(reaches + clearance, limits))[0]:
             self.places = goal[None]
         elif self._needs_search(at, goal, middles, np.minimum(reaches, limits)):
             self._search(at, goal, middles, reaches, limits, bounds)

@@ -134,7 +134,8 @@ def dance_choreography(
 def placed_subtasks(dance: Dance, name: str) -> list[PlacedSubtask]:
     """Returns the subtasks of a dance with their paths."""
     return [
-        PlacedSubtask(f"dances.{name}.subtasks[{i}]", one) for i, one in enumerate(dance.subtasks)
+        PlacedSubtask(f"dances.{name}.subtasks[{i}]", subtask)
+        for i, subtask in enumerate(dance.subtasks)
     ]
 
 

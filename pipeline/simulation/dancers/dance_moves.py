@@ -120,15 +120,15 @@ def _by_beats(
     landings.sort()
     moves, last = list[Move](), dict.fromkeys(HANDS, 0.0)
     for land, i, k, number in landings:
-        one = dance.subtasks[i]
-        time = one.beats * beat
+        subtask = dance.subtasks[i]
+        time = subtask.beats * beat
         given = times[i] if times is not None else None
         if given is not None:
             if given > time + SLACK:
                 raise SceneError([_conflict(dancer, i, given, time, path)])
             time = given
-        begin = max(land - time, last[one.hand], 0.0)
-        last[one.hand] = land
+        begin = max(land - time, last[subtask.hand], 0.0)
+        last[subtask.hand] = land
         if begin < until and land - begin > SLACK:
             moves.append(Move(i, number, begin, land, k))
     return moves
@@ -137,11 +137,11 @@ def _by_beats(
 def subtask_onsets(dance: Dance) -> list[tuple[int, int, float]]:
     """Returns (subtask, index of its beat, time in beats from the start of the bar)."""
     found, now = list[tuple[int, int, float]](), 0.0
-    for i, one in enumerate(dance.subtasks):
-        if one.on is not None:
-            found += [(i, k, beat - 1.0) for k, beat in enumerate(one.on)]
+    for i, subtask in enumerate(dance.subtasks):
+        if subtask.on is not None:
+            found += [(i, k, beat - 1.0) for k, beat in enumerate(subtask.on)]
         else:
-            now += one.beats
+            now += subtask.beats
             found.append((i, 0, now))
     return found
 

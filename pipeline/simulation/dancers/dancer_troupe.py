@@ -63,8 +63,8 @@ class Dancers(Troupe):
             dancing = _practised_motion(member, programme, clock.dt)
             self.directed.append(ScriptedDancer(dancing, programme, own, clock.dt))
             self.looks.append(_appearance(member, proportions, repertoire.drums, world.seed))
-        self.dancing = [one.dancing for one in self.directed]
-        torsos = [one.torso for one in self.dancing]
+        self.dancing = [dancer.dancing for dancer in self.directed]
+        torsos = [dancer.torso for dancer in self.dancing]
         self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
         self._links = frame_links()
         self._rows: list[tuple[Array, Array, Array]] = []
@@ -73,14 +73,14 @@ class Dancers(Troupe):
 
     def read(self, orders: Orders) -> None:
         """Passes orders on to the dancers they name."""
-        for member, one in zip(self.members, self.directed, strict=True):
-            one.follow(orders.get(member.name, ()))
+        for member, dancer in zip(self.members, self.directed, strict=True):
+            dancer.follow(orders.get(member.name, ()))
 
     def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuses instructions from outside that need places or drums unknown at the start."""
         do = instruction.do
-        for member, one in zip(self.members, self.directed, strict=True):
-            known = one.programme.repertoire
+        for member, dancer in zip(self.members, self.directed, strict=True):
+            known = dancer.programme.repertoire
             if instruction.who != member.name:
                 continue
             if isinstance(do, Reach) and any(
@@ -97,15 +97,15 @@ class Dancers(Troupe):
     def advance(self, step: int) -> None:
         """Advances all dancers by one step."""
         self._step = step
-        for k, one in enumerate(self.directed):
-            self._strikes += [(k, strike) for strike in one.dancing.advance()]
-            if one.finish_bars():
+        for k, dancer in enumerate(self.directed):
+            self._strikes += [(k, strike) for strike in dancer.dancing.advance()]
+            if dancer.finish_bars():
                 self._arrived.append(self.members[k].name)
 
     def buffer_row(self) -> None:
         """Buffers the present state as the next row."""
         R, p, values = list[Array](), list[Array](), list[Array]()
-        for k, (one, look) in enumerate(zip(self.dancing, self.looks, strict=True)):
+        for k, (dancer, look) in enumerate(zip(self.dancing, self.looks, strict=True)):
             R_BL, p_BL = self._frames(k)
             still = np.broadcast_to(np.eye(3), (len(look.drums), 3, 3))
             tops = look.rest()[len(self._links) :]
@@ -113,7 +113,7 @@ class Dancers(Troupe):
             R_WB = self.R_WB[k]
             R.append((R_WB[None, :, :, None] * R_BN[:, None, :, :]).sum(axis=2))
             p.append(self.p_WB[k] + (p_BN[:, None, :] * R_WB).sum(axis=2))
-            values += [one.moving.q.copy(), one.moving.torques()]
+            values += [dancer.moving.q.copy(), dancer.moving.torques()]
         self._rows.append((np.concatenate(R), np.concatenate(p), np.concatenate(values)))
 
     def write(self, rows: Rows) -> None:

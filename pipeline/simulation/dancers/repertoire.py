@@ -1,7 +1,7 @@
 """Repertoire: everything a dancer does in a scene: its dance, requested dances, reaches and poses.
 
-One torso holds the spots of all of it, and subtasks are numbered in one sequence, those of the
-dancer's own dance first.
+One torso holds all the spots. Subtasks are numbered in one sequence, starting with the dancer's own
+dance.
 """
 
 from __future__ import annotations
@@ -74,23 +74,23 @@ def build_repertoire(
         path: path of the dancer in the scene, for messages.
 
     Raises:
-        SceneError: if a place cannot be reached, or two dances have different drums of one name.
+        SceneError: A place cannot be reached, or two dances have different drums of one name.
     """
-    asked = {i: one.do for i, one in enumerate(script) if one.who == member.name}
-    known = _known(member, dances, asked.values(), bool(asked) or directed)
+    orders = {i: order.do for i, order in enumerate(script) if order.who == member.name}
+    known = _known(member, dances, orders.values(), bool(orders) or directed)
     drums = _drums(known)
     parts, first = list[PlacedSubtask](), dict[str, int]()
     for name, dance in known.items():
         first[name] = len(parts)
         parts += placed_subtasks(dance, name)
     reaches, hang = dict[tuple[Place, str], int](), dict[str, int]()
-    for (place, side), place_path in sorted(_reaches(asked).items()):
+    for (place, side), place_path in sorted(_reaches(orders).items()):
         reaches[place, side] = len(parts)
         subtask = Subtask.model_construct(hand=side, reach=own(place))
         parts.append(PlacedSubtask(place_path, subtask, is_fixed=True, place_path=place_path))
     poses, posed = pose_moves(member.pose, person, own, len(parts), f"{path}.pose")
     parts += posed
-    if asked or directed or member.pose:
+    if orders or directed or member.pose:
         hang = {side: len(parts) + k for k, side in enumerate(HANDS)}
         parts += [PlacedSubtask(path, subtask) for subtask in _hanging()]
     ready = ReadyPlaces(f"dances.{member.dance}", dances[member.dance].ready)
@@ -102,7 +102,7 @@ def build_repertoire(
 
 
 def _known(
-    member: Dancer, dances: Mapping[str, Dance], asked: Iterable[Do], may: bool
+    member: Dancer, dances: Mapping[str, Dance], orders: Iterable[Do], may: bool
 ) -> dict[str, Dance]:
     """Returns the dances that a dancer may dance, its own first.
 
@@ -110,15 +110,15 @@ def _known(
     others count for every dancer that may get instructions, in a fixed order, so that instructions
     from outside give the same motion as the same script.
     """
-    named = {do.dance for do in asked if isinstance(do, Perform)}
+    named = {do.dance for do in orders if isinstance(do, Perform)}
     others = sorted(name for name in dances if may and (name in named or not dances[name].drums))
     return {name: dances[name] for name in dict.fromkeys([member.dance, *others])}
 
 
-def _reaches(asked: Mapping[int, Do]) -> dict[tuple[Place, Hand], str]:
+def _reaches(orders: Mapping[int, Do]) -> dict[tuple[Place, Hand], str]:
     """Returns the places that instructions reach for, with the path of the first one."""
     found = dict[tuple[Place, Hand], str]()
-    for i, do in asked.items():
+    for i, do in orders.items():
         if isinstance(do, Reach) and not isinstance(do.reach, str):
             for side in SIDES[do.hand]:
                 found.setdefault((do.reach, side), f"script[{i}].do.reach")
@@ -129,7 +129,7 @@ def _drums(dances: Mapping[str, Dance]) -> dict[str, Drum]:
     """Returns the drums of several dances.
 
     Raises:
-        SceneError: if different drums have one name.
+        SceneError: Different drums have one name.
     """
     found, owners = dict[str, Drum](), dict[str, str]()
     for name, dance in dances.items():

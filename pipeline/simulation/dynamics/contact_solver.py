@@ -71,7 +71,12 @@ SOLVER_CONTACT = np.dtype(
 def add_contact(part: Record, body: Record, which: int, inverse: Rows) -> None:
     """Fills `part` from a body's contact `which`; `inverse` is the inverse inertia in the world."""
     per_mass, lever = 1.0 / body.mass, row(body.lever, which)
-    axes = _contact_axes(row(body.normal, which))
+    normal = row(body.normal, which)
+    x, y, z = normal
+    # Perpendicular to the normal and to the one of X and Z that is farther from it.
+    first = (0.0, z, -y) if abs(x) < abs(z) else (y, -x, 0.0)
+    first = times(1.0 / length(first), first)
+    axes = (normal, first, cross(normal, first))
     arms = (cross(lever, axes[0]), cross(lever, axes[1]), cross(lever, axes[2]))
     yields = (turned(inverse, arms[0]), turned(inverse, arms[1]), turned(inverse, arms[2]))
     part.which, part.acts = which, True
@@ -195,13 +200,3 @@ def _apply_impulse(
             v = plus(v, times(per_mass * impulse[i], row(part.axes, i)))
             w = plus(w, times(impulse[i], row(part.yields, i)))
     return v, w
-
-
-@compiled
-def _contact_axes(normal: Vector) -> Rows:
-    """Returns a normal and two tangents."""
-    x, y, z = normal
-    # Perpendicular to the normal and to the one of X and Z that is farther from it.
-    first = (0.0, z, -y) if abs(x) < abs(z) else (y, -x, 0.0)
-    first = times(1.0 / length(first), first)
-    return (normal, first, cross(normal, first))

@@ -67,7 +67,15 @@ def rotation_series(
     for k in range(MAX_ORDER):
         turning, torque = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for i in range(k + 1):
-            turning = _add_quaternion_product(turning, series, i, k - i)
+            j = k - i
+            a, b, c, d = series[i, 0], series[i, 1], series[i, 2], series[i, 3]
+            x, y, z = _rate(series, j)
+            turning = (
+                turning[0] - b * x - c * y - d * z,
+                turning[1] + a * x + c * z - d * y,
+                turning[2] + a * y + d * x - b * z,
+                turning[3] + a * z + b * y - c * x,
+            )
             momentum = (series[i, 7], series[i, 8], series[i, 9])
             torque = plus(torque, cross(momentum, _rate(series, k - i)))
         torque = times(1.0 / (k + 1), torque)
@@ -152,16 +160,3 @@ def _write_coefficient(series: Array, k: int, q: Quaternion, w: Vector, momentum
         series[k, i] = q[i]
     for i in range(3):
         series[k, 4 + i], series[k, 7 + i] = w[i], momentum[i]
-
-
-@compiled
-def _add_quaternion_product(total: Quaternion, series: Array, i: int, j: int) -> Quaternion:
-    """Returns `total` plus q_i ⊗ (0, ω_j)."""
-    a, b, c, d = series[i, 0], series[i, 1], series[i, 2], series[i, 3]
-    x, y, z = _rate(series, j)
-    return (
-        total[0] - b * x - c * y - d * z,
-        total[1] + a * x + c * z - d * y,
-        total[2] + a * y + d * x - b * z,
-        total[3] + a * z + b * y - c * x,
-    )

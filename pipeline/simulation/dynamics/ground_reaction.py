@@ -77,5 +77,4 @@ def _shared_forces(points: Array, bears: NDArray[np.bool_], force: Array, moment
     inverse = np.asarray(
         np.linalg.pinv(square, rcond=NEGLIGIBLE_LEVER, hermitian=True), dtype=np.float64
     )
-    differ = turn(wide.transpose(0, 2, 1), turn(inverse, left)).reshape(K, F, 3)
-    return even + differ
+    return even + turn(wide.transpose(0, 2, 1), turn(inverse, left)).reshape(K, F, 3)

@@ -83,5 +83,4 @@ def _rotation_vector(R: Array) -> Array:
     q = np.where(q[:, :1] < 0.0, -q, q)
     sine = np.sqrt((q[:, 1:] ** 2).sum(axis=1))
     angle = 2.0 * np.arctan2(sine, q[:, 0])
-    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
-    return q[:, 1:] * scale[:, None]
+    return q[:, 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)[:, None]

@@ -91,8 +91,7 @@ class LinkageSimulation:
         self.targets = data.ctrl[:n]
         self.velocities = data.ctrl[n:].reshape(pulled, 3)
         self.push = data.qfrc_applied
-        numbers = [model.body(link.name).id for link in linkage.links]
-        self._bodies = numbers
+        self._bodies = [model.body(link.name).id for link in linkage.links]
         spots = [spot.name for spot in linkage.spots]
         self.pulled = [spots.index(name) for name in linkage.pulled]
         self.solids = [model.geom(i).name for i in range(model.ngeom)]
@@ -162,8 +161,7 @@ class LinkageSimulation:
 
     def poses(self) -> tuple[Array, Array]:
         """Returns rotations (L, 3, 3) and positions (L, 3) of the links, as copies."""
-        R = self.data.xmat[self._bodies].reshape(-1, 3, 3)
-        return R, self.data.xpos[self._bodies]
+        return self.data.xmat[self._bodies].reshape(-1, 3, 3), self.data.xpos[self._bodies]
 
     def given(self) -> Array:
         """Returns (n,) torques of servos and forces on the hinges [N m]."""
@@ -221,7 +219,17 @@ def _build(linkage: Linkage, step: float) -> tuple[Any, Any, Any]:
             body, origin = made[spot.link], linkage.links[spot.link].place
         body.add_site(name=spot.name, pos=spot.place - origin)
     for disc in linkage.discs:
-        _add_disc(spec, mujoco, disc)
+        # Cylinders stand on their local Z.
+        spec.worldbody.add_geom(
+            name=disc.name,
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+            pos=disc.middle,
+            quat=[math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0],
+            size=[disc.radius, 0.5 * disc.height, 0.0],
+            contype=TRUNK_BIT,
+            conaffinity=LIMB_BIT,
+            **_matter(),
+        )
     for one, other in linkage.apart:
         spec.add_exclude(bodyname1=one, bodyname2=other)
     _add_servos(spec, mujoco, linkage)
@@ -253,23 +261,17 @@ def _add_link(
     for solid in link.solids:
         own, met = COLLISION_BITS[solid.meets]
         mass = link.mass * _volume(solid) / volume
-        _add_capsule(body, mujoco, solid, link.place, mass, own, met)
+        body.add_geom(
+            name=solid.name,
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            fromto=(solid.ends - link.place).ravel(),
+            size=[solid.radius, 0.0, 0.0],
+            mass=mass,
+            contype=own,
+            conaffinity=met,
+            **_matter(),
+        )
     return body
-
-
-def _add_capsule(
-    body: Any, mujoco: Any, solid: Capsule, origin: Array, mass: float, own: int, met: int
-) -> None:
-    body.add_geom(
-        name=solid.name,
-        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        fromto=(solid.ends - origin).ravel(),
-        size=[solid.radius, 0.0, 0.0],
-        mass=mass,
-        contype=own,
-        conaffinity=met,
-        **_matter(),
-    )
 
 
 def _matter() -> dict[str, Any]:
@@ -284,20 +286,6 @@ def _matter() -> dict[str, Any]:
 def _volume(solid: Capsule) -> float:
     length = float(np.linalg.norm(solid.ends[1] - solid.ends[0]))
     return math.pi * solid.radius**2 * (length + 4.0 / 3.0 * solid.radius)
-
-
-def _add_disc(spec: Any, mujoco: Any, disc: Any) -> None:
-    # Cylinders stand on their local Z.
-    spec.worldbody.add_geom(
-        name=disc.name,
-        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-        pos=disc.middle,
-        quat=[math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0],
-        size=[disc.radius, 0.5 * disc.height, 0.0],
-        contype=TRUNK_BIT,
-        conaffinity=LIMB_BIT,
-        **_matter(),
-    )
 
 
 def _add_servos(spec: Any, mujoco: Any, linkage: Linkage) -> None:

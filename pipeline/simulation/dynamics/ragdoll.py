@@ -117,7 +117,10 @@ class Ragdoll:
         self._floor = float(field.heights.min()) - LOST_DEPTH * self.size
         self._touched = np.full(len(bones), -math.inf)
         self._slow_time = 0.0
-        self._soft = self._contact_times()
+        self._mujoco.mj_forward(self.model, self.data)
+        deep = self._depths()
+        self._touched[deep > -math.inf] = 0.0
+        self._soft = self._times_for_depth(deep)
 
     @property
     def attitude(self) -> RagdollState:
@@ -147,7 +150,9 @@ class Ragdoll:
         one = self.model.opt.timestep = h / count
         began = self.data.time
         for k in range(count):
-            self._harden()
+            if float(self._soft.max()) > CONTACT_TIME * self.tau:
+                self._soft = np.minimum(self._soft, self._times_for_depth(self._depths()))
+                self.model.geom_solref[self._geoms, 0] = self._soft
             self._mujoco.mj_step(self.model, self.data)
             # Contacts are those at the start of the sub-step.
             found += self._impacts(began + k * one, k * one)
@@ -159,19 +164,6 @@ class Ragdoll:
         return found
 
     # --- within a step ---------------------------------------------------------------
-
-    def _contact_times(self) -> Array:
-        """Returns the time constants of contacts (n,), long for deep initial overlaps [s]."""
-        self._mujoco.mj_forward(self.model, self.data)
-        deep = self._depths()
-        self._touched[deep > -math.inf] = 0.0
-        return self._times_for_depth(deep)
-
-    def _harden(self) -> None:
-        """Stiffens contacts of bones that began in the ground, as they come out."""
-        if float(self._soft.max()) > CONTACT_TIME * self.tau:
-            self._soft = np.minimum(self._soft, self._times_for_depth(self._depths()))
-            self.model.geom_solref[self._geoms, 0] = self._soft
 
     def _times_for_depth(self, deep: Array) -> Array:
         # An overdamped spring comes out by depth / (2 SPENT² time) a second.

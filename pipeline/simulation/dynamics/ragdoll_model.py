@@ -121,8 +121,7 @@ def _flesh(hangs: MassProperties, place: Array) -> JointFlesh:
 
 def size_of(bones: Sequence[Bone]) -> float:
     """Returns the greatest extent of a ragdoll as it was created [m]."""
-    corners = np.concatenate([bone.corners for bone in bones])
-    return float(np.ptp(corners, axis=0).max())
+    return float(np.ptp(np.concatenate([bone.corners for bone in bones]), axis=0).max())
 
 
 FRICTION = 0.7

@@ -128,8 +128,7 @@ class State:
 
 def kinetic_energy(bodies: Bodies, v: Array, w: Array) -> Array:
     """Returns the kinetic energies (N,) [J]."""
-    turning = dot(w, rotate(bodies.inertia, w))
-    return 0.5 * (bodies.mass * dot(v, v) + turning)
+    return 0.5 * (bodies.mass * dot(v, v) + dot(w, rotate(bodies.inertia, w)))
 
 
 def total_energy(bodies: Bodies, state: State) -> Array:

@@ -103,8 +103,7 @@ class Substeps:
             self._paths[:] = pushers.paths(self.far)
         # One address instead of many arrays: passing those takes longer than a step of one body.
         self._look(self._at, 0)
-        stiffness = self._quickest.item()
-        need = math.ceil(self.step * stiffness / (MAX_DEPTH * STIFFNESS))
+        need = math.ceil(self.step * self._quickest.item() / (MAX_DEPTH * STIFFNESS))
         self._recent.append(min(max(need, self.least), MAX_SUBSTEPS))
         return max(self._recent)
 
@@ -162,8 +161,7 @@ def _quickest(
             speed += math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) * limits[i].reach
         pushed = 0.0
         for k in range(len(paths)):
-            arm = minus(p, row(paths, k))
-            if length(arm) - limits[i].reach < paths[k, 3]:
+            if length(minus(p, row(paths, k))) - limits[i].reach < paths[k, 3]:
                 pushed = max(pushed, paths[k, 4])
         most = max(most, (speed + pushed) / limits[i].thin)
     return most

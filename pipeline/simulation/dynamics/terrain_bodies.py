@@ -103,8 +103,7 @@ class TerrainBodies:
         """
         held = self.awake & (self._records["held"] > 0) & (self._records["count"] > 0)
         lever, normal = self._records["lever"][:, 0], self._records["normal"][:, 0]
-        turning = rotate(matrix(self.state.q), self.state.w)
-        u = self.state.v + cross(turning, lever)
+        u = self.state.v + cross(rotate(matrix(self.state.q), self.state.w), lever)
         slip = u - dot(u, normal)[:, None] * normal
         return held, self.state.p + lever, normal, self.state.v, slip
 

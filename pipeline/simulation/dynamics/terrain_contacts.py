@@ -93,8 +93,7 @@ def _add_ball_triangle(
     body: Record, p: Vector, corners: Triangle, above: bool, slack: float
 ) -> None:
     """Adds the contact of a ball with a triangle, if it is near."""
-    place = nearest_on_triangle(p, corners)
-    away = minus(p, place)
+    away = minus(p, nearest_on_triangle(p, corners))
     distance = length(away)
     if above and distance > 0.0:
         gap, normal = distance - body.radius, times(1.0 / distance, away)

@@ -45,7 +45,9 @@ def convex_edges(
     twin = np.zeros(len(ends), dtype=bool)
     twin[:-1] = (ends[1:] == ends[:-1]).all(axis=1)
     first = np.flatnonzero(twin)
-    up = _triangle_normals(vertices[sides])
+    a, b, c = np.moveaxis(vertices[sides], 1, 0)
+    up = cross(b - a, c - a)
+    up = up / np.sqrt((up**2).sum(axis=-1))[:, None]
     ahead = vertices[sides[first + 1, 2]] - vertices[sides[first, 0]]
     falls = first[(up[first] * ahead).sum(axis=-1) < -CONVEX_EDGE_HEIGHT * cell]
     alone = ~twin
@@ -59,13 +61,6 @@ def convex_edges(
             [np.stack([up[falls], up[falls + 1]], axis=1), np.stack([up[alone], out], axis=1)]
         ),
     )
-
-
-def _triangle_normals(triangles: Array) -> Array:
-    """Returns the normals (F, 3) of triangles (F, 3, 3)."""
-    a, b, c = np.moveaxis(triangles, 1, 0)
-    up = cross(b - a, c - a)
-    return up / np.sqrt((up**2).sum(axis=-1))[:, None]
 
 
 TILE_CELLS = 8

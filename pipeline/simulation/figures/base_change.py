@@ -183,7 +183,11 @@ def limb_between(
     last = min(routes, key=len)[-1]
     route = max((r for r in routes if r[-1] == last), key=len)
     rooted = reroot_at_joint(skeleton, route[0])
-    joints = _joints_between(skeleton, route)
+    # The joint between two frames is the one that moves the outer of them.
+    joints = [
+        there if there != BODY and skeleton.parents[there] == here else here
+        for here, there in itertools.pairwise(route)
+    ]
     if not joints:
         raise SimulationError(f"between '{base}' and '{tip}' there is no joint")
     places = [*rooted.places[joints], place if point is None else point]
@@ -232,12 +236,3 @@ def _path_to_body(skeleton: Skeleton, frame: int) -> list[int]:
     while result[-1] != BODY:
         result.append(int(skeleton.parents[result[-1]]))
     return result
-
-
-def _joints_between(skeleton: Skeleton, route: list[int]) -> list[int]:
-    """Return the joints between the frames of a route, from its base to its tip."""
-    # The joint between two frames is the one that moves the outer of them.
-    return [
-        there if there != BODY and skeleton.parents[there] == here else here
-        for here, there in itertools.pairwise(route)
-    ]

@@ -95,7 +95,14 @@ def build_bones(figure: Figure) -> FigureBones:
     link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
     bones, order = list[Bone](), list[int]()
     for i, (link, mass) in enumerate(zip(skeleton.links, masses, strict=True)):
-        corners = _hull_corners(figure, i)
+        # The outermost points of a link's solids (k, 3) [m].
+        solids = [piece.solid.vertices for piece in figure.pieces if piece.link == i]
+        vertices = np.concatenate(solids)
+        middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+        # Scaled by the extents; the corners of a long solid would else all be at its ends.
+        extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
+        far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
+        corners = vertices[np.unique(far.argmax(axis=0))]
         if link.joint == BODY:
             bones.append(Bone(WORLD, np.zeros(3), (), mass, corners))
             continue
@@ -118,14 +125,3 @@ def build_bones(figure: Figure) -> FigureBones:
         order += chain
         bones.append(Bone(link_of[above], skeleton.places[link.joint], joints, mass, corners))
     return FigureBones(tuple(bones), np.array(order, dtype=np.int64))
-
-
-def _hull_corners(figure: Figure, number: int) -> Array:
-    """Return the outermost points of a link's solids (k, 3) [m]."""
-    solids = [piece.solid.vertices for piece in figure.pieces if piece.link == number]
-    vertices = np.concatenate(solids)
-    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    # Scaled by the extents; the corners of a long solid would else all be at its ends.
-    extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
-    far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
-    return vertices[np.unique(far.argmax(axis=0))]

@@ -138,7 +138,10 @@ def inverse_dynamics(
         push: external forces.
         gravity: [m/s²].
     """
-    R, p = _world_frames(tree, motion)
+    X_WB = motion.X_WB[..., None, :, :]
+    X = X_WB @ tree.pose(motion.q)
+    X = np.concatenate([X, np.broadcast_to(X_WB, (*X.shape[:-3], 1, 4, 4))], axis=-3)
+    R, p = X[..., :3, :3], X[..., :3, 3]
     axes = turn(R[..., :-1, :, :], tree.axes)
     force, moment = _link_wrenches(tree, masses, motion, (R, p, axes), gravity)
     if push is not None:
@@ -154,14 +157,6 @@ def inverse_dynamics(
         force[above] = force[above] + f
         moment[above] = moment[above] + n + cross(p[..., j, :] - p[..., above, :], f)
     return JointLoad(torques, force[BODY], moment[BODY])
-
-
-def _world_frames(tree: JointTree, motion: FigureMotion) -> tuple[Array, Array]:
-    """Return the frames R (..., J + 1, 3, 3) and p (..., J + 1, 3) in the world."""
-    X_WB = motion.X_WB[..., None, :, :]
-    X = X_WB @ tree.pose(motion.q)
-    X = np.concatenate([X, np.broadcast_to(X_WB, (*X.shape[:-3], 1, 4, 4))], axis=-3)
-    return X[..., :3, :3], X[..., :3, 3]
 
 
 def _link_wrenches(

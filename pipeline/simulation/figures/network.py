@@ -214,7 +214,8 @@ def analyse(drawing: Drawing, overrides: Mapping[str, str]) -> Anatomy:
     feelers = [
         _follow_inward(adjacency, n, stops) for n in adjacency if given_kinds.get(n) == FEELER
     ]
-    adjacency = _without(adjacency, feelers)
+    gone = {node for chain in feelers for node in chain[1:]}
+    adjacency = {n: others - gone for n, others in adjacency.items() if n not in gone}
     stops = _find_stops(adjacency, fixed)
     tips = [n for n in adjacency if len(adjacency[n]) == 1 and n not in fixed]
     chains = [chain for tip in tips if len(chain := _follow_inward(adjacency, tip, stops)) > 1]
@@ -265,12 +266,6 @@ def _follow_inward(adjacency: Adjacency, tip: int, stops: set[int]) -> Chain:
         before = chain[-1]
         chain.append(onward[0])
     return tuple(reversed(chain))
-
-
-def _without(adjacency: Adjacency, chains: list[Chain]) -> dict[int, set[int]]:
-    """Return the adjacency without the nodes of `chains`, their bases excepted."""
-    gone = {node for chain in chains for node in chain[1:]}
-    return {n: others - gone for n, others in adjacency.items() if n not in gone}
 
 
 def _check_overrides(drawing: Drawing, adjacency: Adjacency, overrides: Mapping[str, str]) -> None:

@@ -11,6 +11,7 @@ Source: Gibson 1998 (naive surface nets, without relaxation).
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -98,6 +99,16 @@ class Solid:
 
     vertices: Array
     faces: NDArray[np.uint32]
+
+
+def join_solids(solids: Sequence[Solid]) -> Solid:
+    """Return several solids as one."""
+    starts = np.cumsum([0, *(len(solid.vertices) for solid in solids)])
+    faces = [solid.faces + start for solid, start in zip(solids, starts, strict=False)]
+    return Solid(
+        np.concatenate([solid.vertices for solid in solids]),
+        np.concatenate(faces).astype(np.uint32),
+    )
 
 
 def loft(rings: Array, ends: Array) -> Solid:

@@ -146,8 +146,7 @@ def _head_frames(neck: Array, gaze: Array, chest: Array, nods: bool) -> Array:
     along = normalized(gaze)
     rise = _dot(along, y)
     # A gaze along the neck turns no head.
-    level = along - rise[..., None] * y + 1e-3 * chest[..., 0]
-    z = normalized(cross(level, y))
+    z = normalized(cross(along - rise[..., None] * y + 1e-3 * chest[..., 0], y))
     x = cross(y, z)
     if not nods:
         return np.stack([x, y, z], axis=-1)

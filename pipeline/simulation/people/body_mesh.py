@@ -80,8 +80,7 @@ def shirt(build: BodyMeasures) -> SkinnedPatch:
 
 def _breadths(build: BodyMeasures) -> Array:
     """Return the breadth factor of each row of a shirt, from the hips to the chest."""
-    heights = np.array([row[0] for row in TORSO])
-    up = ramp(heights, 0.56, 0.70)
+    up = ramp(np.array([row[0] for row in TORSO]), 0.56, 0.70)
     return build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)
 
 
@@ -188,8 +187,7 @@ def _fingers(build: BodyMeasures) -> list[SkinnedPatch]:
     g, z = build.girth, build.shoulders
     patches = []
     for ahead, knuckle, length, radius in FINGERS:
-        place = np.array([ahead * g, build.level(knuckle) + 0.006 * g, z])
-        points = [place]
+        points = [np.array([ahead * g, build.level(knuckle) + 0.006 * g, z])]
         # Three phalanges of falling length.
         for part, angle in zip((0.46, 0.31, 0.23), np.cumsum(FINGER_CURL), strict=True):
             step = np.array([0.0, -np.cos(angle), -np.sin(angle)])
@@ -286,8 +284,7 @@ def _skinned_trousers(build: BodyMeasures, places: Array, surface: Surface) -> S
         np.where(right, FRAMES.index(f"{n}_r"), FRAMES.index(f"{n}_l")) for n in ("thigh", "shin")
     ]
     first = np.where(lower, sides[0], FRAMES.index("pelvis"))
-    second = np.where(lower, sides[1], sides[0])
-    frames = np.stack([first, second], axis=-1)
+    frames = np.stack([first, np.where(lower, sides[1], sides[0])], axis=-1)
     return SkinnedPatch(places, surface.faces, frames, np.where(lower, shin, thigh))
 
 

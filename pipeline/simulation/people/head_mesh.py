@@ -83,8 +83,7 @@ def head_skin(head: Head) -> SkinnedPatch:
     net = polygonise(_head_field(head), low, high, 0.063 * s, symmetric=True)
     y = net.vertices[:, 1]
     chin = float(head.at(0.0, -0.42, 0.0)[1])
-    share = ramp(y, base + 0.15 * (chin - base), chin)
-    return net.follow("chest", "head", share)
+    return net.follow("chest", "head", ramp(y, base + 0.15 * (chin - base), chin))
 
 
 def _head_field(head: Head) -> Field:
@@ -146,8 +145,7 @@ def _neck_field(head: Head) -> Field:
     build = head.build
     g = build.girth
     base = (-0.010 * g, build.level(0.838), 0.0)
-    top = head.at(-0.115, -0.22, 0.0)
-    return round_cone(base, top, 0.0340 * g, 0.0315 * g)
+    return round_cone(base, head.at(-0.115, -0.22, 0.0), 0.0340 * g, 0.0315 * g)
 
 
 def _both_sides(make: Callable[[float], Field]) -> list[Field]:
@@ -170,8 +168,7 @@ def pupils(head: Head) -> SkinnedPatch:
 def _lens(centre: Array, along: Array, radius: float) -> Surface:
     surface = ellipsoid_surface(np.zeros(3), np.array([radius, 0.86 * radius, radius]), 5, 10)
     x = normalized(np.cross(along, [0.0, 0.0, 1.0]))
-    z = np.cross(x, along)
-    R = np.stack([x, along, z], axis=-1)
+    R = np.stack([x, along, np.cross(x, along)], axis=-1)
     return Surface((surface.vertices[:, None, :] * R).sum(axis=-1) + centre, surface.faces)
 
 
@@ -192,8 +189,7 @@ def _ball_cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface
         tilt: lean of the pole forward [rad].
         edge: height of the plane above the centre, in radii.
     """
-    begin = np.arcsin(edge)
-    angle = np.linspace(begin, np.pi / 2, 5)[:-1]
+    angle = np.linspace(np.arcsin(edge), np.pi / 2, 5)[:-1]
     turn = np.arange(10) * (2.0 * np.pi / 10)
     sizes, rises = np.cos(angle), np.sin(angle)
     # The rim has a thickness, closed inside of the ball.

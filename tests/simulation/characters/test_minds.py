@@ -115,7 +115,7 @@ def test_behaviours_with_unsuitable_targets_are_rejected(
 
 
 def test_things_have_no_mind_and_urges_need_a_mind() -> None:
-    with pytest.raises(SceneError, match="has no mind"):
+    with pytest.raises(SceneError, match="does not act"):
         read_scene("pronk: 1\ncast:\n- {character: ball, traits: {}}")
     script = "script:\n- {at: 1, who: a, do: {urge: {play: 1}}}"
     with pytest.raises(SceneError, match="does only what it is told"):

@@ -333,9 +333,15 @@ script: [%s]
 @pytest.mark.parametrize(
     ("member", "said"),
     [
-        ("{character: adult, pose: [{at: 0, limb: leg_l, reach: [0, 0, 0]}]}", "hands are posed"),
-        ("{character: adult, pose: [{at: 0, joints: {elbow_r_deg: 4}}]}", "hands are posed"),
-        ("{character: ragdoll, pose: [{at: 0, limb: arm_l, reach: [0, 0, 0]}]}", "holds no pose"),
+        (
+            "{character: adult, pose: [{at: 0, limb: leg_l, reach: [0, 0, 0]}]}",
+            "only hands of a person",
+        ),
+        ("{character: adult, pose: [{at: 0, joints: {elbow_r_deg: 4}}]}", "only hands of a person"),
+        (
+            "{character: ragdoll, pose: [{at: 0, limb: arm_l, reach: [0, 0, 0]}]}",
+            "only a child or an adult",
+        ),
     ],
 )
 def test_only_hands_of_people_can_be_posed(member: str, said: str) -> None:

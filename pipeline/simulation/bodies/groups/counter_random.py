@@ -41,8 +41,7 @@ class CounterRandom:
             generation: number of its life.
             draw: number of the purpose; another one for each use.
         """
-        slots = np.asarray(slot).astype(np.uint64)
-        state = _mix(slots + self._key)
+        state = _mix(np.asarray(slot).astype(np.uint64) + self._key)
         state = _mix(state + np.asarray(generation).astype(np.int64).astype(np.uint64))
         state = _mix(state + np.uint64(draw))
         return (state >> np.uint64(11)).astype(float) * MANTISSA_UNIT

@@ -97,9 +97,12 @@ class FlockRule(GroupRule):
         for k, time in enumerate(times):
             span = float(time) - self._time
             if span > 0.0:
-                goal = goals(k, self.steering.p)
-                self._advance(span, goal, middles[k], radii[k])
-                self._beat(span)
+                self._advance(span, goals(k, self.steering.p), middles[k], radii[k])
+                climb = self.steering.v[:, 1] / self.config.speed + 0.05 * self.steering.a[:, 1]
+                wanted = np.clip(0.55 + 1.6 * climb, 0.0, 1.0)
+                self.effort += (wanted - self.effort) * (1.0 - math.exp(-span / 0.3))
+                rate = min(BEAT_RATE / self.config.size**0.75, MAX_BEAT_RATE)
+                self.phase += 2.0 * math.pi * rate * span * (0.8 + 0.4 * self.effort)
             self._time = float(time)
             self._pose(rows, k)
         return []
@@ -138,14 +141,6 @@ class FlockRule(GroupRule):
                 must += (near / np.maximum(far, 1e-9))[:, None] * away
         return must
 
-    def _beat(self, span: float) -> None:
-        """Advances the wing beats by `span` [s]."""
-        climb = self.steering.v[:, 1] / self.config.speed + 0.05 * self.steering.a[:, 1]
-        wanted = np.clip(0.55 + 1.6 * climb, 0.0, 1.0)
-        self.effort += (wanted - self.effort) * (1.0 - math.exp(-span / 0.3))
-        rate = min(BEAT_RATE / self.config.size**0.75, MAX_BEAT_RATE)
-        self.phase += 2.0 * math.pi * rate * span * (0.8 + 0.4 * self.effort)
-
     def _pose(self, rows: Rows, k: int) -> None:
         n, steering = self.config.count, self.steering
         along = steering.v / np.sqrt((steering.v**2).sum(axis=-1, keepdims=True))
@@ -159,8 +154,7 @@ class FlockRule(GroupRule):
             hinge = self.config.size * WING_HINGE * np.array([1.0, 1.0, side])
             here = slice(first, first + n)
             rows.positions[k, here] = steering.p + turn(R, hinge)
-            flap = rotation(np.array([1.0, 0.0, 0.0]), -side * angle)
-            rows.rotations[k, here] = R @ flap
+            rows.rotations[k, here] = R @ rotation(np.array([1.0, 0.0, 0.0]), -side * angle)
 
 
 def _push_out(p: Array, v: Array, middle: Array, radius: float) -> None:
@@ -171,5 +165,4 @@ def _push_out(p: Array, v: Array, middle: Array, radius: float) -> None:
     if len(inside):
         out = away[inside] / np.maximum(far[inside], 1e-9)[:, None]
         p[inside] = middle + radius * out
-        inward = np.minimum((v[inside] * out).sum(axis=-1, keepdims=True), 0.0)
-        v[inside] -= inward * out
+        v[inside] -= np.minimum((v[inside] * out).sum(axis=-1, keepdims=True), 0.0) * out

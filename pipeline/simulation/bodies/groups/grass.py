@@ -14,7 +14,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups import member_meshes
 from pipeline.simulation.bodies.groups.counter_random import CounterRandom
 from pipeline.simulation.bodies.groups.group_rule import (
     CastIndex,
@@ -23,7 +22,7 @@ from pipeline.simulation.bodies.groups.group_rule import (
     GroupRule,
     Outline,
 )
-from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.figures.solids import Solid, join_solids, loft
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.spatial import UP, Array, heading, rotation
 from pipeline.simulation.take import Contact, Mesh, Node, Part
@@ -140,7 +139,7 @@ class GrassRule(GroupRule):
             nodes.append(Node(f"{name}.{i}", name, -1, (x, y, z)))
             blade = _blade(float(self.tall[i]))
             solids.append(replace(blade, vertices=blade.vertices @ self.looks[i].T + self.roots[i]))
-        whole = member_meshes.joined(solids)
+        whole = join_solids(solids)
         each = len(solids[0].vertices)
         follows = np.zeros((len(whole.vertices), 2), dtype=np.int32)
         follows[:, 0] = 1 + np.repeat(np.arange(count), each)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.figures.solids import Solid, join_solids, loft
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
@@ -26,8 +26,7 @@ def spindle(places: Array, heights: Array, widths: Array) -> Solid:
     rings[..., 0] = places[:, None]
     rings[..., 1] = heights[:, None] * np.cos(angle)
     rings[..., 2] = widths[:, None] * np.sin(angle)
-    ends = np.array([[places[0], 0.0, 0.0], [places[-1], 0.0, 0.0]])
-    return loft(rings, ends)
+    return loft(rings, np.array([[places[0], 0.0, 0.0], [places[-1], 0.0, 0.0]]))
 
 
 def plate(outline: Array, thickness: float) -> Solid:
@@ -42,19 +41,12 @@ def plate(outline: Array, thickness: float) -> Solid:
     return Solid(vertices, np.array(faces, dtype=np.uint32))
 
 
-def joined(solids: Sequence[Solid]) -> Solid:
-    """Returns several solids as one."""
-    starts = np.cumsum([0, *(len(solid.vertices) for solid in solids)])
-    faces = [solid.faces + np.uint32(start) for solid, start in zip(solids, starts, strict=False)]
-    return Solid(np.concatenate([s.vertices for s in solids]), np.concatenate(faces))
-
-
 def bird(span: float) -> Solid:
     """Return the body of a bird."""
     x = np.array([-0.20, -0.10, 0.04, 0.16, 0.24, 0.30]) * span
     high = np.array([0.008, 0.035, 0.055, 0.042, 0.034, 0.004]) * span
     tail = np.array([[-0.16, -0.02], [-0.34, -0.07], [-0.36, 0.0], [-0.34, 0.07], [-0.16, 0.02]])
-    return joined([spindle(x, high, 1.05 * high), plate(tail * span, 0.012 * span)])
+    return join_solids([spindle(x, high, 1.05 * high), plate(tail * span, 0.012 * span)])
 
 
 def wing(span: float, side: float) -> Solid:
@@ -88,7 +80,7 @@ def insect(length: float) -> Solid:
     )
     wings = [wing(1.3 * length, side) for side in (1.0, -1.0)]
     lift = np.array([0.0, 0.16 * length, 0.0])
-    return joined([body, *(Solid(w.vertices + lift, w.faces) for w in wings)])
+    return join_solids([body, *(Solid(w.vertices + lift, w.faces) for w in wings)])
 
 
 def drop(length: float) -> Solid:
@@ -133,7 +125,7 @@ def inventory(
             follows += [len(nodes)] * len(solid.vertices)
             nodes.append(Node(f"{name}.{i}{suffix}", name, -1, (0.0, 0.0, 0.0)))
             solids.append(solid)
-    whole = joined(solids)
+    whole = join_solids(solids)
     mesh = Mesh(
         whole.vertices.astype(np.float32),
         whole.faces,

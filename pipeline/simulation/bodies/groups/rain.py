@@ -89,8 +89,7 @@ class RainRule(GroupRule):
             rows.rotations[k] = np.where(falling[:, None, None], self.leaning, np.eye(3))
             grown = np.clip((age - self.fall) / SPLASH_DURATION, 0.0, 1.0)
             wide = 2.0 + (SPLASH_WIDTH - 2.0) * np.sqrt(grown)
-            flat = SPLASH_HEIGHT * (1.0 - grown) + 1e-3
-            splash = np.stack([wide, flat, wide], axis=-1)
+            splash = np.stack([wide, SPLASH_HEIGHT * (1.0 - grown) + 1e-3, wide], axis=-1)
             rows.scales[k] = np.where(falling[:, None], 1.0, splash)
             rows.alive[k] = age < self.fall + SPLASH_DURATION
             if self.config.splash and time > self._time:

@@ -70,16 +70,14 @@ class GoalSelector:
             if sent:
                 return sent[-1]
             if self._followed is not None:
-                up = np.array([0.0, self.config.above, 0.0])
-                return others.p[k, self._followed] + up
+                return others.p[k, self._followed] + np.array([0.0, self.config.above, 0.0])
             return self._of_path(p) if self.config.path else self.setting.place
 
         return goal
 
     def _of_path(self, p: Array) -> Array:
         path = self.config.path
-        place = np.array(path[self._next])
-        away = place - p.mean(axis=0)
+        away = np.array(path[self._next]) - p.mean(axis=0)
         if (away * away).sum() < (WAYPOINT_LEAD_TIME * self.config.speed) ** 2:
             self._next = (self._next + 1) % len(path)
         return np.array(path[self._next])
@@ -190,7 +188,12 @@ class Steering:
         a = must + wish * _limit_factors(wish, left)
         unrest = self.chance.standard_normal(self.p.shape)
         v = self.v + h * a + VELOCITY_NOISE * self.speed * math.sqrt(h) * unrest
-        self.v = self._flyable(v)
+        own = _length(v)
+        limit = self.steepest * own
+        v[:, 1] = np.clip(v[:, 1], -limit, limit)
+        own = _length(v)
+        bounded = np.clip(own, MIN_SPEED * self.speed, MAX_SPEED * self.speed)
+        self.v = v * (bounded / np.maximum(own, 1e-9))[:, None]
         self.p = self.p + h * self.v
         self.a = self.a + (a - self.a) * (1.0 - math.exp(-h / 0.2))
 
@@ -215,15 +218,6 @@ class Steering:
         drawn = np.clip(far / room - 1.0, 0.0, 4.0) / np.maximum(far, 1e-9)
         wish += config.cohesion * COHESION_GAIN * room * (to * drawn[..., None]).mean(axis=1)
         return wish
-
-    def _flyable(self, v: Array) -> Array:
-        """Returns velocities (N, 3) within the limits of speed and climb."""
-        own = _length(v)
-        limit = self.steepest * own
-        v[:, 1] = np.clip(v[:, 1], -limit, limit)
-        own = _length(v)
-        bounded = np.clip(own, MIN_SPEED * self.speed, MAX_SPEED * self.speed)
-        return v * (bounded / np.maximum(own, 1e-9))[:, None]
 
 
 def nearest_members(p: Array, count: int) -> NDArray[np.int64]:

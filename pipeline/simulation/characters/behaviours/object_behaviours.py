@@ -69,8 +69,7 @@ class PlayBall(ConfiguredBehaviour[Play]):
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        at = mind.place(self.ball)
-        ball = at + BALL_PREDICTION * mind.velocity(self.ball)
+        ball = mind.place(self.ball) + BALL_PREDICTION * mind.velocity(self.ball)
         offset = ball - mind.at
         distance = max(math.hypot(offset[0], offset[1]), 1e-6)
         aim = self._aim(mind, ball, offset / distance)

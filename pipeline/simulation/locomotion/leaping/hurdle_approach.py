@@ -85,7 +85,13 @@ def _plan_approach(
     hurdle = hurdle_profile(solids, xz, float(route_heading), clearance_half_width(hopper))
     if hurdle is None:
         return "it is not there"
-    state = _standing_at(hopper, ground, xz, float(route_heading))
+    # A state crouching on level ground at a place (2,) [m].
+    R = heading(float(route_heading))
+    base = float(ground.height(xz[0], xz[1]))
+    origin = np.array([xz[0], base + hopper.standing_height, xz[1]])
+    feet = hopper.rest_feet @ R.T + [xz[0], 0.0, xz[1]]
+    feet[:, 1] = base + hopper.sole_radii
+    state = crouched_state(hopper, standing_state(hopper, R, origin, feet, 0.0))
     # It cannot stop before its braking distance.
     braking = float(progress.braking_distance[c]) * float(progress.speed_fraction[c]) ** 2
     earliest = float(progress.distance[c]) + braking
@@ -163,16 +169,6 @@ def _meeting_point(
         if profile is not None and profile.near <= 0.0 <= profile.far:
             return float(ways[k])
     return None
-
-
-def _standing_at(hopper: Hopper, ground: Ground, xz: Array, angle: float) -> HopState:
-    """Return a state crouching on level ground at a place (2,) [m]."""
-    R = heading(angle)
-    base = float(ground.height(xz[0], xz[1]))
-    origin = np.array([xz[0], base + hopper.standing_height, xz[1]])
-    feet = hopper.rest_feet @ R.T + [xz[0], 0.0, xz[1]]
-    feet[:, 1] = base + hopper.sole_radii
-    return crouched_state(hopper, standing_state(hopper, R, origin, feet, 0.0))
 
 
 def turn_towards(route: Route, spot: Array, near: float, radius: float) -> Route | None:

@@ -71,7 +71,9 @@ def finish_phase(hopper: Hopper, ground: Ground, state: HopState, events: HopEve
         case "pushing":
             take_off(hopper, ground, state, events)
         case "rising":
-            _begin_straightening(state)
+            time = float(state.v[1] / state.a[1])
+            state.phase, state.a = "straightening", -state.a
+            state.phase_end = state.time + time
         case "straightening":
             _begin_standing(state)
             wake_if_jumping(hopper, state)
@@ -307,12 +309,6 @@ def _begin_rise(hopper: Hopper, ground: Ground, state: HopState) -> None:
     force = 0.0, hopper.mass.mass * (float(state.a[1]) + GRAVITY), 0.0
     q = leaning_attitude(hopper, ground, x, z, now.heading)
     state.control = _attitude_control(hopper, state, force, q, ZERO_VECTOR, 0.5 * time)
-
-
-def _begin_straightening(state: HopState) -> None:
-    time = float(state.v[1] / state.a[1])
-    state.phase, state.a = "straightening", -state.a
-    state.phase_end = state.time + time
 
 
 def _begin_standing(state: HopState) -> None:

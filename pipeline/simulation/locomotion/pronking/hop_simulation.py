@@ -112,7 +112,7 @@ class HopSimulation:
             if left <= TIME_TOLERANCE:
                 break
             if state.phase == "fallen":
-                self._advance_fall(left)
+                self.events += self.fall.advance(self.state, left)
                 break
             known = (
                 self._margins(state.body(self.hopper))
@@ -290,6 +290,3 @@ class HopSimulation:
         joints = self.read_joints(now, tips, state.down)
         begin_fall(state, (tips - now.origin) @ now.R)
         self.fall.begin(self.hopper, self.ground, state, joints)
-
-    def _advance_fall(self, h: float) -> None:
-        self.events += self.fall.advance(self.state, h)

@@ -139,7 +139,12 @@ class LegSolver:
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """Return which of some feet are in the ground, and how deep [m]."""
         c = self.herd.owner[legs]
-        tips = p[rows, c] + turn(R[rows, c], self._foot_places(solution, rows, legs))
+        # The tips (k, 3) of some legs, in the frames of their bodies [m].
+        batch = self.herd.legs
+        last = batch.is_joint[legs].sum(axis=-1) - 1
+        X = solution.X_BJ[rows, legs, last]
+        arm = batch.tips[legs] - batch.places[legs, last]
+        tips = p[rows, c] + turn(R[rows, c], (X[:, :3, 3] + turn(X[:, :3, :3], arm)))
         depth = (
             lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs])
             - tips[:, 1]
@@ -153,16 +158,6 @@ class LegSolver:
         result = solve_near_rest(self.herd.legs, self.herd.chains, goals[chosen])
         for name in ("q", "X_BJ", "residual"):
             getattr(solution, name)[chosen] = getattr(result, name)
-
-    def _foot_places(
-        self, solution: RestSolution, rows: NDArray[np.int64], legs: NDArray[np.int64]
-    ) -> Array:
-        """Return the tips (k, 3) of some legs, in the frames of their bodies [m]."""
-        batch = self.herd.legs
-        last = batch.is_joint[legs].sum(axis=-1) - 1
-        X = solution.X_BJ[rows, legs, last]
-        arm = batch.tips[legs] - batch.places[legs, last]
-        return X[:, :3, 3] + turn(X[:, :3, :3], arm)
 
     def _clamp_reach(self, goals: Array, down: NDArray[np.bool_]) -> Array:
         """Return goals (n, L, 3) in the air, limited to what legs can stretch and fold [m]."""
@@ -203,7 +198,13 @@ def free_foot_place(
     distances = np.array(
         [k * length for k in STRETCH_LEVELS if k * length > folded_length] + [1.02 * folded_length]
     )
-    places = hip + (distances[:, None, None] * _sphere_directions()).reshape(-1, 3)
+    # Unit vectors (k, 3) all around.
+    y = np.linspace(-1.0, 1.0, LATITUDES)
+    angle = np.arange(LONGITUDES) * (2.0 * math.pi / LONGITUDES)
+    r = np.sqrt(1.0 - y * y)[:, None]
+    level = np.broadcast_to(y[:, None], (LATITUDES, LONGITUDES))
+    result: Array = np.stack([r * np.cos(angle), level, r * np.sin(angle)], axis=-1)
+    places = hip + (distances[:, None, None] * result.reshape(-1, 3)).reshape(-1, 3)
     places = places[np.argsort(((places - goal) ** 2).sum(axis=-1), kind="stable")]
     feet = places @ R.T + p
     lowest = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
@@ -212,13 +213,3 @@ def free_foot_place(
     _, error = solve_each_near_rest(herd.legs, herd.chains, legs, places)
     reached: NDArray[np.int64] = np.flatnonzero(error <= SOLVED_DISTANCE)
     return places[reached[0]] if len(reached) else None
-
-
-def _sphere_directions() -> Array:
-    """Return unit vectors (k, 3) all around."""
-    y = np.linspace(-1.0, 1.0, LATITUDES)
-    angle = np.arange(LONGITUDES) * (2.0 * math.pi / LONGITUDES)
-    r = np.sqrt(1.0 - y * y)[:, None]
-    level = np.broadcast_to(y[:, None], (LATITUDES, LONGITUDES))
-    result: Array = np.stack([r * np.cos(angle), level, r * np.sin(angle)], axis=-1)
-    return result.reshape(-1, 3)

@@ -195,7 +195,15 @@ def spline_route(points: Sequence[Array], heading: float | None, closed: bool = 
     if closed:
         p = np.concatenate([p, p[:1]])
     gaps = np.sqrt(np.linalg.norm(np.diff(p, axis=0), axis=-1))
-    tangents = _tangents(p, gaps, closed)
+    # Derivatives (n, 2) at the waypoints, by the root of the chord's length.
+    slopes = np.diff(p, axis=0) / gaps[:, None]
+    a, b = gaps[:-1, None], gaps[1:, None]
+    inner = (b * slopes[:-1] + a * slopes[1:]) / (a + b)
+    first, last = slopes[0], slopes[-1]
+    if closed:
+        a, b = gaps[-1], gaps[0]
+        first = last = (b * slopes[-1] + a * slopes[0]) / (a + b)
+    tangents = np.concatenate([[first], inner, [last]])
     if heading is not None:
         tangents[0] = heading_vector(heading) * gaps[0]
         if closed:
@@ -216,18 +224,6 @@ def connecting_route(start: tuple[Array, float], end: tuple[Array, float]) -> Ro
     u = np.linspace(0.0, 1.0, 8 * ENTRIES + 1)[:, None]
     tangents = chord * heading_vector(heading_a), chord * heading_vector(heading_b)
     return _by_arc_length(_hermite(a, b, *tangents, u), ENTRIES)
-
-
-def _tangents(p: Array, gaps: Array, closed: bool) -> Array:
-    """Return derivatives (n, 2) at the waypoints, by the root of the chord's length."""
-    slopes = np.diff(p, axis=0) / gaps[:, None]
-    a, b = gaps[:-1, None], gaps[1:, None]
-    inner = (b * slopes[:-1] + a * slopes[1:]) / (a + b)
-    first, last = slopes[0], slopes[-1]
-    if closed:
-        a, b = gaps[-1], gaps[0]
-        first = last = (b * slopes[-1] + a * slopes[0]) / (a + b)
-    return np.concatenate([[first], inner, [last]])
 
 
 def _hermite(a: Array, b: Array, t_a: Array, t_b: Array, u: Array) -> Array:

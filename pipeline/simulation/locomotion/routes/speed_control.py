@@ -57,7 +57,15 @@ def advance(progress: RouteProgress, airborne: NDArray[np.bool_]) -> None:
         update_limits(progress)
     progress.steps += 1
     if progress.transition_ends:
-        _follow_transitions(progress)
+        # Set cycle and stride of creatures that change their pace.
+        for c, end in list(progress.transition_ends.items()):
+            at = progress.phase[c : c + 1]
+            progress.cycle[c] = progress.paces.number("cycle", c, at)[0]
+            progress.stride[c] = progress.paces.number("stride", c, at)[0]
+            progress.phase_per_step[c] = progress.dt / progress.cycle[c]
+            if progress.phase[c] >= end:
+                del progress.transition_ends[c]
+        update_limits(progress)
     if progress.steady_step is not None:
         step, turn = progress.steady_step
         progress.distance, progress.phase = progress.distance + step, progress.phase + turn
@@ -96,18 +104,6 @@ def predicted(progress: RouteProgress) -> Iterator[ProgressSample]:
         fraction, step, rate = _next_speed(progress, fraction, ramped)
         distance, phase = distance + step, phase + rate * progress.phase_per_step
         yield ProgressSample(distance, phase, fraction)
-
-
-def _follow_transitions(progress: RouteProgress) -> None:
-    """Set cycle and stride of creatures that change their pace."""
-    for c, end in list(progress.transition_ends.items()):
-        at = progress.phase[c : c + 1]
-        progress.cycle[c] = progress.paces.number("cycle", c, at)[0]
-        progress.stride[c] = progress.paces.number("stride", c, at)[0]
-        progress.phase_per_step[c] = progress.dt / progress.cycle[c]
-        if progress.phase[c] >= end:
-            del progress.transition_ends[c]
-    update_limits(progress)
 
 
 def _ramped(progress: RouteProgress, target: Array, phase: Array) -> Array:

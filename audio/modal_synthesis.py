@@ -19,6 +19,14 @@ import numpy as np
 from audio.dsp import SILENCE_EXPONENT, Signal
 from audio.time_grid import SAMPLE_RATE
 
+# --- Stick-slip friction of dry surfaces at low speed -----------------------------
+# A spring of stiffness k is stretched at a speed v while its end sticks. When its force has grown
+# from that of sliding to that of sticking, F_d to F_s, the end slips for half its own oscillation
+# period T and sticks again. A cycle lasts 2 (F_s - F_d) / (k v) + T / 2: slow joints tick, fast
+# ones squeak, and the squeak is never higher than the oscillation.
+#
+# Source: Bowden and Leben 1939; the closed form is that of a mass on a belt with two frictions.
+
 SLIP_SHARE = 0.2
 """Share of a cycle that is slip, at the greatest speed."""
 

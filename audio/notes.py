@@ -20,6 +20,9 @@ from audio.quantisation import TimingShifts, quantise, timing_shifts
 from audio.score import Score, ScoreEvent
 from audio.time_grid import nearest_frame_time
 
+# --- Phrases: the note, chord or sequence of notes that a voice plays for an event
+# Source: Sims 1987, 13.1 (a sound event gives "a note of arbitrary complexity").
+
 _DEFAULT_STEP_BEATS = 0.5
 
 

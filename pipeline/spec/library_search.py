@@ -26,6 +26,8 @@ from pipeline.spec.suggestions import hint
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_reader import read_file
 
+# --- Scene library: files of scenes and figures by their names, beside the author's and shipped
+
 SUFFIX = ".yaml"
 FIGURES = "figures"
 """Folder of figure files beside a scene and in the library."""

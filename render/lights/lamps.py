@@ -24,6 +24,10 @@ from render.lights.panorama_light import panorama_light
 from render.lights.studio_light import studio_light
 from render.shot import LampPlace
 
+# --- The emitters of a scene: an environment map and a key light, exposed for a grey card
+# All light but that of lamps is scaled so that a grey card half turned to the key light shows as
+# middle grey, or darker by some stops at night, as a photographer would expose it.
+
 _STRONG_KEY_SHARE = 0.02
 """Share of the card's light from which a key light alone is worth a shadow ray."""
 

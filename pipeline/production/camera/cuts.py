@@ -28,6 +28,8 @@ from render.config import Camera
 from render.config.camera import Focus
 from render.shot import CameraPose, Lens
 
+# A sensor 24 mm high has a vertical field of view φ with a focal length f = 12 mm / tan(φ/2); an
+# f-number N gives an aperture of radius f / 2N.
 HALF_SENSOR = 0.012
 """Half the height of the sensor [m]."""
 
@@ -96,6 +98,8 @@ def _depth(path: CameraPath, places: Array) -> Array:
     depth: Array = np.einsum("fk,fk->f", places - path.eye, ahead)
     return depth.clip(MIN_FOCUS, MAX_FOCUS)
 
+
+# --- Pose interpolation: the camera between two frames, while the shutter is open -
 
 Triple = tuple[float, float, float]
 

@@ -34,6 +34,8 @@ from pipeline.spec.model_base import ConfigModel, Integer, Number
 from pipeline.spec.source_tree import tree_of
 from pipeline.spec.validation import check
 
+# --- Requests: typed parameters of the methods, validated as scenes are -----------
+
 ParamsModel = TypeVar("ParamsModel", bound=ConfigModel)
 
 Count = Annotated[Integer, Field(ge=1, le=10**9)]

@@ -114,6 +114,8 @@ TOPICS: Mapping[str, Callable[[StateQueries, int, Collection[str]], object]] = {
 """The method of each `requests.Topic`."""
 
 
+# --- Notifications: events of a simulation since the last call, as plain values ---
+
 NOTE_KIND, ORDER_KIND = "note", "told"
 
 EVENT_KINDS = tuple(dict.fromkeys((*SIGNAL_KINDS, *CAUSES, NOTE_KIND, ORDER_KIND)))

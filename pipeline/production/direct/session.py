@@ -217,6 +217,8 @@ def _refuse_unknown_names(
         raise SceneError(problems)
 
 
+# --- Server: answers messages, sends notifications, and records the scene at its end
+
 NOTIFICATION_METHOD = "happened"
 """Method of notifications."""
 

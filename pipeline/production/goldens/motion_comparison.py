@@ -36,6 +36,8 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 
+# --- Motion deviations: differences of a take's poses, channels and ground from its golden
+
 
 @dataclass(frozen=True, eq=False)
 class Deviations:

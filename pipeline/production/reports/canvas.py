@@ -234,6 +234,8 @@ def write_pictures(stem: Path, svg: str) -> tuple[Path, Path]:
     return files
 
 
+# --- Time axis shared by the plots: seconds below, frames above -------------------
+
 PIXELS_PER_SECOND, MIN_LENGTH, MAX_LENGTH = 260, 1000, 6000
 """Scale of an axis, and the bounds of its length [pixels]."""
 

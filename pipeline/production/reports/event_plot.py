@@ -41,6 +41,8 @@ from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.shot_builder import ShotBuilder
 
+# --- Piano roll: the notes of a score on their pitches, colored by their causes ---
+
 HEIGHT, MIN_ROW, MAX_ROW = 260.0, 7.0, 14.0
 """Height of a roll, about, and bounds of the height of one pitch [pixels]."""
 

@@ -47,6 +47,8 @@ from pipeline.simulation.figure_analysis import (
 )
 from pipeline.spec import load_figures
 
+# --- Figure sheet: text, facts and picture of a figure, before any scene needs it -
+
 WIDTH, TOP, GAP = 1600, 92, 20
 """Of the page, above its panels and between them [pixels]."""
 

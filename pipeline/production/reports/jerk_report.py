@@ -39,6 +39,8 @@ from pipeline.simulation.dance_trials import (
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Dance
 
+# --- Jerk plot: paths and speeds of the hands, subtask by subtask, for both controllers
+
 COLORS = {"torque": "#2f8f9d", "force": "#e07a3f"}
 
 ACROSS, WIDTH, HEIGHT, GAP, TOP = 4, 330, 300, 18, 96

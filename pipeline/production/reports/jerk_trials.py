@@ -181,6 +181,11 @@ def _suits_fields(dance: Dance, k: int) -> bool:
     return not subtask.is_of_joints or any(joint.startswith(moving) for joint in subtask.joints)
 
 
+# --- Jerk fit: gains with which a dancer moves more smoothly and still reaches its places
+# Coordinate search: one gain after the other is tried a factor higher and lower and kept where it
+# helps, with smaller factors round by round. The score is the mean logarithm of the dimensionless
+# jerk over the subtasks, so that each of them counts alike.
+
 FACTORS = (1.6, 1.25)
 """Factor of a gain in each round."""
 

@@ -14,6 +14,8 @@ from pipeline.errors import UsageError
 from pipeline.spec import Scene
 from render.backend import Choice
 
+# --- Frame ranges in the notation of film pipelines -------------------------------
+
 MAX_NAME_LENGTH = 80
 """Of frame ranges in a file's name; systems allow 255 bytes in all."""
 

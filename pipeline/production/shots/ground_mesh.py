@@ -18,6 +18,8 @@ from pipeline.simulation.terrain.heightfield import surface_of_vertices
 from render.footprints import BLOCK, MAX_FOOTPRINTS, FootprintRaster, pack_texels
 from render.shot import Mesh
 
+# --- Footprints of a take on soft ground, from the moment of each contact ---------
+
 SOFT_GROUNDS: Mapping[str, tuple[float, float]] = {
     "snow": (0.035, 0.16),
     "sand": (0.022, 0.30),

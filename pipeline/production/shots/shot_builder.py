@@ -24,6 +24,8 @@ from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Lamp, Material
 from render.shot import LampPlace, Mesh, Moment, Shot
 
+# --- Lamp placement: positions of the lamps of a scene at any row of its take -----
+
 Triple = tuple[float, float, float]
 
 

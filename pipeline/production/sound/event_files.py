@@ -77,6 +77,11 @@ def _records(take: Take) -> Iterator[dict[str, Any]]:
         }
 
 
+# --- Cue files for editing programs: an Audacity label track and a CMX 3600 edit list
+# Timecode counts rates of n * 1000/1001 as n, without drop-frame numbers: frames are counted.
+#
+# Source: CMX 3600.
+
 TITLE_LENGTH = 70
 """Greatest length of an edit list's title [characters]."""
 

@@ -94,6 +94,9 @@ def _azimuth(offset: Array, forward: Array, up: Array) -> float:
     return float(np.arctan2(offset @ right, offset @ normalized(ahead)))
 
 
+# --- Strike positions: the point of impact on a part, along its longest axis ------
+
+
 class StrikePositions:
     """Finds the point of impact of events on the rigid parts of a take."""
 

@@ -32,16 +32,8 @@ Place = tuple[float, float, float]
 ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = (
-    "nodes",
-    "channels",
-    "parts",
-    "contacts",
-    "events",
-    "notes",
-    "told",
-    "mechanisms",
-    "legs",
-    "aliases",
+    *("nodes", "channels", "parts", "contacts", "events"),
+    *("notes", "told", "mechanisms", "legs", "aliases"),
 )
 """Attributes of a take that are tables of records."""
 

@@ -64,5 +64,12 @@ def replace_folder(new: Path, place: Path) -> None:
     with suppress(FileNotFoundError):
         os.replace(place, old)
     os.replace(new, place)
-    # A file may have stood where the folder belongs.
-    old.unlink(missing_ok=True) if old.is_file() else shutil.rmtree(old, ignore_errors=True)
+    remove(old)
+
+
+def remove(path: Path) -> None:
+    """Removes a file, a link or a folder, if there is one."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import json
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from pipeline.atomic_file import remove
 from pipeline.errors import StoreError
 
 """Suffix of folders that are being written."""
@@ -130,16 +130,9 @@ def _clear(outputs: Outputs) -> None:
     own = [f".{outputs.name}{end}"[:65] for end in "._"]
     for path in outputs.folder.iterdir():
         if path.name.startswith((*own, ".events.", ".manifest.", ".take.")):
-            _remove(path)
+            remove(path)
     for path in outputs.frames.glob(".[0-9]*"):
-        _remove(path)
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        path.unlink(missing_ok=True)
+        remove(path)
 
 
 FORMAT = 1

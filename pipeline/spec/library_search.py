@@ -14,7 +14,10 @@ from pipeline.errors import Problem, UsageError
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
 from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.suggestions import hint
+from pipeline.spec.validation import check
+from pipeline.spec.yaml_reader import read_file
+from pipeline.spec.yaml_tree import (
     ListNode,
     MappingNode,
     ScalarNode,
@@ -22,9 +25,6 @@ from pipeline.spec.source_tree import (
     SourceNode,
     tree_of,
 )
-from pipeline.spec.suggestions import hint
-from pipeline.spec.validation import check
-from pipeline.spec.yaml_reader import read_file
 
 # --- Scene library: files of scenes and figures by their names, beside the author's and shipped
 

@@ -27,11 +27,11 @@ from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.overrides import override
 from pipeline.spec.renamed_keys import rename_keys
 from pipeline.spec.scene import VERSION, Scene
-from pipeline.spec.source_tree import ListNode, MappingNode, ScalarNode, plain_values
 from pipeline.spec.suggestions import hint
 from pipeline.spec.timing import faults_of_timing
 from pipeline.spec.validation import check, in_order, problems_of_faults
 from pipeline.spec.yaml_reader import read_bytes, read_file
+from pipeline.spec.yaml_tree import ListNode, MappingNode, ScalarNode, plain_values
 
 LOG = logging.getLogger("pronk")
 

@@ -26,7 +26,8 @@ from yaml.reader import ReaderError
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.yaml_scalars import Scalar, scalar_of
+from pipeline.spec.yaml_tree import (
     REFUSED,
     Entry,
     InvalidValue,
@@ -36,7 +37,6 @@ from pipeline.spec.source_tree import (
     SourceLocation,
     SourceNode,
 )
-from pipeline.spec.yaml_scalars import Scalar, scalar_of
 
 MAX_VALUES = 100_000
 """Values of a file after its aliases are expanded."""

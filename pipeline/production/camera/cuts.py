@@ -10,10 +10,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.camera.auto_framing import AutoFraming, lead_offset
 from pipeline.production.camera.camera_path import CameraPath, smoothed
 from pipeline.production.camera.camera_target import CameraTarget, follow
 from pipeline.production.camera.clearance import Clearance, VisibleGround
-from pipeline.production.camera.framing import AutoFraming, lead_offset
 from pipeline.production.camera.keyframed_camera import (
     animated_path,
     fields_of_view,

@@ -31,8 +31,8 @@ from pydantic import Field
 from pipeline.errors import PronkError, SceneError
 from pipeline.production.direct.transport import MAX_MESSAGE_BYTES, OversizedMessage
 from pipeline.spec.model_base import ConfigModel, Integer, Number
-from pipeline.spec.source_tree import tree_of
 from pipeline.spec.validation import check
+from pipeline.spec.yaml_tree import tree_of
 
 # --- Requests: typed parameters of the methods, validated as scenes are -----------
 

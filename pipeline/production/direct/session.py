@@ -24,7 +24,7 @@ from pipeline.production.direct.queries import (
     NotificationQueue,
     StateQueries,
 )
-from pipeline.production.direct.recording import RecordedScene, SceneRecorder
+from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder
 from pipeline.production.direct.transport import Disconnected, MessageStream, Transport
 from pipeline.production.run.interrupts import answered, held_back
 from pipeline.simulation.casting import makes_machine_code

@@ -10,12 +10,8 @@ import numpy as np
 from pipeline.production.camera.cuts import PoseInterpolator, camera_poses, first_frames
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes, resolve_parents
 from pipeline.production.shots.ground_mesh import footprint_timeline, ground_meshes
-from pipeline.production.shots.skinning import (
-    Skin,
-    interpolated_poses,
-    pattern_coordinates,
-    visible_parts,
-)
+from pipeline.production.shots.pattern_coordinates import pattern_coordinates
+from pipeline.production.shots.skinning import Skin, interpolated_poses, visible_parts
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.spatial import Array, matrix

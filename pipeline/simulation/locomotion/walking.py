@@ -39,10 +39,11 @@ from pipeline.simulation.locomotion.stepping import Stepping, phase_before_lift,
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TakeNote
-from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 

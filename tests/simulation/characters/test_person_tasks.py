@@ -14,9 +14,8 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 from pipeline.spec.library_search import library
 from pipeline.spec.scene_loader import load_scene
-
-from .character_yard import least_bend
-from .scripted_people import STEPS, J, play_scene, troupe_of
+from tests.simulation.characters.character_yard import least_bend
+from tests.simulation.characters.scripted_people import STEPS, J, play_scene, troupe_of
 
 pytestmark = pytest.mark.slow
 

@@ -421,6 +421,6 @@ def test_a_misspelt_kind_is_reported_once() -> None:
 
 
 def test_parts_are_named_by_joints() -> None:
-    from pipeline.spec.character import PARTS
+    from pipeline.spec.character_kinds import PARTS
 
     assert set(PARTS) == set(J)

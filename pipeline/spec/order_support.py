@@ -41,6 +41,7 @@ from pipeline.spec.verbs import (
     PERSON,
     VERBS,
     WALKER,
+    key_of_order,
     verbs_of,
 )
 
@@ -129,7 +130,7 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
     if performer is None:
         yield _fault_of_performer(name, member, (*path, "who"))
         return
-    key, order = _key_of_order(do), (*path, "do")
+    key, order = key_of_order(do), (*path, "do")
     if key is None:
         return
     if performer not in VERBS[key].performers:
@@ -150,13 +151,6 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         yield from _faults_of_part(do, order, named.cast)
     if performer == DANCER:
         yield from _faults_of_dancer(name, member, do, order, named)
-
-
-def _key_of_order(do: object) -> str | None:
-    """Return the order in `do`: its word, or the first of its keys that is a verb."""
-    if isinstance(do, str):
-        return do if do in VERBS else None
-    return next((key for key in VERBS if value_at(do, key) is not None), None)
 
 
 def _at_order(do: object, key: str, path: Path, message: str) -> Fault:

@@ -340,6 +340,11 @@ class When(ConfigModel):
             raise_faults([Fault((), f"should have one of {', '.join(EVENTS)}")])
         return self
 
+    @property
+    def event(self) -> str:
+        """Kind of the event, one of `EVENTS`."""
+        return next(key for key in EVENTS if getattr(self, key) is not None)
+
 
 class Instruction(ConfigModel):
     """An order to a performer, and when it is given."""

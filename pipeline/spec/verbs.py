@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from pipeline.spec.partial_scene import value_at
 from pipeline.spec.targets import (
     ANYBODY,
     ANYTHING,
@@ -43,12 +44,14 @@ class Verb:
         performers: keys of `PERFORMERS` that can do it.
         targets: kinds of targets, by the key of the order that names one.
         ends: whether it is done at some moment; the others last until another order.
+        is_aside: whether it leaves what the performer does otherwise as it is.
     """
 
     meaning: str
     performers: tuple[str, ...]
     targets: Mapping[str, TargetKind] = field(default_factory=dict)
     ends: bool = False
+    is_aside: bool = False
 
 
 VERBS: Mapping[str, Verb] = {
@@ -79,17 +82,20 @@ VERBS: Mapping[str, Verb] = {
         "keep off a member of the cast or a place from now on",
         (WALKER, PERSON),
         {"avoid": ANYTHING},
+        is_aside=True,
     ),
-    "look_at": Verb("look at something from now on", ALL_SINGLE, {"look_at": ANYTHING}),
-    "look": Verb("look ahead again", ALL_SINGLE),
+    "look_at": Verb(
+        "look at something from now on", ALL_SINGLE, {"look_at": ANYTHING}, is_aside=True
+    ),
+    "look": Verb("look ahead again", ALL_SINGLE, is_aside=True),
     "stop": Verb("stop here", ALL_SINGLE),
     "walk": Verb("walk straight on, or go on after a wait", (WALKER, PERSON)),
     "hop": Verb("hop straight on", (HOPPER,)),
     "wait": Verb("stop, and go on later", ALL_SINGLE),
     "turn_deg": Verb("turn by an angle", (*CREATURES, PERSON)),
-    "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON)),
-    "gait": Verb("change to another gait", (WALKER,)),
-    "mood": Verb("move in another mood", (WALKER,)),
+    "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON), is_aside=True),
+    "gait": Verb("change to another gait", (WALKER,), is_aside=True),
+    "mood": Verb("move in another mood", (WALKER,), is_aside=True),
     "hop_over": Verb("jump over something and go on", CREATURES, {"hop_over": OBSTACLE}, ends=True),
     "jump": Verb("make one jump and go on", CREATURES, ends=True),
     "reach": Verb("hold a hand out to something", (PERSON, DANCER), {"reach": ANYTHING}, ends=True),
@@ -121,10 +127,17 @@ VERBS: Mapping[str, Verb] = {
     "sit": Verb("sit down, on the ground or on something", (PERSON,), {"sit": SEAT}, ends=True),
     "stand": Verb("stand up", (PERSON,), ends=True),
     "freeze": Verb("keep quite still until another order", (PERSON, DANCER)),
-    "urge": Verb("have more or less of a mind to do something by itself", (PERSON,)),
+    "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),
     "dance": Verb("dance something from now on, or some bars of it", (DANCER,)),
 }
 """All orders by the word or key that selects them."""
+
+
+def key_of_order(do: object) -> str | None:
+    """Return the order in `do`, typed or raw: its word, or the first of its keys that is a verb."""
+    if isinstance(do, str):
+        return do if do in VERBS else None
+    return next((key for key in VERBS if value_at(do, key) is not None), None)
 
 
 def verbs_of(performer: str) -> list[str]:

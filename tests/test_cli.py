@@ -353,7 +353,10 @@ def test_figure_tells_and_pictures_a_figure(pronk: Pronk, folder: Path) -> None:
     assert (folder / "seen" / "beetle.png").is_file()
     code, out, err = pronk("figure", "beatle")
     assert (code, out) == (2, "")
-    assert err == "error: no figure or scene is called 'beatle', did you mean 'beetle'?\n"
+    assert err == (
+        "error: no figure or scene is called 'beatle', did you mean 'beetle'? "
+        "`pronk list figures` has all 14\n"
+    )
 
 
 def test_check_tells_the_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> None:

@@ -159,6 +159,18 @@ def tree_of(value: Any, place: SourceLocation = NO_LOCATION) -> SourceNode:
     return ScalarNode(place, value)
 
 
+def with_node(tree: SourceNode, path: Sequence[PathSegment], node: SourceNode) -> SourceNode:
+    """Return the tree with another node at a path that it has."""
+    if not path:
+        return node
+    step, *below = path
+    if isinstance(tree, MappingNode) and isinstance(step, str):
+        return tree.with_value(step, with_node(tree.entries[step].value, below, node))
+    assert isinstance(tree, ListNode)
+    assert isinstance(step, int)
+    return tree.with_item(step, with_node(tree.items[step], below, node))
+
+
 def has_refused(tree: SourceNode) -> bool:
     """Return whether a value in the tree was refused."""
     match tree:

@@ -15,13 +15,8 @@ from pathlib import Path
 from pipeline.errors import Problem, SceneError, UsageError
 from pipeline.spec.figure import Figure
 from pipeline.spec.file_references import complete_file_names
-from pipeline.spec.library_search import (
-    DANCE_BLOCK,
-    FIGURE_BLOCK,
-    FigureFile,
-    LibrarySearch,
-    find_figure,
-)
+from pipeline.spec.library import find_figure
+from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, FigureFile, LibrarySearch
 from pipeline.spec.model_base import NAME_PATTERN
 from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.overrides import override

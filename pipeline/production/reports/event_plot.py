@@ -19,23 +19,11 @@ from audio.notes import Note, notes_of
 from audio.score import Marker, Score
 from audio.time_grid import TickGrid, tick_grid
 from audio.wav_file import read_waveform
-from pipeline.production.reports.canvas import (
-    FAINT,
-    GRID,
-    INK,
-    LETTER_WIDTH,
-    MARGIN,
-    PANEL,
-    WARNING,
-    Axis,
-    Canvas,
-    Panel,
-    cause_color,
-    draw_frames,
-    draw_seconds,
-    write_plot,
-)
+from pipeline.production.reports.canvas import LETTER_WIDTH, MARGIN, Canvas, Panel
+from pipeline.production.reports.plot_colors import FAINT, GRID, INK, PANEL, WARNING, cause_color
+from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.stills import thumbnails
+from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter

@@ -16,17 +16,7 @@ import drawsvg
 import numpy as np
 
 from pipeline.errors import SceneError, StoreError
-from pipeline.production.reports.canvas import (
-    BODY_COLOR,
-    FAINT,
-    INK,
-    MARGIN,
-    WARNING,
-    Canvas,
-    Panel,
-    limb_colors,
-    write_pictures,
-)
+from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
 from pipeline.production.reports.figure_drawing import (
     FRONT,
     SIDE,
@@ -35,6 +25,8 @@ from pipeline.production.reports.figure_drawing import (
     draw_view,
     scale_of,
 )
+from pipeline.production.reports.plot_colors import BODY_COLOR, FAINT, INK, WARNING, limb_colors
+from pipeline.production.reports.plot_files import write_pictures
 from pipeline.simulation.figure_analysis import (
     BODY,
     DenavitRow,

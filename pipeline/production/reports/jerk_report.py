@@ -14,7 +14,7 @@ import drawsvg
 import numpy as np
 
 from pipeline.atomic_file import write_if_changed
-from pipeline.production.reports.canvas import FAINT, INK, MARGIN, Canvas, Panel, write_plot
+from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
 from pipeline.production.reports.jerk_trials import (
     Agreement,
     Column,
@@ -24,6 +24,8 @@ from pipeline.production.reports.jerk_trials import (
     is_figure_three,
     trials_of,
 )
+from pipeline.production.reports.plot_colors import FAINT, INK
+from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import working

@@ -26,7 +26,8 @@ from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
 from pipeline.production.shots.shot_builder import ShotBuilder
-from pipeline.production.sound.event_files import write_cues, write_events
+from pipeline.production.sound.cue_files import write_cues
+from pipeline.production.sound.event_files import write_events
 from pipeline.production.sound.score_builder import build_score
 from pipeline.production.sound.sound_report import (
     loudness_summary,

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import contextlib
 
+from pipeline.production.direct.notification_queue import Notification
 from pipeline.production.direct.protocol import (
     Protocol,
     notification,
 )
 from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder
 from pipeline.production.direct.session import Session
-from pipeline.production.direct.state_queries import (
-    Notification,
-)
 from pipeline.production.direct.transport import Disconnected, MessageStream, Transport
 from pipeline.production.run.interrupts import answered
 from pipeline.simulation.casting import makes_machine_code

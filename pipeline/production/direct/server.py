@@ -5,10 +5,7 @@ from __future__ import annotations
 import contextlib
 
 from pipeline.production.direct.notification_queue import Notification
-from pipeline.production.direct.protocol import (
-    Protocol,
-    notification,
-)
+from pipeline.production.direct.protocol import Protocol, notification
 from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder
 from pipeline.production.direct.session import Session
 from pipeline.production.direct.transport import Disconnected, MessageStream, Transport

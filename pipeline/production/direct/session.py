@@ -11,10 +11,9 @@ from pipeline.production.direct.notification_queue import (
     Notification,
     NotificationQueue,
 )
-from pipeline.production.direct.protocol import (
+from pipeline.production.direct.protocol import Method, OutOfOrder
+from pipeline.production.direct.request_params import (
     EndParams,
-    Method,
-    OutOfOrder,
     QueryParams,
     StepParams,
     SubscribeParams,

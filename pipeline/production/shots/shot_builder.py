@@ -11,7 +11,8 @@ from pipeline.production.camera.cuts import camera_poses, first_frames
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.shots.carried_lamps import CarriedLamps
-from pipeline.production.shots.ground_mesh import footprint_timeline, ground_meshes
+from pipeline.production.shots.footprint_timeline import footprint_timeline
+from pipeline.production.shots.ground_mesh import ground_meshes
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.simulation.clock import Clock

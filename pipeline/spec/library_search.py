@@ -13,8 +13,8 @@ from pydantic import Field
 from pipeline.errors import Problem
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
-from pipeline.spec.library import DANCES, FIGURES, SUFFIX, library, names_in
 from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
+from pipeline.spec.scene_library import DANCES, FIGURES, SUFFIX, library, names_in
 from pipeline.spec.suggestions import hint
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_reader import read_file

@@ -27,7 +27,7 @@ from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix, quaternion, rotation
 from pipeline.simulation.take import Channel, Take, TakeNote
 from pipeline.spec import load_scene
-from pipeline.spec.library import library
+from pipeline.spec.scene_library import library
 
 if TYPE_CHECKING:
     from tests.production.conftest import Studio

@@ -7,7 +7,7 @@ import pytest
 from pipeline.production.sound.strike_positions import StrikePositions
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene, read_scene
-from pipeline.spec.library import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 
 PLANK = """\
 pronk: 1

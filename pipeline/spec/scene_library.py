@@ -1,4 +1,4 @@
-"""Library: files of scenes and figures by their names, beside the author's and shipped."""
+"""Scene library: files of scenes and figures by name, beside the author's and shipped."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from audio.score import Bearing, Marker, Score, ScoreEvent
 from pipeline.production.camera.cuts import first_frames
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.sound_detection.sound_sources import rigid_parts
-from pipeline.simulation.spatial import UP, Array, matrix, normalized, unturn
+from pipeline.simulation.spatial import UP, Array, matrix, normalized, turn_inverse
 from pipeline.simulation.take import Place, SoundEvent, Take
 from pipeline.spec.scene import Scene
 from render.config import Camera
@@ -117,7 +117,7 @@ class StrikePositions:
         take, part = self._take, self._parts[name]
         row = min(event.track[0], len(take.positions) - 1)
         R_WN = matrix(take.rotations[row, part.node])
-        p_NC = unturn(R_WN, np.array(event.place) - take.positions[row, part.node])
+        p_NC = turn_inverse(R_WN, np.array(event.place) - take.positions[row, part.node])
         axis, first, last = self._long_axis(name)
         along = float(((p_NC + take.nodes[part.node].rest) * axis).sum())
         if last <= first:

@@ -229,9 +229,8 @@ def _upward_speed(
     state: HopState, ground: Ground, target: tuple[float, float], jump: Jump
 ) -> float:
     """Return the speed of a jump that rises as high above its landing as above its start [m/s]."""
-    rise = max(
-        float(ground.height(np.array(target[0]), np.array(target[1]))) - state.floor_height, 0.0
-    )
+    height = float(ground.height(np.array(target[0]), np.array(target[1])))
+    rise = max(height - state.floor_height, 0.0)
     return Jump(0.0, jump.height + rise).up
 
 

@@ -27,9 +27,13 @@ from pipeline.spec.partial_scene import (
 from pipeline.spec.script import FORMS
 from pipeline.spec.suggestions import hint
 
-CHARACTER_ONLY = ("reach", "grab", "let_go", "hug", "grapple", "sit", "stand", "freeze", "urge")
+CHARACTER_ONLY = (
+    *("reach", "grab", "carry", "throw", "kick", "let_go", "hug", "grapple"),
+    *("sit", "stand", "freeze", "urge"),
+)
 CHARACTER_ORDERS = (
-    *("go_to", "turn_deg", "walk", "stop", "wait", "speed", "look_at", "look"),
+    *("go_to", "follow", "chase", "flee", "avoid"),
+    *("turn_deg", "walk", "stop", "wait", "speed", "look_at", "look"),
     *CHARACTER_ONLY,
 )
 DANCER_ONLY = ("dance",)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.sound_detection.sound_sources import rigid_parts
-from pipeline.simulation.spatial import Array, matrix, unturn
+from pipeline.simulation.spatial import Array, matrix, turn_inverse
 from pipeline.simulation.take import SoundEvent, Take
 
 
@@ -29,7 +29,7 @@ class StrikePositions:
         take, part = self._take, self._parts[name]
         row = min(event.track[0], len(take.positions) - 1)
         R_WN = matrix(take.rotations[row, part.node])
-        p_NC = unturn(R_WN, np.array(event.place) - take.positions[row, part.node])
+        p_NC = turn_inverse(R_WN, np.array(event.place) - take.positions[row, part.node])
         axis, first, last = self._long_axis(name)
         along = float(((p_NC + take.nodes[part.node].rest) * axis).sum())
         if last <= first:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.yaml_tree import (
     ListNode,
     MappingNode,
     ScalarNode,
@@ -41,7 +41,7 @@ def complete_file_names(
         The scene, and what is wrong with the files.
     """
     problems: list[Problem] = []
-    changed: SourceNode = scene
+    changed = scene
     for path, file_fault in _file_keys(scene):
         name = find_node(scene, path)
         if len(name.path) < len(path) or not isinstance(name.tree, ScalarNode):
@@ -54,7 +54,6 @@ def complete_file_names(
         if fault is not None:
             problems.append(place.problem(path, fault))
         changed = with_node(changed, path, ScalarNode(place, str(whole)))
-    assert isinstance(changed, MappingNode)
     return changed, problems
 
 

@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field
 
-from pipeline.errors import Problem, UsageError
+from pipeline.errors import Problem
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
 from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.scene_library import (
+    DANCES,
+    FIGURES,
+    SUFFIX,
+    existing_file,
+    files_beside,
+    is_path,
+    library,
+    missing_file_message,
+    names_in,
+)
+from pipeline.spec.suggestions import hint
+from pipeline.spec.validation import check
+from pipeline.spec.yaml_reader import read_file
+from pipeline.spec.yaml_tree import (
     ListNode,
     MappingNode,
     ScalarNode,
@@ -23,25 +37,9 @@ from pipeline.spec.source_tree import (
     tree_of,
     with_node,
 )
-from pipeline.spec.suggestions import close_names, hint, joined_choices
-from pipeline.spec.validation import check
-from pipeline.spec.yaml_reader import read_file
-
-# --- Scene library: files of scenes and figures by their names, beside the author's and shipped
-
-SUFFIX = ".yaml"
-PATH_SUFFIXES = (SUFFIX, ".yml")
-"""Suffixes that tell paths from names."""
-
-SCENES = "scenes"
-FIGURES = "figures"
-"""Folder of figure files beside a scene and in the library."""
 
 Steps = tuple[PathSegment, ...]
 References = Iterator[tuple[Steps, SourceNode | None]]
-
-DANCES = "dances"
-"""Folder of dances beside a scene and in the library."""
 
 DEFAULT_DANCE = "macarena"
 
@@ -69,34 +67,46 @@ class LibraryBlock:
         block: key of the block in a scene, and name of the folder.
         model: the whole file.
         stand_in: replaces an entry that is wrong or missing, which is reported once already.
+        references: yields the names that a scene uses, with their paths.
     """
 
     key: str
     block: str
     model: type[ConfigModel]
     stand_in: Mapping[str, Any]
-
-    def references(self, scene: MappingNode) -> References:
-        """Yield the names that the scene uses, with their paths."""
-        cast, script = scene.get("cast"), scene.get("script")
-        for i, member in enumerate(cast.items if isinstance(cast, ListNode) else ()):
-            if not isinstance(member, MappingNode):
-                continue
-            name = member.get(self.key)
-            if self.key == "dance" and "dancer" not in member.entries:
-                continue
-            if self.key == "dance" and name is None:
-                name = ScalarNode(member.place, DEFAULT_DANCE)
-            yield ("cast", i, self.key), name
-        if self.key == "dance":
-            for i, order in enumerate(script.items if isinstance(script, ListNode) else ()):
-                do = order.get("do") if isinstance(order, MappingNode) else None
-                if isinstance(do, MappingNode):
-                    yield ("script", i, "do", "dance"), do.get("dance")
+    references: Callable[[MappingNode], References]
 
 
-FIGURE_BLOCK = LibraryBlock("figure", FIGURES, FigureFile, {"nodes": {"node": (0, 0)}})
-DANCE_BLOCK = LibraryBlock("dance", DANCES, DanceFile, {"subtasks": ({"touch": "chest"},)})
+def _mappings(scene: MappingNode, block: str) -> Iterator[tuple[int, MappingNode]]:
+    """Yield the entries of a list of the scene that are mappings, with their indices."""
+    held = scene.get(block)
+    for i, entry in enumerate(held.items if isinstance(held, ListNode) else ()):
+        if isinstance(entry, MappingNode):
+            yield i, entry
+
+
+def _figure_references(scene: MappingNode) -> References:
+    for i, member in _mappings(scene, "cast"):
+        yield ("cast", i, "figure"), member.get("figure")
+
+
+def _dance_references(scene: MappingNode) -> References:
+    for i, member in _mappings(scene, "cast"):
+        if "dancer" in member.entries:
+            name = member.get("dance") or ScalarNode(member.place, DEFAULT_DANCE)
+            yield ("cast", i, "dance"), name
+    for i, order in _mappings(scene, "script"):
+        do = order.get("do")
+        if isinstance(do, MappingNode):
+            yield ("script", i, "do", "dance"), do.get("dance")
+
+
+FIGURE_BLOCK = LibraryBlock(
+    "figure", FIGURES, FigureFile, {"nodes": {"node": (0, 0)}}, _figure_references
+)
+DANCE_BLOCK = LibraryBlock(
+    "dance", DANCES, DanceFile, {"subtasks": ({"touch": "chest"},)}, _dance_references
+)
 
 
 @dataclass(slots=True)
@@ -140,8 +150,7 @@ class LibrarySearch:
                     self._report(path, name, place, entries, block)
                 else:
                     names_by_file[file.resolve()] = name
-                found = tree_of(block.stand_in) if file is None else self._entry(file, block)
-                entries = entries.with_entry(name, found.place, found)
+                entries = self._with_file(entries, name, file, block)
         # Files come after all names, none of which they may take.
         for path, text, place in references:
             if not is_path(text):
@@ -151,14 +160,17 @@ class LibrarySearch:
             name = names_by_file.get(whole) or _unused_name(Path(text).stem, entries, block)
             if whole not in names_by_file:
                 names_by_file[whole] = name
-                found = tree_of(block.stand_in) if file is None else self._entry(file, block)
-                entries = entries.with_entry(name, found.place, found)
-            changed = with_node(scene, path, ScalarNode(place, name))
-            assert isinstance(changed, MappingNode)
-            scene = changed
+                entries = self._with_file(entries, name, file, block)
+            scene = with_node(scene, path, ScalarNode(place, name))
         if not entries.entries:
             return scene
         return scene.with_entry(block.block, entries.place, entries)
+
+    def _with_file(
+        self, entries: MappingNode, name: str, file: Path | None, block: LibraryBlock
+    ) -> MappingNode:
+        found = tree_of(block.stand_in) if file is None else self._entry(file, block)
+        return entries.with_entry(name, found.place, found)
 
     def _file_of(self, name: str, block: LibraryBlock) -> Path | None:
         """Return the file of a name, None where there is none."""
@@ -214,47 +226,13 @@ class LibrarySearch:
         own = {*entries.entries}
         searched = "this file, the library"
         if self.beside is not None:
-            own |= {*files_beside(self.beside, block)}
+            own |= {*files_beside(self.beside, block.block, block.key)}
             files = f"{name}{SUFFIX} and {block.block}/{name}{SUFFIX}"
             searched = f"this file, {files} beside it, the library"
         shipped = names_in(library() / block.block)
         close = hint(name, shipped, block.block, own)
         message = f"no {block.key} is called '{name}', {close} (searched: {searched})"
         self.problems.append(place.problem(path, message))
-
-
-def is_path(text: str) -> bool:
-    """Return whether a reference is the path of a file, not a name."""
-    return text.endswith(PATH_SUFFIXES) or "/" in text or "\\" in text
-
-
-def existing_file(folder: Path, text: str) -> Path | None:
-    """Return the file that a path leads to from a folder, None where there is none.
-
-    The suffix of scene files may be left out.
-    """
-    try:
-        files = (folder / text, folder / (text + SUFFIX))
-        return next((file for file in files if file.is_file()), None)
-    except (OSError, ValueError):
-        return None
-
-
-def missing_file_message(folder: Path, text: str) -> str:
-    """Return a message about a path that leads to no file: the folder looked in and near names."""
-    try:
-        whole = (folder / text).parent.resolve() / Path(text).name
-        if (folder / text).is_dir():
-            return f"'{text}' is a folder, not a file"
-        if not whole.parent.is_dir():
-            return f"'{text}' is no file: there is no folder {whole.parent}"
-        files = {p.stem: p.name for p in whole.parent.iterdir() if p.suffix in PATH_SUFFIXES}
-    except (OSError, ValueError) as error:
-        return f"'{text}' cannot be the name of a file: {error}"
-    close = [files[stem] for stem in close_names(whole.stem, files)]
-    held = f"which holds {', '.join(sorted(files.values())) or 'no YAML files'}"
-    near = f"did you mean {joined_choices(close)}?" if close else held
-    return f"'{text}' is no file in {whole.parent}, {near}"
 
 
 def _unused_name(stem: str, entries: MappingNode, block: LibraryBlock) -> str:
@@ -265,113 +243,3 @@ def _unused_name(stem: str, entries: MappingNode, block: LibraryBlock) -> str:
         number += 1
         name = f"{first}_{number}"
     return name
-
-
-def library() -> Path:
-    """Return the folder of the shipped scenes; its folder `figures` holds the shipped figures."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "scenes"
-    # A wheel carries the library inside the package, a checkout beside it.
-    return installed if installed.is_dir() else package.parent / "scenes"
-
-
-def shipped_scenes() -> list[str]:
-    """Return the names of the shipped scenes."""
-    return names_in(library())
-
-
-def names_in(folder: Path) -> list[str]:
-    """Return the names of the files in a folder that may hold a scene or a figure."""
-    try:
-        return sorted(path.stem for path in folder.glob("*" + SUFFIX) if path.is_file())
-    except OSError:
-        return []
-
-
-def files_beside(folder: Path, block: LibraryBlock) -> dict[str, Path]:
-    """Return the files of figures or dances that a scene in a folder finds beside it, by name."""
-    files = {
-        name: folder / block.block / (name + SUFFIX) for name in names_in(folder / block.block)
-    }
-    for name in names_in(folder):
-        path = folder / (name + SUFFIX)
-        tree, _ = read_file(path)
-        if tree is not None and block.key in tree.entries:
-            files[name] = path
-    return dict(sorted(files.items()))
-
-
-def scenes_in(folder: Path) -> dict[str, Path]:
-    """Return the files of scenes in a folder by name."""
-    paths = {name: folder / (name + SUFFIX) for name in names_in(folder)}
-    trees = {name: read_file(path)[0] for name, path in paths.items()}
-    return {name: paths[name] for name, tree in trees.items() if tree and "cast" in tree.entries}
-
-
-def find_scene(name: str) -> Path:
-    """Return the file of a scene, given its path or its name.
-
-    A name stands for a file in the current folder, else for a shipped scene.
-
-    Raises:
-        UsageError: there is no such scene.
-    """
-    given = Path(name)
-    beside = given if name.endswith(SUFFIX) else Path(name + SUFFIX)
-    try:
-        # A folder `bug` does not hide the scene `bug.yaml`.
-        for path in (given, beside):
-            if path.exists() and not path.is_dir():
-                return path
-        shipped = library() / beside
-        if len(beside.parts) == 1 and shipped.is_file():
-            return shipped
-        if given.is_dir():
-            raise UsageError(f"'{name}' is a folder; give the file of a scene")
-    except (OSError, ValueError) as error:
-        raise UsageError(f"no scene can be called {name!r}: {error}") from None
-    raise UsageError(_not_found(name))
-
-
-def find_figure(name: str) -> tuple[Path, str]:
-    """Return the file of a figure's name, and the figure in that file.
-
-    A name stands for a file in the current folder, for one in its folder `figures`, for a
-    shipped figure, or for a shipped scene. `scene:figure` names a figure of a scene.
-
-    Returns:
-        The file, and what stands after the colon, empty if there is none.
-
-    Raises:
-        UsageError: there is nothing of that name.
-    """
-    file, colon, figure = name.rpartition(":")
-    # On Windows a path may begin with the letter of a drive.
-    if colon and not figure.startswith(("/", "\\")):
-        return find_scene(file), figure
-    beside = name if name.endswith(SUFFIX) else name + SUFFIX
-    try:
-        for path in (
-            Path(name),
-            Path(beside),
-            Path(FIGURES) / beside,
-            library() / FIGURES / beside,
-        ):
-            if path.is_file():
-                return path, ""
-        return find_scene(name), ""
-    except (OSError, ValueError) as error:
-        raise UsageError(f"no figure can be called {name!r}: {error}") from None
-    except UsageError:
-        if is_path(name):
-            raise UsageError(missing_file_message(Path(), name)) from None
-    own = {*files_beside(Path(), FIGURE_BLOCK), *scenes_in(Path()), *shipped_scenes()}
-    shipped = names_in(library() / FIGURES)
-    raise UsageError(f"no figure or scene is called {name!r}, {hint(name, shipped, FIGURES, own)}")
-
-
-def _not_found(name: str) -> str:
-    if is_path(name):
-        return missing_file_message(Path(), name)
-    close = hint(name, shipped_scenes(), SCENES, scenes_in(Path()))
-    return f"no scene is called '{name}', neither in this folder nor among the shipped; {close}"

@@ -18,18 +18,10 @@ from audio.harmony import MODES
 from audio.room_acoustics import room_acoustics
 from pipeline.errors import UsageError
 from pipeline.spec import behaviour
-from pipeline.spec.library_search import (
-    DANCE_BLOCK,
-    FIGURE_BLOCK,
-    SUFFIX,
-    LibraryBlock,
-    files_beside,
-    library,
-    names_in,
-    scenes_in,
-)
+from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
 from pipeline.spec.mood import MOODS
 from pipeline.spec.order_support import orders_by_performer
+from pipeline.spec.scene_library import SUFFIX, files_beside, library, names_in, scenes_in
 from pipeline.spec.script import FORMS, PLAIN_ORDERS, flow_text
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
@@ -93,11 +85,11 @@ def names_of(kind: str, folder: Path) -> list[NameEntry]:
 
 
 def _figures(folder: Path) -> Iterator[NameEntry]:
-    return _files(files_beside(folder, FIGURE_BLOCK), _shipped(FIGURE_BLOCK))
+    return _entries(folder, FIGURE_BLOCK)
 
 
 def _dances(folder: Path) -> Iterator[NameEntry]:
-    return _files(files_beside(folder, DANCE_BLOCK), _shipped(DANCE_BLOCK))
+    return _entries(folder, DANCE_BLOCK)
 
 
 def _scenes(folder: Path) -> Iterator[NameEntry]:
@@ -105,9 +97,10 @@ def _scenes(folder: Path) -> Iterator[NameEntry]:
     return _files({} if folder.resolve() == library() else scenes_in(folder), shipped)
 
 
-def _shipped(block: LibraryBlock) -> dict[str, Path]:
-    folder = library() / block.block
-    return {name: folder / (name + SUFFIX) for name in names_in(folder)}
+def _entries(folder: Path, block: LibraryBlock) -> Iterator[NameEntry]:
+    shelf = library() / block.block
+    shipped = {name: shelf / (name + SUFFIX) for name in names_in(shelf)}
+    return _files(files_beside(folder, block.block, block.key), shipped)
 
 
 def _files(own: Mapping[str, Path], shipped: Mapping[str, Path]) -> Iterator[NameEntry]:

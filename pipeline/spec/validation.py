@@ -15,7 +15,8 @@ from pydantic_core import ErrorDetails
 import audio.names
 from pipeline.errors import Problem
 from pipeline.spec.model_base import FAULTS, Fault, PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.suggestions import hint, known_keys
+from pipeline.spec.yaml_tree import (
     REFUSED,
     FoundNode,
     ListNode,
@@ -26,7 +27,6 @@ from pipeline.spec.source_tree import (
     has_refused,
     plain_values,
 )
-from pipeline.spec.suggestions import hint, known_keys
 from render.config.base import UnknownName
 
 Model = TypeVar("Model", bound=BaseModel)

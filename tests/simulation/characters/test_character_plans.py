@@ -11,9 +11,8 @@ from pipeline.simulation.characters.playthings import merry_go_round_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-
-from .character_yard import attitude, least_bend, yard_of
-from .scripted_people import STEPS, troupe_of
+from tests.simulation.characters.character_yard import attitude, least_bend, yard_of
+from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
 

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.body_plan import character_arrays
-
-from .character_yard import DT, depth, least_bend, lengths_off, pile, random_crowd
+from tests.simulation.characters.character_yard import (
+    DT,
+    depth,
+    least_bend,
+    lengths_off,
+    pile,
+    random_crowd,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -100,7 +106,7 @@ def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
 
 def test_motion_is_bitwise_independent_of_distant_characters() -> None:
 
-    from .character_yard import PLANS, Yard
+    from tests.simulation.characters.character_yard import PLANS, Yard
 
     plans = PLANS[:5]
     places = [plan.rest + np.array([0.4 * k, 0.3 * k, 0.2]) for k, plan in enumerate(plans)]

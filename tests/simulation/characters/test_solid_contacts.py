@@ -15,9 +15,8 @@ from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
-
-from .character_yard import attitude, lengths_off
-from .scripted_people import STEPS, troupe_of
+from tests.simulation.characters.character_yard import attitude, lengths_off
+from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,7 @@ from pipeline.simulation.characters.body_arrays import FREE, LANDING, LOCKED
 from pipeline.simulation.characters.character_plans import person_plan
 from pipeline.simulation.characters.playthings import ball_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD
-
-from .character_yard import DT, attitude, free, yard_of
+from tests.simulation.characters.character_yard import DT, attitude, free, yard_of
 
 HIGH = np.array([0.0, 50.0, 0.0])
 

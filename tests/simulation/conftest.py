@@ -193,19 +193,19 @@ def beetle() -> Figure:
     return build_figure("beetle", scene.figures["beetle"], 1.0)
 
 
-def random_skeleton(chance: np.random.Generator, joints: int) -> Skeleton:
+def random_skeleton(rng: np.random.Generator, joints: int) -> Skeleton:
     """Return a tree of joints of both kinds, each with a link of its own."""
-    parents = np.array([int(chance.integers(-1, j)) for j in range(joints)], dtype=np.int64)
-    axes = chance.normal(size=(joints, 3))
+    parents = np.array([int(rng.integers(-1, j)) for j in range(joints)], dtype=np.int64)
+    axes = rng.normal(size=(joints, 3))
     # Some axes are those that people draw, so that parallel and crossing ones occur.
-    square = chance.random(joints) < 0.4
-    axes[square] = np.eye(3)[chance.integers(0, 3, int(square.sum()))]
+    square = rng.random(joints) < 0.4
+    axes[square] = np.eye(3)[rng.integers(0, 3, int(square.sum()))]
     axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
-    places = chance.uniform(-1, 1, (joints, 3))
-    for j in np.flatnonzero(chance.random(joints) < 0.3):
+    places = rng.uniform(-1, 1, (joints, 3))
+    for j in np.flatnonzero(rng.random(joints) < 0.3):
         if parents[j] != BODY:
             places[j] = places[parents[j]]  # two joints of a ball
-    ends = np.stack([places, places + chance.uniform(-1, 1, (joints, 3))], axis=1)
+    ends = np.stack([places, places + rng.uniform(-1, 1, (joints, 3))], axis=1)
     body = Link("body", "body", BODY, np.zeros((2, 3)), (0.1, 0.1), "", False)
     links = [
         Link(f"link{j}", "leg", j, ends[j], (0.1, 0.1), "", j not in parents) for j in range(joints)
@@ -215,7 +215,7 @@ def random_skeleton(chance: np.random.Generator, joints: int) -> Skeleton:
         parents=parents,
         axes=axes,
         places=places,
-        prismatic=chance.random(joints) < 0.3,
+        prismatic=rng.random(joints) < 0.3,
         lower=np.full(joints, -1.5),
         upper=np.full(joints, 1.5),
         preferred=np.full(joints, 0.2),

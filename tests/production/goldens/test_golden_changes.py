@@ -362,9 +362,3 @@ HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other
 def test_changes_that_keep_the_film_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
     # Likewise mixed in every tenth of the list.
     HARMLESS[k % len(HARMLESS)](bases[k // len(HARMLESS) % 2], k, tmp_path)
-
-
-def test_both_lists_have_two_hundred_changes() -> None:
-    assert COUNT % len(MUTATIONS) == 0
-    assert len({mutate for mutate, _ in MUTATIONS}) == 8
-    assert COUNT % len(HARMLESS) == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
-from pipeline.simulation.locomotion.gaits.moods import MotionStyle
+from pipeline.simulation.locomotion.gaits.moods import MoodSchedule, MotionStyle
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation
@@ -42,20 +43,17 @@ class Recording:
         more: str = "",
         **style: float,
     ) -> None:
-        self.simulation = Simulation(
-            scene_of(member, terrain=terrain, duration=duration, more=more)
-        )
+        changed = {key: np.full(1, value) for key, value in style.items()}
+        fixed = replace(MotionStyle.neutral(1), **changed)
+        with patch.object(MoodSchedule, "style", lambda schedule, time: fixed):
+            self.simulation = Simulation(
+                scene_of(member, terrain=terrain, duration=duration, more=more)
+            )
+            while not self.simulation.finished:
+                self.simulation.step()
         troupe = self.simulation.troupes[0]
         assert isinstance(troupe, Walkers)
         self.walkers = troupe
-        changed = {key: np.full(1, value) for key, value in style.items()}
-        progress = troupe.progress
-        progress.trajectory.style = fixed = replace(progress.trajectory.style, **changed)
-        progress.moods.style = lambda time: fixed
-        # The row of the start was buffered before.
-        troupe._buffered[:] = [replace(moment, style=fixed) for moment in troupe._buffered]
-        while not self.simulation.finished:
-            self.simulation.step()
         self.recorder = self.simulation.recorder
         self.names = [node.name for node in self.simulation.take().nodes]
 

@@ -316,14 +316,12 @@ def test_loop_chord_tends_to_the_bessel_function(figure: Callable[..., Figure]) 
 
 
 def test_pose_does_not_depend_on_the_base(chain: InchwormChain, scene_of: SceneOf) -> None:
-    chance = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     worm = _worms(Simulation(scene_of("{figure: inchworm}"))).worms[0]
     n = 40
-    rear = np.stack(
-        [chance.uniform(-1, 1, n), chance.uniform(0, 1, n), chance.uniform(-0.2, 0.2, n)], -1
-    )
-    away = (chance.uniform(0.55, 0.9, n) * chain.free + chain.outside, chance.uniform(-0.1, 0.1, n))
-    front = rear + np.stack([*away, chance.uniform(-0.2, 0.2, n)], axis=-1)
+    rear = np.stack([rng.uniform(-1, 1, n), rng.uniform(0, 1, n), rng.uniform(-0.2, 0.2, n)], -1)
+    away = (rng.uniform(0.55, 0.9, n) * chain.free + chain.outside, rng.uniform(-0.1, 0.1, n))
+    front = rear + np.stack([*away, rng.uniform(-0.2, 0.2, n)], axis=-1)
     one, two = (solve_pose(chain, worm.track, base, rear, front) for base in (REAR, FRONT))
     assert max(one.residual.max(), two.residual.max()) < 1e-12
     assert np.abs(one.positions - two.positions).max() < 1e-9

@@ -49,14 +49,14 @@ def refused(figure: str, words: str) -> SceneError:
 
 def random_values(number: int) -> dict[str, float]:
     """Return two or three random values of a jump."""
-    chance = np.random.default_rng([number, 7])
+    rng = np.random.default_rng([number, 7])
     words = {
-        "distance": 0.0 if chance.random() < 0.1 else float(np.exp(chance.uniform(-4.0, 4.0))),
-        "height": float(np.exp(chance.uniform(-4.0, 3.0))),
-        "speed": float(np.exp(chance.uniform(-2.0, 3.0))),
+        "distance": 0.0 if rng.random() < 0.1 else float(np.exp(rng.uniform(-4.0, 4.0))),
+        "height": float(np.exp(rng.uniform(-4.0, 3.0))),
+        "speed": float(np.exp(rng.uniform(-2.0, 3.0))),
     }
-    if chance.random() < 0.5:
-        del words[str(chance.choice(["distance", "height"]))]
+    if rng.random() < 0.5:
+        del words[str(rng.choice(["distance", "height"]))]
     return words
 
 

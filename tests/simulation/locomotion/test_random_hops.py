@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.simulation.locomotion.hop_recorder import hop_through
-from tests.simulation.locomotion.random_hop_scenes import triple
+from tests.simulation.locomotion.random_hop_scenes import random_hop
 
 
 def check_invariants(number: int, folder: Path) -> None:
-    hops = hop_through(triple(number, folder).scene)
+    hops = hop_through(random_hop(number, folder).scene)
     seen, tips, herd = hops.seen[0], hops.tips(), hops.troupe.herd
     assert np.isfinite(tips).all()
     down = np.array([s.down for s in seen])
@@ -24,12 +24,12 @@ def check_invariants(number: int, folder: Path) -> None:
     ground = hops.simulation.world.ground
     over = tips[..., 1] - herd.sole - ground.height(tips[..., 0], tips[..., 2])
     assert over[down].min(initial=0.0) > -1e-3
-    # In the air as well, until it falls.
+    # Feet in the air stay above the ground too, until a fall.
     upright = np.array([s.phase != "fallen" for s in seen])
     assert over[upright].min(initial=0.0) > -1e-3
     most = hops.troupe.hoppers[0].max_leg_force
-    for one in seen:
-        assert np.linalg.norm(one.forces, axis=-1).max() <= most * (1.0 + 1e-9)
+    for moment in seen:
+        assert np.linalg.norm(moment.forces, axis=-1).max() <= most * (1.0 + 1e-9)
     skeleton = herd.figures[0].skeleton
     joints = [j for limb in skeleton.legs for j in limb.joints]
     q = hops.simulation.recorder.values[:, 2 : 2 + len(joints)]
@@ -41,5 +41,5 @@ def check_invariants(number: int, folder: Path) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("number", range(300))
-def test_invariants_hold(number: int, tmp_path: Path) -> None:
+def test_invariants_of_hopping_hold_in_random_scenes(number: int, tmp_path: Path) -> None:
     check_invariants(number, tmp_path)

@@ -33,8 +33,8 @@ def test_standing_feet_are_on_their_footholds(walk: Walk) -> None:
 def test_no_sole_is_below_the_ground(walk: Walk) -> None:
     ground, herd = walk.simulation.world.ground, walk.walkers.herd
     x, y, z = np.moveaxis(walk.tips, -1, 0)
-    chance = np.random.default_rng(0).normal(size=(40, 3))
-    ball = chance / np.linalg.norm(chance, axis=-1, keepdims=True)
+    rng = np.random.default_rng(0).normal(size=(40, 3))
+    ball = rng / np.linalg.norm(rng, axis=-1, keepdims=True)
     p = walk.tips[:, :, None] + herd.sole[:, None, None] * ball
     above = p[..., 1] - ground.height(p[..., 0], p[..., 2])
     assert above.min() > -MILLIMETRE

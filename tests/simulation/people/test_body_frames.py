@@ -48,18 +48,18 @@ def test_rest_frames_are_not_rotated(proportions: Proportions) -> None:
 
 @PEOPLE
 def test_frames_rotate_with_the_whole_body(proportions: Proportions) -> None:
-    chance = np.random.default_rng(3)
-    whole = rotation(normalized(chance.normal(size=(50, 3))), chance.uniform(0, 3, 50))
-    shift = chance.normal(size=(50, 1, 3))
+    rng = np.random.default_rng(3)
+    whole = rotation(normalized(rng.normal(size=(50, 3))), rng.uniform(0, 3, 50))
+    shift = rng.normal(size=(50, 1, 3))
     joints = np.einsum("nij,kj->nki", whole, proportions.rest()) + shift
     R, _ = frames_from_joints(joints, soles=np.repeat(whole[:, None, :, 1], 2, axis=1))
     np.testing.assert_allclose(R, np.broadcast_to(whole[:, None], R.shape), atol=1e-9)
 
 
 def test_frames_are_rotations_and_batches_match_single_poses() -> None:
-    chance = np.random.default_rng(1)
-    joints = ADULT.rest() + chance.normal(size=(400, 16, 3)) * 0.08
-    gaze = chance.normal(size=(400, 3))
+    rng = np.random.default_rng(1)
+    joints = ADULT.rest() + rng.normal(size=(400, 16, 3)) * 0.08
+    gaze = rng.normal(size=(400, 3))
     R, p = frames_from_joints(joints, gaze)
     np.testing.assert_allclose(R @ np.swapaxes(R, -1, -2), np.eye(3) + 0 * R, atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(R), 1.0, atol=1e-9)
@@ -73,13 +73,13 @@ def test_frames_are_rotations_and_batches_match_single_poses() -> None:
 @pytest.mark.parametrize("limb", ["arm", "leg"])
 def test_a_bent_limb_turns_about_its_hinge(limb: str, side: str) -> None:
     """Beyond 25° of bend the hinge alone tells the twist, wherever the limb points."""
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     names = ("upper_arm", "forearm") if limb == "arm" else ("thigh", "shin")
     upper, lower = (FRAMES.index(f"{name}_{side}") for name in names)
     way = 1.0 if limb == "arm" else -1.0
     for _ in range(60):
-        swing = rotation(normalized(chance.normal(size=3)), chance.uniform(0, 3.1))
-        angle = chance.uniform(np.radians(26), np.radians(140))
+        swing = rotation(normalized(rng.normal(size=3)), rng.uniform(0, 3.1))
+        angle = rng.uniform(np.radians(26), np.radians(140))
         R, _ = frames_from_joints(bent(ADULT, limb, side, swing, angle))
         np.testing.assert_allclose(R[upper], swing, atol=1e-9)
         np.testing.assert_allclose(R[lower], swing @ rotation(Z, way * angle), atol=1e-9)
@@ -87,10 +87,10 @@ def test_a_bent_limb_turns_about_its_hinge(limb: str, side: str) -> None:
 
 @pytest.mark.parametrize("limb", ["arm", "leg"])
 def test_frames_lie_along_their_bones(limb: str) -> None:
-    chance = np.random.default_rng(4)
+    rng = np.random.default_rng(4)
     names = ("upper_arm_r", "forearm_r") if limb == "arm" else ("thigh_r", "shin_r")
     ends = ("shoulder_r", "elbow_r", "hand_r") if limb == "arm" else ("hip_r", "knee_r", "foot_r")
-    joints = ADULT.rest() + chance.normal(size=(300, 16, 3)) * 0.1
+    joints = ADULT.rest() + rng.normal(size=(300, 16, 3)) * 0.1
     R, _ = frames_from_joints(joints)
     places = joints[:, [JOINTS.index(end) for end in ends]]
     along = normalized(np.diff(places, axis=1))
@@ -130,8 +130,8 @@ def test_a_slightly_reversed_knee_does_not_flip() -> None:
 
 
 def test_heads_face_the_gaze_within_the_nod_limit() -> None:
-    chance = np.random.default_rng(5)
-    gaze = normalized(chance.normal(size=(200, 3)) * [1.0, 0.4, 1.0])
+    rng = np.random.default_rng(5)
+    gaze = normalized(rng.normal(size=(200, 3)) * [1.0, 0.4, 1.0])
     R, _ = frames_from_joints(np.broadcast_to(ADULT.rest(), (200, 16, 3)), gaze)
     face = R[:, FRAMES.index("head"), :, 0]
     near = np.abs(gaze[:, 1]) < np.sin(MAX_NOD)

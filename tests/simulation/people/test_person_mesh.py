@@ -154,8 +154,8 @@ def test_volumes_match_the_body_mass(proportions: Proportions) -> None:
     bodies = [judge(layer) for layer in layers if layer.name not in ("whites", "pupils", "hair")]
     low = np.min([b.bounds[0] for b in bodies], axis=0)
     high = np.max([b.bounds[1] for b in bodies], axis=0)
-    chance = np.random.default_rng(6)
-    points = low + (high - low) * chance.random((2200, 3))
+    rng = np.random.default_rng(6)
+    points = low + (high - low) * rng.random((2200, 3))
     inside = np.zeros(len(points), bool)
     for body in bodies:
         inside |= _winding(body, points) > 0.5

@@ -27,7 +27,7 @@ CASES: dict[str, tuple[str | Light, str | Material]] = {
     "lamps by night": (LAMPS, "green chitin"),
 }
 DAILY = ("a large light and a glossy body",)
-"""The others run nightly."""
+"""Cases of the full tier; the others run nightly."""
 
 
 def light_of_both(
@@ -53,7 +53,7 @@ def light_of_both(
     "name",
     [name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly) for name in CASES],
 )
-def test_the_mean_equals_path(renderer: Renderer, make_shot: Make, name: str) -> None:
+def test_mean_light_equals_path(renderer: Renderer, make_shot: Make, name: str) -> None:
     lit, look = CASES[name]
     film = Film(size=(64, 48), depth=5, soft_light="full", denoise="off")
     ours, theirs = light_of_both(make_shot(film=film, lit=lit, look=look), 64, 4)

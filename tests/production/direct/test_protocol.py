@@ -112,8 +112,8 @@ DO: list[Any] = [
 
 
 def _fuzzed(rng: random.Random) -> bytes:
-    """Return a message that may be right, nearly right, or anything."""
-    words: Any = {"jsonrpc": "2.0", "id": rng.randrange(9), "method": rng.choice(METHODS)}
+    """Return a random message: valid, nearly valid or arbitrary."""
+    content: Any = {"jsonrpc": "2.0", "id": rng.randrange(9), "method": rng.choice(METHODS)}
     params = rng.choice(
         [
             {"steps": rng.randrange(1, 4)},
@@ -123,19 +123,19 @@ def _fuzzed(rng: random.Random) -> bytes:
             {"events": ["footfall", "told"]},
         ]
     )
-    words["params"] = deepcopy(params)
+    content["params"] = deepcopy(params)
     for _ in range(rng.choice((0, 0, 1, 2))):
-        place = words if rng.random() < 0.4 else words["params"]
+        place = content if rng.random() < 0.4 else content["params"]
         if isinstance(place, dict):
             place[rng.choice(KEYS)] = deepcopy(rng.choice(ODD))
-        words.setdefault("params", {})
+        content.setdefault("params", {})
     if rng.random() < 0.05:
-        words = [words, deepcopy(rng.choice(ODD)), words]
-    text = json.dumps(words).encode()
+        content = [content, deepcopy(rng.choice(ODD)), content]
+    text = json.dumps(content).encode()
     if rng.random() < 0.2:
         at = rng.randrange(len(text))
         text = text[:at] + bytes(rng.randrange(256) for _ in range(rng.randrange(4)))
-        text += json.dumps(words).encode()[at + rng.randrange(3) :]
+        text += json.dumps(content).encode()[at + rng.randrange(3) :]
     if rng.random() < 0.02:
         text = bytes(rng.randrange(256) for _ in range(rng.randrange(200)))
     return text.replace(b"\n", b" ").replace(b"\r", b" ")
@@ -152,7 +152,7 @@ def test_fuzzed_messages_leave_a_take_that_replays(
     count: int, seed: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     rng = random.Random(seed)
-    # So long that its end does not come before that of the messages.
+    # The scene lasts longer than the messages.
     session = session_in(tmp_path, read_scene(STAGE, overrides=[f"frames={count // 6}"]))
     lines = served(session, [*(_fuzzed(rng) for _ in range(count)), request("end", "last")])
     answers = [one for line in lines for one in (line if isinstance(line, list) else [line])]

@@ -43,9 +43,16 @@ class Recording:
         more: str = "",
         **style: float,
     ) -> None:
-        changed = {key: np.full(1, value) for key, value in style.items()}
-        fixed = replace(MotionStyle.neutral(1), **changed)
-        with patch.object(MoodSchedule, "style", lambda schedule, time: fixed):
+        fixed = list[MotionStyle]()
+
+        def fixed_style(schedule: MoodSchedule, _time: float) -> MotionStyle:
+            if not fixed:
+                count = len(schedule.effects)
+                changed = {key: np.full(count, value) for key, value in style.items()}
+                fixed.append(replace(MotionStyle.neutral(count), **changed))
+            return fixed[0]
+
+        with patch.object(MoodSchedule, "style", fixed_style):
             self.simulation = Simulation(
                 scene_of(member, terrain=terrain, duration=duration, more=more)
             )

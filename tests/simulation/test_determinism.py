@@ -39,13 +39,13 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
     """Return all bytes of one performer."""
     nodes = [i for i, node in enumerate(take.nodes) if node.performer == name]
     channels = [i for i, c in enumerate(take.channels) if c.name.startswith(f"{name}.")]
-    words = [repr(c) for c in take.contacts if c.performer == name]
-    words += [repr(e) for e in take.events if e.who == name]
+    lines = [repr(c) for c in take.contacts if c.performer == name]
+    lines += [repr(e) for e in take.events if e.who == name]
     return (
         take.positions[:, nodes].tobytes(),
         take.rotations[:, nodes].tobytes(),
         take.values[:, channels].tobytes(),
-        "\n".join(words).encode(),
+        "\n".join(lines).encode(),
     )
 
 

@@ -49,16 +49,16 @@ def test_wall_is_many_nodes_of_one_performer(scene_of: Scenes) -> None:
 
 
 def test_every_layout_has_its_count_and_no_overlaps(scene_of: Scenes) -> None:
-    words = {
+    configs = {
         "wall": "rows: 3, columns: 4",
         "pyramid": "rows: 4",
         "stack": "count: 5",
         "row": "count: 6, along: [[1, 0], [1, 1]], spacing: 0.4",
         "heap": "count: 7",
     }
-    for layout, own in words.items():
+    for layout, keys in configs.items():
         box = "{shape: box, size: [0.1, 0.3, 0.2]}"
-        many = f"{{layout: {layout}, of: {box}, {own}}}"
+        many = f"{{layout: {layout}, of: {box}, {keys}}}"
         text = f"{{name: some, many: {many}, heading_deg: 30}}"
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
         (colliders,) = Simulation(scene).troupes
@@ -70,21 +70,21 @@ def test_every_layout_has_its_count_and_no_overlaps(scene_of: Scenes) -> None:
 def test_overlapping_bodies_are_refused_with_names_and_depth(
     scene_of: Scenes,
 ) -> None:
-    told = error_text(scene_of(crate("one", [0, 1, 0]), crate("two", [0.2, 1, 0])))
-    assert "cast[0].at" in told
-    assert "'one' begins 0.1 m deep in 'two'; move one of them" in told
+    message = error_text(scene_of(crate("one", [0, 1, 0]), crate("two", [0.2, 1, 0])))
+    assert "cast[0].at" in message
+    assert "'one' begins 0.1 m deep in 'two'; move one of them" in message
 
 
 def test_bodies_that_start_in_the_ground_are_refused(scene_of: Scenes) -> None:
-    told = error_text(scene_of(crate("one", [0, 0.1, 0]), crate("two", [3, 1, 0])))
-    assert "'one' begins 0.05 m deep in the terrain" in told
-    assert "two" not in told
+    message = error_text(scene_of(crate("one", [0, 0.1, 0]), crate("two", [3, 1, 0])))
+    assert "'one' begins 0.05 m deep in the terrain" in message
+    assert "two" not in message
 
 
 def test_bodies_that_start_in_a_creature_are_refused(scene_of: Scenes) -> None:
-    told = error_text(scene_of("{name: bug, figure: beetle}", crate("one", [0, 0.3, 0])))
-    assert "'one' begins" in told
-    assert "'bug." in told
+    message = error_text(scene_of("{name: bug, figure: beetle}", crate("one", [0, 0.3, 0])))
+    assert "'one' begins" in message
+    assert "'bug." in message
 
 
 def test_bodies_that_leave_the_terrain_are_removed_with_a_note(scene_of: Scenes) -> None:
@@ -173,8 +173,8 @@ def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
     np.testing.assert_array_equal(
         with_ball.positions[:, : without.positions.shape[1]], without.positions
     )
-    way = positions_of(with_ball, "ball")
-    assert np.abs(way[-1, [0, 2]] - way[0, [0, 2]]).max() > 0.2
+    path = positions_of(with_ball, "ball")
+    assert np.abs(path[-1, [0, 2]] - path[0, [0, 2]]).max() > 0.2
     assert any(c.other.startswith("bug.") for c in with_ball.contacts)
 
 

@@ -261,7 +261,7 @@ def test_motion_is_continuous_at_the_start_of_a_fall(name):
     hops = hop_through(scene_of(f"{{figure: {name}, pronk: {{balance: 0}}}}", duration=2))
     row, p = toppling_step(hops.take), hops.simulation.recorder.positions
     bends = np.linalg.norm(p[2:] - 2.0 * p[1:-1] + p[:-2], axis=-1).max(axis=1)
-    assert hops.seen[0][-1].phase == "fallen"
+    assert hops.states[0][-1].phase == "fallen"
     # Row k bends by the k - 1st of these; flights before it bend by gravity and their turns.
     assert bends[row - 1 : row + 3].max() < 1.5 * bends[row - 12 : row - 2].max()
 
@@ -269,8 +269,8 @@ def test_motion_is_continuous_at_the_start_of_a_fall(name):
 def test_joints_move_in_a_ragdoll_and_not_in_a_rigid_fall():
     moved = {}
     for fall in ("ragdoll", "rigid"):
-        words = f"{{balance: 0, fall: {fall}}}"
-        hops = hop_through(scene_of(f"{{figure: kangaroo, pronk: {words}}}", duration=2))
+        config = f"{{balance: 0, fall: {fall}}}"
+        hops = hop_through(scene_of(f"{{figure: kangaroo, pronk: {config}}}", duration=2))
         values = hops.simulation.recorder.values[toppling_step(hops.take) + 1 :, 2:]
         moved[fall] = float(np.ptp(values, axis=0).max())
     assert moved["rigid"] < 1e-9

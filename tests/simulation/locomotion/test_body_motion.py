@@ -28,7 +28,7 @@ MAX_JOINT_ACCELERATION = 250.0
 
 
 class Recording:
-    """A simulation of one creature, played to its end.
+    """A finished simulation of one creature in a fixed motion style.
 
     Args:
         member: config of the creature.
@@ -71,7 +71,7 @@ class Recording:
         return self.recorder.values[:, self.recorder.values.shape[1] - count :]
 
     def joint(self, name: str) -> Array:
-        """(K,) values of one of them [rad]."""
+        """(K,) values of a free joint [rad]."""
         names = self.walkers.pose_solver.free_limbs.joints.names
         return self.q[:, [own.partition(".")[2] for own in names].index(name)]
 
@@ -82,7 +82,7 @@ class Recording:
 
     @property
     def look(self) -> tuple[Array, Array]:
-        """Eyes (K, 3) [m] and where they look (K, 3), by the poses of the nodes alone."""
+        """Eyes (K, 3) [m] and gaze directions (K, 3), by the poses of the nodes alone."""
         skeleton = self.walkers.herd.figures[0].skeleton
         limb = next(limb for limb in skeleton.limbs if limb.kind == "head")
         link = skeleton.links[limb.links[-1]]
@@ -175,7 +175,7 @@ def test_head_stays_level_on_a_pitching_body() -> None:
         ("{figure: inchworm, walk: {}, look_at: [1, 1, 1]}", "looks nowhere"),
     ],
 )
-def test_refuses_impossible_look_targets(member: str, message: str) -> None:
+def test_impossible_look_targets_are_refused(member: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
         Simulation(scene_of(member, duration=1))
 
@@ -277,7 +277,7 @@ def test_pitched_body_keeps_its_feet_below_it() -> None:
         for recording in (level, proud)
     ]
     moved = np.abs(ends[1] - ends[0])[:, [0, 2]].max(axis=1)
-    # Rotated with the body they would be 17 cm off; forelegs lose a little of their reach.
+    # Rotated with the body the feet would be 17 cm off; forelegs lose a little reach.
     assert moved[1::2].max() < 0.03
     assert moved[::2].max() < 0.1
     assert not [note for note in proud.simulation.take().notes if note.kind == "clamped"]
@@ -331,7 +331,7 @@ RAMP = "{kind: ramp, size: [16, 3], cells: [320, 30], start: 1.0, slope_deg: 28,
 
 
 def _lowest(part: str) -> float:
-    """Return how far the end of a scorpion's limb stays above a ramp that it comes to [m]."""
+    """Return the least height of the end of a scorpion's limb above a ramp [m]."""
     recording = Recording(
         "{figure: scorpion, name: s, scale: 0.8, at: [0.2, 0], walk: {speed: 0.55}}", RAMP, 2.5
     )

@@ -95,10 +95,10 @@ def test_walks_on_a_rotated_terrain_are_rotated_walks(
 ) -> None:
     # On uneven ground no foothold choice depends on rounding.
     beetle = "{{figure: beetle, scale: 0.7, at: [{}, {}], heading_deg: {}, walk: {{}}}}"
-    words = "{{preset: rocks, at: [{}, {}], heading_deg: {}}}"
+    ground_format = "{{preset: rocks, at: [{}, {}], heading_deg: {}}}"
 
     def walk(member: tuple[float, ...], terrain: tuple[float, ...]) -> Take:
-        cast, ground = beetle.format(*member), words.format(*terrain)
+        cast, ground = beetle.format(*member), ground_format.format(*terrain)
         return walk_through(scene_of(cast, terrain=ground, duration=4)).take
 
     straight = walk((-1.0, 0.3, 0), (0, 0, 0))

@@ -139,7 +139,7 @@ def test_every_command_has_help(pronk: Pronk, command: str) -> None:
     assert f"pronk {command}" in out
 
 
-@pytest.mark.parametrize("error", [ValueError("in arguments alone: KeyboardInterrupt"), KeyError()])
+@pytest.mark.parametrize("error", [ValueError("as text alone: KeyboardInterrupt"), KeyError()])
 def test_errors_after_ctrl_c_end_as_an_interrupt(
     error: Exception, pronk: Pronk, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -393,8 +393,8 @@ def test_a_starter_scene_is_valid_and_not_overwritten(pronk: Pronk, folder: Path
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip the pictures of figures, which take seconds."""
-    monkeypatch.setattr("pipeline.production.reports.figure_report.figure_svg", lambda _: "<svg/>")
-    monkeypatch.setattr("pipeline.production.reports.canvas.png_of", lambda _: b"")
+    monkeypatch.setattr("pipeline.production.reports.figure_sheet.figure_svg", lambda _: "<svg/>")
+    monkeypatch.setattr("pipeline.production.reports.plot_files.png_of", lambda _: b"")
 
 
 def figure_json(pronk: Pronk, name: str, *arguments: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
-from pipeline.spec.source_tree import ListNode, MappingNode, ScalarNode, SourceNode, find_node
+from pipeline.spec.yaml_tree import ListNode, MappingNode, ScalarNode, SourceNode, find_node
 
 Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]

@@ -14,7 +14,8 @@ from pydantic_core import ErrorDetails
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import FAULTS, Fault, PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.suggestions import hint, known_keys
+from pipeline.spec.yaml_tree import (
     REFUSED,
     FoundNode,
     ListNode,
@@ -25,7 +26,6 @@ from pipeline.spec.source_tree import (
     has_refused,
     plain_values,
 )
-from pipeline.spec.suggestions import hint, known_keys
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -18,13 +18,13 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 
-class ConfigModel(BaseModel):
+class RenderConfig(BaseModel):
     """A block of the scene file: frozen; it rejects unknown keys, infinities and NaN."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class PresetModel(ConfigModel):
+class PresetModel(RenderConfig):
     """A block that the name of a preset may replace, or that adjusts one by its key `preset`.
 
     The values of the preset are written out when the block is read, so that a block means the

@@ -14,11 +14,12 @@ from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.scheduler import Batch, BatchLimits, RowScheduler
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Header, Node
 from pipeline.simulation.terrain import Ground, build_ground
-from pipeline.simulation.troupe import Rows, Troupe, WriteStage
+from pipeline.simulation.troupe import Troupe, WriteStage
 from pipeline.spec import read_scene
 
 CLOCK = Clock(Fraction(24), frames=6, steps=4, samples=2)

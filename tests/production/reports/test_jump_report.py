@@ -14,7 +14,7 @@ from pipeline.commands import options
 from pipeline.errors import UsageError
 from pipeline.production.reports.jump_report import facts, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.jump_plans import JumpPlan, jump_plans
+from pipeline.simulation.jump_summaries import JumpSummary, jump_summaries
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
@@ -43,9 +43,9 @@ def scene() -> Scene:
 
 
 @pytest.fixture(scope="module")
-def found(scene: Scene) -> dict[str, JumpPlan]:
+def found(scene: Scene) -> dict[str, JumpSummary]:
     """Return the jump plans of the scene."""
-    return {plan.name: plan for plan in jump_plans(scene)}
+    return {plan.name: plan for plan in jump_summaries(scene)}
 
 
 def forces(hopping: HopSimulation) -> np.ndarray:
@@ -57,7 +57,7 @@ def forces(hopping: HopSimulation) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["roo", "tic", "tac"])
 def test_the_report_agrees_with_the_simulated_jump(
-    found: dict[str, JumpPlan], scene: Scene, name: str
+    found: dict[str, JumpSummary], scene: Scene, name: str
 ) -> None:
     row = facts(found[name])
     simulation = Simulation(scene)
@@ -87,7 +87,7 @@ def test_the_report_agrees_with_the_simulated_jump(
     assert row["rise"] == pytest.approx(rise, rel=0.02)
 
 
-def test_the_values_of_a_jump_are_consistent(found: dict[str, JumpPlan]) -> None:
+def test_the_values_of_a_jump_are_consistent(found: dict[str, JumpSummary]) -> None:
     for plan in found.values():
         row = facts(plan)
         assert row["up"] ** 2 == pytest.approx(2.0 * GRAVITY * row["height"])
@@ -105,7 +105,7 @@ def test_the_values_of_a_jump_are_consistent(found: dict[str, JumpPlan]) -> None
 
 
 def test_the_report_lists_requested_and_resolved_parameters(
-    found: dict[str, JumpPlan],
+    found: dict[str, JumpSummary],
 ) -> None:
     roo, toc = facts(found["roo"]), facts(found["toc"])
     assert roo["asked"] == ["distance", "height", "crouch", "max_force"]
@@ -122,7 +122,7 @@ def test_the_report_lists_requested_and_resolved_parameters(
     assert "each jump as far as its place" in table(found["toc"])
 
 
-def test_saturated_legs_are_reported(found: dict[str, JumpPlan]) -> None:
+def test_saturated_legs_are_reported(found: dict[str, JumpSummary]) -> None:
     assert facts(found["weak"])["saturated"]
     assert "more than there is" in table(found["weak"])
     assert not facts(found["roo"])["saturated"]

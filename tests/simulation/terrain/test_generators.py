@@ -13,9 +13,9 @@ from pydantic import TypeAdapter, ValidationError
 
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.terrain.constructed import stone_layout
+from pipeline.simulation.terrain.constructed_terrain import stone_layout
 from pipeline.simulation.terrain.generators import GENERATORS
-from pipeline.simulation.terrain.natural import scattered_boulders
+from pipeline.simulation.terrain.natural_terrain import scattered_boulders
 from pipeline.spec import Terrain
 from pipeline.spec.terrain.base import TERRAIN_PRESETS, GridTerrain, TerrainConfig
 from pipeline.spec.terrain.kinds import (

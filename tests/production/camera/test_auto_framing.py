@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.production.camera.auto_framing import LEAD_ROOM
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.framing import LEAD_ROOM
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take

@@ -1,4 +1,4 @@
-"""Recording: the take of a directed scene, and a scene whose script repeats it."""
+"""Recorder of a directed scene: its take, and a scene whose script repeats it."""
 
 from __future__ import annotations
 

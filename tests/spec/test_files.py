@@ -1,4 +1,4 @@
-"""Scenes and figures in files: where they are found and what is said when they are not."""
+"""Scene and figure files: search order, encodings, and messages for missing files."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def problems_of(call, *given):
+def problems_of(call, *arguments):
     with pytest.raises(SceneError) as caught:
-        call(*given)
+        call(*arguments)
     return [str(problem).partition("\n")[0] for problem in caught.value.problems]
 
 
@@ -46,7 +46,7 @@ def test_a_figure_in_the_scene_comes_before_one_beside_it(folder):
     assert list(load_scene("play.yaml").figures["bug"].nodes) == ["own"]
 
 
-def test_a_scene_may_be_called_like_its_figure(folder):
+def test_a_scene_may_have_the_name_of_its_figure(folder):
     (folder / "figures").mkdir()
     (folder / "figures" / "bug.yaml").write_text(FIGURE)
     (folder / "bug.yaml").write_text(SCENE)
@@ -54,7 +54,7 @@ def test_a_scene_may_be_called_like_its_figure(folder):
     assert list(load_scene("play.yaml").figures) == ["bug"]
 
 
-def test_mistakes_in_a_figure_file_carry_its_name_and_lines(folder):
+def test_mistakes_in_a_figure_file_have_its_name_and_lines(folder):
     wrong = FIGURE.replace("[head, hip]", "[haed, hip]").replace("nodes: {", "nodes: {a: [x, 0], ")
     (folder / "bug.yaml").write_text(wrong)
     (folder / "play.yaml").write_text(SCENE.replace("1\nc", "-1\nc"))
@@ -77,13 +77,13 @@ def test_a_material_that_a_figure_file_names_must_be_in_the_scene(folder):
     assert load_scene("play.yaml").figures["bug"].material == "goo"
 
 
-def test_a_figure_file_that_is_no_yaml_is_reported_with_the_scene(folder):
+def test_a_figure_file_that_is_no_yaml_is_reported(folder):
     (folder / "bug.yaml").write_text("figure: [")
     (problem,) = problems_of(load_scene, "play.yaml")
     assert problem.startswith("bug.yaml:1:10: is not YAML: ")
 
 
-def test_a_missing_figure_says_where_was_searched_and_what_is_near(folder):
+def test_the_message_of_a_missing_figure_names_the_search_places_and_the_nearest_name(folder):
     (folder / "figures").mkdir()
     (folder / "figures" / "bugs.yaml").write_text(FIGURE)
     assert problems_of(load_scene, "play.yaml") == [
@@ -93,14 +93,14 @@ def test_a_missing_figure_says_where_was_searched_and_what_is_near(folder):
     ]
 
 
-def test_a_figure_file_of_a_newer_version(folder):
+def test_a_figure_file_of_a_newer_version_is_refused(folder):
     (folder / "bug.yaml").write_text(FIGURE.replace("pronk: 1", "pronk: 3"))
     assert problems_of(load_figure, "bug.yaml") == [
         "bug.yaml:1:8: pronk: this pronk reads version 1 of the language, not 3"
     ]
 
 
-def test_a_folder_and_an_unreadable_file_are_no_scenes(folder):
+def test_a_folder_is_refused_as_a_scene(folder):
     (folder / "sub").mkdir()
     assert problems_of(load_scene, "sub") == ["sub: is a folder, not a file"]
 
@@ -111,7 +111,7 @@ def test_a_byte_order_mark_and_other_line_breaks_are_accepted():
         assert read_scene(content).n_frames == 24
 
 
-def test_lines_are_counted_whatever_breaks_them():
+def test_all_line_breaks_count_lines():
     for line_break in ("\n", "\r\n", "\r"):
         text = (SCENE + "sead: 1\n").replace("\n", line_break)
         with pytest.raises(SceneError) as caught:
@@ -146,7 +146,7 @@ def test_find_scene_takes_a_path_a_name_here_and_a_shipped_name(folder, monkeypa
         ("sub", "'sub' is a folder; give the file of a scene"),
     ],
 )  # fmt: skip
-def test_a_scene_that_is_not_found(folder, name, message):
+def test_a_missing_scene_is_refused_with_a_hint(folder, name, message):
     (folder / "sub").mkdir()
     with pytest.raises(UsageError) as caught:
         find_scene(name)
@@ -154,14 +154,14 @@ def test_a_scene_that_is_not_found(folder, name, message):
 
 
 @pytest.mark.parametrize("name", ["", "\0", "a\nb", "x" * 5000, "/", "..", "*", "\udcff"])
-def test_odd_names_are_not_found_either(folder, name):
+def test_odd_names_are_refused_without_a_traceback(folder, name):
     with pytest.raises(UsageError):
         find_scene(name)
     with pytest.raises((UsageError, SceneError)):
         load_scene(name)
 
 
-def test_the_library_is_there():
+def test_the_library_has_figures():
     assert (library() / "figures").is_dir()
 
 

@@ -1,4 +1,4 @@
-"""Every mistake is refused at its line and column, in words that say what would be right."""
+"""Every mistake is refused at its line and column, with a message that says what to write."""
 
 from __future__ import annotations
 
@@ -288,7 +288,7 @@ def problems_in(text: str) -> tuple[Problem, ...]:
 
 
 @pytest.mark.parametrize(("old", "new", "path", "message"), ONE_MISTAKE)
-def test_one_mistake_is_one_problem_at_its_place(old, new, path, message):
+def test_one_mistake_is_one_problem_at_its_position(old, new, path, message):
     assert GOOD.count(old) == 1
     marked = GOOD.replace(old, new)
     before, mark, after = marked.partition("§")
@@ -301,7 +301,7 @@ def test_one_mistake_is_one_problem_at_its_place(old, new, path, message):
     assert problem.source == (source if len(source) <= 200 else "")
 
 
-def test_the_good_scene_is_good():
+def test_the_unchanged_scene_is_accepted():
     assert read_scene(GOOD).n_frames == 48
 
 
@@ -336,11 +336,11 @@ def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file():
     ]
 
 
-def test_the_order_holds_where_reading_had_to_stop():
+def test_problems_are_in_file_order_after_a_syntax_error():
     assert [p.column for p in problems_in("[a, !x b]: 1\n*c\n")] == [1, 5, 1]
 
 
-def test_figures_that_are_no_mapping_are_reported_and_not_missed():
+def test_figures_that_are_no_mapping_are_one_problem():
     text = "pronk: 1\nduration: 1\nfigures:\ncast: [{figure: bug}]\n"
     assert [(p.line, p.path) for p in problems_in(text)] == [(3, "figures")]
 
@@ -374,14 +374,14 @@ WHOLE_FILES = [
 @pytest.mark.parametrize(
     ("content", "line", "column", "message"), WHOLE_FILES, ids=range(len(WHOLE_FILES))
 )
-def test_a_file_that_is_no_scene(content, line, column, message):
+def test_a_file_that_is_no_scene_is_one_problem(content, line, column, message):
     with pytest.raises(SceneError) as caught:
         read_scene(content, "scene.yaml")
     (problem,) = caught.value.problems
     assert (problem.line, problem.column, problem.message) == (line, column, message)
 
 
-def test_a_link_without_length_is_refused_where_it_ends():
+def test_a_link_without_length_is_refused_at_its_end():
     text = GOOD.replace("[1, 0]", "[0, -0.0]")
     found = [(p.line, p.path, p.message) for p in problems_in(text)]
     assert found == [
@@ -398,7 +398,7 @@ def test_a_link_without_length_is_refused_where_it_ends():
     ]
 
 
-def test_an_alias_bomb_is_refused_where_it_goes_off():
+def test_an_alias_bomb_is_refused_at_its_line():
     levels = "\n".join(
         f"{name}: &{name} [{', '.join([f'*{below}'] * 10)}]"
         for below, name in zip("abcdefgh", "bcdefghi", strict=True)
@@ -408,19 +408,19 @@ def test_an_alias_bomb_is_refused_where_it_goes_off():
     assert problem.line == 5
 
 
-def test_nesting_by_aliases_is_bounded_too():
+def test_nesting_by_aliases_is_bounded():
     chain = "\n".join(f"a{i}: &a{i} [[[[[[*a{i - 1}]]]]]]" for i in range(1, 400))
     (problem,) = problems_in("a0: &a0 []\n" + chain)
     assert problem.message == "lists and mappings go deeper than 48 levels"
 
 
-def test_aliases_within_bounds_are_fine():
+def test_aliases_within_bounds_are_accepted():
     text = GOOD.replace("[1, 0]", "&knee [1, 0]").replace("  - figure: bug", "  - figure: &f bug")
     scene = read_scene(text + "  - {figure: *f, at: *knee}\n")
     assert scene.cast[1].figure == "bug"
     assert scene.cast[1].at == (1.0, 0.0)
 
 
-def test_words_of_yaml_1_1_are_text_and_core_tags_are_allowed():
+def test_yaml_1_1_booleans_are_text_and_core_tags_are_allowed():
     scene = read_scene(GOOD.replace("terrain: hills", "title: on\nseed: !!int 0x10\nfps: 25/1"))
     assert (scene.title, scene.seed, scene.rate) == ("on", 16, 25)

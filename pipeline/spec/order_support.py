@@ -188,7 +188,7 @@ def _faults_of_urges(name: str, member: object, do: object, path: Path) -> Itera
         yield Fault((*path, "urge"), message, at_key=True)
     for key in urges:
         if key not in NAMES:
-            message = f"no behaviour is called '{key}', {hint(str(key), NAMES)}"
+            message = f"no behaviour is called '{key}', {hint(str(key), NAMES, 'behaviours')}"
             yield Fault((*path, "urge", str(key)), message, at_key=True)
 
 
@@ -198,7 +198,7 @@ def _faults_of_dancer(
     """Find a dance that does not exist, and targets that a dancer cannot follow."""
     dance = value_at(do, "dance")
     if isinstance(dance, str) and dance not in named.dances:
-        message = f"no dance is called '{dance}', {hint(dance, named.dances)}"
+        message = f"no dance is called '{dance}', {hint(dance, named.dances, 'dances')}"
         yield Fault((*path, "dance"), message)
     for key in ("look_at", "reach"):
         target = value_at(do, key)

@@ -12,7 +12,7 @@ from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.library_search import library
+from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
 from tests.simulation.characters.character_yard import least_bend
 from tests.simulation.characters.scripted_people import STEPS, J, play_scene, troupe_of
@@ -367,7 +367,7 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         simulation.step()
         step = simulation.step_number
         hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
-    followed = [order for order in simulation.recorder.orders if order.who == "c"]
+    followed = [order for order in simulation.recorder.told if order.who == "c"]
     (step, hugger, hugged), *others = hugs
     assert (hugger, hugged, others) == ("b", "a", [])
     # In the next step, once; the trigger of the reverse hug does not fire.

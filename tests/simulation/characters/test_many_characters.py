@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -21,11 +22,14 @@ pytestmark = pytest.mark.slow
 
 FEW, SOME, ALL = range(8), range(8, 100), range(100, 1000)
 ONCE_FAILED = (145, 349, 748, 769, 777, 229, 347)
-"""An edge between the balls of a limb; knotted legs; a light foot below a bench; a knee pressed
-into the ground by its own hip; a shin between those of a sleeping person."""
+"""Seeds of past failures.
+
+An edge between the spheres of a limb; knotted legs; a light foot below a bench; a knee pressed into
+the ground by its own hip; a shin between those of a sleeping person.
+"""
 
 LONGEST = 40.0
-"""In which all lie still: balls roll for long [s]."""
+"""Time in which all come to rest: balls roll for long [s]."""
 
 
 def assert_stable(seed: int) -> None:
@@ -56,21 +60,17 @@ def assert_stable(seed: int) -> None:
     assert (arrays.nodes["radius"] - arrays.p[:, 1]).max() < 0.005
 
 
-@pytest.mark.parametrize("seed", [*FEW, *ONCE_FAILED])
-def test_random_crowds_stay_stable(seed: int) -> None:
-    assert_stable(seed)
-
-
-@pytest.mark.slow
-def test_a_hundred_random_crowds_stay_stable() -> None:
-    for seed in SOME:
-        assert_stable(seed)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("tenth", range(9))
-def test_a_thousand_random_crowds_stay_stable(tenth: int) -> None:
-    for seed in ALL[100 * tenth : 100 * (tenth + 1)]:
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        *([seed] for seed in (*FEW, *ONCE_FAILED)),
+        pytest.param(SOME, marks=pytest.mark.slow),
+        *(pytest.param(ALL[k : k + 100], marks=pytest.mark.nightly) for k in range(0, 900, 100)),
+    ],
+    ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}",
+)
+def test_random_crowds_stay_stable(seeds: Sequence[int]) -> None:
+    for seed in seeds:
         assert_stable(seed)
 
 
@@ -93,14 +93,13 @@ def assert_rest(seed: int) -> None:
     assert (arrays.nodes["radius"] - arrays.p[:, 1]).max() < 0.005
 
 
-@pytest.mark.parametrize("seed", [22, 53, 84])
-def test_boxes_that_lie_on_people_come_to_rest(seed: int) -> None:
-    assert_rest(seed)
-
-
-@pytest.mark.nightly
-def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
-    for seed in range(100):
+@pytest.mark.parametrize(
+    "seeds",
+    [[22], [53], [84], pytest.param(range(100), marks=pytest.mark.nightly)],
+    ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}",
+)
+def test_boxes_on_people_come_to_rest(seeds: Sequence[int]) -> None:
+    for seed in seeds:
         assert_rest(seed)
 
 

@@ -26,7 +26,13 @@ from pipeline.spec import read_scene
 from pipeline.spec.behaviour import FORMS, NAMES, Urge
 from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
-from tests.simulation.characters.mind_scenes import channel, doing, simulation, steps, troupe
+from tests.simulation.characters.mind_scenes import (
+    behaviours_of,
+    channel,
+    simulation,
+    steps,
+    troupe,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -233,7 +239,7 @@ def test_anxious_children_of_the_schoolyard_return_home(seed: int) -> None:
     scene = load_scene(library() / "schoolyard.yaml", [f"seed={seed}"])
     take = simulate(scene)
     anxiety, distance = channel(take, "small.anxiety"), channel(take, "small.distance")
-    gaze, did = channel(take, "small.gaze"), doing(take, "small")
+    gaze, did = channel(take, "small.gaze"), behaviours_of(take, "small")
     dt = 60.0 / len(anxiety)
     # An anxious child returns home and hugs until it is calm.
     returns = [k for k in range(1, len(did)) if did[k] == "attachment" != did[k - 1]]

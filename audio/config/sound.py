@@ -127,7 +127,7 @@ Metres = Annotated[float, Field(gt=0, le=1000)]
 
 
 class Room(AudioConfig):
-    """Acoustics of the place; the preset supplies what is not given."""
+    """Acoustics of the place; the preset supplies the other keys."""
 
     preset: RoomName = Field(
         "open", description="open (the ground and little else), dry (nothing), room or hall."
@@ -157,7 +157,7 @@ class Master(AudioConfig):
         30.0,
         ge=0,
         le=60,
-        description="Greatest gain of a soft scene [dB]: what is nearly silent stays soft.",
+        description="Greatest gain of a soft scene [dB]: a nearly silent scene stays soft.",
     )
     most_limiting_db: float = Field(
         18.0,

@@ -77,7 +77,7 @@ class Character(Performer):
         "with the nearest ball and is attached to the nearest adult, or hugs children who come.",
     )
     slapstick: bool = Field(
-        False, description="Whether it runs into those whom it hugs instead of slowing down."
+        False, description="Whether it runs into the person it hugs instead of slowing down."
     )
 
     @model_validator(mode="after")

@@ -169,7 +169,7 @@ class BodyKey(ConfigModel):
 class PoseKey(ConfigModel):
     """Goals at one time; the motion between keys follows splines."""
 
-    at: Time = Field(description="When it is to be so [s].")
+    at: Time = Field(description="Time of the pose [s].")
     limb: Name | None = Field(
         None, description="The limb whose tip is asked for, such as arm_r1, l2 or head."
     )

@@ -89,9 +89,10 @@ class Hold(ConfigModel):
         description="The hand that holds it, such as arm.hand: a performer and a node of its "
         "drawing or a link.",
     )
-    at: Time = Field(description="When it is taken [s].")
+    at: Time = Field(description="Time at which it is taken [s].")
     until: Time | None = Field(
-        None, description="When it is let go, and stays where it is [s]; never if left out."
+        None,
+        description="Time at which it is released and stays where it is [s]; never if left out.",
     )
 
     @model_validator(mode="after")

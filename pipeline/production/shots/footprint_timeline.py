@@ -23,12 +23,12 @@ SOFT_GROUNDS: Mapping[str, tuple[float, float]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class _PrintShape:
+class _FootprintShape:
     """Shape of a footprint in soft ground.
 
     Attributes:
         width: relative to the foot.
-        min_radius: least radius [m], because claws would leave none.
+        min_radius: least radius [m].
         length: relative to the width.
         rim_height: of the raised rim, relative to the depth.
         rim_radius: outer radius of the rim, in radii of the footprint.
@@ -56,7 +56,7 @@ class _TexelSpacing:
     greatest: float = 0.01
 
 
-SHAPE = _PrintShape()
+SHAPE = _FootprintShape()
 SPACING = _TexelSpacing()
 
 
@@ -130,9 +130,8 @@ def _foot(take: Take, contact: Contact, radii: Mapping[str, float]) -> _Foot:
     path = take.positions[max(row - span, 0) : row + span + 1, body]
     way = path[-1] - path[0]
     heading = float(np.arctan2(way[2], way[0])) if np.hypot(way[0], way[2]) > 1e-3 else 0.0
-    return _Foot(
-        contact.place[0], contact.place[2], max(SHAPE.width * radius, SHAPE.min_radius), heading
-    )
+    x, _, z = contact.place
+    return _Foot(x, z, max(SHAPE.width * radius, SHAPE.min_radius), heading)
 
 
 def _raster(feet: list[_Foot], depth: float, dark: float) -> FootprintRaster:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import log2
 
-from audio.config.notes import first_note_of_rule
+from audio.config.pitch import first_note_of_rule
 from audio.general_midi import usual_range
 from audio.harmony import Scale, fold_pitch
 from audio.names import normalized_name

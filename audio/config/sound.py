@@ -7,15 +7,10 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from audio.config import AudioConfig, checked_by
-from audio.config.notes import (
-    ChordName,
-    PhraseOrSteps,
-    Pitch,
-    Quantisation,
-    ScaleName,
-    Velocity,
-    VelocityOrNumber,
-)
+from audio.config.phrase import PhraseOrSteps
+from audio.config.pitch import ChordName, Pitch, ScaleName
+from audio.config.quantisation import Quantisation
+from audio.config.velocity import Velocity, VelocityOrNumber
 from audio.general_midi import drum_key, program_number
 
 Instrument = Annotated[str, checked_by(program_number)]

@@ -5,10 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated
 
-from pydantic import (
-    Field,
-    PlainValidator,
-)
+from pydantic import Field, PlainValidator
 
 from audio.config import checked_by
 from audio.harmony import parse_chord, parse_note, parse_steps

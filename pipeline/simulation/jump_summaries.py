@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
-from pipeline.simulation.locomotion.pronking.reference_jump import (
-    ReferenceJump,
-    rehearse_jump,
-)
+from pipeline.simulation.locomotion.pronking.reference_jump import ReferenceJump, rehearse_jump
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.terrain import level_ground
 from pipeline.spec import Scene

@@ -16,12 +16,7 @@ from pipeline.spec.model_base import (
     Number,
     raise_faults,
 )
-from render.config.base import (
-    EASE_DESCRIPTION,
-    HELD_EASE_DESCRIPTION,
-    TURN_DESCRIPTION,
-    Ease,
-)
+from render.config.base import EASE_DESCRIPTION, HELD_EASE_DESCRIPTION, TURN_DESCRIPTION, Ease
 
 __all__ = [
     "EASE_DESCRIPTION",

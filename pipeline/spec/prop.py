@@ -7,14 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.keyframes import (
-    Keyframe,
-    Rates,
-    Time,
-    Turn,
-    faults_of_order,
-    faults_of_tangents,
-)
+from pipeline.spec.keyframes import Keyframe, Rates, Time, Turn, faults_of_order, faults_of_tangents
 from pipeline.spec.model_base import (
     ConfigModel,
     Fault,

@@ -14,11 +14,7 @@ from pipeline.production.camera.auto_framing import AutoFraming, lead_offset
 from pipeline.production.camera.camera_path import CameraPath, smoothed
 from pipeline.production.camera.camera_target import CameraTarget, follow
 from pipeline.production.camera.clearance import Clearance, VisibleGround
-from pipeline.production.camera.keyframed_camera import (
-    animated_path,
-    fields_of_view,
-    has_direction,
-)
+from pipeline.production.camera.keyframed_camera import animated_path, fields_of_view, has_direction
 from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
 from pipeline.simulation.clock import Clock

@@ -28,8 +28,16 @@ from pipeline.simulation.figures.joint_limits import (
     apply_joint_overrides,
     insect_joint_ranges,
     mammal_joint_ranges,
+    raised_neck,
 )
-from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, Anatomy, Appendage
+from pipeline.simulation.figures.network import (
+    ARM,
+    HEAD,
+    LEG,
+    TAIL,
+    Anatomy,
+    Appendage,
+)
 from pipeline.simulation.spatial import UP, Array, normalized, rotation
 from pipeline.spec.figure import Figure as FigureConfig
 from pipeline.spec.figure import LinkShape
@@ -46,6 +54,9 @@ FORWARD = np.array([1.0, 0.0, 0.0])
 UPRIGHT_SINE = 0.9
 """Sine of the elevation beyond which a limb stands or hangs: no axis in the drawing plane is
 across it."""
+
+LEVEL = 30.0
+"""Greatest pitch of a body whose neck has to be raised for its head to be up [degrees]."""
 
 MIN_RADIUS_RATIO = 1e-6
 """Least radius of a link, in its length."""
@@ -104,7 +115,7 @@ class Link:
 
     Attributes:
         name: such as "l1.2", the second link of the first left leg.
-        kind: body, leg, arm, head, tail or feeler.
+        kind: body, leg, arm, head, tail, feeler, horn or wing.
         joint: that moves it; `BODY` for the body.
         ends: (2, 3) its nodes in the creation frame [m].
         radii: of the solid at both ends [m].
@@ -131,7 +142,7 @@ class Limb:
 
     Attributes:
         name: "l1", "r2", "head", ...
-        kind: leg, arm, head, tail or feeler.
+        kind: leg, arm, head, tail, feeler, horn or wing.
         side: "l", "r" or "m".
         joints: joint numbers from base to tip.
         links: link numbers from base to tip.
@@ -240,7 +251,11 @@ def build_skeleton(
     )
     for name, side, appendage in _name_appendages(anatomy):
         normal = drawing_normal(config, appendage.kind)
-        _add_limb(builder, name, side, appendage, points, radii, drawing, normal)
+        # An author who writes down the joints of a neck poses it.
+        holds_neck = (
+            config.style == "mammal" and config.pitch_deg < LEVEL and (name not in config.joints)
+        )
+        _add_limb(builder, name, side, appendage, points, radii, drawing, normal, holds_neck)
     joints = apply_joint_overrides(config.joints, builder.names, builder.ranges, scale)
     ranges = joints.ranges
     axes = np.array(builder.axes).reshape(-1, 3)
@@ -274,10 +289,10 @@ def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
         counts[key] = number = counts.get(key, 0) + 1
         if kind == LEG:
             name = f"{side}{number}"
-        elif kind in (ARM, FEELER):
-            name = f"{kind}_{side}{number}"
-        else:
+        elif kind in (HEAD, TAIL):
             name = kind if number == 1 else f"{kind}{number}"
+        else:
+            name = f"{kind}_{side}{number}"
         named.append((name, side, appendage))
     return named
 
@@ -291,6 +306,7 @@ def _add_limb(
     radii: Array,
     drawing: Drawing,
     normal: Array,
+    holds_neck: bool,
 ) -> None:
     """Add the joints and links of one appendage, from its base outward."""
     nodes, materials = appendage.nodes, drawing.materials
@@ -303,6 +319,8 @@ def _add_limb(
     ranges = (
         mammal_joint_ranges(kind, side, steps) if mammal else insect_joint_ranges(kind, len(steps))
     )
+    if holds_neck and kind == HEAD:
+        ranges = raised_neck(ranges)
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis is across the mean direction of its two links.
         along = directions[i] if i == 0 else _mean_direction(directions[i - 1], directions[i])

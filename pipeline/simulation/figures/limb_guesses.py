@@ -69,6 +69,9 @@ by which that link points farther ahead than the first."""
 BACKWARD_COSINE = math.cos(math.radians(60.0))
 """Of the direction of a twig behind all legs."""
 
+BEHIND = "behind the legs"
+"""Start of the reason of twigs at the rear, which lie as drawn."""
+
 CLAW_LEGS, ANTENNA_LEGS = 6, 4
 """Legs that an insect has behind its claws, and any animal behind long antennae."""
 
@@ -155,7 +158,8 @@ def guess_limbs(
     reasons = _twig_reasons(drawing, branches, drawing.places[sorted(trunk), 1])
     for branch, reason in zip(branches, reasons, strict=True):
         if reason:
-            guesses.add_twig(branch, HORN if style == "mammal" else FEELER, reason)
+            stands = style == "mammal" and not reason.startswith(BEHIND)
+            guesses.add_twig(branch, HORN if stands else FEELER, reason)
     limbs = [branch for branch, reason in zip(branches, reasons, strict=True) if not reason]
     for branch in (limb for limb in limbs if not limb.is_given):
         toes = [t for t in branch.twigs if _length(drawing, t) < SHORT_TOE * branch.length]
@@ -317,7 +321,7 @@ def _rear_twig_reason(drawing: Drawing, branch: Branch, branches: Sequence[Branc
     ratio = branch.length / max(leg.length for leg in legs)
     backward = -_cosine(drawing, branch.chain[0], branch.chain[-1]) >= BACKWARD_COSINE
     if ratio < SHORT_BEHIND and backward:
-        return f"behind the legs, {_percent(ratio)} of their length"
+        return f"{BEHIND}, {_percent(ratio)} of their length"
     return ""
 
 

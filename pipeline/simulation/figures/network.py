@@ -53,6 +53,9 @@ from pipeline.spec.suggestions import hint
 BODY = "body"
 KIND_ORDER = (LEG, ARM, HEAD, TAIL, FEELER, HORN, WING)
 
+CLOSE_NODES = 1e-3
+"""Distance of nodes on top of one another, in the drawing's size."""
+
 MIDLINE_TOLERANCE = 0.3
 """Greatest sideways offset of a head or tail from the midline, in its length."""
 
@@ -176,10 +179,12 @@ class Remark:
     Attributes:
         node: name of the node.
         text: of the hint.
+        is_fault: whether it is likely a mistake, which the films of the figure show.
     """
 
     node: str
     text: str
+    is_fault: bool = False
 
     def __str__(self) -> str:
         return self.text
@@ -393,7 +398,7 @@ def _find_remarks(
     if ignored:
         are = "are" if len(ignored) > 1 else "is"
         text = f"{list_names(drawing, ignored)} {are} not connected to the rest and ignored"
-        yield Remark(drawing.names[min(ignored)], text)
+        yield Remark(drawing.names[min(ignored)], text, True)
     for toe in toes:
         text = f"'{drawing.names[toe[-1]]}' is a toe or a finger of its limb and left out; write "
         yield Remark(drawing.names[toe[-1]], f"{text}`feet: toes` for toes that are seen")
@@ -413,13 +418,36 @@ def _find_remarks(
         if drawing.shapes[n] != "round":
             text = f"no link ends at '{drawing.names[n]}', so its shape is not used"
             yield Remark(drawing.names[n], text)
-    first: dict[tuple[float, float], int] = {}
-    for n in sorted(adjacency):
-        x, y = drawing.places[n]
-        other = first.setdefault((float(x), float(y)), n)
-        if other != n:
-            text = f"'{drawing.names[other]}' and '{drawing.names[n]}' are at the same place"
-            yield Remark(drawing.names[n], f"{text} and not connected")
+    yield from _side_loops(drawing, adjacency)
+    yield from _close_nodes(drawing, adjacency)
+
+
+def _close_nodes(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
+    """Yield hints about nodes on top of one another."""
+    nodes = sorted(adjacency)
+    places = drawing.places[nodes]
+    gaps = np.linalg.norm(places[:, None] - places[None], axis=-1)
+    close = np.triu(gaps <= CLOSE_NODES * float(np.ptp(drawing.places, axis=0).max()), 1)
+    for i, j in np.argwhere(close).tolist():
+        a, b = nodes[i], nodes[j]
+        one, other = drawing.names[a], drawing.names[b]
+        if b in adjacency[a]:
+            text = f"'{one}' and '{other}' are joined and only {gaps[i, j]:.1g} m apart"
+        else:
+            where = "at the same place" if gaps[i, j] == 0.0 else f"{gaps[i, j]:.1g} m apart"
+            text = f"'{one}' and '{other}' are {where} and not connected"
+        yield Remark(other, f"{text}; one node is enough", True)
+
+
+def _side_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
+    """Yield hints about loops beside the midline, which make a limb a part of the body."""
+    middle = midline(drawing)
+    for loop in loop_groups(adjacency):
+        x = drawing.places[sorted(loop), 0] - middle
+        if (x > 0.0).all() or (x < 0.0).all():
+            around = list_names(drawing, loop)
+            text = f"the loop of {around} lies beside the midline: it and its limb are body and "
+            yield Remark(drawing.names[min(loop)], f"{text}do not bend; open the loop", True)
 
 
 def _joined_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:

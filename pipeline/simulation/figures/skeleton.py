@@ -37,6 +37,7 @@ from pipeline.simulation.figures.network import (
     TAIL,
     Anatomy,
     Appendage,
+    midline,
 )
 from pipeline.simulation.spatial import UP, Array, normalized, rotation
 from pipeline.spec.figure import Figure as FigureConfig
@@ -54,6 +55,9 @@ FORWARD = np.array([1.0, 0.0, 0.0])
 UPRIGHT_SINE = 0.9
 """Sine of the elevation beyond which a limb stands or hangs: no axis in the drawing plane is
 across it."""
+
+SPLAY = 0.7
+"""How far from the midline feet stand whose legs hang on it, in the body's radius there."""
 
 LEVEL = 30.0
 """Greatest pitch of a body whose neck has to be raised for its head to be up [degrees]."""
@@ -316,8 +320,17 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     mammal = builder.style == "mammal"
     kind = appendage.kind
+    base = nodes[0]
+    # Both legs of a pair that hangs on the midline would stand in one place.
+    splay = (
+        SPLAY * float(radii[base])
+        if abs(drawing.places[base][0] - midline(drawing)) < 1e-9
+        else 0.0
+    )
     ranges = (
-        mammal_joint_ranges(kind, side, steps) if mammal else insect_joint_ranges(kind, len(steps))
+        mammal_joint_ranges(kind, side, steps, splay)
+        if mammal
+        else insect_joint_ranges(kind, len(steps))
     )
     if holds_neck and kind == HEAD:
         ranges = raised_neck(ranges)

@@ -68,8 +68,8 @@ def _floating_feet(figure: Figure, legs: LimbBatch, tips: Array) -> Iterator[Rem
     worst = int(floating[short[floating].argmax()])
     feet = ", ".join(f"'{names[i]}'" for i in floating)
     text = (
-        f"{feet} {'float' if len(floating) > 1 else 'floats'} {bottoms[worst] - ground:.2g} m above "
-        f"the ground where '{lowest}' stands, and stretched {short[worst]:.2g} m: make the leg "
+        f"{feet} {'float' if len(floating) > 1 else 'floats'} {bottoms[worst] - ground:.2g} m "
+        f"above the ground where '{lowest}' stands, and stretched {short[worst]:.2g} m: make the leg "
         "longer, or the others shorter; walking, the body is lowered until all feet reach"
     )
     yield Remark(names[int(floating[0])], text, True)

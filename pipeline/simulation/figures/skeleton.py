@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -61,6 +62,9 @@ SPLAY = 0.7
 
 LEVEL = 30.0
 """Greatest pitch of a body whose neck has to be raised for its head to be up [degrees]."""
+
+ON_MIDLINE = 1e-9
+"""Distance from the midline of what is drawn on it, beside rounding [m]."""
 
 MIN_RADIUS_RATIO = 1e-6
 """Least radius of a link, in its length."""
@@ -253,13 +257,13 @@ def build_skeleton(
     builder.links.append(
         Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
     )
+    splays = _splays(drawing, anatomy, radii)
     for name, side, appendage in _name_appendages(anatomy):
         normal = drawing_normal(config, appendage.kind)
-        # An author who writes down the joints of a neck poses it.
-        holds_neck = (
-            config.style == "mammal" and config.pitch_deg < LEVEL and (name not in config.joints)
-        )
-        _add_limb(builder, name, side, appendage, points, radii, drawing, normal, holds_neck)
+        steps = np.diff(points[list(appendage.nodes)], axis=0)
+        splay = splays.get(appendage.nodes[0], 0.0)
+        ranges = _joint_ranges(config, name, side, appendage.kind, steps, splay)
+        _add_limb(builder, name, side, appendage, points, radii, drawing, normal, ranges)
     joints = apply_joint_overrides(config.joints, builder.names, builder.ranges, scale)
     ranges = joints.ranges
     axes = np.array(builder.axes).reshape(-1, 3)
@@ -282,6 +286,20 @@ def build_skeleton(
     )
 
 
+def _splays(drawing: Drawing, anatomy: Anatomy, radii: Array) -> dict[int, float]:
+    """Return by base how far its feet stand from the midline, for several legs that hang on it [m].
+
+    Both legs of such a pair would stand in one place.
+    """
+    bases = Counter(leg.nodes[0] for leg in anatomy.of_kind(LEG))
+    middle = midline(drawing)
+    return {
+        base: SPLAY * float(radii[base])
+        for base, count in bases.items()
+        if count > 1 and abs(float(drawing.places[base, 0]) - middle) <= ON_MIDLINE
+    }
+
+
 def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
     """Return each appendage with name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
     counts: dict[tuple[str, str], int] = {}
@@ -301,6 +319,18 @@ def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
     return named
 
 
+def _joint_ranges(
+    config: FigureConfig, name: str, side: str, kind: str, steps: Array, splay: float
+) -> list[dict[str, JointRange]]:
+    """Return the joints at each node of a limb but its tip, before the author's settings."""
+    if config.style == "insect":
+        return insect_joint_ranges(kind, len(steps))
+    ranges = mammal_joint_ranges(kind, side, steps, splay)
+    # An author who writes down the joints of a neck poses it.
+    raised = kind == HEAD and config.pitch_deg < LEVEL and name not in config.joints
+    return raised_neck(ranges) if raised else ranges
+
+
 def _add_limb(
     builder: _Builder,
     name: str,
@@ -310,7 +340,7 @@ def _add_limb(
     radii: Array,
     drawing: Drawing,
     normal: Array,
-    holds_neck: bool,
+    ranges: list[dict[str, JointRange]],
 ) -> None:
     """Add the joints and links of one appendage, from its base outward."""
     nodes, materials = appendage.nodes, drawing.materials
@@ -320,20 +350,6 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     mammal = builder.style == "mammal"
     kind = appendage.kind
-    base = nodes[0]
-    # Both legs of a pair that hangs on the midline would stand in one place.
-    splay = (
-        SPLAY * float(radii[base])
-        if abs(drawing.places[base][0] - midline(drawing)) < 1e-9
-        else 0.0
-    )
-    ranges = (
-        mammal_joint_ranges(kind, side, steps, splay)
-        if mammal
-        else insect_joint_ranges(kind, len(steps))
-    )
-    if holds_neck and kind == HEAD:
-        ranges = raised_neck(ranges)
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis is across the mean direction of its two links.
         along = directions[i] if i == 0 else _mean_direction(directions[i - 1], directions[i])

@@ -69,8 +69,8 @@ def _floating_feet(figure: Figure, legs: LimbBatch, tips: Array) -> Iterator[Rem
     feet = ", ".join(f"'{names[i]}'" for i in floating)
     text = (
         f"{feet} {'float' if len(floating) > 1 else 'floats'} {bottoms[worst] - ground:.2g} m "
-        f"above the ground where '{lowest}' stands, and stretched {short[worst]:.2g} m: make the leg "
-        "longer, or the others shorter; walking, the body is lowered until all feet reach"
+        f"above the ground where '{lowest}' stands, and stretched {short[worst]:.2g} m: make "
+        "the leg longer, or the others shorter; walking, the body sinks until all feet reach"
     )
     yield Remark(names[int(floating[0])], text, True)
 

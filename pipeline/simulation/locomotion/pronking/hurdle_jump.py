@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.foot_contact import flight_swing
+from pipeline.simulation.locomotion.pronking.hop_events import flight_swing
 from pipeline.simulation.locomotion.pronking.hop_state import HopState, PlannedJump, available_force
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.jump_planner import (

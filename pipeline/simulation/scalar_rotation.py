@@ -1,8 +1,8 @@
 """Quaternions, vectors and matrices of one body as plain floats.
 
 Use it in plain Python that integrates a single body step by step, such as a hopper: tuples of
-floats cost a tenth of the arrays of `spatial`, and plain Python
-cannot call `dynamics.vectors`. Quaternions are `wxyz`; a matrix is a tuple of its rows.
+floats cost a tenth of the arrays of `spatial`, and plain Python cannot call `dynamics.vectors`.
+Quaternions are `wxyz`; a matrix is a tuple of its rows.
 """
 
 from __future__ import annotations

@@ -17,8 +17,8 @@ from pipeline.simulation.figures.skeleton import Skeleton
 from pipeline.simulation.spatial import Array, normalized
 
 
-def _uniform(batch: LimbBatch, chance: np.random.Generator) -> Array:
-    return batch.lower + chance.random(batch.lower.shape) * (batch.upper - batch.lower)
+def _uniform(batch: LimbBatch, rng: np.random.Generator) -> Array:
+    return batch.lower + rng.random(batch.lower.shape) * (batch.upper - batch.lower)
 
 
 def _some(skeleton: Skeleton, count: int, kind: str = "") -> LimbBatch:

@@ -24,7 +24,7 @@ from pipeline.spec.partial_scene import (
     unknown_name,
     value_at,
 )
-from pipeline.spec.script import FORMS
+from pipeline.spec.script import FORMS, PLAIN_ORDERS
 from pipeline.spec.suggestions import hint
 
 CHARACTER_ONLY = (
@@ -44,6 +44,19 @@ HOPPER_ORDERS = (
     *("go_to", "turn_deg", "speed", "wait", "look_at", "look"),
 )
 """Orders of a creature that hops and does not walk."""
+
+
+def orders_by_performer() -> dict[str, tuple[str, ...]]:
+    """Return the orders that each sort of performer can be given."""
+    others = {*CHARACTER_ONLY, *DANCER_ONLY, "hop"}
+    walker_orders = tuple(order for order in (*PLAIN_ORDERS, *FORMS) if order not in others)
+    return {
+        "walkers": walker_orders,
+        "hoppers": HOPPER_ORDERS,
+        "people": CHARACTER_ORDERS,
+        "dancers": DANCER_ORDERS,
+    }
+
 
 UNMOVED = ("prop", "body")
 """Kinds of members that follow no script."""
@@ -248,7 +261,7 @@ def _faults_of_urges(member: object, name: str, do: object, path: Path) -> Itera
         yield Fault((*path, "urge"), message, at_key=True)
     for key in urges:
         if key not in NAMES:
-            message = f"no behaviour is called '{key}', {hint(str(key), NAMES)}"
+            message = f"no behaviour is called '{key}', {hint(str(key), NAMES, 'behaviours')}"
             yield Fault((*path, "urge", str(key)), message, at_key=True)
 
 

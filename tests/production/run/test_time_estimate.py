@@ -24,15 +24,15 @@ def _own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 
 
-def estimate(name: str = "a", total: int = 100, **words: object) -> Estimate:
-    return Estimate(name, Film.model_validate(words).resolved(), BACKEND, 1, total)
+def estimate(name: str = "a", total: int = 100, **config: object) -> Estimate:
+    return Estimate(name, Film.model_validate(config).resolved(), BACKEND, 1, total)
 
 
 def filmed(film: Estimate, each: float, first: float = 20.0) -> list[str]:
-    """Film at a pace, after a slow first frame; return the reports."""
-    said = [film.after(done, first + each * (done - 1)) for done in range(1, film.total + 1)]
+    """Estimate a film of constant pace after a slow first frame; return the reports."""
+    reports = [film.after(done, first + each * (done - 1)) for done in range(1, film.total + 1)]
     film.store()
-    return [text for text in said if text is not None]
+    return [text for text in reports if text is not None]
 
 
 def test_without_earlier_films_the_first_frames_give_the_estimate() -> None:
@@ -50,8 +50,8 @@ def test_the_same_film_takes_as_long_as_it_did() -> None:
     assert filmed(again, 2.1) == []
     slower = estimate()
     slower.before()
-    (said,) = filmed(slower, 5.0)
-    assert "about 8 min for 96 frames" in said
+    (reports,) = filmed(slower, 5.0)
+    assert "about 8 min for 96 frames" in reports
 
 
 def test_another_film_takes_as_long_as_its_work() -> None:
@@ -69,7 +69,7 @@ def test_tiny_frames_predict_only_their_own_film() -> None:
     assert "by the last time" in str(estimate("tiny", size=(64, 36)).before())
 
 
-def test_the_start_counts() -> None:
+def test_estimates_include_the_start() -> None:
     filmed(estimate(), 2.0, first=302.0)
     assert "about 8 min for 100 frames" in str(estimate().before())
 

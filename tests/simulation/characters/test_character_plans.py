@@ -38,9 +38,9 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
 @pytest.mark.parametrize("body", [ADULT, CHILD])
 @pytest.mark.parametrize("seed", range(4))
 def test_reversed_knees_and_elbows_recover(body: Proportions, seed: int) -> None:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     plan = person_plan(body)
-    turn = attitude(chance)
+    turn = attitude(rng)
     rest = plan.rest.copy()
     # Knees back and elbows forward by a hand's breadth: the wrong way round.
     for name, way in (("knee", -0.1), ("elbow", 0.1)):

@@ -29,12 +29,12 @@ LONGEST = 40.0
 
 
 def holds(seed: int) -> None:
-    yard, chance = random_crowd(seed), np.random.default_rng(seed + 10**6)
+    yard, rng = random_crowd(seed), np.random.default_rng(seed + 10**6)
     arrays, off, reversed_by = yard.arrays, 0.0, 0.0
     for step in range(round(LONGEST / DT)):
         if step in (60, 120):
             # Pushed at 20 m/s, any one node in any direction.
-            node, way = int(chance.integers(len(arrays.nodes))), chance.normal(size=3)
+            node, way = int(rng.integers(len(arrays.nodes))), rng.normal(size=3)
             before = arrays.p[node] - yard.h * 20.0 * way / np.linalg.norm(way)
             arrays.nodes["previous"][node] = before
         yard.step()

@@ -37,7 +37,7 @@ def macarena(by: str, tempo: float) -> DanceRecording:
     return record_motion(config, 1.0 + 13.0 * 60.0 / tempo)
 
 
-def unreached(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str]:
+def missed_goals(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str]:
     """Returns the missed subtasks with their errors."""
     found = []
     for move, hand in motion.moves():
@@ -67,7 +67,7 @@ def unreached(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str
 def test_every_goal_is_reached_without_penetration(by: str, tempo: float) -> None:
     motion = macarena(by, tempo)
     # Force fields cannot turn a hand.
-    assert unreached(motion, skipped=(2, 3) if by == "force-field" else ()) == []
+    assert missed_goals(motion, skipped=(2, 3) if by == "force-field" else ()) == []
     deep = {pair: depth for pair, depth in motion.deepest.items() if depth > MAX_PENETRATION}
     assert deep == {}
     assert np.isfinite(np.array(motion.q)).all()
@@ -83,7 +83,7 @@ def test_only_joint_torques_turn_palms() -> None:
         assert (turned > 40).all() if by == "force-field" else (turned < -78).all()
 
 
-def test_torso_links_joints_and_masses() -> None:
+def test_torso_has_its_links_joints_and_masses() -> None:
     for person in (ADULT, CHILD):
         torso = build_torso(person)
         moving = [link for link in torso.linkage.links if link.hinges]
@@ -215,7 +215,7 @@ def test_motion_is_reproducible_alone_and_beside_other_performers() -> None:
 
 
 @pytest.mark.slow
-def test_position_and_heading_of_dancer() -> None:
+def test_dancer_stands_at_its_position_and_heading() -> None:
     head = "pronk: 1\nduration: 1.5\nterrain: {preset: hills}\ncast:\n"
     plain = "- {name: a, dancer: torso, tempo_bpm: 120}\n"
     moved = "- {name: a, dancer: torso, tempo_bpm: 120, at: [2, -3], heading_deg: 90}\n"

@@ -223,12 +223,12 @@ def check_random_reaches(count: int, seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_random_reaches() -> None:
+def test_random_reaches_arrive_without_penetration() -> None:
     check_random_reaches(50, 1)
 
 
 @pytest.mark.nightly
-def test_many_random_reaches() -> None:
+def test_many_random_reaches_arrive_without_penetration() -> None:
     check_random_reaches(500, 2)
 
 

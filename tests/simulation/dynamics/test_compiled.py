@@ -1,4 +1,4 @@
-"""Compiled loops: as plain Python, kept in the user's cache, loaded for bodies alone."""
+"""Compiled functions: they match Python, are cached for the user, and load with bodies only."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-FALL = """
-from tests.simulation.dynamics.test_terrain_bodies import DT, drops
+DROP_BODIES = """
+from tests.simulation.dynamics.test_terrain_bodies import DT, build_random_drop
 import numpy as np
-bouncing = drops(np.random.default_rng(5), 12, "hills")
-bouncing.state.v[:, 1] = -5.0
-seen = sum(len(bouncing.advance(DT)) for _ in range(20))
+falling = build_random_drop(np.random.default_rng(5), 12, "hills")
+falling.state.v[:, 1] = -5.0
+seen = sum(len(falling.advance(DT)) for _ in range(20))
 assert seen > 2, seen
-state = bouncing.state
+state = falling.state
 print(np.concatenate([x.ravel() for x in (state.p, state.q, state.v, state.w)]).tobytes().hex())
 """
 
 
-def told(code: str, **environment: str) -> str:
-    """Return what a process of its own prints."""
+def run_python(code: str, **environment: str) -> str:
+    """Return the output of a new Python process."""
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
@@ -37,17 +37,18 @@ def told(code: str, **environment: str) -> str:
 
 
 @pytest.mark.slow
-def test_machine_code_does_what_python_does() -> None:
+def test_compiled_code_matches_python() -> None:
     compiled, plain = (
-        np.frombuffer(bytes.fromhex(told(FALL, NUMBA_DISABLE_JIT=word))) for word in ("0", "1")
+        np.frombuffer(bytes.fromhex(run_python(DROP_BODIES, NUMBA_DISABLE_JIT=flag)))
+        for flag in ("0", "1")
     )
-    # In flight to the last bit. Where an impact is found to a part of its tolerance, what
-    # comes after it may differ by as much, times the turning.
+    # Flights agree to the last bit. Times of impacts agree within their tolerance, which later
+    # motion amplifies.
     np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-4)
     assert (compiled == plain).mean() > 0.6
 
 
-ENTRY = """
+COMPILE_ONE = """
 import numpy as np
 from pipeline.simulation.dynamics.compiled import is_cached
 from pipeline.simulation.dynamics.free_motion import rotate_freely
@@ -59,19 +60,21 @@ print(rotate_freely.stats.cache_path, before, is_cached("dynamics"))
 
 
 @pytest.mark.slow
-def test_machine_code_is_kept_in_the_users_cache(tmp_path: Path) -> None:
-    where, *made = told(ENTRY, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR="").split()
-    assert made == ["False", "True"]
-    assert Path(where).is_relative_to(tmp_path / "pronk" / "compiled")
-    assert list(Path(where).glob("*.nbc"))
+def test_compiled_code_is_stored_in_the_users_cache(tmp_path: Path) -> None:
+    folder, *is_cached = run_python(
+        COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""
+    ).split()
+    assert is_cached == ["False", "True"]
+    assert Path(folder).is_relative_to(tmp_path / "pronk" / "compiled")
+    assert list(Path(folder).glob("*.nbc"))
 
 
 @pytest.mark.slow
-def test_where_nothing_can_be_kept_it_works_all_the_same(tmp_path: Path) -> None:
+def test_compilation_works_without_a_writable_cache(tmp_path: Path) -> None:
     # No folder can be made below a file.
     (tmp_path / "file").touch()
-    where = told(ENTRY, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
-    assert where.split() == ["None", "False", "False"]
+    output = run_python(COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
+    assert output.split() == ["None", "False", "False"]
 
 
 @pytest.mark.parametrize("cast", ["{figure: beetle, walk: {}}", "{prop: {shape: ball}}"])
@@ -83,4 +86,4 @@ def test_scenes_without_bodies_load_no_compiler(cast: str) -> None:
         f"Simulation(read_scene('pronk: 1\\nduration: 1\\ncast: [{cast}]')).step()\n"
         "print('numba' in sys.modules)"
     )
-    assert told(code).strip() == "False"
+    assert run_python(code).strip() == "False"

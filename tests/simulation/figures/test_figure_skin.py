@@ -27,13 +27,13 @@ from pipeline.spec.figure import Figure as Words
 SHIPPED = sorted(Path("scenes/figures").glob("*.yaml"))
 
 
-def words(name: str, **more: object) -> Words:
+def figure_config(name: str, **more: object) -> Words:
     text = Path(f"scenes/figures/{name}.yaml").read_text(encoding="utf-8")
     return Words.model_validate({**yaml.safe_load(text)["figure"], **more})
 
 
 def shipped(name: str, **more: object) -> Figure:
-    return build_figure(name, words(name, **more), 1.0)
+    return build_figure(name, figure_config(name, **more), 1.0)
 
 
 def winding(skin: Skin, places: Array) -> Array:
@@ -51,7 +51,7 @@ def winding(skin: Skin, places: Array) -> Array:
 
 
 def scene(**more: object) -> Scene:
-    figure = words("beetle", **more).model_dump(exclude_none=True, mode="json")
+    figure = figure_config("beetle", **more).model_dump(exclude_none=True, mode="json")
     text = {
         "pronk": 1,
         "frames": 20,

@@ -223,7 +223,7 @@ def test_a_prop_swooshes_while_its_speed_exceeds_the_threshold() -> None:
 @pytest.mark.parametrize(
     ("end", "size", "causes"),
     [
-        # 10 m/s: quick for a ball, slow for what is 2 m long.
+        # 10 m/s is fast for a ball and slow for a body 2 m long.
         (5, "[0.3, 0.3, 0.3]", ["swoosh"]),
         (5, "[2, 0.3, 0.3]", []),
         # 5 m/s is quick for nothing.

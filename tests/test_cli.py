@@ -356,7 +356,10 @@ def test_figure_prints_and_draws_a_figure(pronk: Pronk, folder: Path) -> None:
     assert (folder / "seen" / "beetle.png").is_file()
     code, out, err = pronk("figure", "beatle")
     assert (code, out) == (2, "")
-    assert err == "error: no figure or scene is called 'beatle', did you mean 'beetle'?\n"
+    assert err == (
+        "error: no figure or scene is called 'beatle', did you mean 'beetle'? "
+        "`pronk list figures` has all 14\n"
+    )
 
 
 def test_check_reports_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> None:

@@ -24,7 +24,7 @@ from pipeline.spec.partial_scene import (
     unknown_name,
     value_at,
 )
-from pipeline.spec.script import FORMS
+from pipeline.spec.script import FORMS, PLAIN_ORDERS
 from pipeline.spec.suggestions import hint
 
 CHARACTER_ONLY = (
@@ -44,6 +44,19 @@ HOPPER_ORDERS = (
     *("go_to", "turn_deg", "speed", "wait", "look_at", "look"),
 )
 """Orders of a creature that hops and does not walk."""
+
+
+def orders_by_performer() -> dict[str, tuple[str, ...]]:
+    """Return the orders that each sort of performer can be given."""
+    others = {*CHARACTER_ONLY, *DANCER_ONLY, "hop"}
+    walker_orders = tuple(order for order in (*PLAIN_ORDERS, *FORMS) if order not in others)
+    return {
+        "walkers": walker_orders,
+        "hoppers": HOPPER_ORDERS,
+        "people": CHARACTER_ORDERS,
+        "dancers": DANCER_ORDERS,
+    }
+
 
 UNMOVED = ("prop", "body")
 """Kinds of members that follow no script."""
@@ -91,7 +104,7 @@ def faults_of_script(scene: object) -> Iterator[Fault]:
 def _faults_of_order(
     name: str, do: object, path: Path, cast: Cast, dances: Collection[str]
 ) -> Iterator[Fault]:
-    """Find what is wrong with the order `do` to a member of the cast."""
+    """Find faults of the order `do` to a member of the cast."""
     member = cast[name]
     who, order = (*path, "who"), (*path, "do")
     kind = kind_of(member)
@@ -118,7 +131,7 @@ def _faults_of_order(
 
 
 def _faults_of_arrival(name: str, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find that a member whose arrival is waited for never arrives."""
+    """Find orders that wait for an arrival that never comes."""
     if name not in cast:
         yield unknown_name(name, cast, path)
         return
@@ -210,7 +223,7 @@ def faults_of_hop_targets(scene: object) -> Iterator[Fault]:
 
 
 def _faults_of_character(name: str, do: object, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find what a child or an adult is ordered that it cannot do."""
+    """Find orders that a child or an adult cannot carry out."""
     order = _order_of(do)
     if order is not None and order not in CHARACTER_ORDERS:
         message = f"'{name}' is a person, who can {', '.join(CHARACTER_ORDERS)}"
@@ -248,14 +261,14 @@ def _faults_of_urges(member: object, name: str, do: object, path: Path) -> Itera
         yield Fault((*path, "urge"), message, at_key=True)
     for key in urges:
         if key not in NAMES:
-            message = f"no behaviour is called '{key}', {hint(str(key), NAMES)}"
+            message = f"no behaviour is called '{key}', {hint(str(key), NAMES, 'behaviours')}"
             yield Fault((*path, "urge", str(key)), message, at_key=True)
 
 
 def _faults_of_dancer(
     name: str, do: object, path: Path, dances: Collection[str], hangs: bool
 ) -> Iterator[Fault]:
-    """Find what a dancer is ordered that it cannot do.
+    """Find orders that a dancer cannot carry out.
 
     Args:
         name: of the dancer.

@@ -242,8 +242,18 @@ class Perform(ConfigModel):
 
 
 Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go", "dance"]
-"""Stop here; walk, or hop, straight on; sit down on the ground, stand up; keep quite still until
-something else is told; let go with both hands; go on with one's own dance."""
+
+PLAIN_ORDERS: Mapping[str, str] = {
+    "stop": "Stop here.",
+    "walk": "Walk straight on.",
+    "hop": "Hop straight on.",
+    "sit": "Sit down on the ground.",
+    "stand": "Stand up.",
+    "freeze": "Keep quite still until something else is told.",
+    "let_go": "Let go with both hands.",
+    "dance": "Go on with one's own dance.",
+}
+"""What each order of one word means."""
 
 FORMS: Mapping[str, type[ConfigModel]] = {
     "gait": ChangeGait,
@@ -286,14 +296,15 @@ def order_text(do: Do) -> str:
     if isinstance(do, str):
         return do
     values = do.model_dump(mode="json", exclude_unset=True)
-    return ", ".join(f"{key} {_flow(value)}" for key, value in values.items())
+    return ", ".join(f"{key} {flow_text(value)}" for key, value in values.items())
 
 
-def _flow(value: Any) -> str:
+def flow_text(value: Any) -> str:
+    """Return a value as YAML in one line."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {flow_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_flow(item) for item in value) + "]"
+        return "[" + ", ".join(flow_text(item) for item in value) + "]"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

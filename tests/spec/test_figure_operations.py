@@ -357,7 +357,7 @@ MISTAKES = [
     ("{copy: [§hipp], translate: [0, 1]}", ".copy[0]", "no node is called 'hipp', did you mean "
      "'hip'?"),
     ("{copy: [hip, §knee_m], translate: [0, 1]}", ".copy[1]", "no node is called 'knee_m', did "
-     "you mean 'knee_r'?"),
+     "you mean 'knee_l' or 'knee_r'?"),
     ("{copy: §hip, translate: [0, 1]}", ".copy", "must be 'selected' or 'all', is the text 'hip'"),
     ("{copy: [hip], §trnslate: [0, 1]}", ".trnslate", "unknown key, did you mean 'translate'?"),
     ("{copy: [hip], translate: §[0]}", ".translate", "must hold 2 values, holds 1"),

@@ -20,10 +20,7 @@ from pipeline.simulation.dancers.force_fields import (
     strongest_point,
     weighted_point,
 )
-from pipeline.simulation.dancers.posture_sequence import (
-    PostureSpline,
-    natural_spline_curvatures,
-)
+from pipeline.simulation.dancers.posture_sequence import PostureSpline, natural_spline_curvatures
 from pipeline.simulation.dancers.torso import (
     ARM,
     HANDS,

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.simulation.figures.ball_joint_ik import ball_joint_branches, base_ball_joint
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse_kinematics import TOLERANCE, solve
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, solve
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import Skeleton
@@ -71,7 +71,7 @@ def test_branches_free_arms_stuck_at_a_limit(library: Callable[[str], Figure], n
     alone, found = solve(arms, start, goals), reach(arms, start, goals)
     stuck = alone.residual > 1e-4 * arms.lengths
     assert stuck.mean() > 0.05
-    assert (found.residual[stuck] <= TOLERANCE * arms.lengths[stuck]).mean() >= 0.97
+    assert (found.residual[stuck] <= TIP_ITERATION.tolerance * arms.lengths[stuck]).mean() >= 0.97
 
 
 def test_left_and_right_arms_are_mirror_images(library: Callable[[str], Figure]) -> None:

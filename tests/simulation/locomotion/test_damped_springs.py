@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.body_motion.damped_springs import (
-    Oscillators,
-    SpringFollower,
-)
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
 from pipeline.simulation.spatial import Array
 
 W, Z = 7.0, 0.3

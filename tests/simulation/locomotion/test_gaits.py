@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
 from pipeline.simulation.locomotion.gaits.named_gaits import (
-    LEG_REQUIREMENTS,
     LegRows,
     available_gaits,
     ripple,
@@ -20,7 +19,7 @@ from pipeline.simulation.locomotion.gaits.named_gaits import (
     wave,
 )
 from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import GaitName
+from pipeline.spec.walk import LEG_REQUIREMENTS, GaitName
 
 FINE = np.linspace(0.0, 1.0, 2001)
 GROUNDED = {"walk", "amble", "tripod", "ripple"}

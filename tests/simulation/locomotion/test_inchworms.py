@@ -25,11 +25,7 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import (
     loop_chord,
 )
 from pipeline.simulation.locomotion.inching.inchworm_pose import solve_pose
-from pipeline.simulation.locomotion.inching.inchworm_steps import (
-    Inchworm,
-    InchwormStep,
-    feet_at,
-)
+from pipeline.simulation.locomotion.inching.inchworm_steps import Inchworm, InchwormStep, feet_at
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix

@@ -19,12 +19,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.terrain.height_files import (
-    MeshError,
-    grid_of,
-    obj_vertices,
-    ply_vertices,
-)
+from pipeline.simulation.terrain.height_files import MeshError, grid_of, obj_vertices, ply_vertices
 from pipeline.spec import load_scene, simulation_key
 
 SCENE = "pronk: 1\nduration: 1\nterrain: {config}\ncast: [{{prop: {{shape: ball}}}}]\n"

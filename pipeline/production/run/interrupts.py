@@ -43,6 +43,18 @@ def heard() -> bool:
     return _heard.is_set()
 
 
+def is_interrupt(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C is behind an error.
+
+    Compiled modules wrap it in an error of their own, some of them as words alone.
+    """
+    if heard():
+        return True
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
 def answered() -> None:
     """Mark the interrupt as answered, so that the next one counts as the first."""
     _heard.clear()

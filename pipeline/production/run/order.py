@@ -11,7 +11,7 @@ from fileseq import FrameSet
 from fileseq.exceptions import FileSeqException
 
 from pipeline.errors import UsageError
-from pipeline.spec import Scene
+from pipeline.spec import Scene, find_scene
 from render.backend import Choice
 
 # --- Frame ranges in the notation of film pipelines -------------------------------
@@ -34,6 +34,19 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
     """
     if text is None:
         return tuple(range(1, last + 1))
+    frames = read_frames(text)
+    outside = [frame for frame in frames if not 1 <= frame <= last]
+    if outside:
+        raise UsageError(f"--frames '{text}': the scene has frames 1-{last}, no {outside[0]}")
+    return frames
+
+
+def read_frames(text: str) -> tuple[int, ...]:
+    """Return the frames of ranges, ascending, each once, of whatever scene.
+
+    Raises:
+        UsageError: they cannot be read.
+    """
     try:
         named = FrameSet(text)
     except (FileSeqException, ValueError):
@@ -42,11 +55,7 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
         raise UsageError(f"--frames '{text}': names no frame; what works is {ALLOWED}")
     if any(frame != int(frame) for frame in named):
         raise UsageError(f"--frames '{text}': frames are whole; what works is {ALLOWED}")
-    frames = sorted({int(frame) for frame in named})
-    outside = [frame for frame in frames if not 1 <= frame <= last]
-    if outside:
-        raise UsageError(f"--frames '{text}': the scene has frames 1-{last}, no {outside[0]}")
-    return tuple(frames)
+    return tuple(sorted({int(frame) for frame in named}))
 
 
 def described(frames: tuple[int, ...]) -> str:
@@ -81,6 +90,7 @@ class Order:
         sound: whether the film has sound, and MIDI and WAV are written.
         subframe: whether sounds stand at the exact times of their causes, not on frames.
         backend: variant of Mitsuba.
+        strict: whether notes are an error.
 
     Raises:
         UsageError: the scene does not have these frames.
@@ -94,22 +104,32 @@ class Order:
     sound: bool = True
     subframe: bool = False
     backend: Choice = "auto"
+    strict: bool = False
 
     def __post_init__(self) -> None:
-        # Early, before this command makes anything, be it for another scene.
+        # Early, before anything is made.
         parse_frames(self.frames, self.scene.n_frames)
 
 
-def refuse_clashes(orders: Sequence[Order]) -> None:
-    """Refuse two orders that write to one folder.
+def refuse_clashes(scenes: Sequence[str], out: Path) -> None:
+    """Refuse two scenes that would write to one folder.
+
+    Args:
+        scenes: files or names of scenes; those that do not exist are refused later.
+        out: folder of their outputs.
 
     Raises:
         UsageError: two scenes have one name.
     """
-    names = [order.name for order in orders]
-    for name in names:
-        if names.count(name) > 1:
+    names: set[str] = set()
+    for scene in scenes:
+        try:
+            name = find_scene(scene).stem
+        except UsageError:
+            continue
+        if name in names:
             raise UsageError(
                 f"two scenes are called '{name}', and both would write to "
-                f"{orders[0].out / name}; render one after the other, each with an --out of its own"
+                f"{out / name}; render one after the other, each with an --out of its own"
             )
+        names.add(name)

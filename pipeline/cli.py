@@ -12,9 +12,7 @@ from pipeline.commands import analysis, films, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
 from pipeline.errors import PronkError
-from pipeline.production.run.interrupts import ignore, is_interrupt, listen
-
-INTERRUPTED = 130
+from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
 
 app = typer.Typer(
     name="pronk",

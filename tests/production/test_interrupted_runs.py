@@ -142,7 +142,7 @@ def test_a_worker_that_dies_ends_the_run(film: Studio, tmp_path: Path, start: St
     code, out, err = running.end()
     assert (code, out) == (4, "")
     assert err.splitlines()[-1] == (
-        "error: a process that rendered has died; if memory was short, try fewer --jobs"
+        "error: tiny.yaml: a process that rendered has died; if memory was short, try fewer --jobs"
     )
     assert "Traceback" not in err
 
@@ -200,7 +200,9 @@ def test_a_second_run_in_the_same_folder_is_refused(
     command, *more = words
     code, out, err = pronk(command, "tiny", *more, "--set", "seed=9", cwd=occupied.folder)
     assert (code, out) == (4, "")
-    assert err.splitlines() == ["error: out/tiny: another run is at work here; wait for its end"]
+    named = "" if command == "frame" else "tiny.yaml: "
+    told = f"error: {named}out/tiny: another run is at work here; wait for its end"
+    assert err.splitlines() == [told]
     assert occupied.changes(before) == set()
 
 
@@ -212,7 +214,7 @@ def test_of_two_runs_at_once_one_makes_the_film(film: Studio, tmp_path: Path, st
     assert sorted(code for code, _, _ in ends) == [0, 4]
     refused = next(err for code, _, err in ends if code == 4)
     assert refused.splitlines() == [
-        "error: out/tiny: another run is at work here; wait for its end"
+        "error: tiny.yaml: out/tiny: another run is at work here; wait for its end"
     ]
     _whole(studio, film)
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pipeline.errors import PronkError
-from pipeline.production.run.interrupts import is_interrupt
+from pipeline.production.run.interrupts import INTERRUPTED, is_interrupt
 from pipeline.production.run.notes import Note
 from pipeline.production.run.progress import Reporter, SceneRow, Stage
 from pipeline.spec import find_scene
@@ -92,7 +92,7 @@ def run_batch(
                 reporter.scene(row.scene, number, len(rows))
             _run_scene(row, work, reporter, report_error)
     finally:
-        worst = max(row.exit_code for row in rows)
+        worst = max(row.exit_code or 0 for row in rows)
         if several:
             reporter.table(rows, worst)
     return worst
@@ -103,11 +103,11 @@ def _run_scene(row: SceneRow, work: Work, reporter: Reporter, report_error: Repo
     began = time.monotonic()
     file: Path | None = None
     # Until it has come to an end of its own.
-    row.state = "stopped"
+    row.state, row.exit_code = "stopped", INTERRUPTED
     try:
         file = find_scene(row.scene)
         work(row.scene, SceneReporter(reporter, row))
-        row.state = "done"
+        row.state, row.exit_code = "done", 0
     except BrokenPipeError:
         # Nobody reads the results any more.
         raise

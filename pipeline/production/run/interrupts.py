@@ -13,6 +13,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+INTERRUPTED = 130
+"""Exit code of a command that was stopped by Ctrl-C."""
+
 RESEND_DELAY = 0.05
 """Time after which a lost interrupt is sent again [s]."""
 

@@ -86,7 +86,7 @@ class SceneRow:
         seconds: time that the scene took [s].
         notes: number of its notes.
         error: first line of its error, "" without one.
-        exit_code: that the scene alone would have ended with.
+        exit_code: that the scene alone ends with, None for one that is not started.
     """
 
     scene: str
@@ -95,7 +95,7 @@ class SceneRow:
     seconds: float = 0.0
     notes: int = 0
     error: str = ""
-    exit_code: int = 0
+    exit_code: int | None = None
 
     @property
     def facts(self) -> dict[str, object]:

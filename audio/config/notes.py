@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic.config import JsonDict
 
-from audio.config import Config, checked_by
+from audio.config import AudioConfig, checked_by
 from audio.harmony import parse_chord, parse_note, parse_steps
 from audio.names import nearest_name, normalized_name
 
@@ -74,7 +74,7 @@ _NOT_EMPTY: JsonDict = {"minItems": 1}
 Degree = Annotated[int, Field(ge=-70, le=70)]
 
 
-class StepTime(Config):
+class StepTime(AudioConfig):
     """Time from one step to the next, in one of three units."""
 
     beats: Annotated[float, Field(gt=0, le=256)] | None = Field(
@@ -203,7 +203,7 @@ _KEYS_OF_CURVE = {
 }
 
 
-class Velocity(Config):
+class Velocity(AudioConfig):
     """Curve from the strength of an event to the MIDI velocity of its note."""
 
     curve: Literal["physical", "linear", "power", "fixed"] = Field(
@@ -297,7 +297,7 @@ def _check_grid(text: str) -> str:
     return text.strip().upper()
 
 
-class Quantisation(Config):
+class Quantisation(AudioConfig):
     """Moves notes towards the grid of the tempo, and on to whole frames."""
 
     grid: Annotated[str, AfterValidator(_check_grid)] = Field(

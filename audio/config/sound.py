@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from audio.config import Config, checked_by
+from audio.config import AudioConfig, checked_by
 from audio.config.notes import (
     ChordName,
     PhraseOrSteps,
@@ -24,7 +24,7 @@ Pattern = Annotated[str, Field(min_length=1)]
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
-class Range(Config):
+class Range(AudioConfig):
     """A range of numbers."""
 
     above: float | None = Field(None, ge=0, description="Lower bound, included.")
@@ -43,7 +43,7 @@ class Range(Config):
         )
 
 
-class EventFilter(Config):
+class EventFilter(AudioConfig):
     """Selects events; every given condition must hold, `*` stands for any letters."""
 
     cause: Pattern | None = Field(None, description="Cause, such as footfall or scuff.")
@@ -58,7 +58,7 @@ class EventFilter(Config):
     )
 
 
-class Voice(Config):
+class Voice(AudioConfig):
     """Sound of some events; defaults follow cause, material and size."""
 
     when: EventFilter = Field(EventFilter(), description="The events it applies to; default all.")
@@ -126,7 +126,7 @@ RoomName = Literal["open", "dry", "room", "hall"]
 Metres = Annotated[float, Field(gt=0, le=1000)]
 
 
-class Room(Config):
+class Room(AudioConfig):
     """Acoustics of the place; the preset supplies what is not given."""
 
     preset: RoomName = Field(
@@ -146,7 +146,7 @@ class Room(Config):
     )
 
 
-class Master(Config):
+class Master(AudioConfig):
     """Loudness of the whole track."""
 
     lufs: float = Field(-16.0, ge=-40, le=-6, description="Target integrated loudness [LUFS].")
@@ -184,7 +184,7 @@ MasterOrOff = Annotated[
 ]
 
 
-class Sound(Config):
+class Sound(AudioConfig):
     """The sound of a scene: the scale of its notes, its voices, its loudness."""
 
     scale: ScaleName = Field(

@@ -44,7 +44,7 @@ def render(
     of several scenes fails, the others are rendered all the same.
     """
     from pipeline.production.run import production
-    from pipeline.production.run.order import read_frames
+    from pipeline.production.run.frame_ranges import read_frames
 
     if frames is not None:
         read_frames(frames)

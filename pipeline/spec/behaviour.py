@@ -165,9 +165,10 @@ FORMS: Mapping[str, type[Urge]] = {
     "rest": SitDown,
     "freeze": Freeze,
 }
-"""Behaviours by the key that selects them. Withdrawal from pain needs no key."""
+"""Behaviours by the key that selects them."""
 
 WITHDRAWAL = "withdrawal"
+WITHDRAWAL_TEXT = "Withdraws from pain; needs no key."
 
 NAMES = (WITHDRAWAL, *FORMS)
 """Names of all behaviours, in the order in which takes number them."""

@@ -29,7 +29,7 @@ from pipeline.spec.operations import Operation, carry_out
 from pipeline.spec.operations.drawing import MAX_NODES, Mark, Sheet, faults_of_chain
 from pipeline.spec.suggestions import hint
 
-PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
+PartKind = Literal["leg", "arm", "head", "tail", "feeler", "horn", "wing", "body"]
 Feet = Literal["plain", "claws", "hooves", "paws", "toes"]
 LinkShape = Literal["round", "straight", "box", "plate", "ball"]
 

@@ -13,7 +13,7 @@ from pipeline.spec.creature import Creature
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.prop import Prop, VelocityKey
 from pipeline.spec.script import order_text
-from pipeline.spec.source_tree import MappingNode
+from pipeline.spec.yaml_tree import MappingNode
 from render.config.camera import KEYFRAME_KEYS
 
 VALUES = {

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.run.film_end import notes_after_end
+from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
-from pipeline.production.run.order import counted
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.casting import MACHINE_CODE, makes_machine_code
@@ -88,6 +88,6 @@ def figure_remarks(scene: Scene) -> Iterator[Problem]:
     for name in dict.fromkeys(member.figure for _, member in scene.creatures):
         config = scene.figures[name]
         drawing = draw(config)
-        for remark in analyse(drawing, config.parts).warnings:
+        for remark in analyse(drawing, config.parts, config.style, config.pitch_deg).warnings:
             path = f"figures.{name}.{drawing.path_of(remark.node)}"
             yield scene.source_map.with_location(Problem(path, str(remark)))

@@ -43,11 +43,11 @@ def read_frames(text: str) -> tuple[int, ...]:
     try:
         named = FrameSet(text)
     except (FileSeqException, ValueError):
-        raise UsageError(f"--frames '{text}': cannot be read; what works is {ALLOWED}") from None
+        raise UsageError(f"--frames '{text}': cannot be read; write {ALLOWED}") from None
     if not named:
-        raise UsageError(f"--frames '{text}': names no frame; what works is {ALLOWED}")
+        raise UsageError(f"--frames '{text}': names no frame; write {ALLOWED}")
     if any(frame != int(frame) for frame in named):
-        raise UsageError(f"--frames '{text}': frames are whole; what works is {ALLOWED}")
+        raise UsageError(f"--frames '{text}': frames are whole; write {ALLOWED}")
     return tuple(sorted({int(frame) for frame in named}))
 
 

@@ -7,15 +7,10 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from audio.config import AudioConfig, checked_by
-from audio.config.notes import (
-    ChordName,
-    PhraseOrSteps,
-    Pitch,
-    Quantisation,
-    ScaleName,
-    Velocity,
-    VelocityOrNumber,
-)
+from audio.config.phrase import PhraseOrSteps
+from audio.config.pitch import ChordName, Pitch, ScaleName
+from audio.config.quantisation import Quantisation
+from audio.config.velocity import Velocity, VelocityOrNumber
 from audio.general_midi import drum_key, program_number
 
 Instrument = Annotated[str, checked_by(program_number)]
@@ -127,7 +122,7 @@ Metres = Annotated[float, Field(gt=0, le=1000)]
 
 
 class Room(AudioConfig):
-    """Acoustics of the place; the preset supplies what is not given."""
+    """Acoustics of the place; the preset supplies the other keys."""
 
     preset: RoomName = Field(
         "open", description="open (the ground and little else), dry (nothing), room or hall."
@@ -157,7 +152,7 @@ class Master(AudioConfig):
         30.0,
         ge=0,
         le=60,
-        description="Greatest gain of a soft scene [dB]: what is nearly silent stays soft.",
+        description="Greatest gain of a soft scene [dB]: a nearly silent scene stays soft.",
     )
     most_limiting_db: float = Field(
         18.0,

@@ -104,7 +104,7 @@ def faults_of_script(scene: object) -> Iterator[Fault]:
 def _faults_of_order(
     name: str, do: object, path: Path, cast: Cast, dances: Collection[str]
 ) -> Iterator[Fault]:
-    """Find what is wrong with the order `do` to a member of the cast."""
+    """Find faults of the order `do` to a member of the cast."""
     member = cast[name]
     who, order = (*path, "who"), (*path, "do")
     kind = kind_of(member)
@@ -131,7 +131,7 @@ def _faults_of_order(
 
 
 def _faults_of_arrival(name: str, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find that a member whose arrival is waited for never arrives."""
+    """Find orders that wait for an arrival that never comes."""
     if name not in cast:
         yield unknown_name(name, cast, path)
         return
@@ -223,7 +223,7 @@ def faults_of_hop_targets(scene: object) -> Iterator[Fault]:
 
 
 def _faults_of_character(name: str, do: object, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find what a child or an adult is ordered that it cannot do."""
+    """Find orders that a child or an adult cannot carry out."""
     order = _order_of(do)
     if order is not None and order not in CHARACTER_ORDERS:
         message = f"'{name}' is a person, who can {', '.join(CHARACTER_ORDERS)}"
@@ -268,7 +268,7 @@ def _faults_of_urges(member: object, name: str, do: object, path: Path) -> Itera
 def _faults_of_dancer(
     name: str, do: object, path: Path, dances: Collection[str], hangs: bool
 ) -> Iterator[Fault]:
-    """Find what a dancer is ordered that it cannot do.
+    """Find orders that a dancer cannot carry out.
 
     Args:
         name: of the dancer.

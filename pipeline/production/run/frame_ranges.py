@@ -30,11 +30,11 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
     try:
         named = FrameSet(text)
     except (FileSeqException, ValueError):
-        raise UsageError(f"--frames '{text}': cannot be read; what works is {ALLOWED}") from None
+        raise UsageError(f"--frames '{text}': cannot be read; write {ALLOWED}") from None
     if not named:
-        raise UsageError(f"--frames '{text}': names no frame; what works is {ALLOWED}")
+        raise UsageError(f"--frames '{text}': names no frame; write {ALLOWED}")
     if any(frame != int(frame) for frame in named):
-        raise UsageError(f"--frames '{text}': frames are whole; what works is {ALLOWED}")
+        raise UsageError(f"--frames '{text}': frames are whole; write {ALLOWED}")
     frames = sorted({int(frame) for frame in named})
     outside = [frame for frame in frames if not 1 <= frame <= last]
     if outside:

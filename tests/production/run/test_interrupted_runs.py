@@ -101,18 +101,11 @@ def _kill_repeatedly(
 
 
 @pytest.mark.nightly
-def test_a_film_is_equal_after_three_killed_runs(
-    film: Studio, tmp_path: Path, start: Start
+@pytest.mark.parametrize(("times", "jobs", "seed"), [(3, 1, 1), (10, 1, 2), (10, 2, 3)])
+def test_a_film_is_equal_after_killed_runs(
+    film: Studio, tmp_path: Path, start: Start, times: int, jobs: int, seed: int
 ) -> None:
-    _kill_repeatedly(film, tmp_path / "studio", start, 3, 1, seed=1)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("jobs", "seed"), [(1, 2), (2, 3)])
-def test_a_film_is_equal_after_ten_killed_runs(
-    film: Studio, tmp_path: Path, start: Start, jobs: int, seed: int
-) -> None:
-    _kill_repeatedly(film, tmp_path / "studio", start, 10, jobs, seed)
+    _kill_repeatedly(film, tmp_path / "studio", start, times, jobs, seed)
 
 
 @pytest.mark.nightly

@@ -29,10 +29,10 @@ class Traits(ConfigModel):
 
 
 class Urge(ConfigModel):
-    """What all behaviours have."""
+    """Settings of every behaviour."""
 
     target: ClassVar[TargetKind | None] = None
-    """What its key may name, None for behaviours whose key names nothing."""
+    """Kinds of performers that its key may name, None if it names nothing."""
 
     urge: Annotated[Number, Field(ge=-1, le=1)] = Field(
         0.0, description="Added to its activation, which goes from 0 to about 1."

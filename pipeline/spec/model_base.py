@@ -8,7 +8,9 @@ from itertools import islice
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
-from pydantic_core import PydanticCustomError
+from pydantic.annotated_handlers import GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 
 class ConfigModel(BaseModel):
@@ -30,6 +32,29 @@ WORLD_LIMIT = 10_000.0
 Number = Annotated[float, Strict()]
 Integer = Annotated[int, Strict()]
 Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=64)]
+
+
+@dataclass(frozen=True, slots=True)
+class ListedIn:
+    """Marks a name in the JSON Schema as one of those that `pronk list` shows as a kind."""
+
+    kind: str
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Add the mark, which `schema_names` replaces by the names."""
+        return {**handler(core), NAMES_MARK: self.kind}
+
+
+NAMES_MARK = "x-names"
+
+MaterialName = Annotated[Name, ListedIn("materials")]
+FigureName = Annotated[Name, ListedIn("figures")]
+DanceName = Annotated[Name, ListedIn("dances")]
+MoodName = Annotated[Name, ListedIn("moods")]
+BehaviourName = Annotated[Name, ListedIn("behaviours")]
+
 Coordinate = Annotated[Number, Field(ge=-WORLD_LIMIT, le=WORLD_LIMIT)]
 Length = Annotated[Number, Field(gt=0, le=WORLD_LIMIT)]
 LengthOrZero = Annotated[Number, Field(ge=0, le=WORLD_LIMIT)]

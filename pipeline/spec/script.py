@@ -9,7 +9,9 @@ from pydantic import Field, model_validator
 
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.model_base import (
+    BehaviourName,
     ConfigModel,
+    DanceName,
     Fault,
     Goal,
     Integer,
@@ -223,7 +225,7 @@ class SitOn(ConfigModel):
 class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
-    urge: dict[Name, Annotated[Number, Field(ge=-2, le=2)]] = Field(
+    urge: dict[BehaviourName, Annotated[Number, Field(ge=-2, le=2)]] = Field(
         description="What is added to the activation of behaviours that it does by itself, by "
         "their names, such as {play: 0.3}; {} takes all away."
     )
@@ -232,7 +234,7 @@ class SetUrges(ConfigModel):
 class Perform(ConfigModel):
     """Dance something from now on, or so many bars of it."""
 
-    dance: Name = Field(
+    dance: DanceName = Field(
         description="What: a dance of this scene, of a file beside it or of the library."
     )
     bars: Annotated[Integer, Field(ge=1, le=100_000)] | None = Field(

@@ -68,7 +68,8 @@ ONE_MISTAKE = [
      "the scene has frames 1-48, no 400"),
     ("terrain: hills", "§<<: {duration: 3}", "<<",
      "unknown key, known: camera, cast, dances, duration, figures, film, fps, frames, golden, "
-     "light, materials, moods, places, pronk, rows_per_frame, script, seed, sound, steps, terrain, title"),
+     "light, materials, moods, places, pronk, rows_per_frame, script, seed, sound, steps, "
+     "terrain, title"),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",

@@ -38,13 +38,13 @@ from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState, JumpOrder
 from pipeline.simulation.locomotion.pronking.hopper import Hopper, build_hopper
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState, RigidFall
-from pipeline.simulation.locomotion.pronking.initial_stance import standing_state
 from pipeline.simulation.locomotion.pronking.jump_orders import (
     HurdleJump,
     Members,
     jump_once,
     scripted_jump,
 )
+from pipeline.simulation.locomotion.pronking.start_states import standing_state
 from pipeline.simulation.locomotion.routes.route import Route, straight_route
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, is_blocked, redirect
 from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES

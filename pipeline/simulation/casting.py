@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import TypeGuard
 
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
@@ -17,9 +18,11 @@ from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
+from pipeline.spec.cast import Member
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.group import Group
+from pipeline.spec.handled_members import handled_members
 from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
@@ -43,7 +46,10 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     """Returns the troupes of a scene, in the order of their nodes."""
     cast = list(enumerate(scene.cast))
     troupes = [*_creatures(scene, figures, world)]
-    props = [member for _, member in cast if isinstance(member, Prop)]
+    handled = handled_members(scene, world.directed)
+    meeting = [(i, member) for i, member in cast if _meets_all(member, handled)]
+    bodies = [member.name for _, member in meeting]
+    props = [m for _, m in cast if isinstance(m, Prop) and m.name not in bodies]
     if props:
         troupes.append(PropTroupe(props, world, [m.material or PROP_MATERIAL for m in props]))
     # Rooms that load MuJoCo or a compiler are imported only where they are needed.
@@ -58,33 +64,44 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         from pipeline.simulation.characters.characters import Characters
 
         troupes.append(Characters(characters, world))
-    bodies = [(i, member) for i, member in cast if isinstance(member, Body)]
-    on_ground = [(i, member) for i, member in bodies if member.body.collide == "terrain"]
+    on_ground = [(i, m) for i, m in cast if isinstance(m, Body) and m.name not in bodies]
     if on_ground:
         from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 
         materials = [member.material or PROP_MATERIAL for _, member in on_ground]
         troupes.append(GroundBodyTroupe(on_ground, world, materials))
-    meeting = [
-        (i, member)
-        for i, member in cast
-        if isinstance(member, Many) or (isinstance(member, Body) and member.body.collide == "all")
-    ]
     if meeting:
         from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 
         materials = [member.material or PROP_MATERIAL for _, member in meeting]
-        troupes.append(ColliderTroupe(meeting, world, materials, obstacles_of(pushing)))
+        troupes.append(ColliderTroupe(meeting, world, materials, obstacles_of(pushing), handled))
     groups = [(i, member) for i, member in cast if isinstance(member, Group)]
     if groups:
         troupes.append(GroupTroupe(groups, world))
     return troupes
 
 
+def _meets_all(member: Member, handled: Collection[str]) -> TypeGuard[Body | Many | Prop]:
+    """Returns whether a member is simulated as bodies that meet one another.
+
+    Args:
+        member: of the cast.
+        handled: names of what people may hold or kick.
+    """
+    if isinstance(member, Body):
+        return member.body.collide == "all" or bool(member.held) or member.name in handled
+    if isinstance(member, Prop):
+        return member.may_fall or member.name in handled
+    return isinstance(member, Many)
+
+
 def makes_machine_code(scene: Scene) -> bool:
     """Returns whether the simulation has to compile machine code first, once per installation."""
     rooms = {
-        "dynamics": any(isinstance(member, Body | Many) for member in scene.cast),
+        "dynamics": any(
+            isinstance(member, Body) or _meets_all(member, handled_members(scene, directed=False))
+            for member in scene.cast
+        ),
         "characters": any(isinstance(member, Character) for member in scene.cast),
     }
     if not any(rooms.values()):

@@ -13,7 +13,7 @@ from pipeline.simulation.order_log import OrderLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Take
-from pipeline.simulation.troupe import Facts
+from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -65,6 +65,7 @@ class Simulation:
 
     def step(self) -> None:
         """Advances the world by one step."""
+        self._change_grips()
         orders = self._give_orders()
         self._show_members(orders)
         self._update_obstacles()
@@ -108,6 +109,13 @@ class Simulation:
         return [leg for troupe in self.troupes for leg in troupe.legs()]
 
     # --- the passes of the step -------------------------------------------------------
+
+    def _change_grips(self) -> None:
+        """Passes what hands took and released in the last step to the troupe of the things."""
+        changes = self._facts.grips
+        if changes and (pushed := pushed_troupe(self.troupes)) is not None:
+            self.scheduler.flush()
+            pushed.change_grips(changes, [self._members.node(one.hand) for one in changes])
 
     def _give_orders(self) -> Orders:
         orders = self.script.orders(self.step_number, self._events())

@@ -63,19 +63,24 @@ Point = tuple[Coordinate, Coordinate]
 Position = tuple[Coordinate, Coordinate, Coordinate]
 
 
+MEMBER_PATTERN = f"{NAME_PATTERN[:-1]}(\\.[{_LETTER}]([{_LETTER} \\-]*[{_LETTER}])?)?$"
+MemberName = Annotated[str, Strict(), Field(pattern=MEMBER_PATTERN, max_length=129)]
+"""A member of the cast or a place by name, or a part of a member, such as bug.head."""
+
+
 def _name_or_place(value: Any) -> str:
     return "a name" if isinstance(value, str) else "a place"
 
 
 Target = Annotated[
-    Annotated[Name, Tag("a name")] | Annotated[Position, Tag("a place")],
+    Annotated[MemberName, Tag("a name")] | Annotated[Position, Tag("a place")],
     Discriminator(_name_or_place),
 ]
 """A performer by its name, or a place [x, y, z] [m]."""
 
 
 Goal = Annotated[
-    Annotated[Name, Tag("a name")] | Annotated[Point, Tag("a place")],
+    Annotated[MemberName, Tag("a name")] | Annotated[Point, Tag("a place")],
     Discriminator(_name_or_place),
 ]
 """A member of the cast or a place by its name, or a place on the ground [x, z] [m]."""

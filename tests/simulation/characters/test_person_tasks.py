@@ -375,7 +375,7 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         simulation.step()
         step = simulation.step_number
         hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
-    followed = [order for order in simulation.recorder.orders if order.who == "c"]
+    followed = [order for order in simulation.recorder.told if order.who == "c"]
     (step, hugger, hugged), *others = hugs
     assert (hugger, hugged, others) == ("b", "a", [])
     # The trigger fires once, in the next step; that of the reverse hug does not.
@@ -429,6 +429,6 @@ def test_a_misspelt_kind_is_reported_once() -> None:
 
 
 def test_parts_are_named_by_joints() -> None:
-    from pipeline.spec.character import PARTS
+    from pipeline.spec.character_kinds import PARTS
 
     assert set(PARTS) == set(J)

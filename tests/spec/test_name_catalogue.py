@@ -14,6 +14,7 @@ from audio.general_midi import DRUMS, INSTRUMENTS
 from pipeline.cli import app
 from pipeline.commands.completion import MAX_TEXT_LENGTH, completion
 from pipeline.errors import UsageError
+from pipeline.production.run.starter_scene import write_starter
 from pipeline.spec import library, shipped_scenes
 from pipeline.spec.behaviour import NAMES
 from pipeline.spec.mood import MOODS
@@ -63,6 +64,7 @@ def test_own_files_are_listed_by_what_they_hold(tmp_path: Path) -> None:
     (tmp_path / "stool.yaml").write_text("# A stool. It walks.\n" + figure)
     (tmp_path / "figures" / "beetle.yaml").write_text(figure)
     (tmp_path / "play.yaml").write_text("pronk: 1\ntitle: A play\ncast: []\n")
+    write_starter("hello", tmp_path)
     (tmp_path / "other.yaml").write_text("services: {}\n")
     (tmp_path / "broken.yaml").write_text("figure: [")
     figures = names_of("figures", tmp_path)
@@ -72,7 +74,8 @@ def test_own_files_are_listed_by_what_they_hold(tmp_path: Path) -> None:
     assert "beetle" not in [entry.name for entry in figures if entry.group == LIBRARY_GROUP]
     scenes = names_of("scenes", tmp_path)
     assert [(entry.name, entry.text) for entry in scenes if entry.group == OWN_GROUP] == [
-        ("play", "A play")
+        ("hello", "Hello: a scene for pronk."),
+        ("play", "A play"),
     ]
 
 

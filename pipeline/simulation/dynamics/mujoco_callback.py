@@ -19,7 +19,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import CACHE_WRITABLE, Records
+from pipeline.simulation.dynamics.compiled import Records, native
 from pipeline.simulation.dynamics.impact_arrays import (
     LAW_STATE,
     PAIR,
@@ -148,7 +148,7 @@ def native_callback(function: Callable[[int, int], None]) -> Any:
     if numba.config.DISABLE_JIT:
         return function
     nothing, address = numba.types.void, numba.types.intp
-    made = numba.cfunc(nothing(address, address), cache=CACHE_WRITABLE)(function)
+    made = native(function, nothing(address, address))
     # The machine code lives as long as this object.
     result = made.ctypes
     result.made = made

@@ -390,8 +390,8 @@ def test_a_starter_is_right_and_is_not_overwritten(pronk: Pronk, folder: Path) -
 @pytest.fixture
 def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the pictures of figures, which take seconds."""
-    monkeypatch.setattr("pipeline.production.reports.figure_report.figure_svg", lambda _: "<svg/>")
-    monkeypatch.setattr("pipeline.production.reports.canvas.png_of", lambda _: b"")
+    monkeypatch.setattr("pipeline.production.reports.figure_sheet.figure_svg", lambda _: "<svg/>")
+    monkeypatch.setattr("pipeline.production.reports.plot_files.png_of", lambda _: b"")
 
 
 def told_of(pronk: Pronk, name: str, *words: str) -> dict[str, Any]:

@@ -76,7 +76,7 @@ def rotate(R: Rows, v: Vector) -> Vector:
     )
 
 
-def unrotate(R: Rows, v: Vector) -> Vector:
+def rotate_inverse(R: Rows, v: Vector) -> Vector:
     """Return Rᵀ v."""
     a, b, c = R
     x, y, z = v

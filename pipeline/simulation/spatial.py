@@ -117,7 +117,7 @@ def turn(R: Array, v: Array) -> Array:
     return (R @ v[..., None])[..., 0]
 
 
-def unturn(R: Array, v: Array) -> Array:
+def turn_inverse(R: Array, v: Array) -> Array:
     """Returns the vectors `v` (..., 3) rotated by the inverses of `R` (..., 3, 3)."""
     return (v[..., None, :] @ R)[..., 0, :]
 

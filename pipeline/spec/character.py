@@ -16,9 +16,6 @@ from render.config.base import TURN_DESCRIPTION
 PEOPLE = ("child", "adult")
 """Kinds that act."""
 
-JOINTED = (*PEOPLE, "ragdoll")
-"""Kinds with the joints of people."""
-
 PARTS = (
     *("pelvis", "spine", "shoulders", "head"),
     *(f"{joint}_{side}" for joint in ("shoulder", "elbow", "hand") for side in "lr"),

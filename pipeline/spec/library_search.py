@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field
 
-from pipeline.errors import Problem, UsageError
+from pipeline.errors import Problem
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
 from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
+from pipeline.spec.scene_library import DANCES, FIGURES, SUFFIX, library, names_in
 from pipeline.spec.suggestions import hint
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_reader import read_file
@@ -26,17 +27,8 @@ from pipeline.spec.yaml_tree import (
     tree_of,
 )
 
-# --- Scene library: files of scenes and figures by their names, beside the author's and shipped
-
-SUFFIX = ".yaml"
-FIGURES = "figures"
-"""Folder of figure files beside a scene and in the library."""
-
 Steps = tuple[PathSegment, ...]
 References = Iterator[tuple[Steps, SourceNode | None]]
-
-DANCES = "dances"
-"""Folder of dances beside a scene and in the library."""
 
 DEFAULT_DANCE = "macarena"
 
@@ -64,34 +56,46 @@ class LibraryBlock:
         block: key of the block in a scene, and name of the folder.
         model: the whole file.
         stand_in: replaces an entry that is wrong or missing, which is reported once already.
+        references: yields the names that a scene uses, with their paths.
     """
 
     key: str
     block: str
     model: type[ConfigModel]
     stand_in: Mapping[str, Any]
-
-    def references(self, scene: MappingNode) -> References:
-        """Yield the names that the scene uses, with their paths."""
-        cast, script = scene.get("cast"), scene.get("script")
-        for i, member in enumerate(cast.items if isinstance(cast, ListNode) else ()):
-            if not isinstance(member, MappingNode):
-                continue
-            name = member.get(self.key)
-            if self.key == "dance" and "dancer" not in member.entries:
-                continue
-            if self.key == "dance" and name is None:
-                name = ScalarNode(member.place, DEFAULT_DANCE)
-            yield ("cast", i, self.key), name
-        if self.key == "dance":
-            for i, order in enumerate(script.items if isinstance(script, ListNode) else ()):
-                do = order.get("do") if isinstance(order, MappingNode) else None
-                if isinstance(do, MappingNode):
-                    yield ("script", i, "do", "dance"), do.get("dance")
+    references: Callable[[MappingNode], References]
 
 
-FIGURE_BLOCK = LibraryBlock("figure", FIGURES, FigureFile, {"nodes": {"node": (0, 0)}})
-DANCE_BLOCK = LibraryBlock("dance", DANCES, DanceFile, {"subtasks": ({"touch": "chest"},)})
+def _mappings(scene: MappingNode, block: str) -> Iterator[tuple[int, MappingNode]]:
+    """Yield the entries of a list of the scene that are mappings, with their indices."""
+    held = scene.get(block)
+    for i, entry in enumerate(held.items if isinstance(held, ListNode) else ()):
+        if isinstance(entry, MappingNode):
+            yield i, entry
+
+
+def _figure_references(scene: MappingNode) -> References:
+    for i, member in _mappings(scene, "cast"):
+        yield ("cast", i, "figure"), member.get("figure")
+
+
+def _dance_references(scene: MappingNode) -> References:
+    for i, member in _mappings(scene, "cast"):
+        if "dancer" in member.entries:
+            name = member.get("dance") or ScalarNode(member.place, DEFAULT_DANCE)
+            yield ("cast", i, "dance"), name
+    for i, order in _mappings(scene, "script"):
+        do = order.get("do")
+        if isinstance(do, MappingNode):
+            yield ("script", i, "do", "dance"), do.get("dance")
+
+
+FIGURE_BLOCK = LibraryBlock(
+    "figure", FIGURES, FigureFile, {"nodes": {"node": (0, 0)}}, _figure_references
+)
+DANCE_BLOCK = LibraryBlock(
+    "dance", DANCES, DanceFile, {"subtasks": ({"touch": "chest"},)}, _dance_references
+)
 
 
 @dataclass(slots=True)
@@ -167,94 +171,3 @@ class LibrarySearch:
             searched = f"this file, {files} beside it, the library"
         message = f"no {block.key} is called '{name}', {hint(name, known)} (searched: {searched})"
         self.problems.append(place.problem(path, message))
-
-
-def library() -> Path:
-    """Return the folder of the shipped scenes; its folder `figures` holds the shipped figures."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "scenes"
-    # A wheel carries the library inside the package, a checkout beside it.
-    return installed if installed.is_dir() else package.parent / "scenes"
-
-
-def shipped_scenes() -> list[str]:
-    """Return the names of the shipped scenes."""
-    return names_in(library())
-
-
-def names_in(folder: Path) -> list[str]:
-    """Return the names of the files in a folder that may hold a scene or a figure."""
-    try:
-        return sorted(path.stem for path in folder.glob("*" + SUFFIX) if path.is_file())
-    except OSError:
-        return []
-
-
-def find_scene(name: str) -> Path:
-    """Return the file of a scene, given its path or its name.
-
-    A name stands for a file in the current folder, else for a shipped scene.
-
-    Raises:
-        UsageError: there is no such scene.
-    """
-    given = Path(name)
-    beside = given if name.endswith(SUFFIX) else Path(name + SUFFIX)
-    try:
-        # A folder `bug` does not hide the scene `bug.yaml`.
-        for path in (given, beside):
-            if path.exists() and not path.is_dir():
-                return path
-        shipped = library() / beside
-        if len(beside.parts) == 1 and shipped.is_file():
-            return shipped
-        if given.is_dir():
-            raise UsageError(f"'{name}' is a folder; give the file of a scene")
-    except (OSError, ValueError) as error:
-        raise UsageError(f"no scene can be called {name!r}: {error}") from None
-    raise UsageError(_not_found(name, beside))
-
-
-def find_figure(name: str) -> tuple[Path, str]:
-    """Return the file of a figure's name, and the figure in that file.
-
-    A name stands for a file in the current folder, for one in its folder `figures`, for a
-    shipped figure, or for a shipped scene. `scene:figure` names a figure of a scene.
-
-    Returns:
-        The file, and what stands after the colon, empty if there is none.
-
-    Raises:
-        UsageError: there is nothing of that name.
-    """
-    file, colon, figure = name.rpartition(":")
-    # On Windows a path may begin with the letter of a drive.
-    if colon and not figure.startswith(("/", "\\")):
-        return find_scene(file), figure
-    beside = name if name.endswith(SUFFIX) else name + SUFFIX
-    try:
-        for path in (
-            Path(name),
-            Path(beside),
-            Path(FIGURES) / beside,
-            library() / FIGURES / beside,
-        ):
-            if path.is_file():
-                return path, ""
-        return find_scene(name), ""
-    except (OSError, ValueError) as error:
-        raise UsageError(f"no figure can be called {name!r}: {error}") from None
-    except UsageError:
-        known = {*shipped_scenes(), *names_in(library() / FIGURES)}
-        known |= {*names_in(Path()), *names_in(Path(FIGURES))}
-    raise UsageError(f"no figure or scene is called {name!r}, {hint(name, known)}")
-
-
-def _not_found(name: str, beside: Path) -> str:
-    if len(beside.parts) > 1:
-        known = names_in(beside.parent)
-        close = hint(beside.stem, known) if known else "the folder holds no scenes"
-        return f"there is no file '{name}'; {close}"
-    shipped = shipped_scenes()
-    close = hint(beside.stem, [*names_in(Path()), *shipped])
-    return f"no scene is called '{name}', neither in this folder nor among the shipped; {close}"

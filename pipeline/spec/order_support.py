@@ -153,14 +153,14 @@ def _has(member: object, block: str) -> bool:
     return (isinstance(member, Mapping) and block in member) or value_at(member, block) is not None
 
 
-def _order_of(do: object, known: Collection[str]) -> str | None:
-    """Return the order in `do`: its word, or the first of its keys, known ones before others."""
+def _order_of(do: object) -> str | None:
+    """Return the order in `do`: its word, or the first of its keys, orders of people first."""
     if isinstance(do, str):
         return do
     keys = given_keys(do)
     if isinstance(do, BaseModel):
         return next(iter(keys), None)
-    return next(iter(sorted(keys, key=lambda key: key not in known)), None)
+    return next(iter(sorted(keys, key=lambda key: key not in CHARACTER_ORDERS)), None)
 
 
 def _at_order(do: object, order: str, path: Path, message: str) -> Fault:
@@ -211,7 +211,7 @@ def faults_of_hop_targets(scene: object) -> Iterator[Fault]:
 
 def _faults_of_character(name: str, do: object, path: Path, cast: Cast) -> Iterator[Fault]:
     """Find what a child or an adult is ordered that it cannot do."""
-    order = _order_of(do, CHARACTER_ORDERS)
+    order = _order_of(do)
     if order is not None and order not in CHARACTER_ORDERS:
         message = f"'{name}' is a person, who can {', '.join(CHARACTER_ORDERS)}"
         yield _at_order(do, order, path, message)

@@ -309,7 +309,7 @@ def syntax_problem(error: Exception, file: str, lines: Sequence[str], text: str)
         text: the whole file.
     """
     if isinstance(error, ReaderError):
-        return _odd_character(text, error.position, file, lines)
+        return _odd_character(text, error.position, file)
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     if not isinstance(error, yaml.MarkedYAMLError) or mark is None:
         return SourceLocation(file).problem((), f"is not YAML: {error}")
@@ -327,7 +327,7 @@ def _syntax_message(error: yaml.MarkedYAMLError) -> str:
     return message
 
 
-def _odd_character(text: str, position: int, file: str, lines: Sequence[str]) -> Problem:
+def _odd_character(text: str, position: int, file: str) -> Problem:
     before = text[:position]
     line = before.count("\n")
     column = position - (before.rfind("\n") + 1)

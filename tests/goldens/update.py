@@ -22,7 +22,7 @@ from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 from pipeline.spec.suggestions import hint
 
 MOTION = Path(__file__).parent / "motion"

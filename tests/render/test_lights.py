@@ -20,8 +20,8 @@ def _mitsuba(backend: Backend) -> None:
 
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     """Return what sky and key light send on level ground and on a wall to the south."""
+    from render.lights.environment_emitters import emitters
     from render.lights.environment_map import irradiance
-    from render.lights.lamps import emitters
 
     found = emitters(lit, GROUND)
     sky = np.array(found["sky"]["bitmap"], np.float64)[..., :3]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.skeleton import BODY, Link, Skeleton
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Take
@@ -43,19 +43,19 @@ class Walk:
     ends: list[Array] = field(default_factory=list)
 
     @property
-    def walkers(self) -> Walkers:
+    def walkers(self) -> WalkerTroupe:
         """Its creatures."""
         troupe = self.simulation.troupes[0]
-        assert isinstance(troupe, Walkers)
+        assert isinstance(troupe, WalkerTroupe)
         return troupe
 
     def look(self) -> None:
         """Keep the state of this step."""
         walkers = self.walkers
-        self.swinging.append(walkers.stepping.feet.swinging.copy())
+        self.swinging.append(walkers.sequencer.feet.swinging.copy())
         self.phases.append(walkers.phase.copy())
-        self.lifted.append(walkers.stepping.feet.lift_phase.copy())
-        self.ends.append(walkers.stepping.feet.end.copy())
+        self.lifted.append(walkers.sequencer.feet.lift_phase.copy())
+        self.ends.append(walkers.sequencer.feet.end.copy())
 
     @cached_property
     def take(self) -> Take:

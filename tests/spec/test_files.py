@@ -115,7 +115,7 @@ def test_find_scene_takes_a_path_a_name_here_and_a_shipped_name(folder, monkeypa
     shipped = folder / "shipped"
     shipped.mkdir()
     (shipped / "first_steps.yaml").write_text(SCENE)
-    monkeypatch.setattr("pipeline.spec.library_search.library", lambda: shipped)
+    monkeypatch.setattr("pipeline.spec.scene_library.library", lambda: shipped)
     assert shipped_scenes() == ["first_steps"]
     assert find_scene("play.yaml").samefile("play.yaml")
     assert find_scene("play").samefile("play.yaml")

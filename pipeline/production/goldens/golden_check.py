@@ -118,13 +118,13 @@ def _check_layer(
         if layer == "film":
             made = replace(made, film=candidate.film)
             return judge_film(golden, candidate.film, float(1 / case.scene.rate)), made
-        return _check_frames(case, golden, candidate, renderer, made)
+        return _check_frames(golden, candidate, renderer, made)
     except PronkError as error:
         return LayerVerdict(layer, Outcome.FAILED, str(error)), made
 
 
 def _check_frames(
-    case: Case, golden: Content, candidate: Candidate, renderer: GoldenRenderer, made: Content
+    golden: Content, candidate: Candidate, renderer: GoldenRenderer, made: Content
 ) -> tuple[LayerVerdict, Content]:
     framing = golden.framing
     assert framing is not None

@@ -38,7 +38,7 @@ from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Instruction, Perform, Reach
 
 
-class Dancers(Troupe):
+class DancerTroupe(Troupe):
     """All dancers of a scene.
 
     Raises:

@@ -79,7 +79,7 @@ def turned(R: Rows, a: Vector) -> Vector:
 
 
 @compiled
-def unturned(R: Rows, a: Vector) -> Vector:
+def inverse_turned(R: Rows, a: Vector) -> Vector:
     """Returns Rᵀ a."""
     x, y, z = R
     return (

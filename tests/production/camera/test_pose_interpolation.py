@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.production.camera.cuts import PoseInterpolator
+from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.shots.skinning import TELEPORT_SPEED, Skin
 from pipeline.simulation.take import Take

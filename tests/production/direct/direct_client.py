@@ -10,7 +10,8 @@ from typing import Any
 
 from pipeline.production.direct.protocol import Protocol
 from pipeline.production.direct.scene_recorder import SceneRecorder
-from pipeline.production.direct.session import Session, serve
+from pipeline.production.direct.server import serve
+from pipeline.production.direct.session import Session
 from pipeline.production.direct.transport import MessageStream
 from pipeline.production.run.production import take_key
 from pipeline.production.run.progress import Reporter

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pipeline.production.direct.queries import EVENT_KINDS
+from pipeline.production.direct.notification_queue import EVENT_KINDS
 from pipeline.production.direct.session import Session
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take_store import read_take

@@ -22,7 +22,7 @@ import pytest
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.direct import session
 from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder, recorder_for
-from pipeline.production.direct.session import direct
+from pipeline.production.direct.server import direct
 from pipeline.production.direct.transport import (
     LOOPBACK,
     Announce,

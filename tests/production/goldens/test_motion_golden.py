@@ -22,12 +22,12 @@ from pipeline.production.goldens.motion_file import encoded, read_golden, write_
 from pipeline.production.goldens.motion_golden import MotionGolden, golden_of
 from pipeline.production.goldens.motion_verdict import MotionOutcome, MotionVerdict
 from pipeline.production.goldens.packed_series import Series
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix, quaternion, rotation
 from pipeline.simulation.take import Channel, Take, TakeNote
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import library
+from pipeline.spec.scene_library import library
 
 if TYPE_CHECKING:
     from tests.production.conftest import Studio
@@ -432,7 +432,7 @@ def first_steps() -> Take:
 def _default_bounciness() -> float:
     simulation = Simulation(load_scene(library() / "first_steps.yaml"))
     troupe = simulation.troupes[0]
-    assert isinstance(troupe, Walkers)
+    assert isinstance(troupe, WalkerTroupe)
     return float(troupe.herd.bounciness[0])
 
 

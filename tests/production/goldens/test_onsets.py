@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipeline.production.goldens.film_facts import (
+from pipeline.production.goldens.slate import slate, slate_number
+from pipeline.production.goldens.sound_onsets import (
     CLEAR_RISE,
     Onset,
     best_shift,
     onsets_of,
-    slate,
-    slate_number,
     unmatched_onsets,
 )
 
@@ -31,17 +30,17 @@ def blows(times: list[float], noise: float = 1e-4) -> NDArray[np.float64]:
 
 def test_onsets_are_found_at_their_times() -> None:
     times = [0.1, 0.5, 0.52, 1.25, 1.6]
-    found = [onset.time for onset in onsets_of(blows(times), RATE) if onset.rise >= CLEAR_RISE]
+    found = [onset.time for onset in onsets_of(blows(times)) if onset.rise >= CLEAR_RISE]
     # The blow 20 ms after another one is lost in its sound.
     assert found == pytest.approx([0.1, 0.5, 1.25, 1.6], abs=0.0051)
-    assert onsets_of(blows([]), RATE) == ()
-    assert onsets_of(np.zeros(0), RATE) == ()
+    assert onsets_of(blows([])) == ()
+    assert onsets_of(np.zeros(0)) == ()
 
 
 def test_a_missing_onset_is_detected_and_noise_is_not() -> None:
-    then = onsets_of(blows([0.1, 0.6, 1.3]), RATE)
-    assert unmatched_onsets(then, onsets_of(blows([0.1, 0.6, 1.3], 2e-4), RATE), 1 / 48) == ([], [])
-    gone, new = unmatched_onsets(then, onsets_of(blows([0.1, 1.3]), RATE), 1 / 48)
+    then = onsets_of(blows([0.1, 0.6, 1.3]))
+    assert unmatched_onsets(then, onsets_of(blows([0.1, 0.6, 1.3], 2e-4)), 1 / 48) == ([], [])
+    gone, new = unmatched_onsets(then, onsets_of(blows([0.1, 1.3])), 1 / 48)
     assert [onset.time for onset in gone] == pytest.approx([0.6], abs=0.0051)
     assert new == []
 
@@ -49,10 +48,10 @@ def test_a_missing_onset_is_detected_and_noise_is_not() -> None:
 @pytest.mark.parametrize("late", [-2, -1, 1, 3])
 def test_a_late_track_is_distinguished_from_another_one(late: int) -> None:
     times = [0.31, 0.6, 1.05, 1.3]
-    then = onsets_of(blows(times), RATE)
-    now = onsets_of(blows([time + late / 24 for time in times]), RATE)
+    then = onsets_of(blows(times))
+    now = onsets_of(blows([time + late / 24 for time in times]))
     assert best_shift(then, now, 1 / 24) == late
-    assert best_shift(then, onsets_of(blows([0.2, 0.9]), RATE), 1 / 24) == 0
+    assert best_shift(then, onsets_of(blows([0.2, 0.9])), 1 / 24) == 0
     assert best_shift(then, then, 1 / 24) == 0
 
 

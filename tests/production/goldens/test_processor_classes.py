@@ -19,7 +19,7 @@ from pipeline.production.goldens.motion_sensitivity import predictable_steps
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 ROOT = Path(__file__).parents[3]
 MOTION = ROOT / "tests" / "goldens" / "motion"

@@ -13,7 +13,7 @@ from pipeline.production.goldens.motion_comparison import compare
 from pipeline.production.goldens.motion_file import read_golden
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 MOTION = Path(__file__).parents[2] / "goldens" / "motion"
 

@@ -19,7 +19,6 @@ from audio.errors import SoundFileError
 from audio.notes import notes_of
 from audio.score import Marker, Score, ScoreEvent
 from audio.wav_file import read_waveform
-from pipeline.production.reports.canvas import CAUSE_COLORS, cause_color, png_of
 from pipeline.production.reports.event_plot import (
     EventPlot,
     axis_of,
@@ -27,6 +26,8 @@ from pipeline.production.reports.event_plot import (
     plot_events,
     shown_frames,
 )
+from pipeline.production.reports.plot_colors import CAUSE_COLORS, cause_color
+from pipeline.production.reports.plot_files import png_of
 from pipeline.production.run.progress import Reporter
 from pipeline.spec.sound_thresholds import Detect
 

@@ -11,9 +11,11 @@ import pytest
 from PIL import Image
 
 from pipeline.errors import SceneError, UsageError
-from pipeline.production.reports.canvas import Panel, png_of
+from pipeline.production.reports.canvas import Panel
 from pipeline.production.reports.figure_drawing import FRONT, SIDE, StandingFigure
-from pipeline.production.reports.figure_report import figure_sheet, figure_svg, figures_of, report
+from pipeline.production.reports.figure_report import report
+from pipeline.production.reports.figure_sheet import figure_sheet, figure_svg, figures_of
+from pipeline.production.reports.plot_files import png_of
 from pipeline.production.shots.solid_preview import PreviewSolid, render_preview
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass

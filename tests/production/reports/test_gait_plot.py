@@ -15,13 +15,13 @@ from PIL import Image
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.reports.canvas import png_of
 from pipeline.production.reports.gait_plot import (
     CreatureStances,
     creature_stances,
     gait_svg,
     walkers_of,
 )
+from pipeline.production.reports.plot_files import png_of
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Scene, read_scene

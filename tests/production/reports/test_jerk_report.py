@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.production.reports.jerk_fit import fit_jerk
 from pipeline.production.reports.jerk_report import report_jerk
-from pipeline.production.reports.jerk_trials import agreements, fit_jerk, trials_of
+from pipeline.production.reports.jerk_trials import agreements, trials_of
 from pipeline.production.run.order import Order
 from pipeline.production.run.progress import reporter_for
 from pipeline.simulation.dancers.paper_jerk import PAPER_JERK

@@ -14,7 +14,7 @@ from pipeline.commands import options
 from pipeline.errors import UsageError
 from pipeline.production.reports.jump_report import facts, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.jump_plans import JumpPlan, jump_plans
+from pipeline.simulation.jump_summaries import JumpSummary, jump_summaries
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
@@ -43,9 +43,9 @@ def scene() -> Scene:
 
 
 @pytest.fixture(scope="module")
-def found(scene: Scene) -> dict[str, JumpPlan]:
+def found(scene: Scene) -> dict[str, JumpSummary]:
     """Return the jump plans of the scene."""
-    return {plan.name: plan for plan in jump_plans(scene)}
+    return {plan.name: plan for plan in jump_summaries(scene)}
 
 
 def forces(hopping: HopSimulation) -> np.ndarray:
@@ -57,7 +57,7 @@ def forces(hopping: HopSimulation) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["roo", "tic", "tac"])
 def test_the_report_agrees_with_the_simulated_jump(
-    found: dict[str, JumpPlan], scene: Scene, name: str
+    found: dict[str, JumpSummary], scene: Scene, name: str
 ) -> None:
     told = facts(found[name])
     simulation = Simulation(scene)
@@ -87,7 +87,7 @@ def test_the_report_agrees_with_the_simulated_jump(
     assert told["rise"] == pytest.approx(rise, rel=0.02)
 
 
-def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, JumpPlan]) -> None:
+def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, JumpSummary]) -> None:
     for plan in found.values():
         told = facts(plan)
         assert told["up"] ** 2 == pytest.approx(2.0 * GRAVITY * told["height"])
@@ -110,7 +110,7 @@ def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, JumpPlan]
 
 
 def test_the_report_says_what_was_asked_for_and_what_was_resolved(
-    found: dict[str, JumpPlan],
+    found: dict[str, JumpSummary],
 ) -> None:
     roo, toc = facts(found["roo"]), facts(found["toc"])
     assert roo["asked"] == ["distance", "height", "crouch", "max_force"]
@@ -127,7 +127,7 @@ def test_the_report_says_what_was_asked_for_and_what_was_resolved(
     assert "each jump as far as its place" in table(found["toc"])
 
 
-def test_saturated_legs_are_reported(found: dict[str, JumpPlan]) -> None:
+def test_saturated_legs_are_reported(found: dict[str, JumpSummary]) -> None:
     assert facts(found["weak"])["saturated"]
     assert "more than there is" in table(found["weak"])
     assert not facts(found["roo"])["saturated"]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pipeline.errors import UsageError
 from pipeline.production.reports.stills import GAP, PAPER, laid_out, spread
-from pipeline.production.run.order import contiguous, described, parse_frames
+from pipeline.production.run.frame_ranges import contiguous, described, parse_frames
 
 
 @pytest.mark.parametrize(

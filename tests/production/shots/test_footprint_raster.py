@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.production.shots.ground_mesh import (
+from pipeline.production.shots.footprint_timeline import (
     MIN_RADIUS,
     SOFT_GROUNDS,
     footprint_timeline,

@@ -21,15 +21,14 @@ from audio.score import Marker, Score, ScoreEvent
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
-from pipeline.production.sound.event_files import (
+from pipeline.production.sound.cue_files import (
     audacity_labels,
     edit_list,
-    events_csv,
-    events_jsonl,
     timecode,
     timecode_base,
     write_cues,
 )
+from pipeline.production.sound.event_files import events_csv, events_jsonl
 from pipeline.production.sound.score_builder import film_markers
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take, Told

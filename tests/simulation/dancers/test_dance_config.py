@@ -48,9 +48,9 @@ def test_controller_of_each_subtask_changes_at_rest() -> None:
     changes = np.flatnonzero(np.diff(np.array(by)))
     assert len(changes) == 3
     for move, hand in motion.moves()[:4]:
-        spot = motion.dancer.goals[move.subtask].spots[-1]
+        site = motion.dancer.goals[move.subtask].sites[-1]
         rows = motion.around(move, 0.02, 0.05)
-        goal = motion.dancer.moving.places[spot]
+        goal = motion.dancer.moving.places[site]
         assert np.linalg.norm(np.array(motion.hands)[rows, hand] - goal, axis=1).min() < 0.02
     speed = np.linalg.norm(np.diff(np.array(motion.hands)[:, 0], axis=0), axis=1) * 96
     # The hand rests at each change.
@@ -118,10 +118,10 @@ def test_gaze_follows_hands(by: str) -> None:
     head, rows = LINKS.index("head"), list[tuple[float, ...]]()
     while dancer.now < 10.0:
         dancer.advance()
-        if dancer.gaze_spot is None:
+        if dancer.gaze_site is None:
             continue
         R, p = dancer.moving.poses()
-        face, offset = R[head][:, 0], dancer.moving.places[dancer.gaze_spot] - p[head]
+        face, offset = R[head][:, 0], dancer.moving.places[dancer.gaze_site] - p[head]
         level = np.hypot(offset[0], offset[2])
         turns = np.arctan2(face[2], face[0]), np.arctan2(offset[2], offset[0])
         nods = np.arcsin(face[1]), np.arctan2(offset[1], level)

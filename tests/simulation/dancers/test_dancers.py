@@ -50,7 +50,7 @@ def unreached(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str
             away = np.linalg.norm(np.array(motion.hands)[rows, hand] - places, axis=1).min()
             if away > TOUCH_TOLERANCE:
                 found.append(f"{move.subtask + 1}: {100 * away:.1f} cm")
-        elif goal.spots:
+        elif goal.sites:
             forward = np.array(motion.forward)[rows, hand, 0].max()
             if np.arccos(min(forward, 1.0)) > ANGLE_TOLERANCE:
                 found.append(f"{move.subtask + 1}: {np.degrees(np.arccos(forward)):.0f} degrees")

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.dancers.dancer_motion import DancerMotion
-from pipeline.simulation.dancers.dancer_troupe import Dancers
+from pipeline.simulation.dancers.dancer_troupe import DancerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import dump, read_scene
 from pipeline.spec.rpc_instruction import instruction_of
@@ -58,7 +58,7 @@ def build_simulation(
 
 
 def ada(simulation: Simulation) -> DancerMotion:
-    troupe = next(t for t in simulation.troupes if isinstance(t, Dancers))
+    troupe = next(t for t in simulation.troupes if isinstance(t, DancerTroupe))
     return troupe.dancing[0]
 
 

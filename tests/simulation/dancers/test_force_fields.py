@@ -32,7 +32,7 @@ from pipeline.simulation.dancers.torso import (
     Torso,
     build_torso,
 )
-from pipeline.simulation.dynamics.linkage import Spot
+from pipeline.simulation.dynamics.linkage import Site
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import ADULT, JOINTS
 from pipeline.simulation.spatial import Array
@@ -53,10 +53,10 @@ places = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * 3)
 
 
 def standing_torso(
-    spots: tuple[Spot, ...] = (), compensated: bool = True
+    sites: tuple[Site, ...] = (), compensated: bool = True
 ) -> tuple[Torso, LinkageSimulation, ArmController]:
     """Returns a torso with a force field on the right hand; the left arm hangs."""
-    torso = build_torso(ADULT, spots, compensated=compensated)
+    torso = build_torso(ADULT, sites, compensated=compensated)
     moving = LinkageSimulation(torso.linkage, TICK / STEPS)
     for side in HANDS:
         own = slice(torso.arm(side).start, torso.wrist(side).stop)
@@ -155,10 +155,10 @@ def test_leg_starts_do_not_depend_on_control_rate() -> None:
 @pytest.mark.parametrize("time", [0.5, 0.8, 1.2])
 @pytest.mark.parametrize("place", [(0.45, 1.3, 0.3), (0.3, 1.6, 0.45), (0.55, 1.15, 0.12)])
 def test_free_reach_has_bell_shaped_speed(place, time) -> None:
-    torso, moving, arm = standing_torso((Spot("goal", -1, np.array(place)),))
+    torso, moving, arm = standing_torso((Site("goal", -1, np.array(place)),))
     start = moving.places[arm.palm].copy()
     arm.fields.stay(start)
-    arm.fields.go([torso.spot("goal")], 0.0, time, moving.places)
+    arm.fields.go([torso.site("goal")], 0.0, time, moving.places)
     path = np.concatenate([start[None], simulate_arm(moving, arm, time + 0.3)])
     assert np.linalg.norm(path[-1] - place) < 0.005
     speed = np.linalg.norm(np.diff(path, axis=0), axis=1) / TICK

@@ -11,7 +11,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.pose_plan import PartNames
 from pipeline.simulation.keyframe_track import rotation_from_angles
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix, turn
 from pipeline.simulation.take import Take
@@ -29,7 +29,7 @@ class Posed:
             simulation.step()
         self.take: Take = simulation.take()
         troupe = simulation.troupes[0]
-        assert isinstance(troupe, Walkers)
+        assert isinstance(troupe, WalkerTroupe)
         self.figure: Figure = troupe.herd.figures[0]
         self.height = float(troupe.herd.body_height[0])
         self.names = PartNames(self.figure)

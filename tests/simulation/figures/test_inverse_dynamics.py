@@ -27,7 +27,7 @@ from pipeline.simulation.spatial import (
     quaternion,
     rotation,
     turn,
-    unturn,
+    turn_inverse,
 )
 
 Maker = Callable[[np.random.Generator, int], Skeleton]
@@ -167,7 +167,7 @@ def test_external_forces_act_by_their_jacobians(shipped: Figure) -> None:
             p_B = X[:, frame, :3, 3] + turn(X[:, frame, :3, :3], inside)
         points[:, i] = p_WB + turn(R_WB, p_B)
         J = tree_jacobian(tree, motion.q, frame, place)[..., :3]
-        expected += (J * unturn(R_WB, forces[:, i])[:, None]).sum(axis=-1)
+        expected += (J * turn_inverse(R_WB, forces[:, i])[:, None]).sum(axis=-1)
     free = inverse_dynamics(tree, masses, motion)
     pushed = inverse_dynamics(tree, masses, motion, ExternalForces(frames, points, forces))
     size = max(float(np.abs(expected).max(initial=0.0)), 1.0)

@@ -24,8 +24,8 @@ from pipeline.simulation.figures.obstacle_avoidance import Obstacles, nearest_ob
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import BODY, Limb, Link, Skeleton
 from pipeline.simulation.spatial import Array
-from pipeline.spec.library_search import library as folder_of_scenes
-from pipeline.spec.library_search import names_in
+from pipeline.spec.scene_library import library as folder_of_scenes
+from pipeline.spec.scene_library import names_in
 
 COUNTS = [
     pytest.param(100, marks=pytest.mark.slow),

@@ -12,7 +12,7 @@ from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
@@ -46,7 +46,7 @@ class Recording:
             scene_of(member, terrain=terrain, duration=duration, more=more)
         )
         troupe = self.simulation.troupes[0]
-        assert isinstance(troupe, Walkers)
+        assert isinstance(troupe, WalkerTroupe)
         self.walkers = troupe
         changed = {key: np.full(1, value) for key, value in style.items()}
         progress = troupe.progress
@@ -268,7 +268,7 @@ def test_pitched_body_keeps_its_feet_below_it() -> None:
     )
     assert 7.0 < np.mean(proud.pitch - level.pitch) < 8.6
     ends = [
-        recording.walkers.stepping.feet.end - recording.recorder.positions[-1, 0]
+        recording.walkers.sequencer.feet.end - recording.recorder.positions[-1, 0]
         for recording in (level, proud)
     ]
     moved = np.abs(ends[1] - ends[0])[:, [0, 2]].max(axis=1)

@@ -89,9 +89,9 @@ def test_scuff_has_place_and_speed_of_the_foot(dragging: object) -> None:
         tip = before + event.fraction * (after - before)
         # Between two rows a foot that speeds up leaves their chord.
         assert np.hypot(*(tip - place)[[0, 2]]) < 0.01 * herd.legs.lengths[leg]
-        assert (tip - place) @ normal - herd.sole[leg] < 1.2 * SCUFF_DISTANCE * herd.legs.lengths[
+        assert (tip - place) @ normal - herd.foot_radius[
             leg
-        ]
+        ] < 1.2 * SCUFF_DISTANCE * herd.legs.lengths[leg]
         # Its speed is known in the middle of each step, from the chords.
         chords = np.diff(dragging.tips[event.step - 1 : event.step + 3, leg], axis=0) * rate
         chords -= (chords @ normal)[:, None] * normal
@@ -99,7 +99,9 @@ def test_scuff_has_place_and_speed_of_the_foot(dragging: object) -> None:
         now = float(np.interp(event.fraction + 0.5, [0.0, 1.0, 2.0], speeds))
         assert event.strength == pytest.approx(now, rel=0.05)
         assert event.strength >= MIN_SCUFF_SPEED * herd.legs.lengths[leg]
-        most = 0.5 * DRAGGED_MASS * dragging.walkers.stepping.contacts.mass[leg] * event.strength**2
+        most = (
+            0.5 * DRAGGED_MASS * dragging.walkers.sequencer.contacts.mass[leg] * event.strength**2
+        )
         assert 0.0 < event.energy <= most * (1.0 + 1e-12)
 
 

@@ -15,7 +15,7 @@ from pipeline.simulation.locomotion.foot_placement.foothold_search import Footho
 from pipeline.simulation.locomotion.foot_placement.step_batch import StepBatch, StepRequest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.speed_control import SLOPE_SAMPLES_PER_SECOND
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
@@ -23,7 +23,7 @@ KINDS = ("beetle", "horse", "spider", "person", "antelope")
 
 
 @pytest.fixture(params=["{preset: hills, height: 2}", "boulders"])
-def walkers(request: pytest.FixtureRequest) -> Walkers:
+def walkers(request: pytest.FixtureRequest) -> WalkerTroupe:
     cast = "\n".join(
         f"- {{name: c{i}, figure: {kind}, at: [{2 * i - 4}, {i % 3}], heading_deg: {97 * i},"
         " walk: {}}"
@@ -31,28 +31,28 @@ def walkers(request: pytest.FixtureRequest) -> Walkers:
     )
     text = f"pronk: 1\nduration: 1\nseed: 5\nterrain: {request.param}\ncast:\n{cast}\n"
     (walkers,) = Simulation(read_scene(text)).troupes
-    assert isinstance(walkers, Walkers)
+    assert isinstance(walkers, WalkerTroupe)
     return walkers
 
 
-def planner_of(walkers: Walkers) -> FootholdPlanner:
+def planner_of(walkers: WalkerTroupe) -> FootholdPlanner:
     """Return a planner that knows nothing yet."""
     return FootholdPlanner(walkers.herd, walkers.world.ground, walkers.progress.trajectory)
 
 
-def requests_of(walkers: Walkers) -> list[StepRequest]:
+def requests_of(walkers: WalkerTroupe) -> list[StepRequest]:
     """Return a step of every leg, each from a little after the start."""
     herd, paces = walkers.herd, walkers.progress.paces
     requests = []
     for leg, owner in enumerate(herd.owner.tolist()):
         phase = 0.3 + 0.01 * leg
         distance = phase * float(herd.stride[owner])
-        timing, present = paces.step(leg, phase), walkers.stepping.feet.end[leg]
+        timing, present = paces.step(leg, phase), walkers.sequencer.feet.end[leg]
         requests.append(StepRequest(leg, distance, phase, timing, 1.0, present))
     return requests
 
 
-def test_predicted_footholds_are_those_of_a_search(walkers: Walkers) -> None:
+def test_predicted_footholds_are_those_of_a_search(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
     together = [planner.predicted(request.leg) for request in requests]
@@ -65,10 +65,10 @@ def test_predicted_footholds_are_those_of_a_search(walkers: Walkers) -> None:
         assert (hold.place == alone.place).all()
         assert (hold.tip == alone.tip).all()
         assert (hold.normal == alone.normal).all()
-        assert (hold.lowering, hold.arch) == (alone.lowering, alone.arch)
+        assert (hold.lowering, hold.swing_height) == (alone.lowering, alone.swing_height)
 
 
-def test_no_bit_depends_on_which_other_feet_lift(walkers: Walkers) -> None:
+def test_no_bit_depends_on_which_other_feet_lift(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
     together = [planner.predicted(request.leg) for request in requests]
@@ -82,12 +82,12 @@ def assert_same(one: Foothold | None, other: Foothold | None) -> None:
     assert (one is None) == (other is None)
     if one is not None and other is not None:
         assert (one.tip == other.tip).all()
-        assert one.arch == other.arch
+        assert one.swing_height == other.swing_height
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("off", [0.0, 1e-3])
-def test_early_predictions_are_those_in_time(walkers: Walkers, off: float) -> None:
+def test_early_predictions_are_those_in_time(walkers: WalkerTroupe, off: float) -> None:
     early, requests = planner_of(walkers), requests_of(walkers)
     upcoming = [replace(r, distance=r.distance + off) for r in requests[1:]]
     early.predict(requests[:1], lambda: upcoming)
@@ -101,7 +101,7 @@ def test_early_predictions_are_those_in_time(walkers: Walkers, off: float) -> No
 
 @pytest.mark.slow
 def test_no_foothold_of_a_whole_walk_is_predicted_twice(
-    walkers: Walkers, monkeypatch: pytest.MonkeyPatch
+    walkers: WalkerTroupe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = list[int]()
 
@@ -112,7 +112,7 @@ def test_no_foothold_of_a_whole_walk_is_predicted_twice(
             return StepBatch.of(herd, requests)
 
     monkeypatch.setattr(foothold_planner, "StepBatch", Counted)
-    feet = walkers.stepping.feet
+    feet = walkers.sequencer.feet
     before, lifted = feet.lift_phase.copy(), 0
     for step in range(walkers.world.clock.last_step):
         walkers.read({})
@@ -125,7 +125,7 @@ def test_no_foothold_of_a_whole_walk_is_predicted_twice(
     assert len(asked) <= 2 * SLOPE_SAMPLES_PER_SECOND
 
 
-def test_a_prediction_is_forgotten_when_its_creature_is_redirected(walkers: Walkers) -> None:
+def test_a_prediction_is_forgotten_when_its_creature_is_redirected(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
     known = [r.leg for r in requests if planner.predicted(r.leg) is not None]
@@ -139,7 +139,7 @@ def test_a_prediction_is_forgotten_when_its_creature_is_redirected(walkers: Walk
 
 
 @pytest.mark.slow
-def test_misses_are_those_of_limbs_at_their_goals(walkers: Walkers) -> None:
+def test_misses_are_those_of_limbs_at_their_goals(walkers: WalkerTroupe) -> None:
     legs, chains = walkers.herd.legs, walkers.herd.chains
     chance = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))
     goals = legs.tips + 0.3 * legs.lengths[:, None] * chance

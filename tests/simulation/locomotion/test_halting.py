@@ -60,6 +60,6 @@ def _is_at_rest(walk: Walk) -> None:
     assert np.ptp(walk.take.positions[-rows:, 0], axis=0).max() < 1e-9
     assert np.ptp(walk.tips[-rows:], axis=0).max() < 1e-6
     ground = walk.simulation.world.ground
-    places = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
+    places = np.array([hold.place for hold in walk.walkers.sequencer.feet.footholds])
     assert ground.steppable(places[:, 0], places[:, 2]).all()
     assert not [note for note in walk.take.notes if note.kind == "clamped"]

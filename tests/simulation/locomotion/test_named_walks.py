@@ -57,7 +57,7 @@ def assert_walking_invariants(walk: Walk) -> None:
     assert not walk.take.notes
     down = walk.standing[1:] & walk.standing[:-1]
     assert np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)[down].max() < 1e-5
-    assert (walk.tips[..., 1] - herd.sole).min() > -1e-6
+    assert (walk.tips[..., 1] - herd.foot_radius).min() > -1e-6
     hips = recorder.positions[:, 0, None] + np.einsum(
         "kij,lj->kli", recorder.rotations[:, 0], herd.hips
     )
@@ -99,7 +99,7 @@ def test_body_falls_freely_in_flight(figure: str, gait: str) -> None:
     fall = np.diff(height, 2)[inner] / dt**2
     # Sampled within one flight; a flight's first and last sample may hold a touch.
     assert np.median(fall) == pytest.approx(-GRAVITY, rel=0.02)
-    clear = walk.tips[..., 1] - walk.walkers.herd.sole
+    clear = walk.tips[..., 1] - walk.walkers.herd.foot_radius
     assert (clear[flying] >= -1e-9).all()
     assert not walk.standing[1:-1][inner].any()
 

@@ -9,7 +9,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.locomotion.gaits.gait_transition import PaceTransition
 from pipeline.simulation.locomotion.gaits.pace import Pace
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.mood import MOODS
 from tests.simulation.conftest import Walk, scene_of, walk_through
@@ -56,8 +56,8 @@ def test_gait_changes_are_smooth(figure: str) -> None:
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max() < 0.1 * MILLIMETRE
-    sole = walk.walkers.herd.sole
-    assert (walk.tips[..., 1] - sole).min() > -0.1 * MILLIMETRE
+    foot_radius = walk.walkers.herd.foot_radius
+    assert (walk.tips[..., 1] - foot_radius).min() > -0.1 * MILLIMETRE
     # No joint is thrown about harder than in the gaits themselves.
     plain = max(steady(walk_through(s), 0.5, 3).max() for s in _alone(figure))
     assert steady(walk, 0, 9).max() < 2.0 * plain
@@ -117,7 +117,7 @@ def test_distance_does_not_depend_on_frame_rate() -> None:
         while not simulation.finished:
             simulation.step()
         troupe = simulation.troupes[0]
-        assert isinstance(troupe, Walkers)
+        assert isinstance(troupe, WalkerTroupe)
         ends.append(float(troupe.travelled[0]))
     np.testing.assert_allclose(ends, ends[0], atol=2e-3)
 
@@ -195,7 +195,7 @@ def test_mood_factors_scale_with_the_weight_as_powers() -> None:
         member = f"{{figure: beetle, walk: {{}}, mood: {mood}}}"
         more = "moods: {heavy: {stride: 0.64, cycle: 1.21, body_bob: 0.25, step_height: 1.44}}\n"
         troupe = Simulation(scene_of(member, more=more)).troupes[0]
-        assert isinstance(troupe, Walkers)
+        assert isinstance(troupe, WalkerTroupe)
         return troupe.herd.paces[0]
 
     plain, whole, half = pace("{}"), pace("heavy"), pace("{heavy: 0.5}")
@@ -233,7 +233,7 @@ def test_legs_can_follow_every_mood(figure: str) -> None:
         for weight in (1.0, 2.0):
             member = f"{{figure: {figure}, walk: {{}}, mood: {{{mood}: {weight}}}}}"
             troupe = Simulation(scene_of(member, duration=0.1)).troupes[0]
-            assert isinstance(troupe, Walkers)
+            assert isinstance(troupe, WalkerTroupe)
             pace = troupe.herd.paces[0]
             assert 0.0 < pace.stride <= pace.longest + 1e-12
             assert pace.body_height <= troupe.herd.leg_layouts[0].tallest() + 1e-12

@@ -279,7 +279,7 @@ def test_planted_feet_do_not_slip_or_sink(long_hops):
     moved = np.linalg.norm(np.diff(tips, axis=0), axis=-1)
     assert moved[both & same[:, None]].max() < 1e-3
     ground = long_hops.simulation.world.ground
-    over = tips[..., 1] - herd.sole - ground.height(tips[..., 0], tips[..., 2])
+    over = tips[..., 1] - herd.foot_radius - ground.height(tips[..., 0], tips[..., 2])
     assert over.min() > -1e-3
 
 

@@ -22,7 +22,7 @@ def check_invariants(number: int, folder: Path) -> None:
     moved = np.linalg.norm(np.diff(tips, axis=0), axis=-1)
     assert moved[stay].max(initial=0.0) < 1e-3
     ground = hops.simulation.world.ground
-    over = tips[..., 1] - herd.sole - ground.height(tips[..., 0], tips[..., 2])
+    over = tips[..., 1] - herd.foot_radius - ground.height(tips[..., 0], tips[..., 2])
     assert over[down].min(initial=0.0) > -1e-3
     # In the air as well, until it falls.
     upright = np.array([s.phase != "fallen" for s in seen])

@@ -69,10 +69,10 @@ def _feet_keep_to_the_ground(walk: Walk) -> None:
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max(initial=0.0) < MILLIMETRE
-    p = walk.tips[:, :, None] + herd.sole[:, None, None] * BALL
+    p = walk.tips[:, :, None] + herd.foot_radius[:, None, None] * BALL
     assert (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min() > -MILLIMETRE
     places = np.array([contact.place for contact in _touches(walk)]).reshape(-1, 3)
-    holds = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
+    holds = np.array([hold.place for hold in walk.walkers.sequencer.feet.footholds])
     for x, _, z in (places.T, holds.T):
         assert ground.steppable(x, z).all()
 

@@ -50,7 +50,7 @@ def test_shipped_scenes_keep_the_invariants_of_walking(name: str) -> None:
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max() < MILLIMETRE, "a foot slides"
 
-    p = walk.tips[:, :, None] + herd.sole[:, None, None] * BALL
+    p = walk.tips[:, :, None] + herd.foot_radius[:, None, None] * BALL
     above = (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min(axis=-1)
     assert above[free].min() > -MILLIMETRE, "a foot is below the ground"
 

@@ -100,10 +100,10 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
 
         def recording(kind: str) -> swing_planner.Planner:
             def planner(
-                trial: SwingTrial, ground: Ground, sole: float, least: float
+                trial: SwingTrial, ground: Ground, foot_radius: float, least: float
             ) -> tuple[float, Array]:
-                height, bend = PLANNERS[kind](trial, ground, sole, least)
-                plain = clearance_height(ground, trial.start, trial.end, sole, least)
+                height, bend = PLANNERS[kind](trial, ground, foot_radius, least)
+                plain = clearance_height(ground, trial.start, trial.end, foot_radius, least)
                 found.append(Planned(trial, height, bend, plain))
                 return height, bend
 
@@ -229,7 +229,7 @@ def test_touchdowns_are_at_foot_down_phases(upright: Walk) -> None:
 def test_soles_stay_above_the_ground(upright: Walk) -> None:
     ground, herd = upright.simulation.world.ground, upright.walkers.herd
     x, y, z = np.moveaxis(upright.tips, -1, 0)
-    assert (y - ground.height(x, z) - herd.sole / ground.normal(x, z)[..., 1]).min() > -1e-3
+    assert (y - ground.height(x, z) - herd.foot_radius / ground.normal(x, z)[..., 1]).min() > -1e-3
 
 
 def test_joint_limits_hold_and_knees_do_not_flip(upright: Walk) -> None:

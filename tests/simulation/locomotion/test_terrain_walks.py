@@ -83,7 +83,7 @@ def keeps_to_the_ground(walk: Walk) -> None:
     assert moved[down].max() < 0.1 * MILLIMETRE
     ball = np.random.default_rng(0).normal(size=(40, 3))
     ball /= np.linalg.norm(ball, axis=-1, keepdims=True)
-    p = walk.tips[:, :, None] + walk.walkers.herd.sole[:, None, None] * ball
+    p = walk.tips[:, :, None] + walk.walkers.herd.foot_radius[:, None, None] * ball
     assert (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min() > -MILLIMETRE
     x, y, z = np.array([contact.place for contact in take.contacts]).T
     assert ground.steppable(x, z).all()

@@ -50,7 +50,7 @@ def test_walks_through_waypoints_and_rests_with_closed_feet() -> None:
     assert walk.standing[-1].all()
     walkers = walk.walkers
     for leg, tip in enumerate(walk.tips[-1]):
-        rest = walkers.stepping.planner.search.neutral_place(
+        rest = walkers.sequencer.planner.search.neutral_place(
             leg, float(walkers.travelled[0]), float(walkers.phase[0])
         )
         assert np.linalg.norm(tip[[0, 2]] - rest) < 0.1 * walkers.herd.legs.lengths[leg]

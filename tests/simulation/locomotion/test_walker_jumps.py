@@ -11,7 +11,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.locomotion.leaping.walker_jumps import HANDOVER_TIME
 from pipeline.simulation.locomotion.pronking.hurdle_jump import hurdle_profile
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
@@ -60,9 +60,9 @@ class Leap:
     stages: list[str] = field(default_factory=list)
 
     @property
-    def walkers(self) -> Walkers:
+    def walkers(self) -> WalkerTroupe:
         """Its creatures that walk."""
-        return next(t for t in self.simulation.troupes if isinstance(t, Walkers))
+        return next(t for t in self.simulation.troupes if isinstance(t, WalkerTroupe))
 
     @property
     def take(self) -> Take:
@@ -77,7 +77,7 @@ class Leap:
         self.stages.append("walking" if trip is None else trip.stage)
         hopping = trip.simulation if trip is not None and leaping else None
         self.down.append(
-            ~walkers.stepping.feet.swinging if hopping is None else hopping.state.down.copy()
+            ~walkers.sequencer.feet.swinging if hopping is None else hopping.state.down.copy()
         )
 
     @property
@@ -183,7 +183,7 @@ def test_shipped_antelope_clears_its_box() -> None:
     assert not take.notes
     tips, down = leap.tips(), np.array(leap.down)
     assert np.linalg.norm(np.diff(tips, axis=0), axis=-1)[down[1:] & down[:-1]].max() < 1e-5
-    low = tips[..., 1] - ground.height(tips[..., 0], tips[..., 2]) - walkers.herd.sole
+    low = tips[..., 1] - ground.height(tips[..., 0], tips[..., 2]) - walkers.herd.foot_radius
     assert low.min() > -MILLIMETRE
     middle = [node.name for node in take.nodes].index("box")
     X = matrix(take.rotations[:, middle]), take.positions[:, middle]
@@ -263,10 +263,10 @@ def test_jump_to_a_point_then_the_next_order() -> None:
     while not simulation.finished:
         simulation.step()
         walkers = simulation.troupes[0]
-        assert isinstance(walkers, Walkers)
+        assert isinstance(walkers, WalkerTroupe)
         trip = walkers.leaps.trips.get(0)
         if trip is not None and trip.stage == "landed" and landed is None:
-            landed = walkers.stepping.feet.end[:, [0, 2]].mean(axis=0)
+            landed = walkers.sequencer.feet.end[:, [0, 2]].mean(axis=0)
     assert landed is not None
     assert np.linalg.norm(landed - [2.5, -0.5]) < 0.02
     np.testing.assert_allclose(simulation.take().positions[-1, 0, [0, 2]], [4, 1], atol=1e-3)

@@ -35,11 +35,11 @@ def test_no_sole_is_below_the_ground(walk: Walk) -> None:
     x, y, z = np.moveaxis(walk.tips, -1, 0)
     chance = np.random.default_rng(0).normal(size=(40, 3))
     ball = chance / np.linalg.norm(chance, axis=-1, keepdims=True)
-    p = walk.tips[:, :, None] + herd.sole[:, None, None] * ball
+    p = walk.tips[:, :, None] + herd.foot_radius[:, None, None] * ball
     above = p[..., 1] - ground.height(p[..., 0], p[..., 2])
     assert above.min() > -MILLIMETRE
     assert (y > ground.height(x, z)).all()
-    near = y - herd.sole / ground.normal(x, z)[..., 1] - ground.height(x, z)
+    near = y - herd.foot_radius / ground.normal(x, z)[..., 1] - ground.height(x, z)
     assert np.abs(near[walk.standing]).max() < 4 * MILLIMETRE
 
 
@@ -49,7 +49,7 @@ def test_feet_clear_the_ground_between_footholds(walk: Walk) -> None:
     s = (phases - lifted) / np.mod(herd.down - herd.up, 1.0)
     middle = ~walk.standing & (np.abs(s - 0.5) < 0.15)
     x, y, z = np.moveaxis(walk.tips, -1, 0)
-    clear = y - ground.height(x, z) - herd.sole
+    clear = y - ground.height(x, z) - herd.foot_radius
     assert middle.any()
     assert (clear >= 0.3 * herd.step_height)[middle].all()
 
@@ -59,7 +59,7 @@ def test_no_foothold_is_in_a_forbidden_zone(walk: Walk) -> None:
     places = np.array([contact.place for contact in walk.take.contacts])
     assert ground.steppable(places[:, 0], places[:, 2]).all()
     assert np.allclose(places[:, 1], ground.height(places[:, 0], places[:, 2]), atol=1e-12)
-    holds = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
+    holds = np.array([hold.place for hold in walk.walkers.sequencer.feet.footholds])
     assert ground.steppable(holds[:, 0], holds[:, 2]).all()
 
 

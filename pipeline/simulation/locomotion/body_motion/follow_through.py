@@ -23,7 +23,7 @@ from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
 from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
 from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
-from pipeline.simulation.spatial import Array, cross, turn, unturn
+from pipeline.simulation.spatial import Array, cross, turn, turn_inverse
 
 # Least room of a joint that rests at its limit [rad or m].
 MIN_JOINT_ROOM = 1e-6
@@ -192,7 +192,7 @@ class FollowThrough:
         frames = self._carrier_frames(wishes, R_WB, p_WB)
         for follower, (tier, R, p) in zip(self._followers, frames, strict=True):
             late = follower.follow(p + turn(R, self._tip[tier]))
-            turned = (unturn(R, late) * self._lever[tier]).sum(axis=-1)
+            turned = (turn_inverse(R, late) * self._lever[tier]).sum(axis=-1)
             wishes[:, tier] += looseness[:, self.owner[tier]] * turned
         return wishes
 

@@ -104,7 +104,7 @@ def touch(
         state.first_touch_height = float(state.p[1])
     caught, floors = (
         list[int](),
-        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii),
+        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii),
     )
     for leg in legs.tolist():
         (x, y, z), least = tips[leg].tolist(), float(floors[leg])
@@ -113,7 +113,7 @@ def touch(
         else:
             y = max(least, y)
         state.tips[leg], state.down[leg] = (x, y, z), True
-        place, normal = np.array([x, y - hopper.sole_radii[leg], z]), ground.normal(x, z)
+        place, normal = np.array([x, y - hopper.foot_radii[leg], z]), ground.normal(x, z)
         speed = max(-float(normal @ v[leg]), 0.0)
         energy = 0.5 * hopper.mass.mass / len(hopper.hips) * speed * speed
         events.append(HopEvent("touch", state.time, leg, place, normal, speed, energy))
@@ -195,10 +195,10 @@ def event_margins(
     falls = body.v[1] <= RISING_SPEED
     if state.phase in ("flight", "landing") and falls and not state.down.all():
         tips = body.to_world(state.swing.tips(body.time))
-        if float(tips[:, 1].min()) - float(hopper.sole_radii.max()) < highest + 0.05:
+        if float(tips[:, 1].min()) - float(hopper.foot_radii.max()) < highest + 0.05:
             air = ~state.down & ~state.released
             touch[air] = (
-                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii)
+                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii)
             )[air]
     if state.down.any() and state.phase not in ("standing",):
         legs = body.to_world(hopper.hips) - state.tips
@@ -226,12 +226,12 @@ def body_clearance(
 
 def lift_above_ground(hopper: Hopper, ground: Ground, tips: Array, highest: float) -> Array:
     """Return feet (n, 3) lifted out of the ground [m]."""
-    if float(tips[:, 1].min()) - float(hopper.sole_radii.max()) > highest:
+    if float(tips[:, 1].min()) - float(hopper.foot_radii.max()) > highest:
         return tips
     result = tips.copy()
     np.maximum(
         tips[:, 1],
-        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii),
+        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii),
         out=result[:, 1],
     )
     return result

@@ -92,7 +92,7 @@ def take_off(hopper: Hopper, ground: Ground, state: HopState, events: HopEvents)
     start = (tips - now.origin) @ now.R
     speed = float(np.linalg.norm(state.v))
     for leg in np.flatnonzero(down).tolist():
-        place = tips[leg] - [0.0, hopper.sole_radii[leg], 0.0]
+        place = tips[leg] - [0.0, hopper.foot_radii[leg], 0.0]
         normal = ground.normal(place[0], place[2])
         energy = 0.5 * float(hopper.leg_masses[leg]) * speed * speed
         events.append(HopEvent("lift", state.time, leg, place, normal, speed, energy))

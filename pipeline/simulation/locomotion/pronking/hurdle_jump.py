@@ -163,7 +163,7 @@ def _reach(hopper: Hopper, side: float) -> float:
 def _crouched_outline(hopper: Hopper) -> Array:
     """Return the outline points (k, 3) of the crouching creature, in its frame [m]."""
     feet = hopper.rest_feet.copy()
-    feet[:, 1] = hopper.sole_radii - hopper.crouch_height
+    feet[:, 1] = hopper.foot_radii - hopper.crouch_height
     return np.concatenate([hopper.outline.body, hopper.outline.legs(feet[None])[0]])
 
 
@@ -172,14 +172,14 @@ def _lowest_vault(
     state: HopState,
     ground: Ground,
     hurdle: HurdleProfile,
-    spot: tuple[float, float],
+    target: tuple[float, float],
     heading: float,
 ) -> Vault | str:
-    """Return the lowest jump to a spot that clears a hurdle, or the reason why there is none."""
+    """Return the lowest jump to a target that clears a hurdle, or the reason why there is none."""
 
     def jump(height: float) -> tuple[JumpPlan, PlannedJump]:
         up = math.sqrt(2.0 * GRAVITY * height)
-        planned = PlannedJump(up, heading, spot, fold_legs=True)
+        planned = PlannedJump(up, heading, target, fold_legs=True)
         return plan_requested_jump(hopper, state, ground, planned, VAULT_ITERATIONS), planned
 
     def clears(candidate: JumpPlan) -> bool:
@@ -255,7 +255,7 @@ def _clearance(
 
 def _landing_time(hopper: Hopper, plan: JumpPlan, velocity: Array) -> float:
     """Return the duration of a landing [s]."""
-    height = float((hopper.sole_radii - plan.landing_feet[:, 1]).mean())
+    height = float((hopper.foot_radii - plan.landing_feet[:, 1]).mean())
     return (
         2.0
         * max(height - hopper.crouch_height, 0.05 * hopper.leg_length)

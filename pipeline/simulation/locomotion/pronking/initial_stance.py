@@ -49,8 +49,8 @@ def _standing_on_ground(hopper: Hopper, ground: Ground) -> HopState:
     R = rotation_matrix(state.attitude[0])
     x, z = (float(c) for c in hopper.start)
     feet = hopper.rest_feet @ R.T + [x, 0.0, z]
-    feet[:, 1] = lowest_center_height(ground, feet[:, 0], feet[:, 2], hopper.sole_radii)
-    floor = float((feet[:, 1] - hopper.sole_radii).mean())
+    feet[:, 1] = lowest_center_height(ground, feet[:, 0], feet[:, 2], hopper.foot_radii)
+    floor = float((feet[:, 1] - hopper.foot_radii).mean())
     origin = np.array(
         [x, standing_height(hopper, R, feet, floor + hopper.standing_height, x, z), z]
     )
@@ -75,12 +75,12 @@ def _held_above_ground(hopper: Hopper, ground: Ground, above: float) -> HopState
     R = rotation_matrix(state.attitude[0])
     feet = landing_feet(hopper, R, np.zeros(3), 1.0, stops=False)
     base = float(ground.height(hopper.start[0], hopper.start[1]))
-    state.p[1] += base + above - float((feet[:, 1] - hopper.sole_radii).min())
+    state.p[1] += base + above - float((feet[:, 1] - hopper.foot_radii).min())
     state.swing, state.a = SwingPath.still(feet), FREE_FALL
     now = state.body(hopper)
     tips = now.to_world(feet)
     deep = float(
-        (lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii) - tips[:, 1]).max()
+        (lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii) - tips[:, 1]).max()
     )
     state.p[1] += max(deep, -body_clearance(hopper, ground, now), 0.0)
     return state

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.rest_ik import RestSolution, solve_each_near_rest, solve_near_rest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
-from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.spatial import Array, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 MAX_STRETCH, MIN_FOLD = 0.985, 1.01
@@ -100,7 +100,7 @@ class LegSolver:
             c = herd.owner[legs]
             up = np.zeros((len(rows), 3))
             up[:, 1] = 1.3 * depth + 0.01 * herd.legs.lengths[legs]
-            goals[rows, legs] += unturn(R[rows, c], up)
+            goals[rows, legs] += turn_inverse(R[rows, c], up)
             self._resolve(solution, goals, rows)
         else:
             self._relocate_feet(
@@ -146,7 +146,7 @@ class LegSolver:
         arm = batch.tips[legs] - batch.places[legs, last]
         tips = p[rows, c] + turn(R[rows, c], (X[:, :3, 3] + turn(X[:, :3, :3], arm)))
         depth = (
-            lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs])
+            lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.foot_radius[legs])
             - tips[:, 1]
         )
         is_buried = depth > LIFT_DEPTH
@@ -207,7 +207,7 @@ def free_foot_place(
     places = hip + (distances[:, None, None] * result.reshape(-1, 3)).reshape(-1, 3)
     places = places[np.argsort(((places - goal) ** 2).sum(axis=-1), kind="stable")]
     feet = places @ R.T + p
-    lowest = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
+    lowest = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.foot_radius[leg])
     places = places[feet[:, 1] >= lowest + FREE_HEIGHT]
     legs = np.full(len(places), leg)
     _, error = solve_each_near_rest(herd.legs, herd.chains, legs, places)

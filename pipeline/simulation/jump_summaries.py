@@ -1,4 +1,4 @@
-"""Jump plans: how the creatures of a scene hop on level ground, resolved before it runs."""
+"""Jump summaries: how the creatures of a scene hop on level ground, resolved before it runs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CHOSEN_KEYS = ("distance", "height", "speed", "crouch", "max_force", "balance")
 
 
 @dataclass(frozen=True, slots=True)
-class JumpPlan:
+class JumpSummary:
     """The resolved jump of one creature.
 
     Attributes:
@@ -59,13 +59,13 @@ class JumpPlan:
     rehearsal: ReferenceJump | None
 
 
-def jump_plans(scene: Scene) -> list[JumpPlan]:
-    """Return the jump plan of every creature of a scene that hops.
+def jump_summaries(scene: Scene) -> list[JumpSummary]:
+    """Return the jump summary of every creature of a scene that hops.
 
     Raises:
         PronkError: the scene cannot start.
     """
-    plans = []
+    summaries = []
     for troupe in Simulation(scene).troupes:
         if not isinstance(troupe, HopperTroupe):
             continue
@@ -73,8 +73,8 @@ def jump_plans(scene: Scene) -> list[JumpPlan]:
         for c, (hopper, simulation) in enumerate(
             zip(troupe.hoppers, troupe.simulations, strict=True)
         ):
-            plans.append(
-                JumpPlan(
+            summaries.append(
+                JumpSummary(
                     name=hopper.name,
                     figure=troupe.herd.figures[c].name,
                     mass=hopper.mass.mass,
@@ -96,4 +96,4 @@ def jump_plans(scene: Scene) -> list[JumpPlan]:
                     rehearsal=rehearse_jump(hopper, level, simulation),
                 )
             )
-    return plans
+    return summaries

@@ -1,7 +1,8 @@
-"""Walking: the troupe of creatures on legs.
+"""Walker troupe: the creatures that walk on legs.
 
-The phase of the gait grows, the body follows its route, and the feet step, see `stepping`. The
-poses that join them are solved for many moments at once, when they are written, see `pose_solver`.
+The phase of the gait grows, the body follows its route, and the feet step, see `step_sequencer`.
+The poses that join them are solved for many moments at once, when they are written, see
+`pose_solver`.
 
 Source: Sims 1987, ch. 10.
 """
@@ -35,7 +36,11 @@ from pipeline.simulation.locomotion.routes.route import plan_route
 from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
 from pipeline.simulation.locomotion.routes.speed_control import advance
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
-from pipeline.simulation.locomotion.stepping import Stepping, phase_before_lift, take_steps
+from pipeline.simulation.locomotion.step_sequencer import (
+    StepSequencer,
+    phase_before_lift,
+    take_steps,
+)
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
@@ -51,12 +56,12 @@ from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 MAX_SPEEDUP, UNKNOWN_SPEEDUP = 2.0, 10.0
 
 
-class Walkers(Troupe):
+class WalkerTroupe(Troupe):
     """All creatures on legs: their state, and how it advances.
 
     Attributes:
         progress: on their routes.
-        stepping: of their feet.
+        sequencer: of their steps.
         leaps: jumps of the creatures.
     """
 
@@ -85,14 +90,14 @@ class Walkers(Troupe):
         self.progress = start_progress(herd, trajectory, moods, world.clock.dt, targets)
         swings = SwingPlanner.of(cast, self.progress, world.ground)
         contacts = FootContacts(herd, world, self.authored_poses, materials)
-        self.stepping = Stepping.of(world, self.progress, swings, contacts)
-        self.leaps = WalkerJumps(cast, world, self.progress, self.stepping, materials)
+        self.sequencer = StepSequencer.of(world, self.progress, swings, contacts)
+        self.leaps = WalkerJumps(cast, world, self.progress, self.sequencer, materials)
         self._order_notes: list[TakeNote] = []
         self._pose_notes: list[TakeNote] = []
         self._arrived: list[str] = []
         self._buffered: list[HerdSnapshot] = []
-        place_feet(self.stepping)
-        self._notes: list[TakeNote] = list(self.stepping.notes)
+        place_feet(self.sequencer)
+        self._notes: list[TakeNote] = list(self.sequencer.notes)
 
     @property
     def travelled(self) -> Array:
@@ -130,23 +135,23 @@ class Walkers(Troupe):
                     continue
                 unable = apply_order(self.progress, c, order)
                 if c in self.progress.transition_ends:
-                    self.stepping.feet.changing.add(c)
+                    self.sequencer.feet.changing.add(c)
                 if unable is not None:
                     self._order_notes.append(TakeNote("clamped", self.step, name, unable))
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
-        stepping, progress = self.stepping, self.progress
-        stepping.contacts.contacts.clear()
-        stepping.notes.clear()
+        sequencer, progress = self.sequencer, self.progress
+        sequencer.contacts.contacts.clear()
+        sequencer.notes.clear()
         phase_before = self.phase
         progress.trajectory.style = progress.moods.style(progress.time)
         arrived = self._advance_on_routes()
-        take_steps(stepping, step, phase_before)
+        take_steps(sequencer, step, phase_before)
         self.leaps.advance(step)
         self._arrived = [name for name in arrived if not self.leaps.is_coming(name)]
         self._arrived += self.leaps.arrived
-        self._notes = [*self._order_notes, *stepping.notes, *self.leaps.notes]
+        self._notes = [*self._order_notes, *sequencer.notes, *self.leaps.notes]
         self._order_notes = []
         self.step = step + 1
 
@@ -164,7 +169,7 @@ class Walkers(Troupe):
             self.step,
             progress.sample,
             progress.smoothed_fraction,
-            self.stepping.feet.copied(),
+            self.sequencer.feet.copied(),
             trajectory.style,
             trajectory.route_set,
             self.leaps.routes(),
@@ -192,7 +197,7 @@ class Walkers(Troupe):
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
-        contacts = *self.stepping.contacts.contacts, *self.leaps.contacts
+        contacts = *self.sequencer.contacts.contacts, *self.leaps.contacts
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
         return Facts(contacts, notes, tuple(self._arrived))
@@ -236,10 +241,10 @@ class Walkers(Troupe):
             advance(progress, np.zeros(count, dtype=bool))
             return []
         before = progress.arrived
-        swinging = self.herd.owner[self.stepping.feet.swinging]
+        swinging = self.herd.owner[self.sequencer.feet.swinging]
         advance(progress, np.bincount(swinging, minlength=count) > 0)
         arrived = np.flatnonzero(progress.arrived & ~before).tolist()
         for c in arrived:
             closing = float(progress.closing_phase[c])
-            progress.closing_phase[c] = phase_before_lift(self.stepping, c, closing)
+            progress.closing_phase[c] = phase_before_lift(self.sequencer, c, closing)
         return [self.herd.names[c] for c in arrived if not is_blocked(progress, c)]

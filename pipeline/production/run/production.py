@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,12 +17,12 @@ from audio.score import Score
 from audio.wav_file import write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
-from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -36,7 +35,6 @@ from pipeline.production.sound.sound_report import (
     quantisation_summary,
     wav_facts,
 )
-from pipeline.simulation.casting import makes_machine_code
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
@@ -70,9 +68,9 @@ class Production:
     seconds: dict[str, float] = field(default_factory=dict)
     changed: bool = False
 
-    def record_time(self, name: str, began: float) -> None:
+    def record_time(self, stage: Stage) -> None:
         """Record the time of a stage that had something to do."""
-        self.seconds[name] = round(time.monotonic() - began, 3)
+        self.seconds[stage.name] = round(stage.seconds, 3)
         self.changed = True
 
 
@@ -167,16 +165,19 @@ def take_of(run: Production) -> Take:
     """Return the take of the scene, simulating only if the stored one does not fit."""
     scene = run.order.scene
     key = take_key(scene)
-    with stage(run.reporter, "simulate", scene.n_frames) as current:
+    with stage(run.reporter, "simulate", scene.n_frames, "s", float(1 / scene.rate)) as current:
         stored = _stored_take(run, key)
         if stored is not None:
             current.result = "take is up to date"
             return stored
-        if makes_machine_code(scene):
-            run.reporter.note("making machine code for bodies; that takes a minute, once")
-        began = time.monotonic()
-        take = simulate(scene, key, lambda done, _: current.advance(done))
-        run.record_time("simulate", began)
+        with compile_progress(run.reporter, current) as compiling:
+
+            def progress(done: int, _: int) -> None:
+                compiling.close()
+                current.advance(done)
+
+            take = simulate(scene, key, progress)
+        run.record_time(current)
         _store_take(run, take)
         current.result = (
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
@@ -212,8 +213,7 @@ def _stored_take(run: Production, key: str) -> Take | None:
 
 def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
-    with stage(run.reporter, "score", 3) as current:
-        began = time.monotonic()
+    with stage(run.reporter, "score", 3, "files") as current:
         score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
         changed = write_events(run.outputs, take) | write_cues(
             run.outputs, score, _whole_film(run).name
@@ -223,7 +223,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
         current.advance(2)
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
-            run.record_time("score", began)
+            run.record_time(current)
         current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
             f", {late} after the last frame" if late else ""
         )
@@ -246,7 +246,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
 
 def _frames(run: Production, shooting: ShotBuilder, frames: tuple[int, ...]) -> dict[int, str]:
     """Render the frames that are due and return the keys of all."""
-    with stage(run.reporter, "render", len(frames)) as current:
+    with stage(run.reporter, "render", len(frames), "frames") as current:
         return with_gpu_fallback(
             run.order.backend,
             run.reporter,
@@ -262,7 +262,7 @@ def _rendered_on(
     current: Stage,
 ) -> dict[int, str]:
     """Render the frames that are due on one backend and return the keys of all."""
-    order, outputs, began = run.order, run.outputs, time.monotonic()
+    order, outputs = run.order, run.outputs
     for line in backend.describe():
         run.reporter.note(line, detail=True)
     with held_back():
@@ -270,35 +270,24 @@ def _rendered_on(
     keys, missing = outdated_frames(shooting, outputs, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
-    current.advance(kept)
+    current.resume_at(kept)
     if not missing:
         current.result = "frames are up to date"
         return keys
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
-    estimate = Estimate(order.name, shooting.film, backend, jobs, len(missing))
-    _note(run, estimate.before())
-
-    def progress(done: int) -> None:
-        current.advance(kept + done)
-        _note(run, estimate.after(done, time.monotonic() - began))
-
     if jobs > 1:
         batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
-        split = film_in_processes(batch, jobs, progress)
+        split = film_in_processes(
+            batch, jobs, lambda done, pace: current.advance_together(kept + done, pace)
+        )
     else:
         for done, _ in enumerate(render_frames(renderer, shooting, outputs, wanted), start=1):
-            progress(done)
+            current.advance(kept + done)
         split = renderer.timings
-    estimate.store()
-    run.record_time("render", began)
+    run.record_time(current)
     current.result = _render_summary(split, current.seconds * jobs, kept)
     return keys
-
-
-def _note(run: Production, text: str | None) -> None:
-    if text is not None:
-        run.reporter.note(text)
 
 
 def _render_summary(split: Timings, seconds: float, kept: int) -> str:
@@ -323,15 +312,14 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
     if order.sound and sound is None:
         run.reporter.note("film: frames with gaps between them have no sound")
     key = _film_key(run, [keys[frame] for frame in frames], sound, frames[0])
-    with stage(run.reporter, "film", len(frames)) as current:
+    with stage(run.reporter, "film", len(frames), "frames") as current:
         if film_key(place) == key:
             current.result = f"{place.name} is up to date"
             return
-        began = time.monotonic()
         rate = order.scene.rate
         began_at = (frames[0] - 1) / rate
         write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
-        run.record_time("film", began)
+        run.record_time(current)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
 

@@ -1,10 +1,10 @@
 """Code cache: compiled functions as files of the user, found by all that they depend on.
 
-The files lie in one folder for each state of the sources, Python, numba and llvmlite, in the user's cache
-folder and never beside the package. A file is named by its function, argument types and processor,
-as numba tells processors apart, and begins with a digest of its content: a damaged or incomplete
-file counts as absent. Places and times of source files do not matter, so that every installation
-of the same version shares the files.
+The files lie in one folder for each state of the sources, Python, numba and llvmlite, in the user's
+cache folder and never beside the package. A file is named by its function, argument types and
+processor, as numba tells processors apart, and begins with a digest of its content: a damaged or
+incomplete file counts as absent. Places and times of source files do not matter, so that every
+installation of the same version shares the files.
 """
 
 from __future__ import annotations

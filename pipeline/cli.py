@@ -45,6 +45,7 @@ for command in (
     direct,
 ):
     app.command()(command)
+app.command("compile")(scene_files.compile_code)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")
 app.add_typer(analysis.reports, name="report")

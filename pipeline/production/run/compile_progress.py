@@ -10,7 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pipeline.production.run.progress import Reporter, Stage
-from pipeline.simulation.compilation import CompilationObserver, observed
+from pipeline.simulation.compilation import (
+    CompilationObserver,
+    code_folder,
+    compile_all,
+    observed,
+)
 
 
 class CompileProgress(CompilationObserver):
@@ -85,3 +90,13 @@ def compile_progress(reporter: Reporter, waiting: Stage | None = None) -> Iterat
             yield progress
     finally:
         progress.close()
+
+
+def compile_ahead(reporter: Reporter) -> str:
+    """Compile what is not stored yet, and return a summary."""
+    with compile_progress(reporter) as progress:
+        compile_all()
+    folder = code_folder()
+    if progress.functions == 0:
+        return f"{folder}: up to date"
+    return f"{folder}: {progress.functions} functions compiled"

@@ -53,7 +53,7 @@ class Stage:
     label: str = ""
     estimated: bool = True
     done: int = 0
-    started: float = field(default_factory=time.monotonic)
+    started: float = field(default_factory=lambda: time.monotonic())
     result: str = ""
     estimate: TimeEstimate = field(init=False)
     _paused: float = 0.0

@@ -14,7 +14,17 @@ from pipeline.errors import Problem
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
 from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
-from pipeline.spec.scene_library import DANCES, FIGURES, SUFFIX, library, names_in
+from pipeline.spec.scene_library import (
+    DANCES,
+    FIGURES,
+    SUFFIX,
+    existing_file,
+    files_beside,
+    is_path,
+    library,
+    missing_file_message,
+    names_in,
+)
 from pipeline.spec.suggestions import hint
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_reader import read_file
@@ -25,6 +35,7 @@ from pipeline.spec.yaml_tree import (
     SourceLocation,
     SourceNode,
     tree_of,
+    with_node,
 )
 
 Steps = tuple[PathSegment, ...]
@@ -105,7 +116,7 @@ class LibrarySearch:
     Attributes:
         beside: folder of the scene, None where it has none.
         scene_file: name of the file of the scene.
-        problems: what is wrong with the entries and their names.
+        problems: of the entries and their names.
         files: names of the files that were read, in this order.
     """
 
@@ -113,47 +124,96 @@ class LibrarySearch:
     scene_file: str
     problems: list[Problem] = field(default_factory=list)
     files: list[str] = field(default_factory=list)
+    _trees: dict[Path, tuple[MappingNode | None, list[Problem]]] = field(default_factory=dict)
 
     def complete(self, scene: MappingNode, block: LibraryBlock) -> MappingNode:
-        """Return the scene with the entries of a block that it names and does not hold."""
+        """Return the scene with the entries of a block that it names and does not hold.
+
+        Paths of files become names of entries, so that `./g3.yaml` is the same as `g3`.
+        """
         held = scene.get(block.block)
         if not isinstance(scene.get("cast"), ListNode):
             return scene
         if not (held is None or isinstance(held, MappingNode)):
             return scene
         entries = held or MappingNode(scene.place, {})
-        for path, reference in block.references(scene):
-            if not (isinstance(reference, ScalarNode) and isinstance(reference.value, str)):
-                continue
-            name = reference.value
+        references = [
+            (path, reference.value, reference.place)
+            for path, reference in block.references(scene)
+            if isinstance(reference, ScalarNode) and isinstance(reference.value, str)
+        ]
+        names_by_file: dict[Path, str] = {}
+        for path, name, place in references:
             if name not in entries.entries and re.fullmatch(NAME_PATTERN, name):
-                found = self._find(name, block)
-                if found is None:
-                    self._report(path, name, reference.place, entries, block)
-                    found = tree_of(block.stand_in)
-                entries = entries.with_entry(name, found.place, found)
+                file = self._file_of(name, block)
+                if file is None:
+                    self._report(path, name, place, entries, block)
+                else:
+                    names_by_file[file.resolve()] = name
+                entries = self._with_file(entries, name, file, block)
+        # Files come after all names, none of which they may take.
+        for path, text, place in references:
+            if not is_path(text):
+                continue
+            file = self._file_at(path, text, place, block)
+            whole = Path(text) if file is None else file.resolve()
+            name = names_by_file.get(whole) or _unused_name(Path(text).stem, entries, block)
+            if whole not in names_by_file:
+                names_by_file[whole] = name
+                entries = self._with_file(entries, name, file, block)
+            scene = with_node(scene, path, ScalarNode(place, name))
         if not entries.entries:
             return scene
         return scene.with_entry(block.block, entries.place, entries)
 
-    def _find(self, name: str, block: LibraryBlock) -> SourceNode | None:
+    def _with_file(
+        self, entries: MappingNode, name: str, file: Path | None, block: LibraryBlock
+    ) -> MappingNode:
+        found = tree_of(block.stand_in) if file is None else self._entry(file, block)
+        return entries.with_entry(name, found.place, found)
+
+    def _file_of(self, name: str, block: LibraryBlock) -> Path | None:
+        """Return the file of a name, None where there is none."""
         folders = [library() / block.block]
         if self.beside is not None:
             folders = [self.beside, self.beside / block.block, *folders]
         for path in (folder / (name + SUFFIX) for folder in folders):
             if not path.is_file() or str(path) == self.scene_file:
                 continue
-            tree, problems = read_file(path)
-            if tree is not None and block.key not in tree.entries:
-                # A scene may be called like the figure or the dance in it.
-                continue
-            self.files.append(str(path))
-            if tree is not None:
-                problems = [*problems, *check(block.model, tree)[1]]
-            self.problems += problems
-            entry = tree.get(block.key) if tree is not None else None
-            return tree_of(block.stand_in) if problems or entry is None else entry
+            tree, _ = self._read(path)
+            # A scene may be called like the figure or the dance in it.
+            if tree is None or block.key in tree.entries:
+                return path
         return None
+
+    def _file_at(
+        self, path: Steps, text: str, place: SourceLocation, block: LibraryBlock
+    ) -> Path | None:
+        """Return the file that a path in the scene leads to; what is wrong becomes a problem."""
+        file = existing_file(self.beside or Path(), text)
+        if file is None:
+            message = missing_file_message(self.beside or Path(), text)
+        elif (tree := self._read(file)[0]) is not None and block.key not in tree.entries:
+            message = f"'{text}' holds no {block.key}; it lacks the key '{block.key}'"
+        else:
+            return file
+        self.problems.append(place.problem(path, message))
+        return None
+
+    def _read(self, file: Path) -> tuple[MappingNode | None, list[Problem]]:
+        if file not in self._trees:
+            self._trees[file] = read_file(file)
+        return self._trees[file]
+
+    def _entry(self, file: Path, block: LibraryBlock) -> SourceNode:
+        """Return the entry in a file; what is wrong with it becomes problems."""
+        tree, problems = self._read(file)
+        self.files.append(str(file))
+        if tree is not None:
+            problems = [*problems, *check(block.model, tree)[1]]
+        self.problems += problems
+        entry = tree.get(block.key) if tree is not None else None
+        return tree_of(block.stand_in) if problems or entry is None else entry
 
     def _report(
         self,
@@ -163,11 +223,23 @@ class LibrarySearch:
         entries: MappingNode,
         block: LibraryBlock,
     ) -> None:
-        known = {*entries.entries, *names_in(library() / block.block)}
+        own = {*entries.entries}
         searched = "this file, the library"
         if self.beside is not None:
-            known |= {*names_in(self.beside / block.block)}
+            own |= {*files_beside(self.beside, block.block, block.key)}
             files = f"{name}{SUFFIX} and {block.block}/{name}{SUFFIX}"
             searched = f"this file, {files} beside it, the library"
-        message = f"no {block.key} is called '{name}', {hint(name, known)} (searched: {searched})"
+        shipped = names_in(library() / block.block)
+        close = hint(name, shipped, block.block, own)
+        message = f"no {block.key} is called '{name}', {close} (searched: {searched})"
         self.problems.append(place.problem(path, message))
+
+
+def _unused_name(stem: str, entries: MappingNode, block: LibraryBlock) -> str:
+    """Return a name for the entry of a file: its stem, numbered where that is taken."""
+    name = first = stem if re.fullmatch(NAME_PATTERN, stem) else block.key
+    number = 1
+    while name in entries.entries:
+        number += 1
+        name = f"{first}_{number}"
+    return name

@@ -5,9 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from pipeline.errors import UsageError
-from pipeline.spec.suggestions import hint
+from pipeline.spec.suggestions import close_names, hint, joined_choices
+from pipeline.spec.yaml_reader import read_file
 
 SUFFIX = ".yaml"
+PATH_SUFFIXES = (SUFFIX, ".yml")
+"""Suffixes that tell paths from names."""
+
+SCENES = "scenes"
+FIGURE = "figure"
 FIGURES = "figures"
 """Folder of figure files beside a scene and in the library."""
 
@@ -36,6 +42,64 @@ def names_in(folder: Path) -> list[str]:
         return []
 
 
+def files_beside(folder: Path, block: str, key: str) -> dict[str, Path]:
+    """Return the files of figures or dances that a scene in a folder finds beside it, by name.
+
+    Args:
+        folder: of the scene.
+        block: `figures` or `dances`: the folder beside the scene.
+        key: of the entry in a file, `figure` or `dance`.
+    """
+    files = {name: folder / block / (name + SUFFIX) for name in names_in(folder / block)}
+    for name in names_in(folder):
+        path = folder / (name + SUFFIX)
+        tree, _ = read_file(path)
+        if tree is not None and key in tree.entries:
+            files[name] = path
+    return dict(sorted(files.items()))
+
+
+def scenes_in(folder: Path) -> dict[str, Path]:
+    """Return the files of scenes in a folder by name."""
+    paths = {name: folder / (name + SUFFIX) for name in names_in(folder)}
+    trees = {name: read_file(path)[0] for name, path in paths.items()}
+    return {name: paths[name] for name, tree in trees.items() if tree and "cast" in tree.entries}
+
+
+def is_path(text: str) -> bool:
+    """Return whether a reference is the path of a file, not a name."""
+    return text.endswith(PATH_SUFFIXES) or "/" in text or "\\" in text
+
+
+def existing_file(folder: Path, text: str) -> Path | None:
+    """Return the file that a path leads to from a folder, None where there is none.
+
+    The suffix of scene files may be left out.
+    """
+    try:
+        files = (folder / text, folder / (text + SUFFIX))
+        return next((file for file in files if file.is_file()), None)
+    except (OSError, ValueError):
+        return None
+
+
+def missing_file_message(folder: Path, text: str) -> str:
+    """Return a message about a path that leads to no file: the folder looked in and near names."""
+    try:
+        whole = (folder / text).parent.resolve() / Path(text).name
+        if (folder / text).is_dir():
+            return f"'{text}' is a folder, not a file"
+        if not whole.parent.is_dir():
+            return f"'{text}' is no file: there is no folder {whole.parent}"
+        files = {p.stem: p.name for p in whole.parent.iterdir() if p.suffix in PATH_SUFFIXES}
+    except (OSError, ValueError) as error:
+        return f"'{text}' cannot be the name of a file: {error}"
+    close = [files[stem] for stem in close_names(whole.stem, files)]
+    held = f"which holds {', '.join(sorted(files.values())) or 'no YAML files'}"
+    near = f"did you mean {joined_choices(close)}?" if close else held
+    return f"'{text}' is no file in {whole.parent}, {near}"
+
+
 def find_scene(name: str) -> Path:
     """Return the file of a scene, given its path or its name.
 
@@ -58,17 +122,7 @@ def find_scene(name: str) -> Path:
             raise UsageError(f"'{name}' is a folder; give the file of a scene")
     except (OSError, ValueError) as error:
         raise UsageError(f"no scene can be called {name!r}: {error}") from None
-    raise UsageError(_not_found(name, beside))
-
-
-def _not_found(name: str, beside: Path) -> str:
-    if len(beside.parts) > 1:
-        known = names_in(beside.parent)
-        close = hint(beside.stem, known) if known else "the folder holds no scenes"
-        return f"there is no file '{name}'; {close}"
-    shipped = shipped_scenes()
-    close = hint(beside.stem, [*names_in(Path()), *shipped])
-    return f"no scene is called '{name}', neither in this folder nor among the shipped; {close}"
+    raise UsageError(_not_found(name))
 
 
 def find_figure(name: str) -> tuple[Path, str]:
@@ -101,6 +155,15 @@ def find_figure(name: str) -> tuple[Path, str]:
     except (OSError, ValueError) as error:
         raise UsageError(f"no figure can be called {name!r}: {error}") from None
     except UsageError:
-        known = {*shipped_scenes(), *names_in(library() / FIGURES)}
-        known |= {*names_in(Path()), *names_in(Path(FIGURES))}
-    raise UsageError(f"no figure or scene is called {name!r}, {hint(name, known)}")
+        if is_path(name):
+            raise UsageError(missing_file_message(Path(), name)) from None
+    own = {*files_beside(Path(), FIGURES, FIGURE), *scenes_in(Path()), *shipped_scenes()}
+    shipped = names_in(library() / FIGURES)
+    raise UsageError(f"no figure or scene is called {name!r}, {hint(name, shipped, FIGURES, own)}")
+
+
+def _not_found(name: str) -> str:
+    if is_path(name):
+        return missing_file_message(Path(), name)
+    close = hint(name, shipped_scenes(), SCENES, scenes_in(Path()))
+    return f"no scene is called '{name}', neither in this folder nor among the shipped; {close}"

@@ -159,6 +159,24 @@ def tree_of(value: Any, place: SourceLocation = NO_LOCATION) -> SourceNode:
     return ScalarNode(place, value)
 
 
+def with_node(tree: MappingNode, path: Sequence[PathSegment], node: SourceNode) -> MappingNode:
+    """Return the mapping with another node at a path below it, which it has."""
+    step, *below = path
+    assert isinstance(step, str)
+    return tree.with_value(step, _replaced(tree.entries[step].value, below, node))
+
+
+def _replaced(tree: SourceNode, path: Sequence[PathSegment], node: SourceNode) -> SourceNode:
+    if not path:
+        return node
+    if isinstance(tree, MappingNode):
+        return with_node(tree, path, node)
+    step, *below = path
+    assert isinstance(tree, ListNode)
+    assert isinstance(step, int)
+    return tree.with_item(step, _replaced(tree.items[step], below, node))
+
+
 def has_refused(tree: SourceNode) -> bool:
     """Return whether a value in the tree was refused."""
     match tree:

@@ -29,7 +29,7 @@ MOTION = Path(__file__).parent / "motion"
 
 
 def main() -> int:
-    """Write what is due and say why; return the exit code."""
+    """Write outdated goldens and print why; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenes", nargs="*", help="names of shipped scenes; all if none is named")
     parser.add_argument("--all", action="store_true", help="also write goldens that still hold")
@@ -49,7 +49,7 @@ def main() -> int:
 
 
 def update(name: str, always: bool) -> str:
-    """Write the golden of a shipped scene if it is due; return in words why or why not."""
+    """Write the golden of a shipped scene if outdated; return the reason."""
     if name not in shipped_scenes():
         raise UsageError(f"no shipped scene is called {name!r}, {hint(name, shipped_scenes())}")
     scene = load_scene(library() / (name + SUFFIX))
@@ -73,7 +73,7 @@ def _due(path: Path, take: Take) -> tuple[bool, str]:
 
 
 def orphans() -> list[Path]:
-    """Return the goldens whose scene is gone."""
+    """Return the goldens without a scene."""
     return [path for path in sorted(MOTION.glob("*.json")) if path.stem not in shipped_scenes()]
 
 

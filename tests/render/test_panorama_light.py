@@ -78,9 +78,9 @@ def test_a_panorama_turns_about_the_vertical(tmp_path: Path) -> None:
 
     file = written(tmp_path / "a.exr", sky(2000.0))
     for turn, xz in ((0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-45, (0.707, 0.707))):
-        words = light({"hdr": {"file": file, "turn_deg": turn}}).hdr
-        assert words is not None
-        toward = panorama_light(words)[1].direction
+        config = light({"hdr": {"file": file, "turn_deg": turn}}).hdr
+        assert config is not None
+        toward = panorama_light(config)[1].direction
         flat = toward[[0, 2]] / np.hypot(*toward[[0, 2]])
         np.testing.assert_allclose(flat, xz, atol=0.02)
 

@@ -149,7 +149,7 @@ def test_the_last_troupe_sees_attached_nodes_in_the_world(ground: Ground) -> Non
     troupes = [Mover("rider", log), Mover("horse", log), Last("birds", log)]
     scheduler, _ = scheduler_of(troupes, ground, [rider])
     run(scheduler)
-    # The rider's own way and the horse's add up.
+    # The displacements of rider and horse add up.
     assert log[-1] == ("last sees", 2 * (CLOCK.rows - 1))
 
 

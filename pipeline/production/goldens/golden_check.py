@@ -17,12 +17,7 @@ from pipeline.production.goldens.golden_case import CHECK_FOLDER, Case, GoldenRe
 from pipeline.production.goldens.golden_content import Content, read_content, write_content
 from pipeline.production.goldens.judges import judge_film, judge_frames, judge_motion
 from pipeline.production.goldens.motion_golden import golden_of
-from pipeline.production.goldens.report import (
-    encoded,
-    html_report,
-    junit_report,
-    verdict_facts,
-)
+from pipeline.production.goldens.report import encoded, html_report, junit_report, verdict_facts
 from pipeline.production.goldens.verdict import (
     LAYERS,
     Layer,

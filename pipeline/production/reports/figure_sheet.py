@@ -30,11 +30,7 @@ from pipeline.production.reports.figure_report import (
 )
 from pipeline.production.reports.plot_colors import BODY_COLOR, FAINT, INK, WARNING, limb_colors
 from pipeline.production.reports.plot_files import write_pictures
-from pipeline.simulation.figure_analysis import (
-    Figure,
-    FigureMass,
-    build_figure,
-)
+from pipeline.simulation.figure_analysis import Figure, FigureMass, build_figure
 from pipeline.spec import load_figures
 
 WIDTH, TOP, GAP = 1600, 92, 20

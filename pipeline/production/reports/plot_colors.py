@@ -14,7 +14,14 @@ GRID = "#d7d3c8"
 WARNING = "#b4442f"
 
 LEG_COLORS = ("#e07a3f", "#2f8f9d", "#d9a514", "#7a6cc4", "#5f9e4c", "#c2577f")
-LIMB_COLORS = {"head": "#c8403c", "tail": "#8b5a9f", "arm": "#2d6fb4", "feeler": "#8f8440"}
+LIMB_COLORS = {
+    "head": "#c8403c",
+    "tail": "#8b5a9f",
+    "arm": "#2d6fb4",
+    "feeler": "#8f8440",
+    "horn": "#7a5c3e",
+    "wing": "#3f9c86",
+}
 
 CAUSE_COLORS = {
     "footfall": "#2d6fb4",

@@ -9,15 +9,17 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TextIO
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TaskID
 from rich.text import Text
 
+from pipeline.production.run.notes import Note, counted_notes, summary
 from pipeline.production.run.time_estimate import TimeEstimate
 
 MIN_LOG_INTERVAL, MAX_LOG_INTERVAL = 10.0, 300.0
@@ -40,6 +42,7 @@ class Stage:
         label: name for people; the name by default.
         estimated: whether the time left is estimated.
         done: number of things done.
+        kept: those of them that an earlier run had done.
         started: on the monotonic clock [s].
         result: summary, reported at the end; empty for a stage that was stopped.
         estimate: of the time left.
@@ -53,6 +56,7 @@ class Stage:
     label: str = ""
     estimated: bool = True
     done: int = 0
+    kept: int = 0
     started: float = field(default_factory=lambda: time.monotonic())
     result: str = ""
     estimate: TimeEstimate = field(init=False)
@@ -62,11 +66,6 @@ class Stage:
     def __post_init__(self) -> None:
         self.estimate = TimeEstimate(self.total)
         self.label = self.label or self.name
-
-    def resume_at(self, kept: int) -> None:
-        """Report things that an earlier run has done."""
-        self.done = kept
-        self.reporter.advance(self)
 
     def advance(self, done: int) -> None:
         """Report that `done` things are done."""
@@ -96,6 +95,12 @@ class Stage:
             self._paused += time.monotonic() - self._paused_at
             self._paused_at = None
 
+    def keep(self, kept: int) -> None:
+        """Report that an earlier run has done `kept` things."""
+        self.kept = self.done = kept
+        # No measure of the pace.
+        self.reporter.advance(self)
+
     @property
     def seconds(self) -> float:
         """Time since the start without pauses [s]."""
@@ -121,8 +126,80 @@ class Stage:
         return f"{self.seconds:.0f} s" if eta is None else f"{clock(eta)} left"
 
 
+@dataclass(slots=True)
+class SceneRow:
+    """What became of one scene: a row of the table at the end of a run on several.
+
+    Attributes:
+        scene: as the command names it.
+        state: "not started", "stopped", "failed" or "done".
+        stage: the stage whose things are frames, None before it.
+        seconds: time that the scene took [s].
+        notes: number of its notes.
+        error: first line of its error, "" without one.
+        exit_code: that the scene alone ends with, None for one that is not started.
+    """
+
+    scene: str
+    state: str = "not started"
+    stage: Stage | None = None
+    seconds: float = 0.0
+    notes: int = 0
+    error: str = ""
+    exit_code: int | None = None
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """Its members for other programs."""
+        return {
+            "scene": self.scene,
+            "state": self.state,
+            "frames": self.stage.done if self.stage else None,
+            "of": self.stage.total if self.stage else None,
+            "cached": self.stage.kept if self.stage else None,
+            "seconds": round(self.seconds, 3),
+            "notes": self.notes,
+            "exit_code": self.exit_code,
+            "error": self.error,
+        }
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its cells: scene, frames, cached, seconds, state."""
+        frames, kept = "-", "-"
+        if self.stage is not None:
+            whole = self.stage.done >= self.stage.total
+            frames = str(self.stage.done) + ("" if whole else f" of {self.stage.total}")
+            kept = str(self.stage.kept)
+        notes = f", {counted_notes(self.notes)}" if self.notes else ""
+        error = f": {self.error}" if self.error else ""
+        seconds = "-" if self.state == "not started" else f"{self.seconds:.1f}"
+        return self.scene, frames, kept, seconds, f"{self.state}{notes}{error}"
+
+
+def table_lines(rows: Sequence[SceneRow]) -> list[str]:
+    """Return the table of several scenes, line by line."""
+    cells = [("scene", "frames", "cached", "seconds", "state"), *(row.cells for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return [
+        "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(widths[i]) for i in (1, 2, 3)), row[4]])
+        for row in cells
+    ]
+
+
 class Reporter:
     """Reports nothing; others override what they report."""
+
+    def scene(self, name: str, number: int, total: int) -> None:
+        """Report that the work on one of several scenes begins."""
+
+    def table(self, rows: Sequence[SceneRow], exit_code: int) -> None:
+        """Report what became of several scenes.
+
+        Args:
+            rows: one for each scene.
+            exit_code: of the command.
+        """
 
     def begin(self, stage: Stage) -> None:
         """Report the start of a stage."""
@@ -135,6 +212,15 @@ class Reporter:
 
     def note(self, text: str, detail: bool = False) -> None:
         """Report a note; a detail only in verbose mode."""
+
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Report the notes of a scene at the end of its run.
+
+        Args:
+            scene: its name.
+            notes: one or more.
+            manifest: file that lists them all, None without one.
+        """
 
     def result(self, text: str, **facts: object) -> None:
         """Report the result of the command.
@@ -168,6 +254,15 @@ class LogReporter(Reporter):
         self._next = dict[int, float]()
         self._estimated = set[int]()
 
+    def scene(self, name: str, number: int, total: int) -> None:
+        """Write a line."""
+        self._print(f"[{number}/{total}] {name}")
+
+    def table(self, rows: Sequence[SceneRow], exit_code: int) -> None:
+        """Write a line for each scene."""
+        for line in table_lines(rows):
+            self._print(line)
+
     def begin(self, stage: Stage) -> None:
         """Write a line if there is more than one thing to do."""
         self._next[id(stage)] = time.monotonic() + MIN_LOG_INTERVAL
@@ -199,6 +294,12 @@ class LogReporter(Reporter):
         """Write a line."""
         if self._verbose or not detail:
             self._print(text)
+
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Write a summary of a few lines."""
+        self._print(f"{scene}: {counted_notes(len(notes))}")
+        for line in summary(notes, str(manifest or "")):
+            self._print(f"  {line}")
 
     def result(self, text: str, **facts: object) -> None:
         """Write a line to standard output."""
@@ -262,7 +363,7 @@ class TerminalReporter(LogReporter):
         self._console.print(f"{mark} {text} [dim]{stage.seconds:.1f} s[/]")
 
     def _print(self, text: str) -> None:
-        self._console.print(text, markup=False)
+        self._console.print(text, markup=False, soft_wrap=True)
 
 
 class JsonReporter(Reporter):
@@ -270,6 +371,17 @@ class JsonReporter(Reporter):
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
+        self._scene: dict[str, object] = {}
+
+    def scene(self, name: str, number: int, total: int) -> None:
+        """Write a `scene` object; all that follow name the scene."""
+        self._scene = {"scene": name}
+        self._print(event="scene", number=number, total=total)
+
+    def table(self, rows: Sequence[SceneRow], exit_code: int) -> None:
+        """Write a `table` object."""
+        self._scene = {}
+        self._print(event="table", scenes=[row.facts for row in rows], exit_code=exit_code)
 
     def begin(self, stage: Stage) -> None:
         """Write a `begin` object."""
@@ -290,12 +402,18 @@ class JsonReporter(Reporter):
         """Write a `note` object."""
         self._print(event="note", text=text, detail=detail)
 
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Write a `note` object with a `kind` for each."""
+        for note in notes:
+            self._print(event="note", **{**note.facts, "scene": scene}, detail=False)
+
     def result(self, text: str, **facts: object) -> None:
         """Write a `result` object that holds the facts."""
         self._print(event="result", text=text, **facts)
 
-    def _print(self, **members: object) -> None:
-        print(json.dumps(members, ensure_ascii=False), file=self._stream, flush=True)
+    def _print(self, event: str, **members: object) -> None:
+        line = {"event": event, **self._scene, **members}
+        print(json.dumps(line, ensure_ascii=False), file=self._stream, flush=True)
 
 
 def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:

@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that other compiled functions call."""
+    """Compiles a function that other compiled functions call; plain Python cannot call it."""
     return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
 
 

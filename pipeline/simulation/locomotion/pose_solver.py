@@ -33,10 +33,10 @@ from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.leaping.jump_handover import JumpHandover, JumpingBody
-from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, RouteSet
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
+from pipeline.simulation.locomotion.swing.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,

@@ -35,24 +35,8 @@ FRAMES = (
 PARENTS = (-1, 0, 1, 1, 1, 3, 4, 5, 6, 0, 0, 9, 10, 11, 12)
 """Parent frames, -1 for none."""
 
-ORIGINS = (
-    "pelvis",
-    "spine",
-    "shoulders",
-    "shoulder_l",
-    "shoulder_r",
-    "elbow_l",
-    "elbow_r",
-    "hand_l",
-    "hand_r",
-    "hip_l",
-    "hip_r",
-    "knee_l",
-    "knee_r",
-    "foot_l",
-    "foot_r",
-)
-"""The joint at which each frame starts."""
+ORIGINS = tuple(name for name in JOINTS if name != "head")
+"""The joint at which each frame starts; that of the head is the neck, "shoulders"."""
 
 HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
 LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend

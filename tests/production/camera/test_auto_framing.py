@@ -63,8 +63,10 @@ def line(at: tuple[float, float, float], velocity: tuple[float, float, float]) -
     return np.array(at) + TIMES[:, None] * np.array(velocity)
 
 
-def filmed(take: Take, words: dict[str, Any] | list[dict[str, Any]]) -> tuple[CameraPose, ...]:
-    return camera_poses(take, cuts(words), ASPECT)  # type: ignore[arg-type]
+def camera_path(
+    take: Take, config: dict[str, Any] | list[dict[str, Any]]
+) -> tuple[CameraPose, ...]:
+    return camera_poses(take, cuts(config), ASPECT)  # type: ignore[arg-type]
 
 
 def column(poses: tuple[CameraPose, ...], word: str) -> Array:
@@ -85,7 +87,7 @@ def pictured(pose: CameraPose, points: Array) -> Array:
 
 
 def corners(take: Take, frame: int, nodes: tuple[int, ...]) -> Array:
-    """Return the corners of the boxes of some nodes at a frame, which do not turn."""
+    """Return the box corners of unrotated nodes at a frame."""
     signs = np.stack(np.meshgrid([-1, 1], [-1, 1], [-1, 1]), axis=-1).reshape(8, 3)
     return np.concatenate([take.positions[frame, n] + 0.5 * SIZE * signs for n in nodes])
 
@@ -114,7 +116,7 @@ steps = st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=8, max_size=8)  # 
 
 
 def wandering(knots: list[tuple[float, float, float]], speed: float, jumps: float) -> Array:
-    """Return a path (F, 3) through random corners, with hops as sharp as they come."""
+    """Return a path (F, 3) through random corners, with sharp hops."""
     turns = np.cumsum(np.array(knots) * [1, 0, 1], axis=0) * speed * 0.5
     t = np.linspace(0, SECONDS, len(knots))
     path = np.stack([np.interp(TIMES, t, c) for c in turns.T], axis=-1)
@@ -141,8 +143,8 @@ def test_named_performers_fit_into_every_frame(
     fov: float,
 ) -> None:
     take = along(flat, *(wandering(one, speed, jumps) for one in knots))
-    words = {"follow": ["a", "b", "c"], "view": view, "fov_deg": fov, **move}
-    poses = filmed(take, words)
+    config = {"follow": ["a", "b", "c"], "view": view, "fov_deg": fov, **move}
+    poses = camera_path(take, config)
     assert in_view(take, poses, (0, 1, 2))
     eye = column(poses, "p_WC")
     assert eye[:, 1].min() > 0.0
@@ -159,8 +161,8 @@ def test_the_camera_is_smooth_for_any_motion(
     a path ends it goes on in a mirror, along a line that may go the other way: twice that.
     """
     still = np.tile([0.0, 1.0, 0.0], (len(TIMES), 1))
-    calm = filmed(along(flat, still), {"follow": "a", "view": "side", "distance": 5, **move})
-    poses = filmed(
+    calm = camera_path(along(flat, still), {"follow": "a", "view": "side", "distance": 5, **move})
+    poses = camera_path(
         along(flat, wandering(knots, speed, jumps)),
         {"follow": "a", "view": "side", "distance": 5, "lead": 0, **move},
     )
@@ -178,7 +180,7 @@ def test_an_automatic_camera_is_not_in_or_behind_a_hill(
     ground = VisibleGround(hilly.terrain)
     path = line((-4, 0, -3), (2, 0, 1.5))
     path[:, 1] = ground.height(path) + 0.5
-    poses = filmed(along(hilly, path), {"follow": "a", "view": view, "distance": 6} | move)
+    poses = camera_path(along(hilly, path), {"follow": "a", "view": view, "distance": 6} | move)
     eye, target = column(poses, "p_WC"), column(poses, "p_WT")
     for part in np.linspace(0, 0.7, 15):
         p = eye + part * (target - eye)
@@ -186,7 +188,7 @@ def test_an_automatic_camera_is_not_in_or_behind_a_hill(
 
 
 @pytest.mark.parametrize(
-    "words",
+    "config",
     [
         {"at": [3, -4, 2]},
         {"at": [40, -4, 2], "look_at": [0, 0, 0]},
@@ -194,15 +196,15 @@ def test_an_automatic_camera_is_not_in_or_behind_a_hill(
         {"at": [0, 0, 0], "velocity": [2, -1, 0], "rotation_deg": [0, 0, 0]},
     ],
 )
-def test_an_authors_camera_is_not_in_the_ground(hilly: Take, words: dict[str, Any]) -> None:
-    eye = column(filmed(hilly, words), "p_WC")
+def test_a_configured_camera_is_not_in_the_ground(hilly: Take, config: dict[str, Any]) -> None:
+    eye = column(camera_path(hilly, config), "p_WC")
     assert (eye[:, 1] > VisibleGround(hilly.terrain).height(eye)).all()
     assert np.abs(np.diff(eye, 3, axis=0)).max() * RATE**3 < 120
 
 
-def test_it_moves_back_slowly_as_performers_spread(flat: Take) -> None:
+def test_a_camera_moves_back_slowly_as_performers_spread(flat: Take) -> None:
     take = along(flat, line((0, 1, 0), (0, 0, 0)), line((1, 1, 0), (3, 0, 0)))
-    poses = filmed(take, {"follow": ["a", "b"], "view": "side"})
+    poses = camera_path(take, {"follow": ["a", "b"], "view": "side"})
     assert in_view(take, poses, (0, 1))
     away = np.linalg.norm(column(poses, "p_WC") - column(poses, "p_WT"), axis=-1)
     assert (np.diff(away) > -1e-5).all()
@@ -215,23 +217,23 @@ def test_a_leaving_performer_is_dropped(flat: Take, away: tuple[float, float, fl
     leaving = along(flat, *stays, line((0, 1, 1), away))
     staying = along(flat, *stays, line((0, 1, 1), (0, 0, 0)))
 
-    def largest(take: Take, words: dict[str, Any]) -> float:
-        poses = filmed(take, words)
+    def largest(take: Take, config: dict[str, Any]) -> float:
+        poses = camera_path(take, config)
         return max(np.abs(pictured(p, corners(take, f, (0, 1)))[:, :2]).max()
                    for f, p in enumerate(poses))  # fmt: skip
 
     assert largest(leaving, {}) > 0.8
-    assert in_view(leaving, filmed(leaving, {}), (0, 1))
-    # Who is named is not let go, nor is who does not leave.
-    assert in_view(leaving, filmed(leaving, {"follow": ["a", "b", "c"]}), (0, 1, 2))
-    assert in_view(staying, filmed(staying, {}), (0, 1, 2))
+    assert in_view(leaving, camera_path(leaving, {}), (0, 1))
+    # A named performer is not dropped, nor is one that stays.
+    assert in_view(leaving, camera_path(leaving, {"follow": ["a", "b", "c"]}), (0, 1, 2))
+    assert in_view(staying, camera_path(staying, {}), (0, 1, 2))
 
 
-def test_of_two_performers_the_first_is_kept(flat: Take) -> None:
+def test_the_first_of_two_diverging_performers_is_kept(flat: Take) -> None:
     scene = read_scene(SCENE.replace("TERRAIN", "flat").rsplit("- {name: c", 1)[0])
     take = along(simulate(scene), line((0, 1, 0), (0, 0, 0)), line((1, 1, 0), (9, 0, 0)))
-    assert in_view(take, filmed(take, {}), (0,))
-    last = filmed(take, {})[-1]
+    assert in_view(take, camera_path(take, {}), (0,))
+    last = camera_path(take, {})[-1]
     assert np.abs(pictured(last, corners(take, len(TIMES) - 1, (1,)))[:, :2]).max() > 1
 
 
@@ -239,39 +241,39 @@ def test_of_two_performers_the_first_is_kept(flat: Take) -> None:
 def test_lead_room_is_ahead_of_the_motion(flat: Take, direction: int) -> None:
     take = along(flat, line((0, 1, 0), (2.0 * direction, 0, 0)))
     for view in ("side", "three-quarter"):
-        poses = filmed(take, {"follow": "a", "view": view})
+        poses = camera_path(take, {"follow": "a", "view": view})
         x = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(poses)]
         right = np.cross(np.subtract(poses[0].p_WT, poses[0].p_WC), (0, 1, 0))
-        # It goes to one side of the picture, and stands on the other.
+        # The performer moves towards one side of the picture and is placed on the other.
         went = direction * np.sign(right[0])
         assert all(-2 * LEAD_ROOM - 1e-6 <= one * went <= -0.6 * LEAD_ROOM for one in x)
 
 
 def test_a_standing_camera_has_lead_room(flat: Take) -> None:
     take = along(flat, line((-3, 1, 0), (1.5, 0, 0)))
-    words = {"at": [0, 1, 9], "follow": "a", "fov_deg": 30}
+    config = {"at": [0, 1, 9], "follow": "a", "fov_deg": 30}
     for lead in (0.0, 0.1, 0.3):
-        poses = filmed(take, {**words, "lead": lead})
+        poses = camera_path(take, {**config, "lead": lead})
         assert {pose.p_WC for pose in poses} == {(0, 1, 9)}
         x = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(poses)]
-        # It goes to the right. Half of the picture is 1.
+        # The performer moves to the right. Half of the picture is 1.
         np.testing.assert_allclose(x, -2 * lead, atol=0.02 + 0.6 * lead)
         assert max(x) <= 1e-3
 
 
 def test_a_still_target_is_centred_and_lead_room_follows_a_turn(flat: Take) -> None:
-    still = filmed(flat, {"follow": "a", "view": "side"})
+    still = camera_path(flat, {"follow": "a", "view": "side"})
     assert np.abs([pictured(p, flat.positions[[0], 0])[0, 0] for p in still]).max() < 1e-4
     path = line((0, 1, 0), (0, 0, 0))
     path[:, 0] = 2.0 * np.minimum(TIMES, SECONDS - TIMES)
     take = along(flat, path)
-    poses = filmed(take, {"follow": "a", "view": "side"})
-    # Of the followed path, which is smoother than the box itself.
+    poses = camera_path(take, {"follow": "a", "view": "side"})
+    # Measured on the followed path, which is smoother than the box.
     x = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(poses)]
     assert x[4] * x[-4] < 0
     middle = [
         pictured(p, take.positions[[f], 0])[0, 0]
-        for f, p in enumerate(filmed(take, {"follow": "a", "view": "side", "lead": 0}))
+        for f, p in enumerate(camera_path(take, {"follow": "a", "view": "side", "lead": 0}))
     ]
     assert abs(middle[4]) < 1e-3
     assert abs(x[4]) == pytest.approx(abs(x[-4]), rel=0.05)
@@ -280,8 +282,8 @@ def test_a_still_target_is_centred_and_lead_room_follows_a_turn(flat: Take) -> N
 def test_cuts_are_independent(hilly: Take) -> None:
     take = along(hilly, line((-4, 3, -3), (2, 0, 1.5)))
     second = {"start": 2, "follow": "a", "orbit": 20}
-    one = filmed(take, [{"follow": "b"}, second])
-    other = filmed(take, [{"at": [1, 4, 1], "look_at": [0, 0, 0]}, second])
+    one = camera_path(take, [{"follow": "b"}, second])
+    other = camera_path(take, [{"at": [1, 4, 1], "look_at": [0, 0, 0]}, second])
     assert one[48:] == other[48:]
     assert one[47] != other[47]
-    assert filmed(take, [{"follow": "b"}, second]) == one
+    assert camera_path(take, [{"follow": "b"}, second]) == one

@@ -54,8 +54,8 @@ def asked(session: Session) -> Ask:
     protocol = Protocol(session.methods)
 
     def ask(method: str, **params: Any) -> Any:
-        words = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
-        answer = protocol.answer(json.dumps(words).encode())
+        message = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params}
+        answer = protocol.answer(json.dumps(message).encode())
         assert answer is not None
         found = json.loads(answer)
         assert found.keys() in ({"jsonrpc", "id", "result"}, {"jsonrpc", "id", "error"})
@@ -73,11 +73,11 @@ def served(session: Session, lines: Iterable[bytes]) -> list[Any]:
 
 def request(method: str, number: int | str | None = 1, **params: Any) -> bytes:
     """Return a request as a line; one without number wants no answer."""
-    words = {"jsonrpc": "2.0", "method": method, "params": params}
-    return json.dumps(words if number is None else {**words, "id": number}).encode()
+    message = {"jsonrpc": "2.0", "method": method, "params": params}
+    return json.dumps(message if number is None else {**message, "id": number}).encode()
 
 
 def replayed(file: str | Path) -> Take:
-    """Simulate the scene that a session has left."""
+    """Simulate the scene that a session wrote."""
     scene = load_scene(Path(file))
     return simulate(scene, take_key(scene))

@@ -35,17 +35,17 @@ PLAN: list[tuple[int, dict[str, Any]]] = [
 
 
 def _directed(folder: Path, every: int, end: str = "end", until: int = 10**6) -> Any:
-    """Go through the plan with queries in between; return what the end says."""
+    """Carry out the plan with queries in between; return the answer to `end`."""
     ask = asked(session_in(folder))
     now = 0
-    for step, words in PLAN:
+    for step, command in PLAN:
         if step > until:
             break
         while now < step:
             now = ask("step")["step"]
             if every and now % every == 0:
                 ask("query", what=["poses", "channels", "places", "notes"])
-        assert "code" not in ask("command", **words)
+        assert "code" not in ask("command", **command)
     return ask("end", at=end)
 
 
@@ -69,9 +69,9 @@ def test_a_scene_that_ends_now_has_the_simulated_length_and_replays(tmp_path: Pa
     assert kept["frames"] == scene.n_frames == -(-33 // 4)
     assert scene.golden.frames == (1,)
     live = asked(session := session_in(tmp_path / "live"))
-    for step, words in PLAN[:6]:
+    for step, command in PLAN[:6]:
         live("step", until=step / 96)
-        live("command", **words)
+        live("command", **command)
     live("step", frames=1)
     row = session.simulation.last_row()
     rows = slice(0, min(row, len(again.positions) - 1))
@@ -88,14 +88,14 @@ def test_without_commands_the_take_is_that_of_the_scene(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
-    """Return a session that has gone two steps, after which nobody will step it."""
+    """Return a session after two steps, which no test advances."""
     session = session_in(tmp_path_factory.mktemp("begun"))
     asked(session)("step", steps=2)
     return session
 
 
 @pytest.mark.parametrize(
-    ("words", "path", "right"),
+    ("command", "path", "right"),
     [
         ({"who": "bgu", "do": "stop"}, "who", "did you mean 'bug'?"),
         ({"who": "bug", "do": "stpo"}, "do", "did you mean 'stop'?"),
@@ -103,8 +103,12 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug", "do": {"go_to": [1]}}, "do.go_to", "must hold 2 values, holds 1"),
         ({"who": "bug", "do": {"go_too": [1, 1]}}, "do.go_too", "did you mean 'go_to'?"),
         ({"who": "bug", "do": {"gait": "canter"}}, "do.gait", "take trot, wave, tripod or ripple"),
-        ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot jump over itself"),
-        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can hop"),
+        ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot do that to itself"),
+        (
+            {"who": "roo", "do": {"gait": "trot"}},
+            "do.gait",
+            "hops, which cannot gait",
+        ),
         (
             {"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}},
             "do.jump.speed",
@@ -118,9 +122,9 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
     ],
 )
 def test_a_wrong_command_is_refused_with_path_and_suggestion(
-    words: dict[str, Any], path: str, right: str, begun: Session
+    command: dict[str, Any], path: str, right: str, begun: Session
 ) -> None:
-    error = asked(begun)("command", **words)
+    error = asked(begun)("command", **command)
     assert error["code"] == -32602
     assert right in {one["path"]: one["message"] for one in error["data"]}[path]
     assert right in error["message"]

@@ -111,33 +111,33 @@ DO: list[Any] = [
 ]
 
 
-def _fuzzed(chance: random.Random) -> bytes:
-    """Return a message that may be right, nearly right, or anything."""
-    words: Any = {"jsonrpc": "2.0", "id": chance.randrange(9), "method": chance.choice(METHODS)}
-    params = chance.choice(
+def _fuzzed(rng: random.Random) -> bytes:
+    """Return a random message: valid, nearly valid or arbitrary."""
+    content: Any = {"jsonrpc": "2.0", "id": rng.randrange(9), "method": rng.choice(METHODS)}
+    params = rng.choice(
         [
-            {"steps": chance.randrange(1, 4)},
+            {"steps": rng.randrange(1, 4)},
             {"event": ["footfall"], "who": ["bug"], "frames": 1},
-            {"who": chance.choice(("bug", "roo", "box")), "do": chance.choice(DO)},
+            {"who": rng.choice(("bug", "roo", "box")), "do": rng.choice(DO)},
             {"what": ["time", "poses"]},
             {"events": ["footfall", "told"]},
         ]
     )
-    words["params"] = deepcopy(params)
-    for _ in range(chance.choice((0, 0, 1, 2))):
-        place = words if chance.random() < 0.4 else words["params"]
+    content["params"] = deepcopy(params)
+    for _ in range(rng.choice((0, 0, 1, 2))):
+        place = content if rng.random() < 0.4 else content["params"]
         if isinstance(place, dict):
-            place[chance.choice(KEYS)] = deepcopy(chance.choice(ODD))
-        words.setdefault("params", {})
-    if chance.random() < 0.05:
-        words = [words, deepcopy(chance.choice(ODD)), words]
-    text = json.dumps(words).encode()
-    if chance.random() < 0.2:
-        at = chance.randrange(len(text))
-        text = text[:at] + bytes(chance.randrange(256) for _ in range(chance.randrange(4)))
-        text += json.dumps(words).encode()[at + chance.randrange(3) :]
-    if chance.random() < 0.02:
-        text = bytes(chance.randrange(256) for _ in range(chance.randrange(200)))
+            place[rng.choice(KEYS)] = deepcopy(rng.choice(ODD))
+        content.setdefault("params", {})
+    if rng.random() < 0.05:
+        content = [content, deepcopy(rng.choice(ODD)), content]
+    text = json.dumps(content).encode()
+    if rng.random() < 0.2:
+        at = rng.randrange(len(text))
+        text = text[:at] + bytes(rng.randrange(256) for _ in range(rng.randrange(4)))
+        text += json.dumps(content).encode()[at + rng.randrange(3) :]
+    if rng.random() < 0.02:
+        text = bytes(rng.randrange(256) for _ in range(rng.randrange(200)))
     return text.replace(b"\n", b" ").replace(b"\r", b" ")
 
 
@@ -151,10 +151,10 @@ def _fuzzed(chance: random.Random) -> bytes:
 def test_fuzzed_messages_leave_a_take_that_replays(
     count: int, seed: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    chance = random.Random(seed)
-    # So long that its end does not come before that of the messages.
+    rng = random.Random(seed)
+    # The scene lasts longer than the messages.
     session = session_in(tmp_path, read_scene(STAGE, overrides=[f"frames={count // 6}"]))
-    lines = served(session, [*(_fuzzed(chance) for _ in range(count)), request("end", "last")])
+    lines = served(session, [*(_fuzzed(rng) for _ in range(count)), request("end", "last")])
     answers = [one for line in lines for one in (line if isinstance(line, list) else [line])]
     for one in answers:
         assert one["jsonrpc"] == "2.0"

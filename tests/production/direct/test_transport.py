@@ -41,8 +41,8 @@ PRONK = [sys.executable, "-c", "from pipeline.cli import main; main()"]
 Client = Callable[[str], None]
 
 
-def _directed(door: Transport, folder: Path, client: Client) -> RecordedScene:
-    """Direct the stage by a door through which a client comes in, who is told where it is."""
+def _directed(transport: Transport, folder: Path, client: Client) -> RecordedScene:
+    """Serve the stage over a transport to a client, which gets the address."""
     clients = []
 
     def say(text: str) -> None:
@@ -52,19 +52,19 @@ def _directed(door: Transport, folder: Path, client: Client) -> RecordedScene:
 
     place = SceneRecorder("stage_directed", folder, Reporter())
     place.reporter.note = lambda text, detail=False: say(text)  # type: ignore[method-assign]
-    kept = direct(stage(), place, door)
+    kept = direct(stage(), place, transport)
     for one in clients:
         one.join()
     return kept
 
 
-def _whole(kept: RecordedScene) -> None:
-    """Check that what is kept goes to the scene's end and replays."""
+def _assert_complete(kept: RecordedScene) -> None:
+    """Check that the kept take reaches the scene's end and replays."""
     assert kept.frames == stage().n_frames
     assert read_take(kept.take).digest == kept.digest == replayed(kept.scene).digest
 
 
-def _come_in(place: str) -> socket.socket:
+def _connect_and_direct(place: str) -> socket.socket:
     host, _, number = place.rpartition(":")
     return socket.create_connection((host, int(number)))
 
@@ -73,11 +73,11 @@ def test_a_port_is_open_to_this_machine_alone_and_to_one_program(tmp_path: Path)
     seen: list[object] = []
 
     def client(place: str) -> None:
-        with _come_in(place) as one, one.makefile("rb") as lines:
+        with _connect_and_direct(place) as one, one.makefile("rb") as lines:
             one.sendall(request("step", frames=2) + b"\n")
             seen.append(json.loads(lines.readline())["result"]["step"])
             try:
-                _come_in(place).close()
+                _connect_and_direct(place).close()
             except ConnectionRefusedError:
                 seen.append("shut")
             one.sendall(request("end", at="now") + b"\n")
@@ -93,7 +93,7 @@ def test_a_port_is_open_to_this_machine_alone_and_to_one_program(tmp_path: Path)
 @pytest.mark.parametrize("reset", [False, True])
 def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
     def client(place: str) -> None:
-        with _come_in(place) as one:
+        with _connect_and_direct(place) as one:
             one.sendall(request("subscribe", events=["*"]) + b"\n")
             one.sendall(request("command", who="bug", do={"turn_deg": 90}) + b"\n")
             one.sendall(request("step", until=1.0) + b'\n{"jsonrpc": "2.0", "meth')
@@ -101,7 +101,7 @@ def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -
                 one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
 
     kept = _directed(transport_for(None, 0, LOOPBACK), tmp_path, client)
-    _whole(kept)
+    _assert_complete(kept)
     assert reset or read_take(kept.take).told[0].text == "turn_deg 90"
 
 
@@ -110,11 +110,11 @@ def test_browsers_are_refused(tmp_path: Path) -> None:
     order = request("end", at="now") + b"\n"
 
     def client(place: str) -> None:
-        with _come_in(place) as browser:
+        with _connect_and_direct(place) as browser:
             browser.sendall(b"POST / HTTP/1.1\r\nHost: here\r\n\r\n" + order)
             with contextlib.suppress(ConnectionResetError):
                 seen.append(browser.recv(100))
-        with _come_in(place) as one, one.makefile("rb") as lines:
+        with _connect_and_direct(place) as one, one.makefile("rb") as lines:
             one.sendall(request("query", what=["time"]) + b"\n")
             seen.append(json.loads(lines.readline())["result"]["time"]["finished"])
             one.sendall(order)
@@ -139,7 +139,7 @@ def test_a_local_socket_is_private_and_removed_at_the_end(tmp_path: Path) -> Non
     kept = _directed(transport_for(place, None, LOOPBACK), tmp_path, client)
     assert seen == [0o600]
     assert not place.exists()
-    _whole(kept)
+    _assert_complete(kept)
 
 
 def test_only_a_stale_socket_is_removed(tmp_path: Path) -> None:
@@ -187,12 +187,12 @@ def test_an_unwritable_folder_is_refused_before_a_connection(tmp_path: Path) -> 
     (tmp_path / "out").write_text("in the way")
 
     @contextmanager
-    def door(say: Announce) -> Iterator[MessageStream]:
+    def transport(say: Announce) -> Iterator[MessageStream]:
         raise AssertionError("nobody may come in")
         yield
 
     with pytest.raises(StoreError, match="cannot be written to"):
-        direct(stage(), SceneRecorder("stage_directed", tmp_path / "out", Reporter()), door)
+        direct(stage(), SceneRecorder("stage_directed", tmp_path / "out", Reporter()), transport)
 
 
 # --- the command ------------------------------------------------------------------
@@ -200,15 +200,15 @@ def test_an_unwritable_folder_is_refused_before_a_connection(tmp_path: Path) -> 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Return a folder that has the stage."""
+    """Return a folder with the stage scene."""
     (tmp_path / "stage.yaml").write_text(STAGE, encoding="utf-8")
     return tmp_path
 
 
-def _started(folder: Path, *words: str) -> subprocess.Popen[bytes]:
+def _started(folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
     paths = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(
-        [*PRONK, "direct", "stage.yaml", *words],
+        [*PRONK, "direct", "stage.yaml", *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": paths},
         stdin=subprocess.PIPE,
@@ -249,15 +249,15 @@ def test_a_second_ctrl_c_drops_the_take(
         yield MessageStream(io.BytesIO(), io.BytesIO())
 
     monkeypatch.setattr(session, "Simulation", Pressed)
-    said = list[str]()
+    notes = list[str]()
     place = SceneRecorder("stage_directed", tmp_path, Reporter())
-    monkeypatch.setattr(Reporter, "note", lambda self, text, detail=False: said.append(text))
+    monkeypatch.setattr(Reporter, "note", lambda self, text, detail=False: notes.append(text))
     if len(presses) == 1:
-        _whole(direct(stage(), place, gone))
+        _assert_complete(direct(stage(), place, gone))
     else:
         with pytest.raises(KeyboardInterrupt):
             direct(stage(), place, gone)
-    assert said == ["stopped; the scene goes to its end, unless it is stopped again"]
+    assert notes == ["stopped; the scene goes to its end, unless it is stopped again"]
 
 
 @pytest.mark.slow
@@ -290,11 +290,11 @@ cast:
   - {name: box, prop: {shape: box, size: [0.2, 0.2, 0.2]}, at: [3, 3]}
 """
     (folder / "two.yaml").write_text(scene)
-    words = [str(ROOT / "docs/examples/drama_manager.py"), "two.yaml", "--pronk"]
+    arguments = [str(ROOT / "docs/examples/drama_manager.py"), "two.yaml", "--pronk"]
     quoted = f"'{PRONK[0]}' -c '{PRONK[2]}'"
     paths = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     end = subprocess.run(
-        [sys.executable, *words, quoted],
+        [sys.executable, *arguments, quoted],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": paths},
         capture_output=True,

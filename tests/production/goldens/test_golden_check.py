@@ -37,13 +37,13 @@ pytestmark = pytest.mark.nightly
 
 @pytest.fixture(autouse=True)
 def _by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Nobody records goldens in CI; these tests do what somebody does at home.
+    # Goldens are not recorded in CI; these tests act as an author at home.
     monkeypatch.delenv("CI", raising=False)
 
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with a scene and its golden, which nobody may change."""
+    """Return a folder with a scene and its golden, shared by tests that do not write."""
     from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of
     from pipeline.production.goldens.golden_record import record
     from pipeline.production.run.progress import Reporter
@@ -101,7 +101,7 @@ def test_a_recorded_golden_holds(pronk: Pronk, home: Path) -> None:
     assert state(home) == before
 
 
-def test_a_missing_golden_ends_in_five(pronk: Pronk, home: Path) -> None:
+def test_a_missing_golden_exits_with_code_5(pronk: Pronk, home: Path) -> None:
     shutil.rmtree(home / "goldens")
     code, out, _ = pronk("golden", "check", "tiny")
     assert code == 5
@@ -113,17 +113,17 @@ def test_a_missing_golden_ends_in_five(pronk: Pronk, home: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "words",
+    "arguments",
     [("record", "tiny", "--again"), ("approve", "tiny"), ("calibrate", "tiny", "--write")],
-    ids=lambda words: words[0],
+    ids=lambda arguments: arguments[0],
 )
-def test_continuous_integration_writes_no_goldens(
-    pronk: Pronk, home: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+def test_goldens_are_not_written_in_continuous_integration(
+    pronk: Pronk, home: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
 ) -> None:
     assert pronk("golden", "check", "tiny", "--set", "camera.fov_deg=40", *CHEAP)[0] == 1
     before = state(home)
     monkeypatch.setenv("CI", "true")
-    code, _, err = pronk("golden", *words)
+    code, _, err = pronk("golden", *arguments)
     assert code == 2
     assert "CI is set" in err
     assert pronk("golden", "check", "tiny", *CHEAP)[0] == 0
@@ -228,9 +228,9 @@ DAMAGE: list[tuple[str, Callable[[Path], None], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("name", "damage", "said"), DAMAGE)
+@pytest.mark.parametrize(("name", "damage", "message"), DAMAGE)
 def test_a_damaged_golden_is_reported_in_one_line_and_kept(
-    pronk: Pronk, home: Path, name: str, damage: Callable[[Path], None], said: str
+    pronk: Pronk, home: Path, name: str, damage: Callable[[Path], None], message: str
 ) -> None:
     damage(home / "goldens/tiny" / name)
     before = state(home)
@@ -238,7 +238,7 @@ def test_a_damaged_golden_is_reported_in_one_line_and_kept(
     assert code == 4
     assert "golden damaged" in out
     (line,) = [line for line in out.splitlines() if ": " in line and str(name) in line]
-    assert said in line
+    assert message in line
     assert "Traceback" not in out + err
     assert state(home) == before
 
@@ -252,7 +252,7 @@ def test_the_golden_of_another_scene_is_refused(pronk: Pronk, home: Path) -> Non
 
 
 def _somewhere_else(home: Path) -> None:
-    """Let the golden say that it was made in another environment."""
+    """Set another environment in the golden's card."""
     path = home / "goldens/tiny/golden.yaml"
     card = read_card(path)
     path.write_text(card.model_copy(update={"environment": "abacus"}).sealed().encoded())
@@ -307,16 +307,16 @@ def test_jobs_change_no_verdict(pronk: Pronk, home: Path) -> None:
     shutil.copy(home / "tiny.yaml", home / "newer.yaml")
     changed = ("tiny", "newer", "--layers", "motion", "--set", "camera.fov_deg=40")
 
-    def told() -> Any:
+    def summary() -> Any:
         scenes = facts(home)["scenes"]
         for layer in (layer for scene in scenes for layer in scene["layers"]):
             del layer["seconds"]
         return scenes
 
     assert pronk("golden", "check", *changed)[0] == 1
-    one = told()
+    one = summary()
     assert pronk("golden", "check", *changed, "--jobs", "2")[0] == 1
-    assert told() == one
+    assert summary() == one
 
 
 def test_the_most_severe_outcome_decides_the_exit_code(pronk: Pronk, home: Path) -> None:
@@ -328,7 +328,7 @@ def test_the_most_severe_outcome_decides_the_exit_code(pronk: Pronk, home: Path)
 
 
 class Page(HTMLParser):
-    """What a report's page holds."""
+    """The tags of a report page."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -338,13 +338,13 @@ class Page(HTMLParser):
         self.close()
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Remember a tag, and that it is open if it has an end."""
+        """Record a tag; push it if it has an end tag."""
         self.tags.append((tag, {name: value or "" for name, value in attrs}))
         if tag not in ("meta", "img", "input"):
             self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
-        """Close the tag that was opened last, as it has to be."""
+        """Pop the open tag, which must match."""
         assert self.open.pop() == tag
 
 
@@ -361,17 +361,22 @@ def test_the_report_is_one_page_that_needs_no_network(pronk: Pronk, home: Path) 
     page = Page(text)
     assert not page.open
     assert text.index("<b>tiny</b>") < text.index("<b>aaa</b>")
-    sources = [words[name] for _, words in page.tags for name in ("src", "href") if name in words]
+    sources = [
+        attributes[name]
+        for _, attributes in page.tags
+        for name in ("src", "href")
+        if name in attributes
+    ]
     assert len(sources) == 6
     assert all(source.startswith("data:image/png;base64,") for source in sources)
     assert not re.search(r"url\(|https?://|@import", text)
     assert "default-src 'none'" in text
     assert "pronk golden approve tiny" in text
-    views = [words for _, words in page.tags if words.get("class") == "view"]
+    views = [attributes for _, attributes in page.tags if attributes.get("class") == "view"]
     assert [view["id"] for view in views] == ["tiny-1", "tiny-6"]
-    # All that the script looks for is there.
+    # Every element that the script looks up exists.
     script = files("pipeline.production.goldens").joinpath("report.js").read_text(encoding="utf-8")
-    ids = {words["id"] for _, words in page.tags if "id" in words}
+    ids = {attributes["id"] for _, attributes in page.tags if "id" in attributes}
     assert set(re.findall(r'getElementById\("([^"]+)"\)', script)) <= ids
-    classes = {name for _, words in page.tags for name in words.get("class", "").split()}
+    classes = {name for _, attributes in page.tags for name in attributes.get("class", "").split()}
     assert set(re.findall(r'querySelector(?:All)?\("\.([a-z-]+)"\)', script)) <= classes

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from tests.production.conftest import Studio
 
 ROW, NODE = 13, "bug.l2.2"
-"""Where takes are spoilt: between two frames; a row a step."""
+"""Row at which takes are changed, between two frames; there is a row a step."""
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +101,8 @@ def test_a_written_golden_is_read_back(take: Take, golden: MotionGolden) -> None
 )
 def test_series_come_back_to_half_a_quantum(values: Array, quantum: float) -> None:
     series = Series.of(values, np.full(values.shape[1], quantum))
-    words = json.loads(json.dumps(series.packed()))
-    back = Series.unpacked(words)
+    packed = json.loads(json.dumps(series.packed()))
+    back = Series.unpacked(packed)
     assert np.array_equal(back.multiples, series.multiples)
     assert np.array_equal(np.isnan(back.values), np.isnan(values))
     error = np.abs(back.values - values)[~np.isnan(values)]
@@ -138,11 +138,11 @@ def test_only_twice_the_tolerance_is_reported(golden: MotionGolden, take: Take) 
     verdict = compare(golden, _moved(take, 2 * motion_tolerance.POSITION))
     assert _only(verdict) == (ROW, "position", NODE)
     assert verdict.differences[0].excess == pytest.approx(2, abs=0.3)
-    said = str(verdict)
-    assert f"at step {ROW} (0.135 s, frame 5): {NODE} lies" in said
-    assert "mm off (allowed: 0.5 mm)" in said
-    assert f"position: 1 of {len(take.nodes)} differ" in said
-    assert f"bits differ from step {ROW} on, in 1 of 33 rows and 1 of" in said
+    text = str(verdict)
+    assert f"at step {ROW} (0.135 s, frame 5): {NODE} lies" in text
+    assert "mm off (allowed: 0.5 mm)" in text
+    assert f"position: 1 of {len(take.nodes)} differ" in text
+    assert f"bits differ from step {ROW} on, in 1 of 33 rows and 1 of" in text
 
 
 def test_a_rotation_is_named(golden: MotionGolden, take: Take) -> None:
@@ -168,7 +168,7 @@ def test_half_the_tolerance_passes_and_is_noted(
         assert verdict.bits.endswith(NODE)
 
 
-def test_the_first_of_several_is_the_earliest_and_nearest_to_the_root(
+def test_the_first_difference_is_the_earliest_and_nearest_to_the_root(
     golden: MotionGolden, take: Take
 ) -> None:
     positions = take.positions.copy()
@@ -227,11 +227,11 @@ def test_missing_and_new_marks_are_named(golden: MotionGolden, take: Take, field
     mark = marks[2]
     fewer = replace(take, **{field: tuple(marks[:2] + marks[3:])})
     more = replace(take, **{field: (*marks, replace(mark, step=mark.step + 9))})
-    for spoilt, said in ((fewer, "is missing"), (more, "is new")):
+    for spoilt, text in ((fewer, "is missing"), (more, "is new")):
         verdict = compare(golden, spoilt)
         step = mark.step + 9 * (spoilt is more)
         assert _only(verdict) == (step, field[:-1], mark.part)
-        assert said in str(verdict)
+        assert text in str(verdict)
 
 
 def test_an_event_moved_by_a_frame_is_named(golden: MotionGolden, take: Take) -> None:
@@ -304,7 +304,7 @@ def test_the_order_of_nodes_is_irrelevant(golden: MotionGolden, take: Take) -> N
 
 
 @pytest.mark.parametrize(
-    ("words", "who"),
+    ("overrides", "who"),
     [
         (["fps=25"], "rate"),
         (["frames=9"], "frames"),
@@ -313,9 +313,9 @@ def test_the_order_of_nodes_is_irrelevant(golden: MotionGolden, take: Take) -> N
     ],
 )
 def test_another_length_or_rate_is_named(
-    golden: MotionGolden, unmade: Studio, words: list[str], who: str
+    golden: MotionGolden, unmade: Studio, overrides: list[str], who: str
 ) -> None:
-    verdict = compare(golden, simulate(unmade.load(*words)))
+    verdict = compare(golden, simulate(unmade.load(*overrides)))
     assert not verdict.passed
     assert verdict.first is not None
     assert (verdict.first.kind, verdict.first.who) == ("take", who)
@@ -418,9 +418,9 @@ def test_a_missing_or_unwritable_golden_is_one_clear_error(
         read_golden(tmp_path)
 
 
-def _first_steps(*words: str) -> Take:
+def _first_steps(*overrides: str) -> Take:
     return simulate(
-        load_scene(library() / "first_steps.yaml", [f"cast[0].walk.{w}" for w in words])
+        load_scene(library() / "first_steps.yaml", [f"cast[0].walk.{key}" for key in overrides])
     )
 
 
@@ -442,8 +442,8 @@ def test_a_slightly_different_walk_is_detected_at_its_first_difference(
     first_steps: Take, word: str
 ) -> None:
     bounciness = _default_bounciness() + 0.001
-    words = {"bounciness": f"{bounciness!r}", "cycle": "0.722", "speed": "0.622"}
-    other = _first_steps(f"{word}={words[word]}")
+    values = {"bounciness": f"{bounciness!r}", "cycle": "0.722", "speed": "0.622"}
+    other = _first_steps(f"{word}={values[word]}")
     verdict = compare(golden_of(first_steps, "first_steps"), other)
     assert not verdict.passed
     first = verdict.first

@@ -45,7 +45,7 @@ needs_avx2 = pytest.mark.skipif(
 
 
 def verdicts(scenes: list[str], **variables: str) -> dict[str, str]:
-    """Return scene -> verdict of a process whose environment chooses kernels by `variables` only.
+    """Return scene -> verdict of a process whose kernels `variables` alone select.
 
     The verdict is its first line, "passed: ..." or "failed: ...".
     """
@@ -62,7 +62,7 @@ def verdicts(scenes: list[str], **variables: str) -> dict[str, str]:
 
 
 def dispatched_units() -> str:
-    """Return the vector units that numpy dispatches to on this machine, as numpy wants them."""
+    """Return the vector units of this machine that numpy dispatches to, in numpy's syntax."""
     show = "import numpy; print(*numpy.show_config(mode='dicts')['SIMD Extensions']['found'])"
     clean = {name: value for name, value in os.environ.items() if name not in RELATED}
     command = [sys.executable, "-c", show]

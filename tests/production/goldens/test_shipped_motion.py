@@ -69,11 +69,11 @@ def update(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
 
 
 @pytest.mark.slow
-def test_only_goldens_that_are_due_are_written(update: ModuleType, tmp_path: Path) -> None:
+def test_only_outdated_goldens_are_written(update: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "first_steps.json"
     assert "written" in update.update("first_steps", False)
     fresh = path.read_bytes()
-    # Its words say that it was made elsewhere; it holds all the same, and stays.
+    # The golden names another machine; it passes and is kept.
     path.write_bytes(fresh.replace(b'"machine": "', b'"machine": "another '))
     assert "written" not in update.update("first_steps", False)
     assert path.read_bytes() != fresh

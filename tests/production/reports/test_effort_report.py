@@ -33,7 +33,7 @@ CAST = """\
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, Effort]:
-    """Efforts of a stool, a horse and a person who runs."""
+    """Efforts of a stool, a horse and a running person."""
     scene = read_scene(HEAD.format(2) + CAST)
     return {e.name: e for e in efforts_of(simulate(scene), legged_of(scene))}
 
@@ -43,7 +43,7 @@ def test_every_creature_on_legs_has_an_effort(found: dict[str, Effort]) -> None:
     assert list(found) == ["stool", "mare", "pip"]
 
 
-def test_a_standing_creature_carries_exactly_its_weight_and_does_no_work(
+def test_a_standing_creature_carries_its_weight_and_does_no_work(
     found: dict[str, Effort],
 ) -> None:
     stool = found["stool"]
@@ -64,7 +64,7 @@ def test_a_walking_creature_carries_its_weight_on_average(found: dict[str, Effor
 
 
 def test_a_creature_in_flight_falls_freely(found: dict[str, Effort]) -> None:
-    """In the middle of a flight only the limbs' swinging is left to be borne."""
+    """In mid-flight only the swinging limbs leave a residual force."""
     pip = found["pip"]
     flies = ~np.abs(pip.foot_forces).any(axis=(1, 2))
     deep = flies[:-4] & flies[1:-3] & flies[2:-2] & flies[3:-1] & flies[4:]
@@ -74,8 +74,8 @@ def test_a_creature_in_flight_falls_freely(found: dict[str, Effort]) -> None:
     assert np.abs(pip.unsupported_force[2:-2][deep, 1]).mean() < 0.35 * weight
 
 
-def test_costs_are_those_of_animals(found: dict[str, Effort]) -> None:
-    """Between the hundredths of passive walkers and a few of machines."""
+def test_costs_of_transport_are_in_the_range_of_animals(found: dict[str, Effort]) -> None:
+    """Costs of transport lie between those of passive walkers and of machines."""
     for name in ("mare", "pip"):
         effort = found[name]
         assert effort.cost_of_transport is not None
@@ -154,7 +154,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_the_command_prints_a_table_or_json_and_writes_a_csv(
+def test_effort_command_prints_a_table_or_json_and_writes_a_csv(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert called(monkeypatch, "effort", "play", "--csv") == 0
@@ -169,18 +169,18 @@ def test_the_command_prints_a_table_or_json_and_writes_a_csv(
 
 
 @pytest.mark.parametrize(
-    ("name", "says"),
+    ("name", "phrase"),
     [("flash", "too few to tell accelerations"), ("worm", "nobody in this scene stands on legs")],
 )
-def test_the_command_refuses_with_one_message(
+def test_effort_command_refuses_with_one_message(
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
     name: str,
-    says: str,
+    phrase: str,
 ) -> None:
     assert called(monkeypatch, "effort", name) == UsageError.exit_code
-    said = capfd.readouterr().err
-    assert says in said
-    assert "Traceback" not in said
+    message = capfd.readouterr().err
+    assert phrase in message
+    assert "Traceback" not in message
     assert not (folder / "out" / name).exists()

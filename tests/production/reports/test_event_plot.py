@@ -1,4 +1,4 @@
-"""Event plots: notes, pictures and waveform stand where the score and the film have them."""
+"""Event plots: notes, pictures and waveform at the times of score and film."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ def plot_of(events: list[ScoreEvent], frames: int = 48, **fields: object) -> Eve
 
 
 def onsets(root: ET.Element, cause: str) -> list[float]:
-    """Return the left edges of what is drawn in a cause's color, its legend left out."""
+    """Return the left edges of shapes in a cause's color, without its legend."""
     color = cause_color(cause)
     boxes = [e for e in root.iter(f"{SVG}rect") if e.get("fill") == color and e.get("fill-opacity")]
     return sorted({round(float(e.get("x", "nan")), 3) for e in boxes})
 
 
-def test_every_note_stands_at_its_frame_in_the_color_of_its_cause() -> None:
+def test_every_note_is_at_its_frame_in_the_color_of_its_cause() -> None:
     frames = {"footfall": [2, 9, 30], "collision": [9, 48], "boing": [17]}
     plot = plot_of([event(f, cause) for cause, own in frames.items() for f in own])
     axis = axis_of(plot.score)
@@ -118,7 +118,7 @@ def test_silence_one_note_and_a_crowd_are_drawn(events: list[ScoreEvent]) -> Non
     assert ("nothing is heard of 0 events" in svg) == (not events)
 
 
-def test_pictures_are_those_of_the_frames_they_stand_at() -> None:
+def test_pictures_are_at_the_times_of_their_frames() -> None:
     plot = plot_of([event(3)])
     axis = axis_of(plot.score)
     frames = shown_frames(axis, plot.shape, 48)
@@ -153,7 +153,7 @@ def test_causes_have_distinct_and_stable_colors() -> None:
 
 
 def wav(path: Path, sound: np.ndarray, width: int = 3) -> Path:
-    """Write samples (N, 2), -1 to 1, in so many bytes each."""
+    """Write samples (N, 2), -1 to 1, with `width` bytes each."""
     with wave.open(str(path), "wb") as file:
         file.setnchannels(2)
         file.setsampwidth(width)
@@ -192,11 +192,11 @@ def test_other_sound_files_are_refused_by_name(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_draws_rendered_frames_and_overwrites_none(studio, pronk) -> None:
+def test_event_plot_command_draws_rendered_frames_and_overwrites_none(studio, pronk) -> None:
     frames = {path.name: path.read_bytes() for path in (studio.made / "frames").iterdir()}
-    code, _, said = pronk("plot", "events", "tiny", cwd=studio.folder)
+    code, _, message = pronk("plot", "events", "tiny", cwd=studio.folder)
     assert code == 0
-    assert "0 rendered small, 7 kept" in said
+    assert "0 rendered small, 7 kept" in message
     assert frames == {path.name: path.read_bytes() for path in (studio.made / "frames").iterdir()}
     svg, png = (studio.made / f"tiny_events.{end}" for end in ("svg", "png"))
     assert len(list(ET.parse(svg).getroot().iter(f"{SVG}image"))) == 7
@@ -214,8 +214,8 @@ def test_missing_frames_are_rendered_small_and_not_stored(unmade, tmp_path) -> N
 
 
 @pytest.mark.slow
-def test_the_command_refuses_with_one_message(studio, pronk) -> None:
-    code, _, said = pronk("plot", "events", "tiny_", cwd=studio.folder)
+def test_event_plot_command_refuses_with_one_message(studio, pronk) -> None:
+    code, _, message = pronk("plot", "events", "tiny_", cwd=studio.folder)
     assert code == 2
-    assert "did you mean" in said
-    assert "Traceback" not in said
+    assert "did you mean" in message
+    assert "Traceback" not in message

@@ -57,11 +57,11 @@ def beetle() -> Figure:
         ("first_steps", ["beetle"]),
     ],
 )
-def test_a_name_stands_for_these_figures(folder: Path, name: str, found: list[str]) -> None:
+def test_a_name_selects_figures(folder: Path, name: str, found: list[str]) -> None:
     assert [figure.name for figure in figures_of(name)] == found
 
 
-def test_files_here_come_before_the_library(folder: Path) -> None:
+def test_local_files_come_before_the_library(folder: Path) -> None:
     (folder / "figures").mkdir()
     own = "pronk: 1\nfigure: {nodes: {a: [0, 0], b: [0, 1]}, chains: [[a, b]]}\n"
     (folder / "figures" / "beetle.yaml").write_text(own)
@@ -70,7 +70,7 @@ def test_files_here_come_before_the_library(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "says"),
+    ("name", "phrase"),
     [
         ("beatle", "did you mean 'beetle'?"),
         ("play:wurm", "no figure is called 'wurm', did you mean 'worm'?"),
@@ -78,13 +78,13 @@ def test_files_here_come_before_the_library(folder: Path) -> None:
         ("a\0b", "no figure or scene is called 'a\\x00b'"),
     ],
 )
-def test_unknown_names_are_refused(folder: Path, name: str, says: str) -> None:
+def test_unknown_names_are_refused(folder: Path, name: str, phrase: str) -> None:
     with pytest.raises(UsageError, match="called") as caught:
         figures_of(name)
-    assert says in str(caught.value)
+    assert phrase in str(caught.value)
 
 
-def test_a_wrong_figure_is_refused_at_its_line(folder: Path) -> None:
+def test_an_invalid_figure_is_refused_at_its_line(folder: Path) -> None:
     text = "pronk: 1\nfigure:\n  nodes: {a: [0, 0], b: [0, 1], c: [1, 0]}\n"
     text += "  chains: [[a, b, c, a]]\n  parts: {b: leg}\n"
     (folder / "ring.yaml").write_text(text)
@@ -96,12 +96,12 @@ def test_a_wrong_figure_is_refused_at_its_line(folder: Path) -> None:
 
 
 def test_the_report_has_all_parts(folder: Path, beetle: Figure) -> None:
-    told = report(beetle, FigureMass(beetle)).splitlines()
-    assert told[0].startswith("beetle: insect, 6 legs, 1 head, 1 tail, 2 feelers, 47 joints")
+    lines = report(beetle, FigureMass(beetle)).splitlines()
+    assert lines[0].startswith("beetle: insect, 6 legs, 1 head, 1 tail, 2 feelers, 47 joints")
     for limb in beetle.skeleton.limbs:
-        (line,) = [line for line in told if line.split()[0] == limb.name]
+        (line,) = [line for line in lines if line.split()[0] == limb.name]
         assert f"{limb.kind}, {len(limb.links)} link" in line
-    assert any("hip1_l - knee1_l - ankle1_l - foot1_l" in line for line in told)
+    assert any("hip1_l - knee1_l - ankle1_l - foot1_l" in line for line in lines)
     worm = figures_of("play:worm")[0]
     text = report(worm, FigureMass(worm))
     assert "ignored     x" in text
@@ -109,7 +109,7 @@ def test_the_report_has_all_parts(folder: Path, beetle: Figure) -> None:
 
 
 @pytest.mark.nightly
-def test_the_picture_labels_all_parts(beetle: Figure) -> None:
+def test_the_svg_labels_all_parts(beetle: Figure) -> None:
     svg = figure_svg(beetle)
     texts = [element.text for element in ET.fromstring(svg).iter() if element.tag.endswith("text")]
     for limb in beetle.skeleton.limbs:
@@ -133,7 +133,7 @@ def test_the_png_shows_the_svg_with_its_texts(beetle: Figure) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["play:worm", "play:dot", "tripod", "hopper", "person"])
-def test_figures_of_all_kinds_are_pictured(folder: Path, name: str) -> None:
+def test_figures_of_all_kinds_are_drawn(folder: Path, name: str) -> None:
     (figure,) = figures_of(name)
     sheet = figure_sheet(figure, folder / "sheets")
     assert [file.suffix for file in sheet.files] == [".svg", ".png"]

@@ -1,4 +1,4 @@
-"""Gait plots: planned stances, and those that the poses show."""
+"""Gait plots: planned and measured stances."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def creatures() -> list[CreatureStances]:
 
 
 def samples(spans: Array, times: Array) -> Array:
-    """Return which moments lie within intervals."""
+    """Return which of regular moments lie within intervals."""
     inside = (times[:, None] >= spans[:, 0]) & (times[:, None] < spans[:, 1])
     result: Array = inside.any(axis=-1)
     return result
@@ -63,8 +63,8 @@ def test_there_is_a_panel_for_every_creature_that_walks_on_legs(
     assert [leg.name for leg in creatures[1].legs] == ["l1", "l2", "r1", "r2"]
 
 
-def test_feet_were_down_when_the_gait_had_them_down(creatures: list[CreatureStances]) -> None:
-    """Poses show a touch to a fraction of a step, a lift to a row of the take."""
+def test_measured_stances_match_the_gait(creatures: list[CreatureStances]) -> None:
+    """Measured touchdowns are exact to a fraction of a step, lift-offs to a row of the take."""
     row = 1.0 / 96.0
     for creature in creatures:
         for leg in creature.legs:
@@ -74,7 +74,7 @@ def test_feet_were_down_when_the_gait_had_them_down(creatures: list[CreatureStan
             assert np.abs(ends).max() <= row
 
 
-def test_flights_are_when_no_bar_is_drawn(creatures: list[CreatureStances]) -> None:
+def test_flights_are_the_times_without_bars(creatures: list[CreatureStances]) -> None:
     times = np.linspace(0.0, 1.99, 1999)
     for creature in creatures:
         down = np.any([samples(leg.planned, times) for leg in creature.legs], axis=0)
@@ -83,7 +83,7 @@ def test_flights_are_when_no_bar_is_drawn(creatures: list[CreatureStances]) -> N
     assert len(creatures[1].flights) >= 4
 
 
-def test_duty_is_what_is_drawn(creatures: list[CreatureStances]) -> None:
+def test_duty_factors_match_the_bars(creatures: list[CreatureStances]) -> None:
     """Of the person: 30 % of each whole cycle."""
     for leg in creatures[2].legs:
         begins, ends = leg.planned.T
@@ -150,7 +150,7 @@ def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     return int(end.value.code or 0)
 
 
-def test_the_command_writes_both_pictures_and_keeps_the_take(
+def test_gait_plot_command_writes_both_pictures_and_keeps_the_take(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert called(monkeypatch, "plot", "gait", "play", "-q") == 0
@@ -164,32 +164,32 @@ def test_the_command_writes_both_pictures_and_keeps_the_take(
 
 
 @pytest.mark.parametrize(
-    ("name", "code", "says"),
+    ("name", "code", "phrase"),
     [
         ("still", 2, "nobody in this scene walks"),
         ("wrong", 3, "wrong.yaml:5:33: cast[0].walk.gait: a gait 'canter' needs two pairs"),
         ("gone", 2, "gone"),
     ],
 )
-def test_the_command_refuses_with_one_message(
+def test_gait_plot_command_refuses_with_one_message(
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
     name: str,
     code: int,
-    says: str,
+    phrase: str,
 ) -> None:
     assert called(monkeypatch, "plot", "gait", name) == code
-    said = capfd.readouterr()
-    assert says in said.err
-    assert "Traceback" not in said.err
+    captured = capfd.readouterr()
+    assert phrase in captured.err
+    assert "Traceback" not in captured.err
     assert called(monkeypatch, "plot", "gait", name, "--json") == code
     assert json.loads(capfd.readouterr().out.splitlines()[-1])["exit_code"] == code
     assert not (folder / "out" / name).exists()
 
 
 @pytest.mark.slow
-def test_a_change_of_gait_is_planned_as_it_was_walked() -> None:
+def test_planned_stances_follow_a_change_of_gait() -> None:
     member = "- {name: mare, figure: horse, walk: {gait: walk}}\n"
     script = "script: [{at: 1.5, who: mare, do: {gait: trot}}, {at: 5, who: mare, do: stop}]\n"
     (mare,) = stances(read_scene(HEAD.replace("2\n", "5\n", 1) + member + script))
@@ -201,7 +201,7 @@ def test_a_change_of_gait_is_planned_as_it_was_walked() -> None:
         assert np.abs(ends).max() < 2.0 / 96.0
 
 
-def test_a_leg_that_is_held_up_has_no_bars_while_it_is() -> None:
+def test_a_raised_leg_has_no_bars() -> None:
     member = "- {name: pip, figure: person, walk: {gait: walk}}\n"
     do = "{gait: hop, legs: [r1]}"
     script = f"script: [{{at: 1, who: pip, do: {do}}}, {{at: 3, who: pip, do: {{gait: walk}}}}]\n"

@@ -69,9 +69,9 @@ def test_no_subtask_has_less_jerk_than_the_best_timing_of_its_path(trials) -> No
                 one, what = column.movements[k], (trial.name, column.name, k)
                 assert best.danced == one.jerk.integral, what
                 assert best.integral <= one.jerk.integral, what
-                # And it is no less than another path between the same ends would have.
+                # A straight path between the same ends has no more.
                 assert best.integral > 0.95 * one.floor, what
-                # Where a hand goes somewhere, timing alone saves something.
+                # Where a hand moves, better timing alone lowers the jerk.
                 if one.jerk.distance > 0.05:
                     assert best.integral < 0.95 * one.jerk.integral, what
 
@@ -79,7 +79,7 @@ def test_no_subtask_has_less_jerk_than_the_best_timing_of_its_path(trials) -> No
 @pytest.mark.nightly
 def test_at_equal_durations_the_ranks_of_torques_agree_with_the_paper(trials) -> None:
     found = {(a.ours, a.theirs): a.rank for a in agreements(trials["equal durations, 1 s"])}
-    # What was hard in 1998 is hard here.
+    # Subtasks of high jerk in the paper have high jerk here.
     assert found["torque", "torque"] > 0.6
     assert found["force", "force"] > 0.3
     # Slow fields have less jerk than quick torques, at figure 3's durations, for slowness alone.
@@ -138,7 +138,7 @@ def test_fitted_gains_lower_the_jerk_and_still_reach() -> None:
     )
 
 
-def test_a_scene_without_dancers_says_what_to_do() -> None:
+def test_a_scene_without_dancers_is_refused_with_a_hint() -> None:
     from pipeline.errors import UsageError
 
     scene = read_scene("pronk: 1\nduration: 1\ncast: [{prop: {shape: box}}]\n")

@@ -1,4 +1,4 @@
-"""Jump report: its numbers are those of the simulated jumps."""
+"""Jump report: its values are those of the simulated jumps."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def found(scene: Scene) -> dict[str, JumpSummary]:
 
 
 def forces(hopping: HopSimulation) -> np.ndarray:
-    """Return the mean force of all legs of one, as large as it is [N]."""
+    """Return the magnitude of the mean leg force of each row [N]."""
     legs = hopping.leg_forces()
     return np.linalg.norm(legs.sum(axis=0)) / len(legs)
 
@@ -59,7 +59,7 @@ def forces(hopping: HopSimulation) -> np.ndarray:
 def test_the_report_agrees_with_the_simulated_jump(
     found: dict[str, JumpSummary], scene: Scene, name: str
 ) -> None:
-    told = facts(found[name])
+    row = facts(found[name])
     simulation = Simulation(scene)
     (troupe,) = (t for t in simulation.troupes if isinstance(t, HopperTroupe))
     hopping = troupe.simulations[troupe.herd.names.index(name)]
@@ -76,40 +76,35 @@ def test_the_report_agrees_with_the_simulated_jump(
         lifts += [h.time for h in hopping.events if h.kind == "lift"]
         touches += [h.time for h in hopping.events if h.kind == "touch"]
     n = len(hopping.hopper.hips)
-    assert np.median(seen["pushing"]) == pytest.approx(told["push_force_newtons"], rel=0.01)
-    assert np.median(seen["landing"]) == pytest.approx(told["landing_force_newtons"], rel=0.01)
-    assert told["flight"] == pytest.approx(max(touches[: 4 * n]) - lifts[3 * n], rel=0.01)
-    assert crouches[-1] == pytest.approx(told["crouch"], rel=0.05)
+    assert np.median(seen["pushing"]) == pytest.approx(row["push_force_newtons"], rel=0.01)
+    assert np.median(seen["landing"]) == pytest.approx(row["landing_force_newtons"], rel=0.01)
+    assert row["flight"] == pytest.approx(max(touches[: 4 * n]) - lifts[3 * n], rel=0.01)
+    assert crouches[-1] == pytest.approx(row["crouch"], rel=0.05)
     p, v = state.lift_off
-    assert np.hypot(v[0], v[2]) == pytest.approx(told["forward"], rel=1e-3)
-    assert v[1] == pytest.approx(told["up"], rel=1e-3)
-    rise = p[1] - hopping.hopper.mass.centre[1] - told["crouch"]
-    assert told["rise"] == pytest.approx(rise, rel=0.02)
+    assert np.hypot(v[0], v[2]) == pytest.approx(row["forward"], rel=1e-3)
+    assert v[1] == pytest.approx(row["up"], rel=1e-3)
+    rise = p[1] - hopping.hopper.mass.centre[1] - row["crouch"]
+    assert row["rise"] == pytest.approx(rise, rel=0.02)
 
 
-def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, JumpSummary]) -> None:
+def test_the_values_of_a_jump_are_consistent(found: dict[str, JumpSummary]) -> None:
     for plan in found.values():
-        told = facts(plan)
-        assert told["up"] ** 2 == pytest.approx(2.0 * GRAVITY * told["height"])
-        assert told["max_force"] * told["mass"] * GRAVITY == pytest.approx(
-            told["max_force_newtons"]
-        )
-        assert told["rise"] == pytest.approx(0.5 * told["up"] * told["push_seconds"])
-        # A push gives the weight, and what brings it to its speed.
-        lift = told["mass"] * told["up"] / told["push_seconds"]
-        assert told["push_force_newtons"] * told["legs"] >= 0.999 * (lift + told["mass"] * GRAVITY)
-        assert sorted(told["asked"] + told["resolved"]) == sorted(
+        row = facts(plan)
+        assert row["up"] ** 2 == pytest.approx(2.0 * GRAVITY * row["height"])
+        assert row["max_force"] * row["mass"] * GRAVITY == pytest.approx(row["max_force_newtons"])
+        assert row["rise"] == pytest.approx(0.5 * row["up"] * row["push_seconds"])
+        # A push carries the weight and accelerates the mass to its lift-off speed.
+        lift = row["mass"] * row["up"] / row["push_seconds"]
+        assert row["push_force_newtons"] * row["legs"] >= 0.999 * (lift + row["mass"] * GRAVITY)
+        assert sorted(row["asked"] + row["resolved"]) == sorted(
             ["distance", "height", "speed", "crouch", "max_force", "balance"]
         )
-        if told["distance"] is not None:
-            v2 = (
-                GRAVITY * told["distance"] ** 2 / (8 * told["height"])
-                + 2 * GRAVITY * told["height"]
-            )
-            assert told["speed"] ** 2 == pytest.approx(v2)
+        if row["distance"] is not None:
+            v2 = GRAVITY * row["distance"] ** 2 / (8 * row["height"]) + 2 * GRAVITY * row["height"]
+            assert row["speed"] ** 2 == pytest.approx(v2)
 
 
-def test_the_report_says_what_was_asked_for_and_what_was_resolved(
+def test_the_report_lists_requested_and_resolved_parameters(
     found: dict[str, JumpSummary],
 ) -> None:
     roo, toc = facts(found["roo"]), facts(found["toc"])
@@ -134,14 +129,14 @@ def test_saturated_legs_are_reported(found: dict[str, JumpSummary]) -> None:
     assert "more than there is" not in table(found["roo"])
 
 
-def test_walkers_are_left_out_and_a_scene_without_jumps_is_an_error() -> None:
+def test_walkers_are_omitted_and_scenes_without_jumps_refused() -> None:
     walker = "{name: w, figure: beetle, walk: {}}"
-    assert [told["name"] for told in report_jumps(scene_of(walker, ROO)).facts] == ["roo"]
+    assert [row["name"] for row in report_jumps(scene_of(walker, ROO)).facts] == ["roo"]
     with pytest.raises(UsageError, match="nobody in this scene hops"):
         report_jumps(scene_of(walker))
 
 
-def test_the_command_prints_tables_or_json(
+def test_jumps_command_prints_tables_or_json(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -1,4 +1,4 @@
-"""Render speed and options of size."""
+"""Render speed, and options of size and samples."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def test_the_table_has_every_preset_and_the_time_of_the_film() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_measures_and_overwrites_nothing(studio, pronk) -> None:
+def test_bench_measures_and_overwrites_nothing(studio, pronk) -> None:
     before = studio.state()
-    words = ("bench", "tiny", "--preset", "draft", "--frames", "1", "--json")
-    words += ("--size", "64x36")
-    code, out, _ = pronk(*words, cwd=studio.folder)
+    arguments = ("bench", "tiny", "--preset", "draft", "--frames", "1", "--json")
+    arguments += ("--size", "64x36")
+    code, out, _ = pronk(*arguments, cwd=studio.folder)
     assert code == 0
     (speed,) = json.loads(out.splitlines()[-1])["presets"]
     assert speed["preset"] == "draft"
@@ -41,8 +41,8 @@ def test_the_command_measures_and_overwrites_nothing(studio, pronk) -> None:
 @pytest.mark.slow
 def test_size_and_samples_are_settings_of_the_film(unmade, pronk, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
-    words = ("frame", "tiny", "1", "--size", "32x18", "--samples", "2", "--json")
-    code, _, _ = pronk(*words, cwd=studio.folder)
+    arguments = ("frame", "tiny", "1", "--size", "32x18", "--samples", "2", "--json")
+    code, _, _ = pronk(*arguments, cwd=studio.folder)
     assert code == 0
     from render.image_files import read_png
 
@@ -50,14 +50,14 @@ def test_size_and_samples_are_settings_of_the_film(unmade, pronk, tmp_path) -> N
 
 
 @pytest.mark.parametrize(
-    ("size", "code", "says"),
+    ("size", "code", "expected"),
     [
         ("12", 2, "--size '12' is no size; write width and height, as in 1280x720"),
         ("641x360", 3, "film.size"),
     ],
 )
-def test_a_bad_size_is_refused_with_a_right_one(unmade, pronk, size, code, says) -> None:
-    got, _, said = pronk("frame", "tiny", "1", "--size", size, cwd=unmade.folder)
+def test_an_invalid_size_is_refused_with_a_valid_one(unmade, pronk, size, code, expected) -> None:
+    got, _, message = pronk("frame", "tiny", "1", "--size", size, cwd=unmade.folder)
     assert got == code
-    assert says in said
-    assert "Traceback" not in said
+    assert expected in message
+    assert "Traceback" not in message

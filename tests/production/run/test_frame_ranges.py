@@ -31,12 +31,12 @@ def test_frames_are_ascending_and_each_once(text: str | None, frames: list[int])
 @given(st.text("0123456789-x,:y@# .abc", max_size=12))
 def test_any_text_gives_frames_of_the_scene_or_a_message(text: str) -> None:
     frames: tuple[int, ...] = ()
-    told = ""
+    message = ""
     try:
         frames = parse_frames(text, 20)
     except UsageError as error:
-        told = str(error)
-    assert bool(frames) != told.startswith(f"--frames '{text}': ")
+        message = str(error)
+    assert bool(frames) != message.startswith(f"--frames '{text}': ")
     assert list(frames) == sorted(set(frames))
     assert set(frames) <= set(range(1, 21))
 

@@ -1,4 +1,4 @@
-"""Interrupted runs: a run that was stopped at any moment can go on to the same film."""
+"""Interrupted runs: resumed after any interruption they make the same film."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ if TYPE_CHECKING:
 Start = Callable[..., "Running"]
 
 
-def _whole(studio: Studio, film: Studio) -> None:
+def _assert_complete(studio: Studio, film: Studio) -> None:
     """Check that a film is there, byte for byte, and nothing else."""
     assert studio.contents() == film.contents()
 
 
-def _fresh(film: Studio, place: Path) -> Studio:
+def _copy_without_outputs(film: Studio, place: Path) -> Studio:
     studio = film.copied(place)
     shutil.rmtree(studio.made)
     return studio
 
 
-def _watched(studio: Studio, wanted: Callable[[], bool], running: Running) -> None:
-    """Wait until something is there, or the run is at its end."""
+def _wait_for(studio: Studio, wanted: Callable[[], bool], running: Running) -> None:
+    """Wait until a file exists or the run has ended."""
     while running.process.poll() is None and not wanted():
         time.sleep(0.01)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.nightly)])
-def test_an_interrupted_run_can_go_on(
+def test_an_interrupted_run_can_be_resumed(
     film: Studio, tmp_path: Path, start: Start, jobs: int
 ) -> None:
-    studio = _fresh(film, tmp_path / "studio")
+    studio = _copy_without_outputs(film, tmp_path / "studio")
     running = start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder)
-    _watched(studio, studio.frame(1).exists, running)
+    _wait_for(studio, studio.frame(1).exists, running)
     running.interrupt()
     code, out, err = running.end()
     assert (code, out) == (130, "")
@@ -54,14 +54,14 @@ def test_an_interrupted_run_can_go_on(
     assert err.rstrip().endswith("stopped; the same command goes on where it was")
     assert not (studio.made / "tiny.mp4").exists()
     assert start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder).end()[0] == 0
-    _whole(studio, film)
+    _assert_complete(studio, film)
 
 
 @pytest.mark.slow
-def test_interrupted_at_any_moment_there_is_no_traceback(
+def test_an_interrupt_at_any_moment_gives_no_traceback(
     film: Studio, tmp_path: Path, start: Start
 ) -> None:
-    studio = _fresh(film, tmp_path / "studio")
+    studio = _copy_without_outputs(film, tmp_path / "studio")
     for delay in (0.4, 0.8, 1.2, 1.6, 2.0, 2.6, 3.2):
         running = start("render", "tiny", "--jobs", "2", cwd=studio.folder)
         time.sleep(delay)
@@ -71,21 +71,21 @@ def test_interrupted_at_any_moment_there_is_no_traceback(
         assert code in (0, 130), delay
 
 
-def _killed_often(
+def _kill_repeatedly(
     film: Studio, place: Path, start: Start, times: int, jobs: int, seed: int
 ) -> None:
     """Kill runs at random moments spread over the length of a run, then let one finish."""
-    studio = _fresh(film, place)
+    studio = _copy_without_outputs(film, place)
     began = time.monotonic()
-    words = ("render", "tiny", "--jobs", str(jobs))
-    assert start(*words, cwd=studio.folder).end()[0] == 0
+    arguments = ("render", "tiny", "--jobs", str(jobs))
+    assert start(*arguments, cwd=studio.folder).end()[0] == 0
     length = time.monotonic() - began
-    _whole(studio, film)
+    _assert_complete(studio, film)
     shutil.rmtree(studio.made)
     delays = random.Random(seed)
     killed = 0
     for i in range(times):
-        running = start(*words, cwd=studio.folder)
+        running = start(*arguments, cwd=studio.folder)
         time.sleep(length * (i + delays.random()) / times)
         killed += running.process.poll() is None
         running.kill()
@@ -95,30 +95,25 @@ def _killed_often(
             shutil.rmtree(studio.made / "frames", ignore_errors=True)
             (studio.made / "tiny.mp4").unlink(missing_ok=True)
     assert killed >= times // 2
-    code, _, err = start(*words, cwd=studio.folder).end()
+    code, _, err = start(*arguments, cwd=studio.folder).end()
     assert (code, "Traceback" in err) == (0, False)
-    _whole(studio, film)
+    _assert_complete(studio, film)
 
 
 @pytest.mark.nightly
-def test_killed_thrice_the_film_is_the_same(film: Studio, tmp_path: Path, start: Start) -> None:
-    _killed_often(film, tmp_path / "studio", start, 3, 1, seed=1)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("jobs", "seed"), [(1, 2), (2, 3)])
-def test_killed_ten_times_the_film_is_the_same(
-    film: Studio, tmp_path: Path, start: Start, jobs: int, seed: int
+@pytest.mark.parametrize(("times", "jobs", "seed"), [(3, 1, 1), (10, 1, 2), (10, 2, 3)])
+def test_a_film_is_equal_after_killed_runs(
+    film: Studio, tmp_path: Path, start: Start, times: int, jobs: int, seed: int
 ) -> None:
-    _killed_often(film, tmp_path / "studio", start, 10, jobs, seed)
+    _kill_repeatedly(film, tmp_path / "studio", start, times, jobs, seed)
 
 
 @pytest.mark.nightly
-def test_workers_end_with_a_run_that_is_killed(film: Studio, tmp_path: Path, start: Start) -> None:
-    studio = _fresh(film, tmp_path / "studio")
+def test_workers_end_with_a_killed_run(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
     sets = ("--set", "frames=200", "--jobs", "2")
     running = start("render", "tiny", *sets, cwd=studio.folder)
-    _watched(studio, studio.frame(1).exists, running)
+    _wait_for(studio, studio.frame(1).exists, running)
     running.kill()
     seen = len(list((studio.made / "frames").iterdir()))
     # The pipes close when the last process that holds them has ended.
@@ -129,10 +124,10 @@ def test_workers_end_with_a_run_that_is_killed(film: Studio, tmp_path: Path, sta
 
 
 @pytest.mark.nightly
-def test_a_worker_that_dies_ends_the_run(film: Studio, tmp_path: Path, start: Start) -> None:
-    studio = _fresh(film, tmp_path / "studio")
+def test_a_killed_worker_ends_the_run(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
     running = start("render", "tiny", "--set", "frames=200", "--jobs", "2", cwd=studio.folder)
-    _watched(studio, studio.frame(1).exists, running)
+    _wait_for(studio, studio.frame(1).exists, running)
     children = Path(f"/proc/{running.process.pid}/task/{running.process.pid}/children")
     for child in children.read_text().split():
         command = Path(f"/proc/{child}/cmdline").read_bytes()
@@ -142,7 +137,7 @@ def test_a_worker_that_dies_ends_the_run(film: Studio, tmp_path: Path, start: St
     code, out, err = running.end()
     assert (code, out) == (4, "")
     assert err.splitlines()[-1] == (
-        "error: a process that rendered has died; if memory was short, try fewer --jobs"
+        "error: tiny.yaml: a process that rendered has died; if memory was short, try fewer --jobs"
     )
     assert "Traceback" not in err
 
@@ -165,7 +160,7 @@ def test_unfinished_files_of_a_killed_run_are_removed(studio: Studio, film: Stud
         (studio.made / name).parent.mkdir(parents=True, exist_ok=True)
         (studio.made / name).write_bytes(b"torn")
     studio.render()
-    _whole(studio, film)
+    _assert_complete(studio, film)
 
 
 @pytest.mark.parametrize("name", ["l", "lock", "take", "x" * 80])
@@ -189,32 +184,36 @@ def occupied(studio: Studio) -> Iterator[Studio]:
 
 
 @pytest.mark.parametrize(
-    "words",
+    "arguments",
     [("render",), ("simulate",), ("midi",), ("frame", "2"), ("sheet",)],
-    ids=lambda words: words[0],
+    ids=lambda arguments: arguments[0],
 )
 def test_a_second_run_in_the_same_folder_is_refused(
-    occupied: Studio, pronk: Callable[..., tuple[int, str, str]], words: tuple[str, ...]
+    occupied: Studio, pronk: Callable[..., tuple[int, str, str]], arguments: tuple[str, ...]
 ) -> None:
     before = occupied.state()
-    command, *more = words
+    command, *more = arguments
     code, out, err = pronk(command, "tiny", *more, "--set", "seed=9", cwd=occupied.folder)
     assert (code, out) == (4, "")
-    assert err.splitlines() == ["error: out/tiny: another run is at work here; wait for its end"]
+    named = "" if command == "frame" else "tiny.yaml: "
+    told = f"error: {named}out/tiny: another run is at work here; wait for its end"
+    assert err.splitlines() == [told]
     assert occupied.changes(before) == set()
 
 
 @pytest.mark.nightly
-def test_of_two_runs_at_once_one_makes_the_film(film: Studio, tmp_path: Path, start: Start) -> None:
-    studio = _fresh(film, tmp_path / "studio")
+def test_one_of_two_simultaneous_runs_makes_the_film(
+    film: Studio, tmp_path: Path, start: Start
+) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
     both = [start("render", "tiny", cwd=studio.folder) for _ in range(2)]
     ends = [running.end() for running in both]
     assert sorted(code for code, _, _ in ends) == [0, 4]
     refused = next(err for code, _, err in ends if code == 4)
     assert refused.splitlines() == [
-        "error: out/tiny: another run is at work here; wait for its end"
+        "error: tiny.yaml: out/tiny: another run is at work here; wait for its end"
     ]
-    _whole(studio, film)
+    _assert_complete(studio, film)
 
 
 @pytest.mark.slow
@@ -222,4 +221,4 @@ def test_two_processes_render_the_same_bytes_as_one(studio: Studio, film: Studio
     shutil.rmtree(studio.made / "frames")
     (studio.made / "tiny.mp4").unlink()
     studio.render(jobs=2)
-    _whole(studio, film)
+    _assert_complete(studio, film)

@@ -1,4 +1,4 @@
-"""Outputs: films of exactly the frames asked for, and notes on the frames."""
+"""Outputs: films of exactly the requested frames, and notes on the frames."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def sounds(film: Path) -> list[str]:
         ("1-2,8", "tiny_1-2_8.mp4", 3, ["video"]),
     ],
 )
-def test_a_part_of_the_film_has_the_frames_asked_for(
+def test_a_part_of_the_film_has_the_requested_frames(
     studio: Studio, frames: str, name: str, count: int, streams: list[str]
 ) -> None:
     before = studio.state()
@@ -75,8 +75,8 @@ def _onsets(path: Path) -> list[Fraction]:
 @pytest.mark.parametrize(
     "fps", ["30000/1001", *(pytest.param(f, marks=pytest.mark.slow) for f in ("24", "25", "60"))]
 )
-def test_every_note_stands_on_the_frame_of_its_event(studio: Studio, fps: str) -> None:
-    # A pitch for each foot, so that no two notes of one frame are one.
+def test_every_note_is_on_the_frame_of_its_event(studio: Studio, fps: str) -> None:
+    # A pitch for each foot keeps the notes of one frame apart.
     order = studio.order(f"fps={fps}", "frames=40", "sound.voices=[{pitch: by foot}]")
     outputs = score_only(order, Reporter())
     lines = outputs.events.read_text(encoding="utf-8").splitlines()
@@ -104,18 +104,18 @@ def heard(path: Path) -> tuple[np.ndarray, int]:
         return np.abs(np.concatenate(blocks, axis=1)).max(axis=0), stream.rate
 
 
-def test_a_film_sounds_on_its_frame(film: Studio) -> None:
+def test_sound_starts_on_its_frame(film: Studio) -> None:
     """The first steps of all stand alone; before them there is silence."""
     lines = (film.made / "events.jsonl").read_text(encoding="utf-8").splitlines()
     first = min(json.loads(line)["frame"] for line in lines)
     signal, rate = heard(film.made / "tiny.mp4")
-    # What AAC smears ahead of an onset stays below a twentieth of the peak.
+    # AAC spreads less than a twentieth of the peak ahead of an onset.
     onset = int(np.argmax(signal > 0.05 * signal.max())) / rate
     assert first > 2
     assert onset == pytest.approx((first - 1) / 24, abs=0.001)
 
 
-def test_a_part_of_the_film_sounds_as_the_whole_does_there(studio: Studio) -> None:
+def test_sound_of_a_part_equals_that_of_the_film(studio: Studio) -> None:
     """The first steps are heard 4 frames after the start, or 2 after that of frames 3-8."""
     studio.render(frames="3-8")
     onsets = []
@@ -126,7 +126,7 @@ def test_a_part_of_the_film_sounds_as_the_whole_does_there(studio: Studio) -> No
 
 
 @pytest.mark.slow
-def test_without_sound_there_is_none(unmade: Studio, tmp_path: Path) -> None:
+def test_a_film_without_sound_has_no_sound_track(unmade: Studio, tmp_path: Path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     studio.render(sound=False, frames="1-2")
     assert not list(studio.made.glob("*.mid"))
@@ -155,7 +155,7 @@ def test_frames_in_exr_make_the_same_film_as_their_pictures(studio: Studio) -> N
 
 
 @pytest.mark.slow
-def test_a_master_has_ten_bits_and_the_sound_as_it_was(studio: Studio) -> None:
+def test_a_master_has_ten_bits_and_uncompressed_sound(studio: Studio) -> None:
     sets = ("film.preset=master", "film.size=[64,36]", "film.samples=1", "film.denoise=off")
     studio.render(*sets)
     film = studio.made / "tiny.mov"
@@ -177,7 +177,7 @@ def test_a_master_has_ten_bits_and_the_sound_as_it_was(studio: Studio) -> None:
     assert (studio.made / "frames" / "0008.exr").exists()
 
 
-def test_a_single_frame_is_that_of_the_film(film: Studio, tmp_path: Path, pronk: Pronk) -> None:
+def test_a_single_frame_equals_that_of_the_film(film: Studio, tmp_path: Path, pronk: Pronk) -> None:
     studio = film.copied(tmp_path / "studio")
     before = studio.state()
     assert pronk("frame", "tiny", "3", cwd=studio.folder)[1] == "out/tiny/frames/0003.png\n"
@@ -190,8 +190,8 @@ def test_a_single_frame_is_that_of_the_film(film: Studio, tmp_path: Path, pronk:
 
 def test_a_sheet_shows_frames_of_the_film(studio: Studio, pronk: Pronk) -> None:
     before = studio.state()
-    words = ("sheet", "tiny", "--count", "4", "--columns", "2")
-    assert pronk(*words, cwd=studio.folder)[1] == "out/tiny/tiny_sheet.png\n"
+    arguments = ("sheet", "tiny", "--count", "4", "--columns", "2")
+    assert pronk(*arguments, cwd=studio.folder)[1] == "out/tiny/tiny_sheet.png\n"
     assert studio.changes(before) == {"tiny_sheet.png"}
     sheet = read_png(studio.made / "tiny_sheet.png")
     assert sheet.shape == (2 * 36 + 3 * 6, 2 * 64 + 3 * 6, 3)
@@ -208,27 +208,29 @@ def test_any_name_in_any_folder_makes_a_film(
     folder.mkdir()
     text = unmade.scene.read_text(encoding="utf-8").replace("title: Tiny", f'title: "{name}"')
     (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
-    words = ("--out", "the films", "--frames", "1-2")
-    code, out, _ = pronk("render", f"ein Ordner ß/{name}", *words, cwd=tmp_path)
+    arguments = ("--out", "the films", "--frames", "1-2")
+    code, out, _ = pronk("render", f"ein Ordner ß/{name}", *arguments, cwd=tmp_path)
     assert (code, out) == (0, f"the films/{name}\n")
     made = tmp_path / "the films" / name
     assert len(shown(made / f"{name}_1-2.mp4")) == 2
     assert json.loads((made / "manifest.json").read_text(encoding="utf-8"))["title"] == name
-    # A cue names what was heard; a reader of its own finds the notes.
+    # Cues name the sounds; an independent reader finds the notes.
     assert len(_onsets(made / f"{name}.mid")) == 6
 
 
 def test_json_lines_are_valid(studio: Studio, pronk: Pronk) -> None:
     studio.frame(4).unlink()
     code, out, err = pronk("render", "tiny", "--json", cwd=studio.folder)
-    said = [json.loads(line) for line in out.splitlines()]
+    events = [json.loads(line) for line in out.splitlines()]
     assert (code, err) == (0, "")
-    stages = [one["stage"] for one in said if one["event"] == "begin"]
+    stages = [one["stage"] for one in events if one["event"] == "begin"]
     assert stages == ["simulate", "score", "render", "film"]
-    assert [one["stage"] for one in said if one["event"] == "end"] == stages
-    done = [one["done"] for one in said if one["event"] == "progress" and one["stage"] == "render"]
+    assert [one["stage"] for one in events if one["event"] == "end"] == stages
+    done = [
+        one["done"] for one in events if one["event"] == "progress" and one["stage"] == "render"
+    ]
     assert done == [7, 8]
-    assert said[-1] == {"event": "result", "text": "out/tiny"}
+    assert events[-1] == {"event": "result", "text": "out/tiny"}
 
 
 def test_quiet_runs_print_nothing(studio: Studio, pronk: Pronk) -> None:
@@ -237,7 +239,7 @@ def test_quiet_runs_print_nothing(studio: Studio, pronk: Pronk) -> None:
     assert studio.frame(4).is_file()
 
 
-def test_a_log_lists_the_stages(studio: Studio, pronk: Pronk) -> None:
+def test_log_output_lists_the_stages(studio: Studio, pronk: Pronk) -> None:
     studio.frame(4).unlink()
     code, out, err = pronk("render", "tiny", cwd=studio.folder)
     assert (code, out) == (0, "out/tiny\n")

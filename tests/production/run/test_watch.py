@@ -35,7 +35,7 @@ def test_every_change_makes_a_picture_and_errors_are_reported(tmp_path: Path) ->
     file.write_text(SCENE)
     edits = iter([SCENE.replace("walk", "wlak"), SCENE.replace("4", "6"), None])
     asked: list[Stamps] = []
-    said: list[PronkError] = []
+    errors: list[PronkError] = []
     made: list[Order] = []
 
     def changes(files: Stamps) -> Iterator[object]:
@@ -53,10 +53,10 @@ def test_every_change_makes_a_picture_and_errors_are_reported(tmp_path: Path) ->
         return tmp_path / f"{len(made)}.png"
 
     report = Results()
-    watch(file, order_of, make, report, said.append, changes)
+    watch(file, order_of, make, report, errors.append, changes)
     assert [order.scene.n_frames for order in made] == [4, 6]
     assert report.results == [str(tmp_path / "1.png"), str(tmp_path / "2.png")]
-    (mistake,) = said
+    (mistake,) = errors
     assert "did you mean 'walk'" in str(mistake)
     assert all(file in files for files in asked)
     assert len(asked) == 3

@@ -15,11 +15,11 @@ import pipeline
 ROOT = Path(pipeline.__file__).parents[1]
 
 
-def run(*words: str | Path, cwd: Path) -> str:
-    """Run a command that must end well; return its output."""
-    # What stands in this process's environment is not a stranger's.
+def run(*arguments: str | Path, cwd: Path) -> str:
+    """Run a command that must succeed; return its output."""
+    # A user's environment has none of this process's variables.
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    end = subprocess.run([*map(str, words)], cwd=cwd, env=clean, capture_output=True, text=True)
+    end = subprocess.run([*map(str, arguments)], cwd=cwd, env=clean, capture_output=True, text=True)
     assert end.returncode == 0, end.stdout + end.stderr
     return end.stdout
 
@@ -62,8 +62,8 @@ def test_an_installed_pronk_makes_a_film_in_an_empty_folder(wheel: Path, tmp_pat
     folder.mkdir()
     run(scripts / "pronk", "new", "hello", cwd=folder)
     assert "right: " in run(scripts / "pronk", "check", "hello.yaml", cwd=folder)
-    words = ("render", "hello.yaml", "--preset", "draft", "--frames", "1-3")
-    assert run(scripts / "pronk", *words, cwd=folder) == f"out{os.sep}hello\n"
+    arguments = ("render", "hello.yaml", "--preset", "draft", "--frames", "1-3")
+    assert run(scripts / "pronk", *arguments, cwd=folder) == f"out{os.sep}hello\n"
     made = folder / "out" / "hello"
     frames = [path.name for path in sorted((made / "frames").iterdir())]
     assert frames == ["0001.png", "0002.png", "0003.png"]

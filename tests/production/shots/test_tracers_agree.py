@@ -45,7 +45,7 @@ def shot_of(name: str) -> Shot:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", SCENES)
-def test_equal_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
+def test_tracers_agree_on_the_light_of_shipped_scenes(renderer: Renderer, name: str) -> None:
     """Within 0.2 % in the mean, and at most four standard errors apart."""
     from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer

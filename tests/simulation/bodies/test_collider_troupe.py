@@ -23,12 +23,12 @@ def crate(name: str, at: object) -> str:
     return CRATE.format(name=name, at=at)
 
 
-def placed(take: Take, name: str) -> np.ndarray:
+def positions_of(take: Take, name: str) -> np.ndarray:
     """Where a node is in all rows (K, 3)."""
     return take.positions[:, [node.name for node in take.nodes].index(name)]
 
 
-def refused(scene: Scene) -> str:
+def error_text(scene: Scene) -> str:
     with pytest.raises(SceneError) as caught:
         Simulation(scene)
     return str(caught.value)
@@ -49,16 +49,16 @@ def test_wall_is_many_nodes_of_one_performer(scene_of: Scenes) -> None:
 
 
 def test_every_layout_has_its_count_and_no_overlaps(scene_of: Scenes) -> None:
-    words = {
+    configs = {
         "wall": "rows: 3, columns: 4",
         "pyramid": "rows: 4",
         "stack": "count: 5",
         "row": "count: 6, along: [[1, 0], [1, 1]], spacing: 0.4",
         "heap": "count: 7",
     }
-    for layout, own in words.items():
+    for layout, keys in configs.items():
         box = "{shape: box, size: [0.1, 0.3, 0.2]}"
-        many = f"{{layout: {layout}, of: {box}, {own}}}"
+        many = f"{{layout: {layout}, of: {box}, {keys}}}"
         text = f"{{name: some, many: {many}, heading_deg: 30}}"
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
         (colliders,) = Simulation(scene).troupes
@@ -70,21 +70,21 @@ def test_every_layout_has_its_count_and_no_overlaps(scene_of: Scenes) -> None:
 def test_overlapping_bodies_are_refused_with_names_and_depth(
     scene_of: Scenes,
 ) -> None:
-    told = refused(scene_of(crate("one", [0, 1, 0]), crate("two", [0.2, 1, 0])))
-    assert "cast[0].at" in told
-    assert "'one' begins 0.1 m deep in 'two'; move one of them" in told
+    message = error_text(scene_of(crate("one", [0, 1, 0]), crate("two", [0.2, 1, 0])))
+    assert "cast[0].at" in message
+    assert "'one' begins 0.1 m deep in 'two'; move one of them" in message
 
 
-def test_bodies_that_begin_in_the_ground_are_refused(scene_of: Scenes) -> None:
-    told = refused(scene_of(crate("one", [0, 0.1, 0]), crate("two", [3, 1, 0])))
-    assert "'one' begins 0.05 m deep in the terrain" in told
-    assert "two" not in told
+def test_bodies_that_start_in_the_ground_are_refused(scene_of: Scenes) -> None:
+    message = error_text(scene_of(crate("one", [0, 0.1, 0]), crate("two", [3, 1, 0])))
+    assert "'one' begins 0.05 m deep in the terrain" in message
+    assert "two" not in message
 
 
-def test_bodies_that_begin_in_a_creature_are_refused(scene_of: Scenes) -> None:
-    told = refused(scene_of("{name: bug, figure: beetle}", crate("one", [0, 0.3, 0])))
-    assert "'one' begins" in told
-    assert "'bug." in told
+def test_bodies_that_start_in_a_creature_are_refused(scene_of: Scenes) -> None:
+    message = error_text(scene_of("{name: bug, figure: beetle}", crate("one", [0, 0.3, 0])))
+    assert "'one' begins" in message
+    assert "'bug." in message
 
 
 def test_bodies_that_leave_the_terrain_are_removed_with_a_note(scene_of: Scenes) -> None:
@@ -95,7 +95,7 @@ def test_bodies_that_leave_the_terrain_are_removed_with_a_note(scene_of: Scenes)
     (note,) = take.notes
     assert (note.kind, note.part) == ("dropped", "ball")
     row = note.step
-    assert placed(take, "ball")[row, 1] < -10.0 < placed(take, "ball")[row - 1, 1]
+    assert positions_of(take, "ball")[row, 1] < -10.0 < positions_of(take, "ball")[row - 1, 1]
     assert take.alive[row - 1].all()
     assert not take.alive[row:, 0].any()
     assert take.alive[:, 1].all()
@@ -154,7 +154,7 @@ def test_bodies_bounce_off_a_dancers_head_and_lie_on_its_drum(scene_of: Scenes) 
         "subtasks: [{hand: l, reach: [0.3, 1.3, -0.4]}]}}",
     )
     take = simulate(scene)
-    ball_way, cube_way = placed(take, "ball"), placed(take, "cube")
+    ball_way, cube_way = positions_of(take, "ball"), positions_of(take, "cube")
     met = [c for c in take.contacts if c.performer == "ball"]
     assert met[0].other == "zoe.head"
     assert ball_way[:, 1].min() < 0.5
@@ -173,12 +173,12 @@ def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
     np.testing.assert_array_equal(
         with_ball.positions[:, : without.positions.shape[1]], without.positions
     )
-    way = placed(with_ball, "ball")
-    assert np.abs(way[-1, [0, 2]] - way[0, [0, 2]]).max() > 0.2
+    path = positions_of(with_ball, "ball")
+    assert np.abs(path[-1, [0, 2]] - path[0, [0, 2]]).max() > 0.2
     assert any(c.other.startswith("bug.") for c in with_ball.contacts)
 
 
-def test_steps_between_rows_do_not_matter_to_order(scene_of: Scenes) -> None:
+def test_script_orders_take_effect_between_rows(scene_of: Scenes) -> None:
     scene = scene_of(
         crate("one", [0, 1.0, 0]),
         crate("two", [0.05, 1.6, 0]),
@@ -231,7 +231,7 @@ def test_mesh_files_are_relative_to_the_scene(tmp_path: Path) -> None:
     assert len(recorder.nodes) == 2
 
 
-# --- what rolls and slides --------------------------------------------------------
+# --- rolling and sliding ----------------------------------------------------------
 
 SLED = (
     "{name: sled, body: {shape: box, size: [0.6, 0.1, 0.6], friction: 0.3, bounciness: 0,"
@@ -243,8 +243,8 @@ TABLE = (
 )
 
 
-def rubbed(take: Take) -> list[tuple[str, str, str, float, float]]:
-    """Who rolls or slides how, on what, from when to when [s]."""
+def rolling_and_sliding(take: Take) -> list[tuple[str, str, str, float, float]]:
+    """Return performer, motion, surface, start and end [s] of rolling and sliding."""
     found = [c for c in take.contacts if c.kind in ("roll", "slide")]
     assert [(e.step, e.cause) for e in take.events if e.cause in ("roll", "slide")] == [
         (c.step, c.kind) for c in found
@@ -260,7 +260,7 @@ def test_sliding_ends_at_low_speed(
 ) -> None:
     sled = SLED + f"at: [-1, {height}, 0], velocity: [2, 0, 0]}}"
     take = simulate(scene_of(sled, *cast, terrain="flat", duration=1.5))
-    ((who, kind, on, begin, end),) = rubbed(take)
+    ((who, kind, on, begin, end),) = rolling_and_sliding(take)
     assert (who, kind, on) == ("sled", "slide", other)
     assert begin == pytest.approx(0.0, abs=0.03)
     mu = 0.3 if other == "terrain" else 0.5  # of two frictions the greater holds
@@ -274,6 +274,6 @@ def test_a_ball_rolls_and_resting_bodies_are_silent(scene_of: Scenes) -> None:
     )
     stack = "{name: s, many: {layout: stack, count: 3, of: cube}, at: [-2, 2]}"
     take = simulate(scene_of(ball, stack, terrain="flat", duration=1.0))
-    ((_, kind, on, begin, end),) = rubbed(take)
+    ((_, kind, on, begin, end),) = rolling_and_sliding(take)
     assert (kind, on, end) == ("roll", "terrain", 1.0)
     assert begin < 0.03

@@ -28,7 +28,7 @@ def test_a_die_makes_a_contact_when_it_strikes(die: Take) -> None:
     hits = [c for c in die.contacts if c.kind == "hit"]
     heard = [e for e in die.events if e.cause == "collision"]
     assert {(e.who, e.other) for e in heard} == {("die", "terrain")}
-    # Each but those that follow the last one heard too soon for an ear.
+    # All impacts but those too soon after the last for an ear.
     steps, last = 0.04 * float(die.header.rate * die.header.steps), -math.inf
     for hit in hits:
         if hit.step + hit.fraction - last >= steps:
@@ -52,8 +52,10 @@ def test_a_die_comes_to_rest_on_a_face(die: Take) -> None:
 RAMP = "{kind: ramp, size: [40, 10], slope_deg: 10, course: up, start: -15, height: 4}"
 
 
-def rubs_of(member: str, terrain: str, duration: float = 3) -> list[tuple[str, float, float]]:
-    """Return kind, begin and end of what a body is heard to roll or slide [s]."""
+def rolling_and_sliding(
+    member: str, terrain: str, duration: float = 3
+) -> list[tuple[str, float, float]]:
+    """Return kind, start and end [s] of each stretch of rolling or sliding of a body."""
     take = simulate(scene_of(member, terrain=terrain, duration=duration))
     contacts = [c for c in take.contacts if c.kind in ("roll", "slide")]
     events = [e for e in take.events if e.cause in ("roll", "slide")]
@@ -65,7 +67,7 @@ def rubs_of(member: str, terrain: str, duration: float = 3) -> list[tuple[str, f
 
 def test_a_rolling_ball_makes_one_rolling_contact() -> None:
     ball = "{body: {shape: sphere, radius: 0.2, bounciness: 0, friction: 0.8}, at: [4, -2]}"
-    ((kind, begin, end),) = rubs_of(ball, RAMP)
+    ((kind, begin, end),) = rolling_and_sliding(ball, RAMP)
     assert (kind, end) == ("roll", 3.0)
     # It is as quick as is heard after v / (5/7 g sin slope).
     assert begin == pytest.approx(0.1 / (5 / 7 * 9.81 * np.sin(np.radians(10))), abs=0.03)
@@ -73,17 +75,17 @@ def test_a_rolling_ball_makes_one_rolling_contact() -> None:
 
 @pytest.mark.parametrize("shape", ["sphere", "cube"])
 def test_resting_bodies_neither_roll_nor_slide(shape: str) -> None:
-    assert rubs_of(f"{{body: {{shape: {shape}}}, at: [0, 1, 0]}}", "flat") == []
+    assert rolling_and_sliding(f"{{body: {{shape: {shape}}}, at: [0, 1, 0]}}", "flat") == []
 
 
 def test_sliding_ends_at_low_speed() -> None:
     box = "{body: {shape: box, size: [0.6, 0.1, 0.6], friction: 0.3}, at: [0, 0], "
-    ((kind, begin, end),) = rubs_of(box + "velocity: [2, 0, 0]}", "flat", 1.5)
+    ((kind, begin, end),) = rolling_and_sliding(box + "velocity: [2, 0, 0]}", "flat", 1.5)
     assert (kind, begin) == ("slide", pytest.approx(0.0, abs=0.02))
     assert end == pytest.approx((2.0 - 0.05) / (0.3 * 9.81), abs=0.03)
 
 
-def test_the_same_scene_gives_the_same_bytes() -> None:
+def test_takes_are_reproducible_to_the_bit() -> None:
     scene = scene_of(DIE, "{body: {shape: sphere}, at: [1, 1, 0]}", terrain="hills", duration=1)
     assert simulate(scene).digest == simulate(scene).digest
 
@@ -146,7 +148,7 @@ def test_invalid_bodies_are_refused(member: str, message: str) -> None:
     assert all(problem.line > 0 for problem in caught.value.problems)
 
 
-def test_a_body_follows_no_script() -> None:
+def test_scripts_for_bodies_are_refused() -> None:
     with pytest.raises(SceneError, match="'die' is a body, which no script moves"):
         read_scene(
             f"pronk: 1\nduration: 1\ncast: [{DIE}]\n"

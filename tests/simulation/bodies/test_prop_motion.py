@@ -144,9 +144,9 @@ def test_pieces_of_constant_force_are_pieces_of_parabolas() -> None:
 
 
 def test_a_constant_torque_gives_constant_angular_acceleration() -> None:
-    words = ForceMotion(torque=(0.0, 0.6, 0.0), mass=5.0)
+    config = ForceMotion(torque=(0.0, 0.6, 0.0), mass=5.0)
     box = BoxShape(shape="box", size=(0.4, 0.2, 0.9))
-    moment = prop_mass(box, words).inertia[1, 1]
+    moment = prop_mass(box, config).inertia[1, 1]
     member = (
         "{name: a, prop: {shape: box, size: [0.4, 0.2, 0.9]}, at: [0, 1, 0], heading_deg: 20,"
         " force: {torque: [0, 0.6, 0], mass: 5}}"
@@ -274,7 +274,7 @@ def test_scale_does_not_apply_to_children() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("config", "message"),
     [
         ("velocity: [1, 0, 0], keyframes: [{at: 0, scale: 2}]", "conflicts with keyframes"),
         ("velocity: [1, 0, 0], force: {}", "conflicts with velocity"),
@@ -304,7 +304,9 @@ def test_scale_does_not_apply_to_children() -> None:
         ("keyframes: [{at: 0, scale: [1, 1]}]", "must hold 3 values"),
     ],
 )
-def test_invalid_motions_are_refused(words: str, message: str) -> None:
+def test_invalid_motions_are_refused(config: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
-        Simulation(scene_of(f"{{prop: {{shape: ball}}, {words}}}", "{name: b, prop: {shape: box}}"))
+        Simulation(
+            scene_of(f"{{prop: {{shape: ball}}, {config}}}", "{name: b, prop: {shape: box}}")
+        )
     assert all(problem.line > 0 for problem in caught.value.problems)

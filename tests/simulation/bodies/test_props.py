@@ -66,7 +66,7 @@ def test_a_creature_stands_on_its_parent() -> None:
     assert take.nodes[hangs["beetle.body"]].name == "plate"
 
 
-def test_a_hand_takes_and_puts_down() -> None:
+def test_a_hand_picks_up_and_puts_down_a_prop() -> None:
     box = (
         "{name: box, prop: {shape: box}, at: [0, 2, 0],"
         " held: [{by: plate, at: 0.5, until: 1}, {by: cart, at: 1}]}"
@@ -136,7 +136,7 @@ def test_invalid_props_are_refused(cast: list[str], message: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "words",
+    "config",
     [
         BoxShape(shape="box", size=(0.4, 0.2, 1.0)),
         CylinderShape(shape="cylinder", radius=0.5, height=0.1),
@@ -146,8 +146,8 @@ def test_invalid_props_are_refused(cast: list[str], message: str) -> None:
         GearShape(shape="gear", teeth=9, radius=0.3),
     ],
 )
-def test_solids_are_closed_and_face_outward(words: Shape) -> None:
-    solid = prop_solid(words)
+def test_solids_are_closed_and_face_outward(config: Shape) -> None:
+    solid = prop_solid(config)
     edges = np.concatenate([solid.faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
     there = {(int(a), int(b)) for a, b in edges}
     assert len(there) == len(edges)

@@ -9,10 +9,15 @@ from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.torso import LINKS, dancer_proportions
 from pipeline.simulation.people.proportions import CHILD
 from pipeline.spec import read_scene
-from tests.simulation.dancers.dance_recorder import DanceRecording, build_dancer, record_motion
-from tests.simulation.dancers.test_dancers import MAX_PENETRATION, TOUCH_TOLERANCE
+from tests.simulation.dancers.dance_recorder import (
+    MAX_PENETRATION,
+    TOUCH_TOLERANCE,
+    DanceRecording,
+    build_dancer,
+    record_motion,
+)
 
-TWO = """dances:
+TWO_CONTROLLERS = """dances:
   two:
     bar: 4
     subtasks:
@@ -24,7 +29,7 @@ TWO = """dances:
 
 
 @pytest.mark.nightly
-def test_controller_of_each_arm() -> None:
+def test_arms_with_different_controllers_move_as_with_one() -> None:
     mixed = record_motion(
         "controller: {r: force-field, l: joint-torque}, tempo_bpm: 80, start: 1", 3.0
     )
@@ -39,7 +44,9 @@ def test_controller_of_each_arm() -> None:
 
 
 def test_controller_of_each_subtask_changes_at_rest() -> None:
-    motion = DanceRecording(build_dancer("dance: two, tempo_bpm: 60, start: 0.5", more=TWO))
+    motion = DanceRecording(
+        build_dancer("dance: two, tempo_bpm: 60, start: 0.5", more=TWO_CONTROLLERS)
+    )
     by = []
     while motion.dancer.now < 4.8:
         motion.strikes += motion.dancer.advance()
@@ -82,17 +89,17 @@ def test_child_dances_macarena(by: str) -> None:
 def test_uncompensated_gravity_lowers_hand() -> None:
     config = "dance: two, tempo_bpm: 60, start: 0.5, controller: force-field"
     plain, sagging = (
-        record_motion(f"{config}, compensate_gravity: {held}", 1.5, more=TWO)
+        record_motion(f"{config}, compensate_gravity: {held}", 1.5, more=TWO_CONTROLLERS)
         for held in ("true", "false")
     )
     assert plain.hands[-1][0, 1] - sagging.hands[-1][0, 1] > 0.003
 
 
-def test_winner_and_sum_reach_same_place() -> None:
+def test_winner_and_sum_of_fields_reach_the_same_place() -> None:
     ends = []
     for rule in ("sum", "winner"):
         config = f"dance: two, tempo_bpm: 60, start: 0.5, controller: force-field, combine: {rule}"
-        motion = record_motion(config, 1.6, more=TWO)
+        motion = record_motion(config, 1.6, more=TWO_CONTROLLERS)
         ends.append(motion.hands[-1][0])
         speed = np.linalg.norm(np.diff(np.array(motion.hands)[:, 0], axis=0), axis=1) * 96
         assert speed.max() < 4.0
@@ -102,7 +109,9 @@ def test_winner_and_sum_reach_same_place() -> None:
 def test_head_turns_to_moving_hand() -> None:
     names: list[float] = []
     for gaze in ("true", "false"):
-        dancer: DancerMotion = build_dancer(f"dance: two, tempo_bpm: 60, gaze: {gaze}", more=TWO)
+        dancer: DancerMotion = build_dancer(
+            f"dance: two, tempo_bpm: 60, gaze: {gaze}", more=TWO_CONTROLLERS
+        )
         while dancer.now < 1.9:
             dancer.advance()
         names.append(float(dancer.moving.q[dancer.torso.names.index("neck_rotation")]))

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.simulation.dancers.dance_recorder import DanceRecording, record_motion
-from tests.simulation.dancers.test_dancers import MAX_PENETRATION, unreached
+from tests.simulation.dancers.dance_recorder import (
+    MAX_PENETRATION,
+    DanceRecording,
+    missed_goals,
+    record_motion,
+)
 
 CONTROLLERS = ("force-field", "joint-torque")
 
@@ -55,7 +59,7 @@ def test_every_goal_is_reached_at_any_rate(by: str, rate: int, steps: int) -> No
     motion = full_dance(by, 103, rate, steps)
     for rows in (motion.q, motion.hands, motion.torques):
         assert np.isfinite(np.array(rows)).all()
-    assert unreached(motion, skipped=(2, 3) if by == "force-field" else ()) == []
+    assert missed_goals(motion, skipped=(2, 3) if by == "force-field" else ()) == []
     assert max(motion.deepest.values()) < MAX_PENETRATION
 
 

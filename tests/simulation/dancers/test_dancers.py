@@ -11,19 +11,16 @@ from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.proportions import ADULT, CHILD, SEGMENT_MASSES
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene, read_scene
-from tests.simulation.dancers.dance_recorder import DanceRecording, build_dancer, record_motion
+from tests.simulation.dancers.dance_recorder import (
+    MAX_PENETRATION,
+    DanceRecording,
+    build_dancer,
+    missed_goals,
+    record_motion,
+)
 
 TEMPI = (60, 80, 103)
 CONTROLLERS = ("force-field", "joint-torque")
-
-TOUCH_TOLERANCE = 0.04
-"""Largest distance of a hand from its touch point [m]."""
-
-ANGLE_TOLERANCE = np.radians(10.0)
-"""Largest error of an arm's direction and of a wrist's angle [rad]."""
-
-MAX_PENETRATION = 0.01
-"""Largest penetration of two solids [m]."""
 
 CASES = [
     pytest.param(by, tempo, marks=[] if tempo == 103 else pytest.mark.slow)
@@ -37,37 +34,11 @@ def macarena(by: str, tempo: float) -> DanceRecording:
     return record_motion(config, 1.0 + 13.0 * 60.0 / tempo)
 
 
-def unreached(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str]:
-    """Returns the missed subtasks with their errors."""
-    found = []
-    for move, hand in motion.moves():
-        if move.subtask in skipped:
-            continue
-        goal = motion.dancer.goals[move.subtask]
-        rows = motion.around(move, 0.1, 0.12)
-        if goal.surface is not None:
-            places = np.array(motion.places)[rows, move.subtask]
-            away = np.linalg.norm(np.array(motion.hands)[rows, hand] - places, axis=1).min()
-            if away > TOUCH_TOLERANCE:
-                found.append(f"{move.subtask + 1}: {100 * away:.1f} cm")
-        elif goal.sites:
-            forward = np.array(motion.forward)[rows, hand, 0].max()
-            if np.arccos(min(forward, 1.0)) > ANGLE_TOLERANCE:
-                found.append(f"{move.subtask + 1}: {np.degrees(np.arccos(forward)):.0f} degrees")
-        else:
-            wrist = motion.dancer.torso.wrist("rl"[hand])
-            turned = np.array(motion.q)[rows, wrist.start]
-            wanted = goal.held[4]
-            if np.abs(turned - wanted).min() > ANGLE_TOLERANCE:
-                found.append(f"{move.subtask + 1}: {np.degrees(turned - wanted).min():.0f} degrees")
-    return found
-
-
 @pytest.mark.parametrize(("by", "tempo"), CASES)
 def test_every_goal_is_reached_without_penetration(by: str, tempo: float) -> None:
     motion = macarena(by, tempo)
     # Force fields cannot turn a hand.
-    assert unreached(motion, skipped=(2, 3) if by == "force-field" else ()) == []
+    assert missed_goals(motion, skipped=(2, 3) if by == "force-field" else ()) == []
     deep = {pair: depth for pair, depth in motion.deepest.items() if depth > MAX_PENETRATION}
     assert deep == {}
     assert np.isfinite(np.array(motion.q)).all()
@@ -83,7 +54,7 @@ def test_only_joint_torques_turn_palms() -> None:
         assert (turned > 40).all() if by == "force-field" else (turned < -78).all()
 
 
-def test_torso_links_joints_and_masses() -> None:
+def test_torso_has_its_links_joints_and_masses() -> None:
     for person in (ADULT, CHILD):
         torso = build_torso(person)
         moving = [link for link in torso.linkage.links if link.hinges]
@@ -215,7 +186,7 @@ def test_motion_is_reproducible_alone_and_beside_other_performers() -> None:
 
 
 @pytest.mark.slow
-def test_position_and_heading_of_dancer() -> None:
+def test_dancer_stands_at_its_position_and_heading() -> None:
     head = "pronk: 1\nduration: 1.5\nterrain: {preset: hills}\ncast:\n"
     plain = "- {name: a, dancer: torso, tempo_bpm: 120}\n"
     moved = "- {name: a, dancer: torso, tempo_bpm: 120, at: [2, -3], heading_deg: 90}\n"

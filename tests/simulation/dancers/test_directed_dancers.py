@@ -70,8 +70,10 @@ def run_until(simulation: Simulation, until: float) -> np.ndarray:
     return np.array(dancer.moving.places[[arm.palm for arm in dancer.arms]])
 
 
-def is_near(place: np.ndarray, wanted: tuple[float, float, float], tolerance: float = 0.03) -> bool:
-    return bool(np.linalg.norm(place - wanted) < tolerance)
+def is_close(
+    place: np.ndarray, target: tuple[float, float, float], tolerance: float = 0.03
+) -> bool:
+    return bool(np.linalg.norm(place - target) < tolerance)
 
 
 @EACH_CONTROLLER
@@ -80,21 +82,21 @@ def test_stop_hangs_arms_and_dance_resumes(by: str) -> None:
     simulation = build_simulation(
         "{at: 1.5, who: ada, do: stop}", "{at: 3.5, who: ada, do: dance}", config=config
     )
-    assert is_near(run_until(simulation, 1.1)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 1.1)[0], (0.42, 1.5, 0.3))
     for now in (2.9, 3.4):
         # The hand stays beside the thigh.
         hand = run_until(simulation, now)[0]
         assert hand[1] < 0.9
         assert abs(hand[0]) < 0.2
-    assert is_near(run_until(simulation, 4.6)[0], (0.42, 1.5, 0.3))
-    assert is_near(run_until(simulation, 5.6)[0], (0.42, 1.2, 0.3))
+    assert is_close(run_until(simulation, 4.6)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 5.6)[0], (0.42, 1.2, 0.3))
 
 
 @EACH_CONTROLLER
-def test_freeze(by: str) -> None:
+def test_frozen_dancer_stands_still(by: str) -> None:
     simulation = build_simulation("{at: 0.6, who: ada, do: freeze}", config=f"controller: {by}")
     start = run_until(simulation, 0.6)
-    assert not is_near(start[0], (0.42, 1.5, 0.3), 0.1)
+    assert not is_close(start[0], (0.42, 1.5, 0.3), 0.1)
     still = run_until(simulation, 1.2)
     # The hands stop within a hand's breadth.
     assert np.linalg.norm(still - start, axis=1).max() < 0.12
@@ -102,17 +104,17 @@ def test_freeze(by: str) -> None:
 
 
 @EACH_CONTROLLER
-def test_dance_for_one_bar_then_own_dance(by: str) -> None:
+def test_ordered_bar_is_followed_by_the_own_dance(by: str) -> None:
     simulation = build_simulation(
         "{at: 2.0, who: ada, do: {dance: out, bars: 1}}", config=f"controller: {by}"
     )
-    assert is_near(run_until(simulation, 1.1)[0], (0.42, 1.5, 0.3))
-    assert is_near(run_until(simulation, 3.1)[0], (0.35, 1.4, 0.5))
-    assert is_near(run_until(simulation, 4.1)[1], (0.35, 1.4, -0.5))
-    assert is_near(run_until(simulation, 5.1)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 1.1)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 3.1)[0], (0.35, 1.4, 0.5))
+    assert is_close(run_until(simulation, 4.1)[1], (0.35, 1.4, -0.5))
+    assert is_close(run_until(simulation, 5.1)[0], (0.42, 1.5, 0.3))
 
 
-def test_arrived_signal_after_last_bar() -> None:
+def test_arrived_signal_follows_the_last_bar() -> None:
     simulation = build_simulation(
         "{at: 1.0, who: ada, do: {dance: out, bars: 1, tempo_bpm: 120}}",
         "{when: {arrived: ada}, who: ada, do: stop}",
@@ -146,7 +148,7 @@ def test_touch_of_other_performers_triggers_dance() -> None:
     assert met is not None
     assert min(abs(land - met - 1.0) for land in [m.land for m in ada(simulation).moves[0]]) < 0.05
     assert met + 1.0 not in first
-    assert is_near(run_until(simulation, 6.0)[1], (0.35, 1.4, -0.5))
+    assert is_close(run_until(simulation, 6.0)[1], (0.35, 1.4, -0.5))
 
 
 @pytest.mark.slow
@@ -169,7 +171,7 @@ def test_characters_collide_with_dancer() -> None:
             met = ada(simulation).now
     assert met is not None
     assert 0.3 < met < 0.6
-    assert is_near(run_until(simulation, 4.0)[1], (0.35, 1.4, -0.5))
+    assert is_close(run_until(simulation, 4.0)[1], (0.35, 1.4, -0.5))
     take = simulation.take()
     names = [node.name for node in take.nodes]
     # The ball bounces off; the child does not walk through the dancer.
@@ -214,17 +216,17 @@ def test_locked_dancer_changes_dance_on_beats() -> None:
 
 
 @EACH_CONTROLLER
-def test_wait(by: str) -> None:
+def test_wait_pauses_and_resumes_the_dance(by: str) -> None:
     simulation = build_simulation(
         "{at: 1.2, who: ada, do: {wait: 1.5}}", config=f"controller: {by}"
     )
     still = run_until(simulation, 1.6)
     assert np.linalg.norm(run_until(simulation, 2.6) - still, axis=1).max() < 0.01
-    assert is_near(run_until(simulation, 3.8)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 3.8)[0], (0.42, 1.5, 0.3))
 
 
 @EACH_CONTROLLER
-def test_reach_and_let_go(by: str) -> None:
+def test_ordered_hand_reaches_its_place_until_let_go(by: str) -> None:
     simulation = build_simulation(
         "{at: 1.0, who: ada, do: {reach: [1.6, 1.3, 2.7], hand: left}}",
         "{at: 4.0, who: ada, do: {let_go: left}}",
@@ -232,21 +234,21 @@ def test_reach_and_let_go(by: str) -> None:
         duration=7,
     )
     # Turned by 180 degrees: the left side is at greater z.
-    assert is_near(run_until(simulation, 2.2)[1], (0.4, 1.3, -0.2))
+    assert is_close(run_until(simulation, 2.2)[1], (0.4, 1.3, -0.2))
     # The right hand dances on meanwhile.
-    assert is_near(run_until(simulation, 3.05)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 3.05)[0], (0.42, 1.5, 0.3))
     assert run_until(simulation, 5.6)[1, 1] < 0.9
 
 
 @EACH_CONTROLLER
-def test_pose_and_release(by: str) -> None:
+def test_posed_joint_holds_its_angle_until_released(by: str) -> None:
     pose = (
         "[{at: 1.5, limb: arm_l, reach: [0.4, 1.4, -0.3]}, "
         "{at: 2.5, joints: {shoulder_l_flexion_deg: 80, elbow_l_flexion_deg: 30, "
         "waist_flexion_deg: 12}}, {at: 3.5, release: arm_l}, {at: 3.5, release: trunk}]"
     )
     simulation = build_simulation(config=f"controller: {by}, pose: {pose}")
-    assert is_near(run_until(simulation, 1.6)[1], (0.4, 1.4, -0.3))
+    assert is_close(run_until(simulation, 1.6)[1], (0.4, 1.4, -0.3))
     run_until(simulation, 2.9)
     dancing = ada(simulation)
     names = dancing.torso.names
@@ -262,7 +264,7 @@ def test_pose_and_release(by: str) -> None:
     assert abs(angle("waist_flexion")) < 2
 
 
-def test_look_at_and_look_ahead() -> None:
+def test_head_turns_to_an_ordered_place_and_back() -> None:
     simulation = build_simulation(
         "{at: 0.5, who: ada, do: {look_at: [1, 1.5, -3]}}", "{at: 3.0, who: ada, do: {look: ahead}}"
     )
@@ -283,9 +285,9 @@ def test_later_order_does_not_change_earlier_motion() -> None:
 @pytest.mark.parametrize(
     ("script", "config", "path", "message"),
     [
-        ("do: walk", "", "script[0].do", "'ada' is a dancer, who can dance, stop"),
+        ("do: walk", "", "script[0].do", "'ada' is a dancer, which cannot walk; it can look_at"),
         ("do: {go_to: [1, 1]}", "", "script[0].do.go_to", "'ada' is a dancer"),
-        ("do: {dance: autt}", "", "script[0].do.dance", "no dance is called 'autt', known: "),
+        ("do: {dance: autt}", "", "script[0].do.dance", "no dance is called 'autt', "),
         ("do: {reach: tor}", "", "script[0].do.reach", "give the place of 'tor', [x, y, z]"),
         ("do: {reach: [3, 1, 0]}", "", "script[0].do.reach", "m from the shoulder"),
         ("do: {look_at: tor}", "", "script[0].do.look_at", "follows nobody"),
@@ -337,7 +339,7 @@ def test_script_and_pose_round_trip() -> None:
 
 
 def test_dance_order_needs_dancer() -> None:
-    with pytest.raises(SceneError, match="is a creature; only a dancer can dance"):
+    with pytest.raises(SceneError, match="is a creature that walks, which cannot dance"):
         read_scene(
             "pronk: 1\nduration: 1\ncast: [{figure: beetle, name: a, walk: {}}]\n"
             "script: [{at: 0.5, who: a, do: dance}]\n"
@@ -381,7 +383,7 @@ def test_live_order_needing_new_drums_or_places_is_refused() -> None:
         with pytest.raises(SceneError, match=message):
             simulation.add_instruction(instruction_of({"who": "ada", "do": do}, scene, 0.0))
     simulation.add_instruction(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 0.0))
-    assert is_near(run_until(simulation, 1.1)[0], (0.35, 1.4, 0.5))
+    assert is_close(run_until(simulation, 1.1)[0], (0.35, 1.4, 0.5))
 
 
 def test_wait_within_bars_resumes_them() -> None:
@@ -390,8 +392,8 @@ def test_wait_within_bars_resumes_them() -> None:
         "{at: 1.0, who: ada, do: {wait: 0.5}}",
         duration=8,
     )
-    assert is_near(run_until(simulation, 2.55)[0], (0.35, 1.4, 0.5))
-    assert is_near(run_until(simulation, 4.55)[0], (0.42, 1.5, 0.3))
+    assert is_close(run_until(simulation, 2.55)[0], (0.35, 1.4, 0.5))
+    assert is_close(run_until(simulation, 4.55)[0], (0.42, 1.5, 0.3))
 
 
 @pytest.mark.nightly
@@ -424,7 +426,7 @@ def test_random_orders_keep_limits(by: str, seed: int) -> None:
 
 @pytest.mark.slow
 @EACH_CONTROLLER
-def test_waving_and_applauding(by: str) -> None:
+def test_waving_raises_the_hand_and_applauding_claps(by: str) -> None:
     simulation = build_simulation(
         "{at: 0.5, who: ada, do: {dance: waving, bars: 1}}",
         "{at: 3.6, who: ada, do: {dance: applauding, bars: 1}}",

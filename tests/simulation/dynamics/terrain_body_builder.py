@@ -1,4 +1,4 @@
-"""Bodies for tests, thrown without a scene around them."""
+"""Rigid bodies over a terrain, built without a scene."""
 
 from __future__ import annotations
 
@@ -35,35 +35,42 @@ SHAPES: tuple[dict[str, Any], ...] = (
         "points": [[0, 0, 0], [0.3, 0, 0], [0, 0.4, 0], [0, 0, 0.5], [0.2, 0.2, 0.3]],
     },
 )
-POLYHEDRA = [words["shape"] for words in SHAPES]
+POLYHEDRA = [config["shape"] for config in SHAPES]
 
 
 def ground_of(terrain: str, seed: int = 3) -> Ground:
-    """Return the ground of a terrain's words."""
+    """Return the ground of a terrain config."""
     text = f"pronk: 1\nduration: 1\nterrain: {terrain}\ncast: [{{prop: {{shape: ball}}}}]\n"
     return build_ground(read_scene(text).terrain, seed)
 
 
-def thrown(
-    words: Sequence[dict[str, Any]], ground: Ground, state: State | None = None, **more: Any
+def build_terrain_bodies(
+    configs: Sequence[dict[str, Any]], ground: Ground, state: State | None = None, **common: Any
 ) -> TerrainBodies:
-    """Return bodies above a ground, with more words for all of them, in a state if given."""
-    high = float(ground.field.heights.max()) + 50.0
+    """Return bodies over a ground, in a state if given.
+
+    Args:
+        configs: config of each body.
+        ground: the terrain.
+        state: initial state; far above the ground if None.
+        common: config keys of all bodies.
+    """
+    top = float(ground.field.heights.max()) + 50.0
     cast = [
-        (i, Body.model_validate({"body": {**one, **more}, "at": (0.0, high, 0.0)}))
-        for i, one in enumerate(words)
+        (i, Body.model_validate({"body": {**config, **common}, "at": (0.0, top, 0.0)}))
+        for i, config in enumerate(configs)
     ]
     world = World(ground, Clock(24, 1), 1)  # type: ignore[arg-type]
-    bouncing = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).dynamics
+    bodies = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).dynamics
     if state is not None:
-        bouncing.state.put(np.arange(len(cast)), state)
-        bouncing.find_contacts()
-    return bouncing
+        bodies.state.put(np.arange(len(cast)), state)
+        bodies.find_contacts()
+    return bodies
 
 
-def attitudes(chance: np.random.Generator, count: int) -> Array:
+def attitudes(rng: np.random.Generator, count: int) -> Array:
     """Return attitudes (count, 4), each as likely as any other."""
-    q = chance.normal(size=(count, 4))
+    q = rng.normal(size=(count, 4))
     result: Array = q / np.linalg.norm(q, axis=1, keepdims=True)
     return result
 
@@ -75,9 +82,9 @@ def still(p: Array, q: Array | None = None) -> State:
     return State(p.copy(), q.copy(), np.zeros((len(p), 3)), np.zeros((len(p), 3)))
 
 
-def face_down(bouncing: TerrainBodies) -> Array:
+def face_down(terrain_bodies: TerrainBodies) -> Array:
     """Return attitudes (N, 4) in which the first facet of each body looks down."""
-    n = np.array([[0, -1, 0] if h is None else h.normals[0] for h in bouncing.bodies.hulls])
+    n = np.array([[0, -1, 0] if h is None else h.normals[0] for h in terrain_bodies.bodies.hulls])
     # The shortest turn from n to -Y: (1 - n·y, n × -y), normalised.
     q = np.column_stack([1.0 - n[:, 1], n[:, 2], np.zeros(len(n)), -n[:, 0]])
     up = n[:, 1] > 1.0 - 1e-9

@@ -1,4 +1,4 @@
-"""Compiled loops: as plain Python, kept in the user's cache, loaded for bodies alone."""
+"""Compiled functions: they match Python, are cached for the user, and load with bodies only."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-FALL = """
-from tests.simulation.dynamics.test_terrain_bodies import DT, drops
+DROP_BODIES = """
+from tests.simulation.dynamics.test_terrain_bodies import DT, build_random_drop
 import numpy as np
-bouncing = drops(np.random.default_rng(5), 12, "hills")
-bouncing.state.v[:, 1] = -5.0
-seen = sum(len(bouncing.advance(DT)) for _ in range(20))
+falling = build_random_drop(np.random.default_rng(5), 12, "hills")
+falling.state.v[:, 1] = -5.0
+seen = sum(len(falling.advance(DT)) for _ in range(20))
 assert seen > 2, seen
-state = bouncing.state
+state = falling.state
 print(np.concatenate([x.ravel() for x in (state.p, state.q, state.v, state.w)]).tobytes().hex())
 """
 
 
-def told(code: str, **environment: str) -> str:
-    """Return what a process of its own prints."""
+def run_python(code: str, **environment: str) -> str:
+    """Return the output of a new Python process."""
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
@@ -37,29 +37,30 @@ def told(code: str, **environment: str) -> str:
 
 
 @pytest.mark.slow
-def test_machine_code_does_what_python_does() -> None:
+def test_compiled_code_matches_python() -> None:
     compiled, plain = (
-        np.frombuffer(bytes.fromhex(told(FALL, NUMBA_DISABLE_JIT=word))) for word in ("0", "1")
+        np.frombuffer(bytes.fromhex(run_python(DROP_BODIES, NUMBA_DISABLE_JIT=flag)))
+        for flag in ("0", "1")
     )
-    # In flight to the last bit. Where an impact is found to a part of its tolerance, what
-    # comes after it may differ by as much, times the turning.
+    # Flights agree to the last bit. Times of impacts agree within their tolerance, which later
+    # motion amplifies.
     np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-4)
     assert (compiled == plain).mean() > 0.6
 
 
-ENTRY = """
+COMPILE_ONE = """
 import numpy as np
 from pipeline.simulation.compilation import CompilationObserver, code_folder, observed
 from pipeline.simulation.dynamics.free_motion import rotate_freely
 
-class Told(CompilationObserver):
+class Printer(CompilationObserver):
     def begin(self, room, functions): print("begin", room, functions)
     def advance(self): print("one")
     def end(self): print("end")
     def warn(self, text): print("warn", text)
 
 q, one = np.array([[1.0, 0.0, 0.0, 0.0]]), np.eye(3)[None]
-with observed(Told()):
+with observed(Printer()):
     rotate_freely(q, np.ones((1, 3)), one, one, 0.01)
 print(q.sum())
 print(code_folder())
@@ -67,9 +68,11 @@ print(code_folder())
 
 
 @pytest.mark.slow
-def test_machine_code_is_stored_and_a_damaged_file_replaced(tmp_path: Path) -> None:
+def test_compiled_code_is_stored_and_a_damaged_file_replaced(tmp_path: Path) -> None:
     def lines() -> list[str]:
-        return told(ENTRY, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR="").splitlines()
+        return run_python(
+            COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""
+        ).splitlines()
 
     begin, *ones, end, result, folder = lines()
     functions = len(ones)
@@ -90,7 +93,7 @@ def test_machine_code_is_stored_and_a_damaged_file_replaced(tmp_path: Path) -> N
 def test_where_nothing_can_be_stored_it_works_with_a_warning(tmp_path: Path) -> None:
     # No folder can be made below a file.
     (tmp_path / "file").touch()
-    out = told(ENTRY, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
+    out = run_python(COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
     (warning,) = [line for line in out.splitlines() if line.startswith("warn")]
     assert f"{tmp_path}/file/pronk/compiled" in warning
     assert "set XDG_CACHE_HOME to a folder that is writable" in warning
@@ -112,7 +115,9 @@ with compile_progress(Reporter()) as progress:
         simulate(scene)
 print(progress.functions)
 """
-    ready, functions = told(code, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR="").splitlines()
+    ready, functions = run_python(
+        code, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""
+    ).splitlines()
     assert ready.endswith(": up to date")
     assert functions == "0"
 
@@ -126,4 +131,4 @@ def test_scenes_without_bodies_load_no_compiler(cast: str) -> None:
         f"Simulation(read_scene('pronk: 1\\nduration: 1\\ncast: [{cast}]')).step()\n"
         "print('numba' in sys.modules)"
     )
-    assert told(code).strip() == "False"
+    assert run_python(code).strip() == "False"

@@ -12,12 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pipeline.errors import MassError
-from pipeline.simulation.dynamics.mass import (
-    MassProperties,
-    joined,
-    mass_of_points,
-    mass_of_solid,
-)
+from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_points, mass_of_solid
 from pipeline.simulation.spatial import Array, matrix, normalized
 
 Mesh = tuple[Array, NDArray[np.int64]]
@@ -51,15 +46,15 @@ def hull(points: Array) -> Mesh:
     return points, np.array(faces)
 
 
-def random_hull(chance: np.random.Generator) -> Mesh:
-    spread = chance.uniform(0.2, 3, 3)
-    return hull(chance.normal(size=(int(chance.integers(4, 13)), 3)) * spread)
+def random_hull(rng: np.random.Generator) -> Mesh:
+    spread = rng.uniform(0.2, 3, 3)
+    return hull(rng.normal(size=(int(rng.integers(4, 13)), 3)) * spread)
 
 
-def random_pose(chance: np.random.Generator) -> Array:
+def random_pose(rng: np.random.Generator) -> Array:
     X = np.eye(4)
-    X[:3, :3] = matrix(normalized(chance.normal(size=4)))
-    X[:3, 3] = chance.uniform(-3, 3, 3)
+    X[:3, :3] = matrix(normalized(rng.normal(size=4)))
+    X[:3, 3] = rng.uniform(-3, 3, 3)
     return X
 
 
@@ -75,15 +70,15 @@ def assert_same(one: MassProperties, other: MassProperties, tolerance: float = 1
     assert (one.inertia == one.inertia.T).all()
 
 
-def judged(mesh: Mesh, density: float) -> MassProperties:
-    """Return what trimesh says."""
-    judge = trimesh.Trimesh(*mesh, process=False)
-    assert judge.is_watertight
-    judge.density = density
-    return MassProperties(judge.mass, judge.center_mass, judge.moment_inertia)
+def trimesh_mass(mesh: Mesh, density: float) -> MassProperties:
+    """Return the mass properties by trimesh."""
+    theirs = trimesh.Trimesh(*mesh, process=False)
+    assert theirs.is_watertight
+    theirs.density = density
+    return MassProperties(theirs.mass, theirs.center_mass, theirs.moment_inertia)
 
 
-def test_a_box_has_the_inertia_of_the_books() -> None:
+def test_a_box_has_the_closed_form_inertia() -> None:
     low, sides = np.array([-1.0, 2.0, 0.5]), np.array([0.5, 1.5, 2.5])
     mass = mass_of_solid(*box(low, low + sides), density=700.0)
     m = 700.0 * sides.prod()
@@ -91,7 +86,7 @@ def test_a_box_has_the_inertia_of_the_books() -> None:
     assert_same(mass, MassProperties(m, low + sides / 2, inertia), 1e-14)
 
 
-def test_a_tetrahedron_has_the_inertia_of_the_books() -> None:
+def test_a_tetrahedron_has_the_closed_form_inertia() -> None:
     """With edges of 1 along the axes: about its corner ∫ x² dV = 1/60, ∫ x y dV = 1/120."""
     vertices = np.vstack([np.zeros(3), np.eye(3)])
     faces = np.array([[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])
@@ -103,7 +98,7 @@ def test_a_tetrahedron_has_the_inertia_of_the_books() -> None:
     assert_same(mass, MassProperties(1.0, np.full(3, 0.25), centre), 1e-14)
 
 
-def test_finer_balls_come_near_the_ball() -> None:
+def test_meshes_of_a_ball_converge_to_its_inertia() -> None:
     errors = []
     for level in (2, 3, 4):
         ball = trimesh.creation.icosphere(level, 0.4)
@@ -115,19 +110,19 @@ def test_finer_balls_come_near_the_ball() -> None:
     assert errors[1] / errors[2] == pytest.approx(4, rel=0.05)
 
 
-def test_random_hulls_weigh_what_trimesh_says() -> None:
-    chance = np.random.default_rng(1)
+def test_mass_of_random_hulls_matches_trimesh() -> None:
+    rng = np.random.default_rng(1)
     for _ in range(60):
-        vertices, faces = random_hull(chance)
-        vertices = vertices + chance.uniform(-2, 2, 3)
-        assert_same(mass_of_solid(vertices, faces, 3.5), judged((vertices, faces), 3.5), 1e-9)
+        vertices, faces = random_hull(rng)
+        vertices = vertices + rng.uniform(-2, 2, 3)
+        assert_same(mass_of_solid(vertices, faces, 3.5), trimesh_mass((vertices, faces), 3.5), 1e-9)
 
 
 @given(SEEDS)
-def test_a_moved_solid_has_the_moved_properties(seed: int) -> None:
-    chance = np.random.default_rng(seed)
-    vertices, faces = random_hull(chance)
-    X = random_pose(chance)
+def test_mass_properties_transform_with_their_solid(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    vertices, faces = random_hull(rng)
+    X = random_pose(rng)
     there = mass_of_solid(moved(X, vertices), faces, 2.0)
     assert_same(mass_of_solid(vertices, faces, 2.0).in_frame(X), there, 1e-10)
     back = np.linalg.inv(X)
@@ -135,10 +130,10 @@ def test_a_moved_solid_has_the_moved_properties(seed: int) -> None:
 
 
 @given(SEEDS)
-def test_bodies_joined_weigh_what_their_surfaces_do(seed: int) -> None:
-    """Also where the parts are many and in any order."""
-    chance = np.random.default_rng(seed)
-    meshes = [random_hull(chance) for _ in range(int(chance.integers(1, 5)))]
+def test_joined_bodies_match_one_mesh_of_all(seed: int) -> None:
+    """The order and nesting of the parts do not matter."""
+    rng = np.random.default_rng(seed)
+    meshes = [random_hull(rng) for _ in range(int(rng.integers(1, 5)))]
     first = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])
     whole = mass_of_solid(
         np.concatenate([vertices for vertices, _ in meshes]),
@@ -150,7 +145,7 @@ def test_bodies_joined_weigh_what_their_surfaces_do(seed: int) -> None:
     assert_same(joined([joined(parts[:1]), *parts[:0:-1]]), whole, 1e-10)
 
 
-def test_two_halves_are_a_whole_and_a_hole_is_taken_away() -> None:
+def test_two_halves_add_up_and_a_hole_is_subtracted() -> None:
     low, cut, high = np.zeros(3), np.array([0.7, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
     whole = mass_of_solid(*box(low, high), 5.0)
     halves = mass_of_solid(*box(low, cut), 5.0), mass_of_solid(*box(cut * [1, 0, 0], high), 5.0)
@@ -162,44 +157,45 @@ def test_two_halves_are_a_whole_and_a_hole_is_taken_away() -> None:
     assert_same(joined([hollow, mass_of_solid(*inner, 5.0)]), whole)
 
 
-def test_a_small_solid_far_away_keeps_its_digits() -> None:
+def test_inertia_of_a_small_distant_solid_keeps_its_precision() -> None:
     here = mass_of_solid(*box(np.zeros(3), np.full(3, 0.01)), 1000.0)
     vertices, faces = box(np.full(3, 1000.0), np.full(3, 1000.01))
     far = mass_of_solid(vertices, faces, 1000.0)
-    # A corner there is known to 1e-13 m, a hundred-thousand-millionth of the side.
+    # Coordinates of 1000 m are rounded to 1e-13 m, 1e-11 of the side.
     assert np.allclose(far.inertia, here.inertia, rtol=1e-9, atol=1e-9 * here.inertia[0, 0])
 
 
 @given(SEEDS)
-def test_points_have_a_tensor_and_not_three_moments(seed: int) -> None:
-    chance = np.random.default_rng(seed)
-    m, p = chance.uniform(0, 2, 7), chance.normal(size=(7, 3))
+def test_point_masses_have_a_full_inertia_tensor(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    m, p = rng.uniform(0, 2, 7), rng.normal(size=(7, 3))
     mass = mass_of_points(m, p)
     inertia = np.zeros((3, 3))
-    for one, L in zip(m, p - m @ p / m.sum(), strict=True):
-        inertia += one * (L @ L * np.eye(3) - np.outer(L, L))
+    for mass_k, L in zip(m, p - m @ p / m.sum(), strict=True):
+        inertia += mass_k * (L @ L * np.eye(3) - np.outer(L, L))
     assert_same(mass, MassProperties(m.sum(), m @ p / m.sum(), inertia), 1e-12)
-    axis = normalized(chance.normal(size=3))
+    axis = normalized(rng.normal(size=3))
     away = np.linalg.norm(np.cross(p - mass.centre, axis), axis=-1)
     assert mass.moment(axis) == pytest.approx(m @ away**2)
-    X = random_pose(chance)
+    X = random_pose(rng)
     assert_same(mass.in_frame(X), mass_of_points(m, moved(X, p)), 1e-10)
-    point = chance.normal(size=3)
+    point = rng.normal(size=3)
     about = sum(
-        one * (L @ L * np.eye(3) - np.outer(L, L)) for one, L in zip(m, p - point, strict=True)
+        mass_k * (L @ L * np.eye(3) - np.outer(L, L))
+        for mass_k, L in zip(m, p - point, strict=True)
     )
     assert np.allclose(mass.about(point), about)
 
 
 @given(SEEDS)
-def test_principal_moments_obey_the_triangle(seed: int) -> None:
-    chance = np.random.default_rng(seed)
-    low, middle, high = np.linalg.eigvalsh(mass_of_solid(*random_hull(chance), 1.0).inertia)
+def test_principal_moments_satisfy_the_triangle_inequality(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    low, middle, high = np.linalg.eigvalsh(mass_of_solid(*random_hull(rng), 1.0).inertia)
     assert 0 < low
     assert high < low + middle
 
 
-def test_surfaces_that_enclose_nothing_are_refused() -> None:
+def test_surfaces_without_volume_are_refused() -> None:
     vertices, faces = box(np.zeros(3), np.ones(3))
     turned = np.concatenate([BOX[:-1], BOX[-1:, ::-1]])
     broken = np.where(np.arange(8)[:, None] == 3, np.nan, vertices)
@@ -225,7 +221,7 @@ def test_surfaces_that_enclose_nothing_are_refused() -> None:
             mass_of_solid(vertices, faces, density)
 
 
-def test_points_without_mass_are_refused() -> None:
+def test_points_without_positive_mass_are_refused() -> None:
     for masses in ([0.0, 0.0], [-1.0, 0.5], [np.nan, 1.0]):
         with pytest.raises(MassError, match="total mass"):
             mass_of_points(masses, np.zeros((2, 3)))

@@ -1,4 +1,4 @@
-"""Ragdolls: what falls limply, against closed forms, kinematics and what holds at every step."""
+"""Ragdolls against closed forms, kinematics and invariants of every step."""
 
 from __future__ import annotations
 
@@ -44,32 +44,32 @@ def cube_at(x: float, y: float, v: tuple[float, float, float] = (0.0, 0.0, 0.0))
 # --- one bone -------------------------------------------------------------------------
 
 
-def test_what_falls_is_heard_once_with_its_speed_and_energy():
+def test_a_fall_is_one_impact_with_its_speed_and_energy():
     ragdoll = cube_at(0.0, 1.5)
-    knocks = [(k, one) for k in range(200) for one in ragdoll.advance(DT)]
-    ((step, knock),) = knocks
-    # Half of the edge is below the middle: it falls by one metre.
-    assert step * DT + knock.time == pytest.approx(math.sqrt(2.0 / GRAVITY), abs=0.004)
-    assert knock.speed == pytest.approx(math.sqrt(2.0 * GRAVITY), rel=0.02)
-    assert knock.energy == pytest.approx(6.0 * GRAVITY, rel=0.04)
-    assert knock.normal == pytest.approx([0, 1, 0])
-    assert abs(knock.place[1]) < 0.02
+    impacts = [(k, impact) for k in range(200) for impact in ragdoll.advance(DT)]
+    ((step, impact),) = impacts
+    # The edge is 1 m long and starts at a height of 1.5 m, so it falls by 1 m.
+    assert step * DT + impact.time == pytest.approx(math.sqrt(2.0 / GRAVITY), abs=0.004)
+    assert impact.speed == pytest.approx(math.sqrt(2.0 * GRAVITY), rel=0.02)
+    assert impact.energy == pytest.approx(6.0 * GRAVITY, rel=0.04)
+    assert impact.normal == pytest.approx([0, 1, 0])
+    assert abs(impact.place[1]) < 0.02
     assert ragdoll.is_at_rest
     assert ragdoll.attitude.p[1] == pytest.approx(0.5, abs=0.005)
 
 
-def test_what_slides_stops_where_friction_stops_it():
+def test_a_sliding_body_stops_at_the_friction_distance():
     ragdoll = cube_at(-5.0, 0.5, (2.0, 0.0, 0.0))
     for _ in range(200):
         ragdoll.advance(DT)
-    way = 2.0**2 / (2.0 * FRICTION * GRAVITY)
-    assert ragdoll.attitude.p[0] + 5.0 == pytest.approx(way, rel=0.1)
+    distance = 2.0**2 / (2.0 * FRICTION * GRAVITY)
+    assert ragdoll.attitude.p[0] + 5.0 == pytest.approx(distance, rel=0.1)
 
 
-@pytest.mark.parametrize("deep", [0.01, 0.05, 0.2])
-def test_what_begins_in_the_ground_comes_out_slowly(deep):
-    ragdoll = cube_at(0.0, 0.5 - deep)
-    before, fastest = 0.5 - deep, 0.0
+@pytest.mark.parametrize("depth", [0.01, 0.05, 0.2])
+def test_an_initial_overlap_with_the_ground_resolves_slowly(depth):
+    ragdoll = cube_at(0.0, 0.5 - depth)
+    before, fastest = 0.5 - depth, 0.0
     for _ in range(400):
         assert not ragdoll.advance(DT)
         y = float(ragdoll.attitude.p[1])
@@ -78,7 +78,7 @@ def test_what_begins_in_the_ground_comes_out_slowly(deep):
     assert before == pytest.approx(0.5, abs=0.005)
 
 
-def test_what_falls_off_the_terrain_ends_below_it():
+def test_a_body_that_leaves_the_terrain_falls_below_it():
     ragdoll = cube_at(9.9, 0.6, (3.0, 0.0, 0.0))
     for _ in range(600):
         ragdoll.advance(DT)
@@ -92,15 +92,15 @@ def test_what_falls_off_the_terrain_ends_below_it():
 
 @dataclass
 class Fallen:
-    """A figure that was thrown, with what was seen of it."""
+    """A figure that fell, and measurements of its fall."""
 
     figure: Figure
     ragdoll: Ragdoll
     order: Array
     field: HeightField
     energies: list[float]
-    outside: float
-    knocks: int
+    limit_excess: float
+    impact_count: int
     seconds: float
 
     @property
@@ -111,26 +111,26 @@ class Fallen:
         return q
 
     def points(self) -> Array:
-        """Return all that is visible of it (n, 3) [m]."""
-        it, tree, found = self.ragdoll.attitude, JointTree.of(self.figure.skeleton), []
+        """Return the vertices of its solids (n, 3) [m]."""
+        attitude, tree, found = self.ragdoll.attitude, JointTree.of(self.figure.skeleton), []
         X_BJ = tree.pose(self.q)
         for piece in self.figure.pieces:
             joint, own = self.figure.skeleton.links[piece.link].joint, piece.solid.vertices
             if joint != BODY:
                 X = displacement_at(tree, X_BJ, joint)
                 own = own @ X[:3, :3].T + X[:3, 3]
-            found.append(it.p + own @ matrix(it.q).T)
+            found.append(attitude.p + own @ matrix(attitude.q).T)
         return np.concatenate(found)
 
 
-def outside(figure: Figure, q: Array) -> float:
-    """Return how far joints are beyond their limits, at most [rad or m]."""
+def limit_excess(figure: Figure, q: Array) -> float:
+    """Return the largest excess of a joint over its limits [rad or m]."""
     skeleton = figure.skeleton
     return max(float((skeleton.lower - q).max()), float((q - skeleton.upper).max()), 0.0)
 
 
-def throw(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen:
-    """Let a figure fall from above its feet, turning."""
+def drop_figure(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen:
+    """Drop a figure with a spin from above its standing height."""
     member = f"{{figure: {name}, scale: {scale}, pronk: {{}}}}"
     hops = Simulation(scene_of(member, terrain=terrain))
     troupe = next(iter(hops.troupes))
@@ -150,9 +150,9 @@ def throw(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen
     ragdoll = Ragdoll(own.bones, begin, field)
     fallen = Fallen(figure, ragdoll, own.joints, field, [ragdoll.energy], 0.0, 0, 0.0)
     while fallen.seconds < seconds and not ragdoll.is_at_rest:
-        fallen.knocks += len(ragdoll.advance(DT))
+        fallen.impact_count += len(ragdoll.advance(DT))
         fallen.energies.append(ragdoll.energy)
-        fallen.outside = max(fallen.outside, outside(figure, fallen.q))
+        fallen.limit_excess = max(fallen.limit_excess, limit_excess(figure, fallen.q))
         fallen.seconds += DT
     return fallen
 
@@ -163,8 +163,8 @@ def test_masses_and_joints_are_those_of_the_figure(shipped: Figure):
     assert sorted(own.joints.tolist()) == list(range(len(skeleton.joint_names)))
     whole = FigureMass(shipped).at_rest.mass
     assert sum(bone.mass.mass for bone in own.bones) == pytest.approx(whole, rel=1e-12)
-    chance = np.random.default_rng(1)
-    q = skeleton.lower + chance.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
+    rng = np.random.default_rng(1)
+    q = skeleton.lower + rng.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
     R = rotation(np.array([0.6, 0.0, 0.8]), 2.0)
     p = np.array([1.0, 90.0, 2.0])
     begin = RagdollState(p, quaternion(R), p, p, q[own.joints], q[own.joints])
@@ -180,7 +180,7 @@ def test_masses_and_joints_are_those_of_the_figure(shipped: Figure):
 
 
 def test_in_the_air_the_centre_of_mass_falls_freely():
-    fallen = throw("kangaroo", "flat", 0.0)
+    fallen = drop_figure("kangaroo", "flat", 0.0)
     ragdoll = fallen.ragdoll
     ragdoll.data.qpos[1] += 50.0
 
@@ -225,61 +225,61 @@ REST = [(name, terrain) for name in LIBRARY for terrain in ("flat", HILLS)]
     ],
 )
 def test_figures_fall_and_come_to_rest_on_the_ground(name, terrain):
-    fallen = throw(name, terrain, 14.0)
+    fallen = drop_figure(name, terrain, 14.0)
     ragdoll, points = fallen.ragdoll, fallen.points()
     assert ragdoll.is_at_rest
     assert not ragdoll.is_gone
-    deep = fallen.field.height(points[:, 0], points[:, 2]) - points[:, 1]
-    assert deep.max() < 0.01 * ragdoll.size
+    depth = fallen.field.height(points[:, 0], points[:, 2]) - points[:, 1]
+    assert depth.max() < 0.01 * ragdoll.size
     # It touches the ground, too.
-    assert deep.max() > -0.002 * ragdoll.size
-    assert outside(fallen.figure, fallen.q) < math.radians(1.0)
-    assert fallen.outside < math.radians(10.0)
+    assert depth.max() > -0.002 * ragdoll.size
+    assert limit_excess(fallen.figure, fallen.q) < math.radians(1.0)
+    assert fallen.limit_excess < math.radians(10.0)
     energies = np.array(fallen.energies)
     assert np.diff(energies).max() < 1e-5 * energies[0]
-    assert 0 < fallen.knocks < 3 * len(fallen.figure.skeleton.links)
+    assert 0 < fallen.impact_count < 3 * len(fallen.figure.skeleton.links)
 
 
 @pytest.mark.parametrize("scale", [0.02, 4.0])
-def test_small_and_large_ones_fall_alike(scale):
-    one, other = (throw("hopper", "flat", 14.0 * max(s, 1.0), s) for s in (1.0, scale))
+def test_falls_scale_with_size(scale):
+    one, other = (drop_figure("hopper", "flat", 14.0 * max(s, 1.0), s) for s in (1.0, scale))
     assert other.ragdoll.is_at_rest
     assert other.seconds / math.sqrt(scale) == pytest.approx(one.seconds, rel=0.5)
-    assert outside(other.figure, other.q) < math.radians(2.0)
+    assert limit_excess(other.figure, other.q) < math.radians(2.0)
 
 
 # --- in scenes -----------------------------------------------------------------------------
 
 
-def toppled(take: Take) -> int:
-    """Return the step at which the first one topples."""
+def toppling_step(take: Take) -> int:
+    """Return the step of the first toppling."""
     return next(note.step for note in take.notes if note.kind == "toppled")
 
 
 @pytest.mark.parametrize("name", ["kangaroo", "antelope"])
-def test_nothing_jumps_where_a_fall_begins(name):
+def test_motion_is_continuous_at_the_start_of_a_fall(name):
     hops = hop_through(scene_of(f"{{figure: {name}, pronk: {{balance: 0}}}}", duration=2))
-    row, p = toppled(hops.take), hops.simulation.recorder.positions
+    row, p = toppling_step(hops.take), hops.simulation.recorder.positions
     bends = np.linalg.norm(p[2:] - 2.0 * p[1:-1] + p[:-2], axis=-1).max(axis=1)
-    assert hops.seen[0][-1].phase == "fallen"
+    assert hops.states[0][-1].phase == "fallen"
     # Row k bends by the k - 1st of these; flights before it bend by gravity and their turns.
     assert bends[row - 1 : row + 3].max() < 1.5 * bends[row - 12 : row - 2].max()
 
 
-def test_a_ragdoll_hangs_and_a_rigid_one_does_not():
+def test_joints_move_in_a_ragdoll_and_not_in_a_rigid_fall():
     moved = {}
     for fall in ("ragdoll", "rigid"):
-        words = f"{{balance: 0, fall: {fall}}}"
-        hops = hop_through(scene_of(f"{{figure: kangaroo, pronk: {words}}}", duration=2))
-        values = hops.simulation.recorder.values[toppled(hops.take) + 1 :, 2:]
+        config = f"{{balance: 0, fall: {fall}}}"
+        hops = hop_through(scene_of(f"{{figure: kangaroo, pronk: {config}}}", duration=2))
+        values = hops.simulation.recorder.values[toppling_step(hops.take) + 1 :, 2:]
         moved[fall] = float(np.ptp(values, axis=0).max())
     assert moved["rigid"] < 1e-9
     assert moved["ragdoll"] > 0.5
 
 
-def test_each_link_that_strikes_is_heard_with_its_own_name():
+def test_each_striking_link_makes_contacts_of_its_own_name():
     take = simulate(scene_of("{figure: kangaroo, pronk: {balance: 0}}", duration=4))
-    falls = [c for c in take.contacts if c.kind == "hit" and c.step >= toppled(take)]
+    falls = [c for c in take.contacts if c.kind == "hit" and c.step >= toppling_step(take)]
     parts = {part.name for part in take.parts}
     assert {c.part for c in falls} <= parts
     assert len({c.part for c in falls}) > 5
@@ -289,21 +289,21 @@ def test_each_link_that_strikes_is_heard_with_its_own_name():
     assert all(c.speed > 0.0 and c.energy > 0.0 for c in falls)
 
 
-def test_who_falls_does_not_change_how_others_hop():
-    """Poses are worked out sooner where somebody falls limply."""
+def test_a_fall_does_not_change_other_hoppers():
+    """A ragdoll needs its poses earlier in the step than a rigid fall."""
     other = "{name: b, figure: hopper, at: [2, 3], pronk: {}}"
     found = []
     for fall in ("ragdoll", "rigid"):
         one = f"{{name: a, figure: kangaroo, pronk: {{balance: 0, fall: {fall}}}}}"
         take = simulate(scene_of(one, other, duration=1.5))
-        assert toppled(take) > 0
+        assert toppling_step(take) > 0
         own = [i for i, node in enumerate(take.nodes) if node.performer == "b"]
         found.append((take.positions[:, own].tobytes(), take.rotations[:, own].tobytes()))
     assert found[0] == found[1]
 
 
 @pytest.mark.slow
-def test_falls_wait_for_no_compiler():
+def test_falls_need_no_compiler():
     lines = (
         "import sys",
         "from pipeline.simulation.simulate import simulate",
@@ -320,7 +320,7 @@ def test_falls_wait_for_no_compiler():
     assert done.stdout.split() == ["False", "True"]
 
 
-def test_who_falls_off_the_terrain_is_said_to_be_dropped():
+def test_a_hopper_that_falls_off_the_terrain_is_noted_as_dropped():
     terrain = "{kind: flat, size: [4, 4]}"
     member = "{figure: kangaroo, at: [1.2, 0], pronk: {balance: 0, distance: 1.5}}"
     take = simulate(scene_of(member, terrain=terrain, duration=6))

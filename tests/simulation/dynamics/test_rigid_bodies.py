@@ -23,18 +23,18 @@ from tests.simulation.dynamics.terrain_body_builder import (
     POLYHEDRA,
     SHAPES,
     attitudes,
+    build_terrain_bodies,
     ground_of,
-    thrown,
 )
 
 
 @pytest.mark.parametrize("i", range(len(SHAPES)), ids=POLYHEDRA)
 def test_masses_agree_with_trimesh(i: int) -> None:
-    words = Body.model_validate({"body": SHAPES[i]}).body
-    hull = body_hull(words, "")
-    own = mass_of_solid(hull.vertices, hull.faces, words.density)
+    config = Body.model_validate({"body": SHAPES[i]}).body
+    hull = body_hull(config, "")
+    own = mass_of_solid(hull.vertices, hull.faces, config.density)
     theirs = trimesh.Trimesh(hull.vertices, hull.faces, process=False)
-    theirs.density = words.density
+    theirs.density = config.density
     assert theirs.is_watertight
     assert own.mass == pytest.approx(theirs.mass, rel=1e-9)
     assert own.centre == pytest.approx(theirs.center_mass, abs=1e-9)
@@ -58,8 +58,8 @@ def test_regular_solids_are_regular(shape: str, facets: int) -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_hulls_contain_their_points(seed: int) -> None:
-    chance = np.random.default_rng(seed)
-    points = chance.normal(size=(int(chance.integers(5, 300)), 3))
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(int(rng.integers(5, 300)), 3))
     if seed % 2:
         # On a grid many points lie in one plane, in one line, or on one another.
         points = np.round(points)
@@ -112,8 +112,8 @@ def mujocos(q: Array, w: Array, step: float, seconds: float) -> tuple[Array, Arr
 
 @pytest.mark.parametrize("seed", range(5))
 def test_free_rotation_agrees_with_mujoco(seed: int) -> None:
-    chance = np.random.default_rng(seed)
-    q, w = attitudes(chance, 1), chance.normal(size=(1, 3)) * 4.0
+    rng = np.random.default_rng(seed)
+    q, w = attitudes(rng, 1), rng.normal(size=(1, 3)) * 4.0
     inertia, step = np.diag(MOMENTS)[None], 1e-3
     theirs = mujocos(q[0], w[0], step, 5.0)
     for _ in range(5000):
@@ -124,8 +124,8 @@ def test_free_rotation_agrees_with_mujoco(seed: int) -> None:
 
 
 def test_the_series_of_a_step_has_converged() -> None:
-    chance = np.random.default_rng(8)
-    q, w = attitudes(chance, 50), chance.normal(size=(50, 3))
+    rng = np.random.default_rng(8)
+    q, w = attitudes(rng, 50), rng.normal(size=(50, 3))
     inertia = np.tile(np.diag([0.05, 0.5, 0.52]), (50, 1, 1))
     inverse = np.linalg.inv(inertia)
     w /= np.linalg.norm(w, axis=1, keepdims=True)
@@ -138,11 +138,11 @@ def test_the_series_of_a_step_has_converged() -> None:
 
 
 def test_momentum_and_energy_are_conserved_in_flight() -> None:
-    bouncing = thrown(SHAPES, ground_of("flat"))
-    bodies, chance = bouncing.bodies, np.random.default_rng(4)
+    falling = build_terrain_bodies(SHAPES, ground_of("flat"))
+    bodies, rng = falling.bodies, np.random.default_rng(4)
     n = len(SHAPES)
-    state = State(np.zeros((n, 3)), attitudes(chance, n), np.zeros((n, 3)), np.zeros((n, 3)))
-    state.w = chance.normal(size=(n, 3)) * 5.0
+    state = State(np.zeros((n, 3)), attitudes(rng, n), np.zeros((n, 3)), np.zeros((n, 3)))
+    state.w = rng.normal(size=(n, 3)) * 5.0
     turning, moving = angular_momentum(bodies, state), kinetic_energy(bodies, state.v, state.w)
     for _ in range(5 * 240):
         rotate_freely(state.q, state.w, bodies.inertia, bodies.inverse, 1 / 240)
@@ -152,26 +152,26 @@ def test_momentum_and_energy_are_conserved_in_flight() -> None:
 
 
 def test_a_flight_is_a_parabola_at_any_spin() -> None:
-    bouncing = thrown(SHAPES, ground_of("flat"))
-    state, n = bouncing.state, len(SHAPES)
-    chance = np.random.default_rng(1)
-    state.v[:], state.w[:] = chance.normal(size=(2, n, 3)) * 6.0
-    p, v, spin = state.p.copy(), state.v.copy(), angular_momentum(bouncing.bodies, state)
+    falling = build_terrain_bodies(SHAPES, ground_of("flat"))
+    state, n = falling.state, len(SHAPES)
+    rng = np.random.default_rng(1)
+    state.v[:], state.w[:] = rng.normal(size=(2, n, 3)) * 6.0
+    p, v, spin = state.p.copy(), state.v.copy(), angular_momentum(falling.bodies, state)
     for _ in range(96 * 2):
-        bouncing.advance(DT)
+        falling.advance(DT)
     expected = p + 2.0 * v - [0.0, 0.5 * 9.81 * 4.0, 0.0]
     np.testing.assert_allclose(state.p, expected, atol=1e-10)
-    np.testing.assert_allclose(angular_momentum(bouncing.bodies, state), spin, atol=1e-10)
+    np.testing.assert_allclose(angular_momentum(falling.bodies, state), spin, atol=1e-10)
 
 
 def test_scalar_inertia_spins_at_a_constant_rate() -> None:
-    words = {"shape": "box", "size": [0.8, 0.1, 0.3]}
-    bouncing = thrown([words, words | {"inertia": "scalar"}], ground_of("flat"))
-    bouncing.state.w[:] = [0.2, 0.3, 6.0]
-    seen = [bouncing.state.w.copy()]
+    config = {"shape": "box", "size": [0.8, 0.1, 0.3]}
+    falling = build_terrain_bodies([config, config | {"inertia": "scalar"}], ground_of("flat"))
+    falling.state.w[:] = [0.2, 0.3, 6.0]
+    seen = [falling.state.w.copy()]
     for _ in range(96):
-        bouncing.advance(DT)
-        seen.append(bouncing.state.w.copy())
+        falling.advance(DT)
+        seen.append(falling.state.w.copy())
     w = np.array(seen)
     np.testing.assert_allclose(w[:, 1], np.tile(w[0, 1], (97, 1)), atol=1e-12)
     changes = [float(np.abs(b - a).max()) for a, b in pairwise(w[:, 0])]

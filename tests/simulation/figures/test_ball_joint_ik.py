@@ -10,15 +10,15 @@ import pytest
 
 from pipeline.simulation.figures.ball_joint_ik import ball_joint_branches, base_ball_joint
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse_kinematics import TOLERANCE, solve
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, solve
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import Skeleton
 from pipeline.simulation.spatial import Array, normalized
 
 
-def _uniform(batch: LimbBatch, chance: np.random.Generator) -> Array:
-    return batch.lower + chance.random(batch.lower.shape) * (batch.upper - batch.lower)
+def _uniform(batch: LimbBatch, rng: np.random.Generator) -> Array:
+    return batch.lower + rng.random(batch.lower.shape) * (batch.upper - batch.lower)
 
 
 def _some(skeleton: Skeleton, count: int, kind: str = "") -> LimbBatch:
@@ -64,24 +64,24 @@ def test_branches_are_within_joint_limits(shipped: Figure) -> None:
 
 @pytest.mark.parametrize("name", ["person", "kangaroo"])
 def test_branches_free_arms_stuck_at_a_limit(library: Callable[[str], Figure], name: str) -> None:
-    """Iterations alone drive some back into the shoulder's limit; no limb is left there."""
+    """Iterations alone leave some limbs at the shoulder's limit; branches free them."""
     arms = _some(library(name).skeleton, 100, "arm")
     goals = arms.pose(_uniform(arms, np.random.default_rng(3))).tips
     start = arms.pose(arms.preferred)
     alone, found = solve(arms, start, goals), reach(arms, start, goals)
     stuck = alone.residual > 1e-4 * arms.lengths
     assert stuck.mean() > 0.05
-    assert (found.residual[stuck] <= TOLERANCE * arms.lengths[stuck]).mean() >= 0.97
+    assert (found.residual[stuck] <= TIP_ITERATION.tolerance * arms.lengths[stuck]).mean() >= 0.97
 
 
 def test_left_and_right_arms_are_mirror_images(library: Callable[[str], Figure]) -> None:
-    """What one reaches, the other reaches on its own side with the same bends."""
+    """Mirrored goals are reached with mirrored joint values."""
     skeleton = library("person").skeleton
     left, right = (
         LimbBatch.of([(skeleton, limb)] * 50) for limb in skeleton.limbs if limb.kind == "arm"
     )
     q = _uniform(left, np.random.default_rng(4))
-    # Mirrored, what turns about the axis that stands across stays, and the rest changes sign.
+    # Mirroring keeps angles about the lateral axis and negates the others.
     sign = np.where(np.abs(left.axes[..., 2]) > 0.5, 1.0, -1.0)
     mirrored = sign * q
     assert (mirrored >= right.lower - 1e-12).all()

@@ -1,4 +1,4 @@
-"""Any link as the base, any two places as a limb: a change of base moves nothing."""
+"""Base changes: any link as the base and any two points as a limb keep all poses."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from pipeline.simulation.spatial import Array, rotation
 Maker = Callable[[np.random.Generator, int], Skeleton]
 
 
-def _somewhere(chance: np.random.Generator) -> Array:
+def _somewhere(rng: np.random.Generator) -> Array:
     X = np.eye(4)
-    axis = chance.normal(size=3)
-    X[:3, :3] = rotation(axis / np.linalg.norm(axis), chance.uniform(-3, 3))
-    X[:3, 3] = chance.normal(size=3)
+    axis = rng.normal(size=3)
+    X[:3, :3] = rotation(axis / np.linalg.norm(axis), rng.uniform(-3, 3))
+    X[:3, 3] = rng.normal(size=3)
     return X
 
 
-def _values(skeleton: Skeleton, chance: np.random.Generator) -> Array:
-    return skeleton.lower + chance.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
+def _values(skeleton: Skeleton, rng: np.random.Generator) -> Array:
+    return skeleton.lower + rng.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
 
 
-def _same_poses(skeleton: Skeleton, link: int, chance: np.random.Generator) -> Skeleton:
-    q, X_WB = _values(skeleton, chance), _somewhere(chance)
+def _same_poses(skeleton: Skeleton, link: int, rng: np.random.Generator) -> Skeleton:
+    q, X_WB = _values(skeleton, rng), _somewhere(rng)
     rooted = reroot(skeleton, link)
     before = X_WB @ link_poses(skeleton, q)
     after = base_pose(skeleton, link, q, X_WB) @ link_poses(rooted, q)
@@ -46,20 +46,20 @@ def _same_poses(skeleton: Skeleton, link: int, chance: np.random.Generator) -> S
 
 
 def test_every_library_link_can_be_the_base(shipped: Figure) -> None:
-    chance = np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     for link in range(len(shipped.skeleton.links)):
-        rooted = _same_poses(shipped.skeleton, link, chance)
+        rooted = _same_poses(shipped.skeleton, link, rng)
         assert rooted.links[link].joint == BODY
-        # And from there to any other, which is where the walk of an inchworm leads.
-        _same_poses(rooted, int(chance.integers(len(rooted.links))), chance)
+        # A second change of base, as in the walk of an inchworm.
+        _same_poses(rooted, int(rng.integers(len(rooted.links))), rng)
 
 
 def test_base_changes_of_random_figures_move_nothing(random_skeleton: Maker) -> None:
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     for _ in range(100):
-        skeleton = random_skeleton(chance, int(chance.integers(1, 13)))
-        for link in chance.integers(0, len(skeleton.links), 3):
-            skeleton = _same_poses(skeleton, int(link), chance)
+        skeleton = random_skeleton(rng, int(rng.integers(1, 13)))
+        for link in rng.integers(0, len(skeleton.links), 3):
+            skeleton = _same_poses(skeleton, int(link), rng)
 
 
 def test_base_change_is_reversible(shipped: Figure) -> None:
@@ -81,15 +81,15 @@ def test_limbs_agree_with_their_tree(shipped: Figure) -> None:
 
 
 def test_limb_across_the_old_base(shipped: Figure) -> None:
-    """Its tip, and how it moves, are those of the whole figure seen from the base link."""
+    """Tip and Jacobian of a limb are those of the whole figure seen from the base link."""
     skeleton = shipped.skeleton
     ends = [limb.links[-1] for limb in skeleton.limbs]
-    chance = np.random.default_rng(4)
+    rng = np.random.default_rng(4)
     tree = JointTree.of(skeleton)
     for a, b in itertools.pairwise(ends):
         base, tip = skeleton.links[a], skeleton.links[b]
         rooted, limb = limb_between(skeleton, base.name, tip.name)
-        q = _values(skeleton, chance)
+        q = _values(skeleton, rng)
         place = np.append(tip.ends[1], 1.0)
         X_BN, X_BT = displacement(tree, q, base.joint), displacement(tree, q, tip.joint)
         there = np.linalg.inv(X_BN) @ X_BT @ place
@@ -120,7 +120,7 @@ def test_limb_between_its_own_ends_is_the_limb(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     for limb in skeleton.limbs:
         _, same = limb_between(skeleton, "body", skeleton.links[limb.links[-1]].name)
-        # What sits on another limb, as horns on a head, has that one before it.
+        # A limb on another limb, such as horns on a head, includes that limb.
         assert same.joints[-len(limb.joints) :] == limb.joints
         assert np.allclose(same.tip, limb.tip)
 

@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg parameters reproduce the poses that they were made from."""
+"""Denavit-Hartenberg parameters reproduce the poses of their skeleton."""
 
 from __future__ import annotations
 
@@ -7,11 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pipeline.simulation.figures.base_change import reroot
-from pipeline.simulation.figures.denavit_hartenberg import (
-    denavit_table,
-    from_denavit,
-    to_denavit,
-)
+from pipeline.simulation.figures.denavit_hartenberg import denavit_table, from_denavit, to_denavit
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import Skeleton
@@ -19,29 +15,29 @@ from pipeline.simulation.figures.skeleton import Skeleton
 Maker = Callable[[np.random.Generator, int], Skeleton]
 
 
-def _round_trip(skeleton: Skeleton, chance: np.random.Generator) -> None:
-    q = chance.uniform(-3, 3, (4, len(skeleton.parents)))
+def _round_trip(skeleton: Skeleton, rng: np.random.Generator) -> None:
+    q = rng.uniform(-3, 3, (4, len(skeleton.parents)))
     rebuilt = from_denavit(to_denavit(skeleton), q)
     assert np.abs(rebuilt - JointTree.of(skeleton).pose(q)).max() < 1e-9
 
 
 def test_library_figures_round_trip(shipped: Figure) -> None:
-    chance = np.random.default_rng(1)
-    _round_trip(shipped.skeleton, chance)
-    _round_trip(reroot(shipped.skeleton, len(shipped.skeleton.links) - 1), chance)
+    rng = np.random.default_rng(1)
+    _round_trip(shipped.skeleton, rng)
+    _round_trip(reroot(shipped.skeleton, len(shipped.skeleton.links) - 1), rng)
 
 
 def test_random_figures_round_trip(random_skeleton: Maker) -> None:
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     for _ in range(200):
-        _round_trip(random_skeleton(chance, int(chance.integers(1, 13))), chance)
+        _round_trip(random_skeleton(rng, int(rng.integers(1, 13))), rng)
 
 
 def test_a_and_alpha_are_distance_and_angle_between_axes(random_skeleton: Maker) -> None:
     """Two axes are the distance a and the angle α apart."""
-    chance = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     for _ in range(50):
-        skeleton = random_skeleton(chance, 2)
+        skeleton = random_skeleton(rng, 2)
         if skeleton.parents[1] != 0:
             continue
         figure = to_denavit(skeleton)

@@ -17,69 +17,69 @@ from pipeline.spec import read_scene
 KINDS = ("leg", "head", "tail", "feeler", "arm", "body")
 
 
-def place(chance: np.random.Generator) -> list[float]:
+def place(rng: np.random.Generator) -> list[float]:
     # Coarse on purpose: nodes then coincide, lie on axes and stand in lines.
-    return [float(v) for v in np.round(chance.normal(0.0, 1.5, 2), int(chance.integers(0, 3)))]
+    return [float(v) for v in np.round(rng.normal(0.0, 1.5, 2), int(rng.integers(0, 3)))]
 
 
-def operation(chance: np.random.Generator, names: list[str]) -> dict[str, object]:
+def operation(rng: np.random.Generator, names: list[str]) -> dict[str, object]:
     """Return a random operation; its names may be unknown."""
-    some = [str(name) for name in chance.choice(names, size=int(chance.integers(1, 4)))]
-    chosen = [some, "selected", "all"][int(chance.choice(3, p=[0.7, 0.2, 0.1]))]
+    some = [str(name) for name in rng.choice(names, size=int(rng.integers(1, 4)))]
+    chosen = [some, "selected", "all"][int(rng.choice(3, p=[0.7, 0.2, 0.1]))]
     moves = {
-        "translate": place(chance),
-        "rotate_deg": float(chance.integers(-12, 12) * 15),
-        "rotate_abs_deg": float(chance.integers(-4, 4) * 90),
-        "scale": float(chance.choice([0.001, 0.5, 2.0, 1000.0])),
+        "translate": place(rng),
+        "rotate_deg": float(rng.integers(-12, 12) * 15),
+        "rotate_abs_deg": float(rng.integers(-4, 4) * 90),
+        "scale": float(rng.choice([0.001, 0.5, 2.0, 1000.0])),
         "scale_xy": [0.5, 2.0],
-        "mirror": str(chance.choice(["x", "y"])),
+        "mirror": str(rng.choice(["x", "y"])),
     }
-    keys = chance.choice(list(moves), size=int(chance.integers(0, 3)), replace=False)
+    keys = rng.choice(list(moves), size=int(rng.integers(0, 3)), replace=False)
     way = {str(key): moves[str(key)] for key in keys}
-    outline = [place(chance) for _ in range(int(chance.integers(3, 7)))]
+    outline = [place(rng) for _ in range(int(rng.integers(3, 7)))]
     forms: list[dict[str, object]] = [
-        {"mirror": str(chance.choice(["x", "y"]))},
+        {"mirror": str(rng.choice(["x", "y"]))},
         {"mirror": "x", "nodes": chosen if chosen != "all" else some},
-        {"copy": chosen, **way, "repeat": int(chance.integers(1, 4))},
+        {"copy": chosen, **way, "repeat": int(rng.integers(1, 4))},
         {"copy": some, **way, "join": [[some[0], some[-1]]]},
         {"move": chosen, **way},
-        {"select": outline if chance.random() < 0.6 else "all"},
+        {"select": outline if rng.random() < 0.6 else "all"},
         {"select": some},
         {"delete": some},
         {"connect": some},
     ]
-    return forms[int(chance.integers(len(forms)))]
+    return forms[int(rng.integers(len(forms)))]
 
 
-def drawing(chance: np.random.Generator) -> dict[str, object]:
+def drawing(rng: np.random.Generator) -> dict[str, object]:
     """Return the config of a random drawing."""
-    n = int(chance.integers(1, 12))
-    names = [f"n{i}" + str(chance.choice(["", "_l", "_r"])) for i in range(n)]
-    known = [*names, *(["nobody"] if chance.random() < 0.05 else [])]
-    longest = int(chance.integers(2, 6))
+    n = int(rng.integers(1, 12))
+    names = [f"n{i}" + str(rng.choice(["", "_l", "_r"])) for i in range(n)]
+    known = [*names, *(["nobody"] if rng.random() < 0.05 else [])]
+    longest = int(rng.integers(2, 6))
     chains = [
-        [str(name) for name in chance.choice(known, size=int(chance.integers(2, longest + 1)))]
-        for _ in range(int(chance.integers(0, n + 1)))
+        [str(name) for name in rng.choice(known, size=int(rng.integers(2, longest + 1)))]
+        for _ in range(int(rng.integers(0, n + 1)))
     ]
     return {
-        "style": str(chance.choice(["insect", "mammal"])),
-        "pitch_deg": float(chance.choice([0.0, 0.0, 40.0, 90.0, -90.0])),
-        "nodes": {name: place(chance) for name in names},
+        "style": str(rng.choice(["insect", "mammal"])),
+        "pitch_deg": float(rng.choice([0.0, 0.0, 40.0, 90.0, -90.0])),
+        "nodes": {name: place(rng) for name in names},
         "chains": [c for c in chains if all(a != b for a, b in itertools.pairwise(c))],
-        "then": [operation(chance, known) for _ in range(int(chance.choice([0, 0, 1, 2, 4])))],
+        "then": [operation(rng, known) for _ in range(int(rng.choice([0, 0, 1, 2, 4])))],
         "parts": {
-            str(chance.choice(known)): str(chance.choice(KINDS))
-            for _ in range(int(chance.choice([0, 0, 1, 3])))
+            str(rng.choice(known)): str(rng.choice(KINDS))
+            for _ in range(int(rng.choice([0, 0, 1, 3])))
         },
     }
 
 
 def build_random_figures(seed: int, count: int) -> tuple[int, set[str]]:
     """Build random drawings; return the number of figures, and the heads of all error messages."""
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     figures, messages = 0, set()
     for _ in range(count):
-        config = drawing(chance)
+        config = drawing(rng)
         scene = {"pronk": 1, "frames": 1, "figures": {"it": config}, "cast": [{"figure": "it"}]}
         text = yaml.safe_dump(scene, sort_keys=False)
         try:
@@ -118,7 +118,9 @@ def build_random_figures(seed: int, count: int) -> tuple[int, set[str]]:
         pytest.param(3, 10_000, 12, marks=pytest.mark.nightly),
     ],
 )
-def test_random_drawings(seed: int, count: int, kinds_of_messages: int) -> None:
+def test_random_drawings_give_figures_or_located_errors(
+    seed: int, count: int, kinds_of_messages: int
+) -> None:
     figures, messages = build_random_figures(seed, count)
     assert figures > count // 5
     assert len(messages) > kinds_of_messages

@@ -1,4 +1,4 @@
-"""What figures weigh, against trimesh and against the figure taken as one solid."""
+"""Mass properties of figures, against trimesh and against all solids as one mesh."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Build = Callable[..., Figure]
 WORM = "{nodes: {a: [0, 0], b: [0, 1], c: [0, 2]}, chains: [[a, b, c]], radius: 0.1%s}"
 
 
-def judged(solid: Solid, density: float) -> trimesh.Trimesh:
+def trimesh_of(solid: Solid, density: float) -> trimesh.Trimesh:
     mesh = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
     mesh.density = density
     return mesh
@@ -36,8 +36,8 @@ def assert_same(one: MassProperties, other: MassProperties, tolerance: float = 1
     assert np.abs(one.inertia - other.inertia).max() <= tolerance * other.mass * size**2
 
 
-def posed(figure: Figure, q: Array) -> tuple[Array, Array]:
-    """Return all solids of a figure at joint values `q` as one soup, in the body's frame."""
+def mesh_in_pose(figure: Figure, q: Array) -> tuple[Array, Array]:
+    """Return one mesh of all solids of a figure at joint values `q`, in the body's frame."""
     skeleton = figure.skeleton
     X_BJ = JointTree.of(skeleton).pose(q)
     vertices, faces, count = [], [], 0
@@ -52,41 +52,41 @@ def posed(figure: Figure, q: Array) -> tuple[Array, Array]:
     return np.concatenate(vertices), np.concatenate(faces)
 
 
-def test_every_solid_of_the_library_weighs_what_trimesh_says(shipped: Figure) -> None:
+def test_masses_of_all_shipped_solids_match_trimesh(shipped: Figure) -> None:
     for piece in shipped.pieces:
-        judge = judged(piece.solid, 850.0)
-        assert judge.is_watertight, piece.name
+        theirs = trimesh_of(piece.solid, 850.0)
+        assert theirs.is_watertight, piece.name
         mass = mass_of_solid(piece.solid.vertices, piece.solid.faces, 850.0)
-        told = MassProperties(judge.mass, judge.center_mass, judge.moment_inertia)
-        assert_same(mass, told)
+        expected = MassProperties(theirs.mass, theirs.center_mass, theirs.moment_inertia)
+        assert_same(mass, expected)
 
 
-def test_a_figure_weighs_what_its_solids_do_in_any_pose(shipped: Figure) -> None:
+def test_mass_of_a_figure_matches_its_mesh_in_any_pose(shipped: Figure) -> None:
     inertia = FigureMass(shipped)
-    chance = np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     skeleton = shipped.skeleton
-    poses = [skeleton.preferred, chance.uniform(skeleton.lower, skeleton.upper)]
+    poses = [skeleton.preferred, rng.uniform(skeleton.lower, skeleton.upper)]
     for q, mass in zip(poses, [inertia.at_rest, inertia.at(poses[1])], strict=True):
-        assert_same(mass, mass_of_solid(*posed(shipped, q), shipped.density))
+        assert_same(mass, mass_of_solid(*mesh_in_pose(shipped, q), shipped.density))
     assert inertia.at_rest.mass == pytest.approx(sum(link.mass for link in inertia.links))
 
 
-def test_eyes_weigh_in_a_head(beetle: Figure) -> None:
+def test_mass_of_a_head_includes_its_eyes(beetle: Figure) -> None:
     head = next(limb for limb in beetle.skeleton.limbs if limb.name == "head")
     pieces = [piece for piece in beetle.pieces if piece.link == head.links[-1]]
     assert [piece.name for piece in pieces] == ["head.2", "head.eye_l", "head.eye_r"]
-    whole = sum(judged(piece.solid, 1000.0).mass for piece in pieces)
+    whole = sum(trimesh_of(piece.solid, 1000.0).mass for piece in pieces)
     assert FigureMass(beetle).of_link(head.links[-1]).mass == pytest.approx(whole, rel=1e-9)
 
 
-def test_twice_as_large_is_eight_times_as_heavy(figure: Build) -> None:
+def test_mass_properties_scale_with_size(figure: Build) -> None:
     one, two = (FigureMass(figure(WORM % "", scale)).links[1] for scale in (1.0, 2.0))
     assert two.mass == pytest.approx(8 * one.mass)
     assert np.allclose(two.centre, 2 * one.centre)
     assert np.allclose(two.inertia, 32 * one.inertia)
 
 
-def test_density_is_the_authors_word_and_waters_if_left_out(figure: Build) -> None:
+def test_density_is_that_of_water_by_default(figure: Build) -> None:
     assert figure(WORM % "").density == 1000.0
     water, lead = FigureMass(figure(WORM % "")), FigureMass(figure(WORM % ", density: 11340"))
     for one, other in zip(water.links, lead.links, strict=True):
@@ -95,7 +95,7 @@ def test_density_is_the_authors_word_and_waters_if_left_out(figure: Build) -> No
         assert np.allclose(other.centre, one.centre)
 
 
-def test_left_legs_weigh_what_right_legs_do(beetle: Figure) -> None:
+def test_mass_properties_of_legs_are_symmetric(beetle: Figure) -> None:
     inertia, legs = FigureMass(beetle), beetle.skeleton.legs
     for left, right in zip(legs[:3], legs[3:], strict=True):
         for a, b in zip(left.links, right.links, strict=True):
@@ -106,7 +106,7 @@ def test_left_legs_weigh_what_right_legs_do(beetle: Figure) -> None:
             assert np.allclose(mirror @ one.inertia @ mirror, other.inertia, rtol=1e-9)
 
 
-def test_footfalls_have_the_weight_of_their_legs(scene_of: Callable[..., object]) -> None:
+def test_leg_masses_are_sums_of_link_masses(scene_of: Callable[..., object]) -> None:
     scene = scene_of("{figure: beetle, scale: 0.5}", duration=1)
     herd = Simulation(scene).troupes[0].herd
     legs = herd.figures[0].skeleton.legs
@@ -116,7 +116,7 @@ def test_footfalls_have_the_weight_of_their_legs(scene_of: Callable[..., object]
     )
 
 
-def test_masses_alone_are_those_of_the_whole_properties(shipped: Figure) -> None:
+def test_mass_of_all_links_matches_the_mass_properties(shipped: Figure) -> None:
     inertia = FigureMass(shipped)
     numbers = range(len(shipped.skeleton.links))
     whole = sum(mass.mass for mass in inertia.links)

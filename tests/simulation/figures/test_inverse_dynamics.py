@@ -34,35 +34,35 @@ Maker = Callable[[np.random.Generator, int], Skeleton]
 MOMENTS = 5
 
 
-def _random_links(skeleton: Skeleton, chance: np.random.Generator) -> list[MassProperties]:
-    """Return masses of the links of a skeleton that has no solids."""
+def _random_links(skeleton: Skeleton, rng: np.random.Generator) -> list[MassProperties]:
+    """Return random link masses of a skeleton without solids."""
     found = []
     for link in skeleton.links:
-        spread = chance.normal(size=(3, 3))
+        spread = rng.normal(size=(3, 3))
         second = spread @ spread.T + 0.1 * np.eye(3)
         inertia = np.trace(second) * np.eye(3) - second
-        found.append(MassProperties(chance.uniform(0.1, 2), link.ends.mean(axis=0), inertia))
+        found.append(MassProperties(rng.uniform(0.1, 2), link.ends.mean(axis=0), inertia))
     return found
 
 
-def _moving(skeleton: Skeleton, chance: np.random.Generator, n: int = MOMENTS) -> FigureMotion:
-    """Return random states between the limits of the joints, of a body that moves as well."""
+def _moving(skeleton: Skeleton, rng: np.random.Generator, n: int = MOMENTS) -> FigureMotion:
+    """Return random states within joint limits, with a moving body."""
     J = len(skeleton.parents)
     X_WB = np.zeros((n, 4, 4))
-    X_WB[:, :3, :3] = matrix(normalized(chance.normal(size=(n, 4))))
-    X_WB[:, :3, 3], X_WB[:, 3, 3] = chance.normal(size=(n, 3)), 1.0
+    X_WB[:, :3, :3] = matrix(normalized(rng.normal(size=(n, 4))))
+    X_WB[:, :3, 3], X_WB[:, 3, 3] = rng.normal(size=(n, 3)), 1.0
     span = skeleton.upper - skeleton.lower
     return FigureMotion(
-        skeleton.lower + chance.random((n, J)) * span,
-        chance.normal(size=(n, J)) * 3,
-        chance.normal(size=(n, J)) * 20,
+        skeleton.lower + rng.random((n, J)) * span,
+        rng.normal(size=(n, J)) * 3,
+        rng.normal(size=(n, J)) * 20,
         X_WB,
-        *chance.normal(size=(3, n, 3)) * np.array([2.0, 5.0, 5.0])[:, None, None],
+        *rng.normal(size=(3, n, 3)) * np.array([2.0, 5.0, 5.0])[:, None, None],
     )
 
 
 def _mujoco(skeleton: Skeleton, masses: FrameMasses) -> mujoco.MjModel:
-    """Build the same figure in MuJoCo: a body that is free, then one body a joint with mass."""
+    """Build the figure in MuJoCo: a free body, then one body for each joint with mass."""
     spec = mujoco.MjSpec()
     spec.option.gravity = [0.0, -GRAVITY, 0.0]
     root = spec.worldbody.add_body(name="body")
@@ -112,7 +112,7 @@ def _mujoco_load(
         R = X[:3, :3]
         data.qpos[:3], data.qpos[3:7] = X[:3, 3], quaternion(R)
         data.qpos[place] = motion.q[k]
-        # What turns is told along the body's own axes there.
+        # MuJoCo has angular quantities in body axes.
         data.qvel[3:6], data.qacc[3:6] = R.T @ motion.spin[k], R.T @ motion.spin_rate[k]
         data.qacc[:3] = motion.acceleration[k]
         data.qvel[speed], data.qacc[speed] = motion.speeds[k], motion.accelerations[k]
@@ -143,20 +143,20 @@ def test_library_figures_match_mujoco(shipped: Figure) -> None:
 
 
 def test_random_figures_match_mujoco(random_skeleton: Maker) -> None:
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     for _ in range(30):
-        skeleton = random_skeleton(chance, int(chance.integers(1, 13)))
-        masses = FrameMasses.of(skeleton, _random_links(skeleton, chance))
-        _assert_matches_mujoco(skeleton, masses, _moving(skeleton, chance))
+        skeleton = random_skeleton(rng, int(rng.integers(1, 13)))
+        masses = FrameMasses.of(skeleton, _random_links(skeleton, rng))
+        _assert_matches_mujoco(skeleton, masses, _moving(skeleton, rng))
 
 
 def test_external_forces_act_by_their_jacobians(shipped: Figure) -> None:
     """By virtual work: τ changes by -Jᵀ F, and the body by -F and its moment."""
-    skeleton, chance = shipped.skeleton, np.random.default_rng(3)
-    tree, masses, motion = JointTree.of(skeleton), _masses(shipped), _moving(skeleton, chance)
+    skeleton, rng = shipped.skeleton, np.random.default_rng(3)
+    tree, masses, motion = JointTree.of(skeleton), _masses(shipped), _moving(skeleton, rng)
     frames = [BODY, *(limb.joints[-1] for limb in skeleton.limbs)]
     places = np.array([np.zeros(3), *(limb.tip for limb in skeleton.limbs)])
-    forces = chance.normal(size=(MOMENTS, len(frames), 3)) * 50.0
+    forces = rng.normal(size=(MOMENTS, len(frames), 3)) * 50.0
     R_WB, p_WB = motion.X_WB[:, :3, :3], motion.X_WB[:, :3, 3]
     X, points = tree.pose(motion.q), np.empty_like(forces)
     expected = np.zeros_like(motion.q)

@@ -27,8 +27,8 @@ Maker = Callable[[np.random.Generator, int], Skeleton]
 H = 1e-5
 
 
-def _values(skeleton: Skeleton, chance: np.random.Generator) -> Array:
-    return skeleton.lower + chance.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
+def _values(skeleton: Skeleton, rng: np.random.Generator) -> Array:
+    return skeleton.lower + rng.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
 
 
 def _spin(before: Array, after: Array) -> Array:
@@ -63,7 +63,7 @@ def _check(skeleton: Skeleton, batch: LimbBatch, q: Array) -> None:
 
 
 def test_library_limbs_match_finite_differences(shipped: Figure) -> None:
-    skeleton, chance = shipped.skeleton, np.random.default_rng(1)
+    skeleton, rng = shipped.skeleton, np.random.default_rng(1)
     if not skeleton.limbs:
         return
     batch = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs])
@@ -71,7 +71,7 @@ def test_library_limbs_match_finite_differences(shipped: Figure) -> None:
         _check(
             skeleton,
             batch,
-            batch.lower + chance.random(batch.lower.shape) * (batch.upper - batch.lower),
+            batch.lower + rng.random(batch.lower.shape) * (batch.upper - batch.lower),
         )
 
 
@@ -80,14 +80,14 @@ def test_library_limbs_match_finite_differences(shipped: Figure) -> None:
 def test_random_limbs_match_finite_differences(
     random_skeleton: Maker, seed: int, joints: int
 ) -> None:
-    chance = np.random.default_rng(seed)
-    skeleton = random_skeleton(chance, joints)
-    a, b = chance.integers(0, joints + 1, 2)
+    rng = np.random.default_rng(seed)
+    skeleton = random_skeleton(rng, joints)
+    a, b = rng.integers(0, joints + 1, 2)
     if a == b:
         a, b = 0, joints
     rooted, limb = limb_between(skeleton, skeleton.links[a].name, skeleton.links[b].name)
     batch = LimbBatch.of([(rooted, limb)])
-    _check(rooted, batch, _values(skeleton, chance)[list(limb.joints)][None])
+    _check(rooted, batch, _values(skeleton, rng)[list(limb.joints)][None])
 
 
 def _mujoco(skeleton: Skeleton) -> mujoco.MjModel:
@@ -104,7 +104,7 @@ def _mujoco(skeleton: Skeleton) -> mujoco.MjModel:
     return spec.compile()
 
 
-def _agrees(skeleton: Skeleton, chance: np.random.Generator) -> None:
+def _agrees(skeleton: Skeleton, rng: np.random.Generator) -> None:
     """Compare all poses, and the Jacobians of the far ends of all links, at random values."""
     model = _mujoco(skeleton)
     data, tree = mujoco.MjData(model), JointTree.of(skeleton)
@@ -112,7 +112,7 @@ def _agrees(skeleton: Skeleton, chance: np.random.Generator) -> None:
     address = [int(model.joint(name).qposadr[0]) for name in skeleton.joint_names]
     body = [int(model.body(name).id) for name in skeleton.joint_names]
     for _ in range(3):
-        q = _values(skeleton, chance)
+        q = _values(skeleton, rng)
         data.qpos[address] = q
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -137,18 +137,18 @@ def test_library_figures_match_mujoco(shipped: Figure) -> None:
 
 
 def test_random_figures_match_mujoco(random_skeleton: Maker) -> None:
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     for _ in range(30):
-        _agrees(random_skeleton(chance, int(chance.integers(1, 13))), chance)
+        _agrees(random_skeleton(rng, int(rng.integers(1, 13))), rng)
 
 
 def test_limb_and_tree_jacobians_agree(shipped: Figure) -> None:
-    skeleton, chance = shipped.skeleton, np.random.default_rng(5)
-    tree, values = JointTree.of(skeleton), _values(skeleton, chance)
+    skeleton, rng = shipped.skeleton, np.random.default_rng(5)
+    tree, values = JointTree.of(skeleton), _values(skeleton, rng)
     for limb in skeleton.limbs:
         batch = LimbBatch.of([(skeleton, limb)])
         joints = list(limb.joints)
-        # A limb is relative to what carries it, a head perhaps: that is at zero here.
+        # A limb is relative to its carrier, such as a head, which is at zero here.
         q = np.zeros_like(values)
         q[joints] = values[joints]
         J = jacobian(batch, batch.pose(q[joints][None]))[0]

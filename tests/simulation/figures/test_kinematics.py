@@ -107,7 +107,7 @@ def test_batched_legs_match_single_legs(skeleton: Skeleton, legs: LimbBatch) -> 
 
 
 def test_success_rate_for_reachable_goals(beetle: Figure) -> None:
-    """From the preferred pose; what is left over is what a restart is for."""
+    """Starts are the preferred pose; restarts are for the remaining goals."""
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
     start = legs.pose(legs.preferred)
@@ -125,9 +125,9 @@ def test_success_rate_for_reachable_goals(beetle: Figure) -> None:
 def test_goals_near_rest_are_reached(skeleton: Skeleton, legs: LimbBatch) -> None:
     bent = np.array([len(leg.links) > 1 for leg in skeleton.legs])
     start = legs.pose(legs.preferred)
-    chance = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     for _ in range(50):
-        shift = chance.normal(size=start.tips.shape)
+        shift = rng.normal(size=start.tips.shape)
         shift *= (0.2 * legs.lengths / np.linalg.norm(shift, axis=-1))[:, None]
         solution = solve(legs, start, start.tips + shift)
         assert (solution.residual <= 1e-6 * legs.lengths)[bent].all()

@@ -1,4 +1,4 @@
-"""Shapes of links: closed, facing outward, of the sizes that they say, and where they are told."""
+"""Link shapes: closed, facing outward, of their configured sizes, and placed by the drawing."""
 
 from __future__ import annotations
 
@@ -28,78 +28,81 @@ FIN = (
 )
 
 
-def link(shape: LinkShape, span: Array, radii: tuple[float, float], normal: Array = UP) -> Link:
+def build_link(
+    shape: LinkShape, span: Array, radii: tuple[float, float], normal: Array = UP
+) -> Link:
     start = np.array([0.3, -0.2, 0.1])
     ends = np.stack([start, start + span])
     return Link("l1.1", "leg", 0, ends, radii, "", True, shape, normal)
 
 
-def along(one: Link) -> Array:
-    """Return the vertices in the link's frame: along it, upward, across."""
-    x = normalized(one.ends[1] - one.ends[0])
-    axes = np.stack([x, one.normal, np.cross(x, one.normal)], axis=-1)
-    return (link_solid(one, 0.2).vertices - one.ends[0]) @ axes
+def link_coordinates(link: Link) -> Array:
+    """Return the vertices of a link in its frame: along, up, across."""
+    x = normalized(link.ends[1] - link.ends[0])
+    axes = np.stack([x, link.normal, np.cross(x, link.normal)], axis=-1)
+    return (link_solid(link, 0.2).vertices - link.ends[0]) @ axes
 
 
-def test_every_shape_of_the_language_is_made() -> None:
+def test_every_link_shape_has_a_maker() -> None:
     assert set(SHAPE_MAKERS) == set(NAMES)
 
 
 @pytest.mark.parametrize("shape", NAMES)
 def test_shapes_are_closed_and_face_outward(shape: LinkShape) -> None:
-    chance = np.random.default_rng(1)
+    rng = np.random.default_rng(1)
     for _ in range(40):
-        span = chance.normal(size=3) * 10 ** chance.uniform(-2, 1)
-        radii = 10 ** chance.uniform(-2, 0.5, 2)
-        normal = normalized(np.cross(span, chance.normal(size=3)))
-        one = link(shape, span, (float(radii[0]), float(radii[1])), normal)
+        span = rng.normal(size=3) * 10 ** rng.uniform(-2, 1)
+        radii = 10 ** rng.uniform(-2, 0.5, 2)
+        normal = normalized(np.cross(span, rng.normal(size=3)))
+        one = build_link(shape, span, (float(radii[0]), float(radii[1])), normal)
         solid = link_solid(one, 0.2)
-        judge = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
-        assert judge.is_watertight
-        assert judge.is_winding_consistent
-        assert judge.volume > 0
-        assert (judge.area_faces > 0).all()
-        # Both ends are inside, so that no gap opens in a joint: on the axis rays go out once.
-        low, high = along(one)[:, 0].min(), along(one)[:, 0].max()
+        mesh = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
+        assert mesh.is_watertight
+        assert mesh.is_winding_consistent
+        assert mesh.volume > 0
+        assert (mesh.area_faces > 0).all()
+        # Both ends of the link are inside, so that no gap opens in a joint.
+        low, high = link_coordinates(one)[:, 0].min(), link_coordinates(one)[:, 0].max()
         length = np.linalg.norm(span)
         assert high > length
         assert low < 0 or (shape == "ball" and length - radii[1] < low + 1e-9)
 
 
 def test_a_plate_is_flat_in_the_plane_of_the_drawing() -> None:
-    one = link("plate", np.array([1.0, 0, 0]), (0.1, 0.1))
-    extent = np.ptp(along(one), axis=0)
+    one = build_link("plate", np.array([1.0, 0, 0]), (0.1, 0.1))
+    extent = np.ptp(link_coordinates(one), axis=0)
     assert extent[1] < 0.3 * extent[2]
-    assert extent[2] == pytest.approx(np.ptp(along(link("round", *_args(one))), axis=0)[2])
+    round_link = build_link("round", one.ends[1] - one.ends[0], one.radii)
+    assert extent[2] == pytest.approx(np.ptp(link_coordinates(round_link), axis=0)[2])
 
 
-def test_a_bar_is_flat_sided_and_no_wider_than_a_round_link() -> None:
-    one = link("box", np.array([1.0, 0, 0]), (0.1, 0.1))
+def test_a_box_link_is_flat_sided_and_no_wider_than_a_round_link() -> None:
+    one = build_link("box", np.array([1.0, 0, 0]), (0.1, 0.1))
     solid = link_solid(one, 0.2)
     normals = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
     flat = np.abs(normals.face_normals).max(axis=-1) > 0.99
     assert normals.area_faces[flat].sum() > 0.8 * normals.area
-    beyond = np.linalg.norm(along(one)[:, 1:], axis=-1)
+    beyond = np.linalg.norm(link_coordinates(one)[:, 1:], axis=-1)
     assert beyond.max() == pytest.approx(0.1, rel=0.03)
 
 
-def test_a_ball_is_one_around_its_node() -> None:
+def test_a_ball_link_is_a_sphere_around_its_node_with_a_stem() -> None:
     for length in (0.02, 0.3, 2.0):
-        one = link("ball", np.array([length, 0, 0]), (0.05, 0.2))
-        away = np.linalg.norm(along(one) - [length, 0, 0], axis=-1)
-        stem = along(one)[:, 0] < length - 0.2
+        one = build_link("ball", np.array([length, 0, 0]), (0.05, 0.2))
+        away = np.linalg.norm(link_coordinates(one) - [length, 0, 0], axis=-1)
+        stem = link_coordinates(one)[:, 0] < length - 0.2
         assert away[~stem].max() < 0.2 * 1.01
         assert away[~stem].min() > 0.2 * 0.95
-        across = np.linalg.norm(along(one)[stem][:, 1:], axis=-1)
+        across = np.linalg.norm(link_coordinates(one)[stem][:, 1:], axis=-1)
         assert across.max(initial=0.0) <= 0.0500001
         assert (length > 0.2) == stem.any()
 
 
 def test_round_links_swell_and_straight_ones_do_not() -> None:
-    straight = link("straight", np.array([0.4, 0.1, 0.2]), (0.1, 0.05))
-    round_ = link("round", np.array([0.4, 0.1, 0.2]), (0.1, 0.05))
+    straight = build_link("straight", np.array([0.4, 0.1, 0.2]), (0.1, 0.05))
+    round_ = build_link("round", np.array([0.4, 0.1, 0.2]), (0.1, 0.05))
     assert (link_solid(straight, 0.3).vertices == link_solid(straight, 0.0).vertices).all()
-    x = along(link("straight", np.array([1.0, 0, 0]), (0.1, 0.05)))
+    x = link_coordinates(build_link("straight", np.array([1.0, 0, 0]), (0.1, 0.05)))
     between = x[(x[:, 0] > 0) & (x[:, 0] < 1)]
     radii = np.linalg.norm(between[:, 1:], axis=-1)
     assert np.allclose(radii, 0.1 - 0.05 * between[:, 0])
@@ -111,7 +114,7 @@ def test_round_links_swell_and_straight_ones_do_not() -> None:
     assert volumes[2] > 1.2 * volumes[1]
 
 
-def test_shapes_travel_with_their_nodes(figure: Build) -> None:
+def test_mirrored_and_copied_nodes_keep_their_shapes(figure: Build) -> None:
     fin = figure(FIN % "insect")
     shape = dict(zip(fin.drawing.names, fin.drawing.shapes, strict=True))
     box, plate = ({name for name in shape if shape[name] == kind} for kind in ("box", "plate"))
@@ -124,7 +127,7 @@ def test_shapes_travel_with_their_nodes(figure: Build) -> None:
 
 
 @pytest.mark.parametrize("style", ["insect", "mammal"])
-def test_plates_lie_in_the_plane_that_they_were_drawn_in(figure: Build, style: str) -> None:
+def test_plates_lie_in_the_plane_of_the_drawing(figure: Build, style: str) -> None:
     """An insect's fins lie flat; a mammal's are folded down with their legs."""
     fin = figure(FIN % style)
     flat = 1 if style == "insect" else 2
@@ -135,7 +138,7 @@ def test_plates_lie_in_the_plane_that_they_were_drawn_in(figure: Build, style: s
             assert abs(thin[flat]) == pytest.approx(1.0)
 
 
-def test_a_raised_mammal_has_plates_raised_with_it(figure: Build) -> None:
+def test_plates_of_a_pitched_mammal_are_pitched(figure: Build) -> None:
     fish = figure(
         "{style: mammal, pitch_deg: 30, nodes: {a: [0, 0], b: [0, 1], c: [0.2, 0.5],"
         " t: {at: [0, 2], shape: plate}}, chains: [[a, b, c, a], [b, t]], radius: 0.1}"
@@ -145,13 +148,13 @@ def test_a_raised_mammal_has_plates_raised_with_it(figure: Build) -> None:
     assert tail.normal @ (tail.ends[1] - tail.ends[0]) == pytest.approx(0, abs=1e-12)
 
 
-def test_a_shape_where_no_link_ends_is_remarked(figure: Build) -> None:
+def test_a_shape_without_a_link_is_a_warning(figure: Build) -> None:
     built = figure(FIN.replace("a: [0, -1]", "a: {at: [0, -1], shape: box}") % "insect")
-    told = [str(remark) for remark in built.anatomy.warnings]
-    assert told == ["no link ends at 'a', so its shape is not used"]
+    warnings = [str(remark) for remark in built.anatomy.warnings]
+    assert warnings == ["no link ends at 'a', so its shape is not used"]
 
 
-def test_shapes_and_densities_that_are_none_are_refused(figure: Build) -> None:
+def test_invalid_shapes_and_densities_are_refused(figure: Build) -> None:
     with pytest.raises(SceneError) as caught:
         figure(FIN.replace("shape: ball", "shape: boll") % "insect")
     (problem,) = caught.value.problems
@@ -164,28 +167,28 @@ def test_shapes_and_densities_that_are_none_are_refused(figure: Build) -> None:
 
 
 @pytest.mark.parametrize("shape", NAMES)
-def test_links_as_thin_as_can_be_have_a_mass_and_thinner_ones_are_refused(
+def test_thinnest_links_have_mass_and_thinner_ones_are_refused(
     figure: Build, shape: LinkShape
 ) -> None:
-    words = (
+    config = (
         "{nodes: {a: [0, 0], b: [0, 1], c: [0.2, 0.5], d: {at: [1, 0.3], radius: %g},"
         f" f: {{at: [4, 0.7], radius: %g, shape: {shape}}}}}, chains: [[a, b, c, a], [c, d, f]],"
         " radius: 0.2}"
     )
-    built = figure(words % (3.2e-6, 3.2e-6))
+    built = figure(config % (3.2e-6, 3.2e-6))
     number = next(i for i, one in enumerate(built.skeleton.links) if one.is_tip)
     solid = next(piece.solid for piece in built.pieces if piece.link == number)
     mass = FigureMass(built).of_link(number)
     assert 0 < mass.mass < 1e-6
     assert np.ptp(solid.vertices, axis=0).max() < 3.1
     with pytest.raises(SceneError) as caught:
-        figure(words % (1e-4, 2e-6) if shape == "ball" else words % (2e-6, 2e-6))
+        figure(config % (1e-4, 2e-6) if shape == "ball" else config % (2e-6, 2e-6))
     (problem,) = caught.value.problems
     assert problem.path == "figures.thing.nodes.f"
     assert "from 'd' to 'f' is thinner than a millionth" in problem.message
 
 
-def test_a_body_too_thin_to_be_made_is_refused(figure: Build) -> None:
+def test_too_thin_a_body_is_refused(figure: Build) -> None:
     thin = figure(
         "{nodes: {a: [0, 0], b: [0, 1], c: [0.2, 0.57]}, chains: [[a, b, c, a]], radius: 0.002}"
     )
@@ -193,8 +196,8 @@ def test_a_body_too_thin_to_be_made_is_refused(figure: Build) -> None:
         assert thin.pieces
 
 
-def test_heads_of_all_shapes_have_their_eyes_on_them(figure: Build) -> None:
-    """The surface of a head goes through its eyes: they neither float nor hide."""
+def test_eyes_lie_on_the_surface_of_heads_of_all_shapes(figure: Build) -> None:
+    """The surface of the head intersects each eye."""
     for shape in NAMES:
         for at in (-0.2, -0.5):
             built = figure(
@@ -211,7 +214,3 @@ def test_heads_of_all_shapes_have_their_eyes_on_them(figure: Build) -> None:
                 nearest = trimesh.triangles.closest_point(mesh.triangles, points)
                 away = np.linalg.norm(nearest - middle, axis=-1).min()
                 assert away < 0.8 * radius, (shape, at)
-
-
-def _args(one: Link) -> tuple[Array, tuple[float, float]]:
-    return one.ends[1] - one.ends[0], one.radii

@@ -21,10 +21,10 @@ RINGS = {
 
 
 class Parts:
-    """An analysed drawing, by names."""
+    """The anatomy of a drawing, by node names."""
 
-    def __init__(self, words: Mapping[str, object]) -> None:
-        figure = Words.model_validate(words)
+    def __init__(self, config: Mapping[str, object]) -> None:
+        figure = Words.model_validate(config)
         self.drawing = draw(figure)
         self.anatomy: Anatomy = analyse(self.drawing, figure.parts)
 
@@ -47,7 +47,7 @@ class Parts:
 
     @property
     def warnings(self) -> list[str]:
-        """What the author may not have meant."""
+        """Warnings about the drawing."""
         return [str(remark) for remark in self.anatomy.warnings]
 
 
@@ -104,8 +104,8 @@ def test_parts_name_kinds_by_tip() -> None:
     assert {tip: text[:3] for tip, text in Parts(star).limbs.items()} == {
         "w": "leg", "e": "leg", "n": "hea", "s": "tai"
     }  # fmt: skip
-    told = Parts({**star, "parts": {"n": "leg", "s": "arm", "e": "head", "w": "feeler"}})
-    assert {tip: text.split(":")[0] for tip, text in told.limbs.items()} == {
+    parts = Parts({**star, "parts": {"n": "leg", "s": "arm", "e": "head", "w": "feeler"}})
+    assert {tip: text.split(":")[0] for tip, text in parts.limbs.items()} == {
         "n": "leg", "s": "arm", "e": "head", "w": "feeler"
     }  # fmt: skip
 
@@ -138,7 +138,7 @@ def test_loops_and_their_bridge_are_body() -> None:
 
 
 @pytest.mark.parametrize("legs", [0, 1, 3, 5])
-def test_number_of_legs(legs: int) -> None:
+def test_any_number_of_legs_is_recognised(legs: int) -> None:
     nodes: dict[str, object] = {"a": [0, -1], "b": [0, 1], "c": [0.3, 0]}
     nodes |= {f"f{i}": [2.0 if i % 2 else -2.0, i - 2.0] for i in range(legs)}
     chains = [["a", "b", "c", "a"], *(["a", f"f{i}"] for i in range(legs))]
@@ -161,7 +161,7 @@ def test_coincident_nodes_get_a_hint() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "path", "says"),
+    ("config", "path", "phrases"),
     [
         ({**RINGS, "parts": {"a": "leg"}}, "parts.a", ["'a' is on a loop", "'b', 'c'", "leg"]),
         ({**RINGS, "parts": {"d": "tail"}}, "parts.d", ["'d' is no tip", "has none"]),
@@ -173,10 +173,12 @@ def test_coincident_nodes_get_a_hint() -> None:
         ),
     ],
 )  # fmt: skip
-def test_invalid_parts_are_refused(words: Mapping[str, object], path: str, says: list[str]) -> None:
+def test_invalid_parts_are_refused(
+    config: Mapping[str, object], path: str, phrases: list[str]
+) -> None:
     with pytest.raises(SceneError) as caught:
-        Parts(words)
+        Parts(config)
     (problem,) = caught.value.problems
     assert problem.path == path
-    for text in says:
+    for text in phrases:
         assert text in problem.message

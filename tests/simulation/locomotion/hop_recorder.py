@@ -17,7 +17,7 @@ from tests.simulation.conftest import tips_of
 
 
 @dataclass
-class Seen:
+class HopperState:
     """One hopper at one step."""
 
     time: float
@@ -32,24 +32,24 @@ class Seen:
 
 
 @dataclass
-class Hops:
-    """A simulation and the record of its hoppers."""
+class HopRecording:
+    """A simulation and the state of its hoppers at every step."""
 
     simulation: Simulation
-    seen: list[list[Seen]] = field(default_factory=list)
-    happened: list[list[HopEvent]] = field(default_factory=list)
+    states: list[list[HopperState]] = field(default_factory=list)
+    events: list[list[HopEvent]] = field(default_factory=list)
     _lifts: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     @property
     def troupe(self) -> HopperTroupe:
-        """Its hoppers."""
+        """The troupe of hoppers."""
         return next(t for t in self.simulation.troupes if isinstance(t, HopperTroupe))
 
-    def look(self) -> None:
-        """Record this step."""
+    def record_step(self) -> None:
+        """Record the state of this step."""
         for c, one in enumerate(self.troupe.simulations):
-            self.seen[c].append(_seen(one))
-            self.happened[c].extend(one.events)
+            self.states[c].append(_hopper_state(one))
+            self.events[c].extend(one.events)
         state = self.troupe.simulations[0].state
         if state.jump_count:
             self._lifts[state.jump_count] = state.lift_off
@@ -62,7 +62,7 @@ class Hops:
     @property
     def lift_times(self) -> list[float]:
         """Times of the lift-offs [s]."""
-        times = [h.time for h in self.happened[0] if h.kind == "lift"]
+        times = [h.time for h in self.events[0] if h.kind == "lift"]
         return times[:: len(self.troupe.hoppers[0].hips)]
 
     @property
@@ -75,9 +75,9 @@ class Hops:
         return tips_of(self.simulation, self.troupe.herd)
 
 
-def _seen(one: HopSimulation) -> Seen:
+def _hopper_state(one: HopSimulation) -> HopperState:
     state, hopper = one.state, one.hopper
-    return Seen(
+    return HopperState(
         state.time,
         state.phase,
         state.jump_count,
@@ -90,16 +90,16 @@ def _seen(one: HopSimulation) -> Seen:
     )
 
 
-def hop_through(scene: Scene, until: int | None = None) -> Hops:
+def hop_through(scene: Scene, until: int | None = None) -> HopRecording:
     """Simulate a scene and record every step, until all hoppers made more than `until` jumps."""
     simulation = Simulation(scene)
-    hops = Hops(simulation)
+    hops = HopRecording(simulation)
     count = len(hops.troupe.simulations)
-    hops.seen, hops.happened = [[] for _ in range(count)], [[] for _ in range(count)]
-    hops.look()
+    hops.states, hops.events = [[] for _ in range(count)], [[] for _ in range(count)]
+    hops.record_step()
     while not simulation.finished:
         simulation.step()
-        hops.look()
+        hops.record_step()
         if until is not None and all(s.state.jump_count > until for s in hops.troupe.simulations):
             break
     return hops

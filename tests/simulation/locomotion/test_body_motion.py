@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
-from pipeline.simulation.locomotion.gaits.moods import MotionStyle
+from pipeline.simulation.locomotion.gaits.moods import MoodSchedule, MotionStyle
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation
@@ -27,7 +28,7 @@ MAX_JOINT_ACCELERATION = 250.0
 
 
 class Recording:
-    """A simulation of one creature, played to its end.
+    """A finished simulation of one creature in a fixed motion style.
 
     Args:
         member: config of the creature.
@@ -42,20 +43,24 @@ class Recording:
         more: str = "",
         **style: float,
     ) -> None:
-        self.simulation = Simulation(
-            scene_of(member, terrain=terrain, duration=duration, more=more)
-        )
+        fixed = list[MotionStyle]()
+
+        def fixed_style(schedule: MoodSchedule, _time: float) -> MotionStyle:
+            if not fixed:
+                count = len(schedule.effects)
+                changed = {key: np.full(count, value) for key, value in style.items()}
+                fixed.append(replace(MotionStyle.neutral(count), **changed))
+            return fixed[0]
+
+        with patch.object(MoodSchedule, "style", fixed_style):
+            self.simulation = Simulation(
+                scene_of(member, terrain=terrain, duration=duration, more=more)
+            )
+            while not self.simulation.finished:
+                self.simulation.step()
         troupe = self.simulation.troupes[0]
         assert isinstance(troupe, WalkerTroupe)
         self.walkers = troupe
-        changed = {key: np.full(1, value) for key, value in style.items()}
-        progress = troupe.progress
-        progress.trajectory.style = fixed = replace(progress.trajectory.style, **changed)
-        progress.moods.style = lambda time: fixed
-        # The row of the start was buffered before.
-        troupe._buffered[:] = [replace(moment, style=fixed) for moment in troupe._buffered]
-        while not self.simulation.finished:
-            self.simulation.step()
         self.recorder = self.simulation.recorder
         self.names = [node.name for node in self.simulation.take().nodes]
 
@@ -66,7 +71,7 @@ class Recording:
         return self.recorder.values[:, self.recorder.values.shape[1] - count :]
 
     def joint(self, name: str) -> Array:
-        """(K,) values of one of them [rad]."""
+        """(K,) values of a free joint [rad]."""
         names = self.walkers.pose_solver.free_limbs.joints.names
         return self.q[:, [own.partition(".")[2] for own in names].index(name)]
 
@@ -77,7 +82,7 @@ class Recording:
 
     @property
     def look(self) -> tuple[Array, Array]:
-        """Eyes (K, 3) [m] and where they look (K, 3), by the poses of the nodes alone."""
+        """Eyes (K, 3) [m] and gaze directions (K, 3), by the poses of the nodes alone."""
         skeleton = self.walkers.herd.figures[0].skeleton
         limb = next(limb for limb in skeleton.limbs if limb.kind == "head")
         link = skeleton.links[limb.links[-1]]
@@ -170,7 +175,7 @@ def test_head_stays_level_on_a_pitching_body() -> None:
         ("{figure: inchworm, walk: {}, look_at: [1, 1, 1]}", "looks nowhere"),
     ],
 )
-def test_refuses_impossible_look_targets(member: str, message: str) -> None:
+def test_impossible_look_targets_are_refused(member: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
         Simulation(scene_of(member, duration=1))
 
@@ -272,7 +277,7 @@ def test_pitched_body_keeps_its_feet_below_it() -> None:
         for recording in (level, proud)
     ]
     moved = np.abs(ends[1] - ends[0])[:, [0, 2]].max(axis=1)
-    # Rotated with the body they would be 17 cm off; forelegs lose a little of their reach.
+    # Rotated with the body the feet would be 17 cm off; forelegs lose a little reach.
     assert moved[1::2].max() < 0.03
     assert moved[::2].max() < 0.1
     assert not [note for note in proud.simulation.take().notes if note.kind == "clamped"]
@@ -326,7 +331,7 @@ RAMP = "{kind: ramp, size: [16, 3], cells: [320, 30], start: 1.0, slope_deg: 28,
 
 
 def _lowest(part: str) -> float:
-    """Return how far the end of a scorpion's limb stays above a ramp that it comes to [m]."""
+    """Return the least height of the end of a scorpion's limb above a ramp [m]."""
     recording = Recording(
         "{figure: scorpion, name: s, scale: 0.8, at: [0.2, 0], walk: {speed: 0.55}}", RAMP, 2.5
     )

@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.body_motion.damped_springs import (
-    Oscillators,
-    SpringFollower,
-)
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
 from pipeline.simulation.spatial import Array
 
 W, Z = 7.0, 0.3
@@ -19,8 +16,8 @@ def springs(dt: float) -> Oscillators:
     return Oscillators(np.array([W]), np.array([Z]), dt)
 
 
-def started(times: Array, e: float, w: float) -> Array:
-    """Place of a damped oscillator that begins at `e` with speed `w`."""
+def starting_lag(times: Array, e: float, w: float) -> Array:
+    """Return the position of a damped oscillator that starts at `e` with speed `w`."""
     left = np.exp(-Z * W * times)
     result: Array = left * (
         e * np.cos(SWING * times) + (w + Z * W * e) / SWING * np.sin(SWING * times)
@@ -35,7 +32,7 @@ def test_free_oscillation_is_exact_at_any_step(dt: float) -> None:
         e, w = springs(dt).step(e, w)
         found.append(e[0])
     times = dt * np.arange(1, 61)
-    np.testing.assert_allclose(found, started(times, 0.4, -2.0), rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(found, starting_lag(times, 0.4, -2.0), rtol=0.0, atol=1e-13)
 
 
 @pytest.mark.parametrize("dt", [0.01, 0.05])
@@ -44,7 +41,7 @@ def test_lag_behind_a_starting_goal_matches_the_closed_form(dt: float) -> None:
     goals = 1.7 * np.maximum(times - 5 * dt, 0.0)[:, None]
     late = SpringFollower(springs(dt)).follow(goals)[:, 0]
     since = np.maximum(times - 5 * dt, 0.0)
-    np.testing.assert_allclose(late, started(since, 0.0, -1.7), rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(late, starting_lag(since, 0.0, -1.7), rtol=0.0, atol=1e-13)
 
 
 def test_no_lag_behind_a_resting_or_even_goal() -> None:
@@ -56,7 +53,7 @@ def test_no_lag_behind_a_resting_or_even_goal() -> None:
 def test_refinement_converges_to_second_order() -> None:
     def late(rate: int) -> Array:
         times = np.arange(2 * rate + 1) / rate
-        goals = times**3 * np.sin(5.0 * times)  # begins as a goal at rest does
+        goals = times**3 * np.sin(5.0 * times)  # starts at rest
         return SpringFollower(springs(1.0 / rate)).follow(goals[:, None])[:: rate // 20, 0]
 
     truth = late(2560)
@@ -65,7 +62,7 @@ def test_refinement_converges_to_second_order() -> None:
     assert fine < 0.26 * coarse
 
 
-def test_rows_do_not_depend_on_portions() -> None:
+def test_rows_do_not_depend_on_batch_size() -> None:
     goals = np.random.default_rng(5).normal(size=(97, 4, 3)).cumsum(axis=0)
     many = Oscillators(np.array([2.0, 5.0, 9.0, 40.0]), np.array([0.1, 0.3, 0.6, 0.9]), 1 / 96)
     whole = SpringFollower(many).follow(goals)

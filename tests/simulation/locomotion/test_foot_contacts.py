@@ -49,19 +49,19 @@ def times(take: Take) -> Array:
 
 
 def plane(slope: float) -> Ground:
-    """Return ground that rises by `slope` along x."""
+    """Return ground of constant slope along x."""
     heights = np.tile(slope * np.linspace(-5.0, 5.0, 11), (11, 1))
     return Ground(HeightField(heights, (10.0, 10.0)), np.zeros((10, 10), dtype=bool), "rock")
 
 
 @pytest.fixture(scope="module", params=FIGURES)
 def dragging(request: pytest.FixtureRequest, walk_through: Callable[..., object]) -> object:
-    """A walk whose feet are hardly lifted, on rough ground."""
+    """Return walks on rough ground with barely lifted feet."""
     return walk_through(scene(request.param, "0.004"))
 
 
 def test_foot_scuffs_at_most_once_a_swing(dragging: object) -> None:
-    """Swings are counted by the recorded feet in the air."""
+    """Swings are counted by recorded feet in the air."""
     assert len(scuffs_of(dragging.take)) > 5
     swings = np.cumsum(np.diff(np.array(dragging.swinging).astype(int), axis=0) == 1, axis=0)
     herd = dragging.walkers.herd
@@ -87,7 +87,7 @@ def test_scuff_has_place_and_speed_of_the_foot(dragging: object) -> None:
         assert place[1] == pytest.approx(float(ground.height(place[0], place[2])), abs=1e-12)
         before, after = dragging.tips[event.step : event.step + 2, leg]
         tip = before + event.fraction * (after - before)
-        # Between two rows a foot that speeds up leaves their chord.
+        # An accelerating foot leaves the chord between two rows.
         assert np.hypot(*(tip - place)[[0, 2]]) < 0.01 * herd.legs.lengths[leg]
         assert (tip - place) @ normal - herd.foot_radius[
             leg
@@ -121,7 +121,7 @@ def test_frame_rate_does_not_change_scuffs(step: str) -> None:
         n = min(len(scuffs_of(film)), len(scuffs_of(other)))
         assert n > 20
         assert np.abs(times(film)[:n] - times(other)[:n]).max() < 1e-9
-    # Slopes are sampled at the steps there are, and two bumps of a swing may rub alike.
+    # Slopes are sampled at steps, and two bumps of a swing may be nearly equal.
     rough, other = (simulate(scene("beetle", step, ROUGH, fps)) for fps in ("24", "60"))
     n = min(len(scuffs_of(rough)), len(scuffs_of(other)))
     assert (np.abs(times(rough)[:n] - times(other)[:n]) < 1e-4).mean() > 0.9
@@ -129,22 +129,22 @@ def test_frame_rate_does_not_change_scuffs(step: str) -> None:
 
 @pytest.mark.parametrize("slope", [0.0, 0.5])
 def test_scuff_over_a_plane(slope: float) -> None:
-    """It scuffs by the speed along the plane, the more the lower it goes."""
+    """The strength grows with the speed along the plane and with the depth."""
     down = np.hypot(1.0, slope)
     x = np.linspace(-0.2, 0.2, len(MID_SWING))
     normal = np.array([-slope, 1.0, 0.0]) / down
 
-    def drawn(gap: float) -> Array:
+    def swing_with_gap(gap: float) -> Array:
         path = np.stack([x, slope * x, np.zeros_like(x)], axis=-1)
         return path + (0.03 + gap) * normal
 
     for gap, weight in ((0.0, DRAGGED_MASS), (0.005, 0.5 * DRAGGED_MASS), (-0.01, DRAGGED_MASS)):
-        scuff = scuff_in_swing(plane(slope), drawn(gap), MID_SWING, 0.03, 0.01)
+        scuff = scuff_in_swing(plane(slope), swing_with_gap(gap), MID_SWING, 0.03, 0.01)
         assert scuff is not None
         assert scuff.slide == pytest.approx(0.4 * down / 0.5)
         assert scuff.mass_fraction == pytest.approx(weight)
         assert scuff.normal == pytest.approx(normal)
-    assert scuff_in_swing(plane(slope), drawn(0.0101), MID_SWING, 0.03, 0.01) is None
+    assert scuff_in_swing(plane(slope), swing_with_gap(0.0101), MID_SWING, 0.03, 0.01) is None
 
 
 def test_scuff_is_at_the_bump() -> None:
@@ -170,7 +170,7 @@ def test_take_stores_scuffs(dragging: object, tmp_path: Path) -> None:
     again = read_take(tmp_path / "take.zarr")
     assert again.contacts == take.contacts
     assert again.digest == take.digest
-    # A touch has the columns that contacts had before there were scuffs.
+    # A touch has the columns of contacts without scuffs.
     lengths = {
         c.kind: len(row) for c, row in zip(take.contacts, take.tables()["contacts"], strict=True)
     }
@@ -180,7 +180,7 @@ def test_take_stores_scuffs(dragging: object, tmp_path: Path) -> None:
 
 
 def test_feet_that_do_not_come_to_rest_scuff_at_touchdown(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if feet went evenly from foothold to foothold."""
+    """Return a swing of constant speed from foothold to foothold."""
 
     def even(start: Array, end: Array, height: Array, s: Array, bend: object = None) -> Array:
         return start + s[:, None] * (end - start)

@@ -1,4 +1,4 @@
-"""Footholds that are predicted together are those that a search finds one by one."""
+"""Footholds predicted in batches equal those found one by one."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def walkers(request: pytest.FixtureRequest) -> WalkerTroupe:
 
 
 def planner_of(walkers: WalkerTroupe) -> FootholdPlanner:
-    """Return a planner that knows nothing yet."""
+    """Return a planner without predictions."""
     return FootholdPlanner(walkers.herd, walkers.world.ground, walkers.progress.trajectory)
 
 
 def requests_of(walkers: WalkerTroupe) -> list[StepRequest]:
-    """Return a step of every leg, each from a little after the start."""
+    """Return a step request of every leg, shortly after the start."""
     herd, paces = walkers.herd, walkers.progress.paces
     requests = []
     for leg, owner in enumerate(herd.owner.tolist()):
@@ -52,7 +52,7 @@ def requests_of(walkers: WalkerTroupe) -> list[StepRequest]:
     return requests
 
 
-def test_predicted_footholds_are_those_of_a_search(walkers: WalkerTroupe) -> None:
+def test_batched_footholds_equal_those_of_single_searches(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
     together = [planner.predicted(request.leg) for request in requests]
@@ -68,7 +68,7 @@ def test_predicted_footholds_are_those_of_a_search(walkers: WalkerTroupe) -> Non
         assert (hold.lowering, hold.swing_height) == (alone.lowering, alone.swing_height)
 
 
-def test_no_bit_depends_on_which_other_feet_lift(walkers: WalkerTroupe) -> None:
+def test_a_foothold_does_not_depend_on_other_lifting_feet(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
     together = [planner.predicted(request.leg) for request in requests]
@@ -87,7 +87,7 @@ def assert_same(one: Foothold | None, other: Foothold | None) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("off", [0.0, 1e-3])
-def test_early_predictions_are_those_in_time(walkers: WalkerTroupe, off: float) -> None:
+def test_early_predictions_equal_late_ones(walkers: WalkerTroupe, off: float) -> None:
     early, requests = planner_of(walkers), requests_of(walkers)
     upcoming = [replace(r, distance=r.distance + off) for r in requests[1:]]
     early.predict(requests[:1], lambda: upcoming)
@@ -100,15 +100,15 @@ def test_early_predictions_are_those_in_time(walkers: WalkerTroupe, off: float) 
 
 
 @pytest.mark.slow
-def test_no_foothold_of_a_whole_walk_is_predicted_twice(
+def test_each_foothold_of_a_walk_is_predicted_once(
     walkers: WalkerTroupe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = list[int]()
+    batches = list[int]()
 
     class Counted(StepBatch):
         @staticmethod
         def of(herd: Herd, requests: Sequence[StepRequest]) -> StepBatch:
-            asked.append(len(requests))
+            batches.append(len(requests))
             return StepBatch.of(herd, requests)
 
     monkeypatch.setattr(foothold_planner, "StepBatch", Counted)
@@ -119,13 +119,13 @@ def test_no_foothold_of_a_whole_walk_is_predicted_twice(
         walkers.advance(step)
         lifted += int((feet.lift_phase != before).sum())
         before = feet.lift_phase.copy()
-    # What is expected in the last steps lifts after them.
-    assert sum(asked) <= lifted + len(before)
-    # One batch between two slope samples, or a second one for creatures that went otherwise.
-    assert len(asked) <= 2 * SLOPE_SAMPLES_PER_SECOND
+    # Feet predicted in the last steps lift after the end.
+    assert sum(batches) <= lifted + len(before)
+    # One batch between two slope samples, and a second one for redirected creatures.
+    assert len(batches) <= 2 * SLOPE_SAMPLES_PER_SECOND
 
 
-def test_a_prediction_is_forgotten_when_its_creature_is_redirected(walkers: WalkerTroupe) -> None:
+def test_predictions_of_a_redirected_creature_are_discarded(walkers: WalkerTroupe) -> None:
     planner, requests = planner_of(walkers), requests_of(walkers)
     planner.predict(requests)
     known = [r.leg for r in requests if planner.predicted(r.leg) is not None]
@@ -139,12 +139,12 @@ def test_a_prediction_is_forgotten_when_its_creature_is_redirected(walkers: Walk
 
 
 @pytest.mark.slow
-def test_misses_are_those_of_limbs_at_their_goals(walkers: WalkerTroupe) -> None:
+def test_residuals_equal_those_of_solved_limbs(walkers: WalkerTroupe) -> None:
     legs, chains = walkers.herd.legs, walkers.herd.chains
-    chance = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))
-    goals = legs.tips + 0.3 * legs.lengths[:, None] * chance
+    rng = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))
+    goals = legs.tips + 0.3 * legs.lengths[:, None] * rng
     settled = solve_near_rest(legs, chains, goals).residual
     rows = np.tile(np.arange(len(legs.lengths)), 3)
-    _, asked = solve_each_near_rest(legs, chains, rows, goals.reshape(-1, 3))
+    _, residuals = solve_each_near_rest(legs, chains, rows, goals.reshape(-1, 3))
     assert (settled > 1e-3 * legs.lengths).any()
-    assert np.allclose(asked, settled.ravel(), rtol=0.0, atol=1e-12)
+    assert np.allclose(residuals, settled.ravel(), rtol=0.0, atol=1e-12)

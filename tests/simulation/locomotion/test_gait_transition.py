@@ -1,4 +1,4 @@
-"""A change of gait: every foot keeps going up and down in turn."""
+"""Gait transitions: every foot keeps lifting and landing in turn."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PAIRS = [(a, b) for a in FOUR for b in FOUR]
 
 @st.composite
 def changes(draw: st.DrawFn) -> GaitTransition:
-    """Any two gaits of the same legs, at any moment, as quick as may be or slower."""
+    """Draw two gaits of the same legs and a transition of at least the shortest length."""
     n = draw(st.integers(1, 8))
     phase = st.floats(0.0, 1.0, exclude_max=True)
     swing = st.floats(0.02, 0.98)
@@ -41,7 +41,7 @@ def changes(draw: st.DrawFn) -> GaitTransition:
 def course(
     change: Gait | GaitTransition, start: float, end: float
 ) -> list[list[tuple[float, float]]]:
-    """Return when each foot goes up and comes down from `start` to `end`."""
+    """Return the lift-off and touchdown cycles of each foot from `start` to `end`."""
     legs: list[list[tuple[float, float]]] = [[] for _ in change_legs(change)]
     phase = np.full(len(legs), start)
     while (phase < end).any():
@@ -73,7 +73,7 @@ def test_feet_lift_and_land_once_per_leg_cycle(change: GaitTransition) -> None:
         moments = np.array(steps).ravel()
         assert (np.diff(moments) > 0.0).all()
         clock = change.leg_phase(moments[::2])[:, leg]
-        # Whole numbers in a row: no contact is left out, none is made twice.
+        # Consecutive whole numbers: no contact is skipped or doubled.
         assert np.allclose(np.diff(clock), 1.0, atol=1e-9)
         assert np.allclose(clock, np.round(clock), atol=1e-9)
 
@@ -109,7 +109,7 @@ def test_blended_gait_is_continuous(change: GaitTransition) -> None:
     up = np.stack([change.at(float(phase)).up for phase in phases])
     swing = np.stack([change.at(float(phase)).swing for phase in phases])
     step = np.abs(np.mod(np.diff(up, axis=0) + 0.5, 1.0) - 0.5)
-    # By the steepest that `ease` is, over the shortest change.
+    # The steepest slope of `ease` over the shortest transition.
     each = (phases[1] - phases[0]) / change.length * 1.88
     assert step.max() <= 0.5 * each
     assert np.abs(np.diff(swing, axis=0)).max() <= each
@@ -140,7 +140,7 @@ def test_transition_to_the_same_gait_changes_nothing() -> None:
     assert all(np.allclose(a, b, atol=1e-9) for a, b in both)
 
 
-def test_refuses_too_short_transitions() -> None:
+def test_too_short_transitions_are_refused() -> None:
     with pytest.raises(ValueError, match=r"take .* or more"):
         GaitTransition(FOUR["trot"], FOUR["pace"], 0.0, 0.3)
     with pytest.raises(ValueError, match="4 legs to one of 2 legs"):

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
 from pipeline.simulation.locomotion.gaits.named_gaits import (
-    LEG_REQUIREMENTS,
     LegRows,
     available_gaits,
     ripple,
@@ -20,7 +19,7 @@ from pipeline.simulation.locomotion.gaits.named_gaits import (
     wave,
 )
 from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import GaitName
+from pipeline.spec.walk import LEG_REQUIREMENTS, GaitName
 
 FINE = np.linspace(0.0, 1.0, 2001)
 GROUNDED = {"walk", "amble", "tripod", "ripple"}
@@ -29,13 +28,13 @@ GROUNDED = {"walk", "amble", "tripod", "ripple"}
 
 @st.composite
 def sides(draw: st.DrawFn, least: int = 1, middle: bool = True) -> list[str]:
-    """Sides of 1 to 20 legs, in any imbalance."""
+    """Draw the sides of 1 to 20 legs."""
     return draw(st.lists(st.sampled_from("lrm" if middle else "lr"), min_size=least, max_size=20))
 
 
 @st.composite
 def rows(draw: st.DrawFn, least: int = 1) -> LegRows:
-    """Legs at any places, in any order."""
+    """Draw legs at random places, in random order."""
     sides_ = draw(sides(least))
     forward = draw(st.permutations(range(len(sides_))))
     return LegRows.of(sides_, [float(x) for x in forward])
@@ -115,7 +114,7 @@ def test_symmetrical_gaits_mirror_after_half_a_cycle(name: str) -> None:
     assert apart(gait.down[[2, 3, 0, 1]], gait.down + 0.5).max() < 1e-12
 
 
-def test_trot_of_two_four_and_six_legs() -> None:
+def test_trot_alternates_diagonals_of_two_four_and_six_legs() -> None:
     assert trot(even(1, 1)).up.tolist() == [0.0, 0.5]
     diagonal = trot(even(2, 2)).up
     assert diagonal[0] == diagonal[3] != diagonal[1] == diagonal[2]
@@ -204,7 +203,7 @@ def test_running_gaits_have_their_beats_and_flights(
     assert (gait.duty < 0.5).all()
 
 
-def test_gaits_of_bipeds() -> None:
+def test_bipeds_have_their_gaits() -> None:
     gaits = available_gaits(even(1, 1))
     assert {"walk", "run", "hop", "skip", "trot", "wave"} == set(gaits)
     assert [len(gaits[name].flights()) for name in ("walk", "run", "hop", "skip")] == [0, 2, 1, 1]
@@ -253,7 +252,7 @@ def test_bounce_is_free_fall_in_flight_with_continuous_speed(legs: LegRows, duty
             for edge in (start, start + length):
                 before, at, after = bounce.height(edge + np.array([-1e-6, 0.0, 1e-6]))
                 assert abs((after - at) - (at - before)) < 1e-9
-        # The amplitude is half of the rise, as finely as it is sampled.
+        # The amplitude is half of the rise, within the sampling.
         assert np.abs(bounce.beat(FINE)).max() < 2.0 + 1e-3
 
 

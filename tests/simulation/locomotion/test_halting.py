@@ -1,4 +1,4 @@
-"""Creatures that can go no further stop on their feet, and stay there."""
+"""Blocked creatures stop on their feet and stay at rest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     ("at", "heading", "gait"),
     [([2, 0], 0, "tripod"), ([0, -2], 90, "wave"), ([-1, -1.5], 135, "trot")],
 )
-def test_at_the_edge_of_the_world(
+def test_walker_stops_at_the_edge_of_the_terrain(
     scene_of: SceneOf, walk_through: WalkThrough, at: list[float], heading: float, gait: str
 ) -> None:
     member = (
@@ -28,23 +28,21 @@ def test_at_the_edge_of_the_world(
     )
     walk = walk_through(scene_of(member, terrain="{kind: flat, size: [9, 9]}", duration=9))
     assert [note.kind for note in walk.take.notes] == ["stopped"]
-    _is_at_rest(walk)
+    _assert_at_rest(walk)
     assert walk.simulation.world.ground.field.inside(walk.tips[..., 0], walk.tips[..., 2]).all()
 
 
-def test_before_ground_that_cannot_be_stepped_on(
-    scene_of: SceneOf, walk_through: WalkThrough
-) -> None:
+def test_walker_stops_before_forbidden_ground(scene_of: SceneOf, walk_through: WalkThrough) -> None:
     member = "{figure: beetle, scale: 0.5, heading_deg: 200, walk: {gait: tripod}}"
     terrain = "{kind: fractal, height: 2, roughness: 0.55, size: [20, 20]}"
     walk = walk_through(scene_of(member, terrain=terrain, duration=3, seed=1))
     note = next(note for note in walk.take.notes if note.kind == "stopped")
     assert note.part.startswith("beetle.")
     assert note.step < 200
-    _is_at_rest(walk)
+    _assert_at_rest(walk)
 
 
-def test_creature_without_walk_stands(scene_of: SceneOf, walk_through: WalkThrough) -> None:
+def test_creature_without_walk_stands_still(scene_of: SceneOf, walk_through: WalkThrough) -> None:
     walk = walk_through(scene_of("{figure: beetle}", terrain="hills"))
     assert np.ptp(walk.tips, axis=0).max() < 1e-6
     assert np.ptp(walk.take.positions[:, 0], axis=0).max() < 1e-12
@@ -53,8 +51,8 @@ def test_creature_without_walk_stands(scene_of: SceneOf, walk_through: WalkThrou
     assert np.ptp(walk.take.rotations[:, head], axis=0).max() > 1e-3, "its head looks about"
 
 
-def _is_at_rest(walk: Walk) -> None:
-    """The last quarter second is still, and all feet are on good ground."""
+def _assert_at_rest(walk: Walk) -> None:
+    """Check that the last quarter second is still, with all feet on steppable ground."""
     rows = 24
     assert walk.standing[-rows:].all()
     assert np.ptp(walk.take.positions[-rows:, 0], axis=0).max() < 1e-9

@@ -25,11 +25,7 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import (
     loop_chord,
 )
 from pipeline.simulation.locomotion.inching.inchworm_pose import solve_pose
-from pipeline.simulation.locomotion.inching.inchworm_steps import (
-    Inchworm,
-    InchwormStep,
-    feet_at,
-)
+from pipeline.simulation.locomotion.inching.inchworm_steps import Inchworm, InchwormStep, feet_at
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
@@ -78,7 +74,7 @@ TERRAINS = {
 
 @dataclass(frozen=True)
 class Crawl:
-    """A simulation of one inchworm, with the step it was in at every row."""
+    """A simulation of one inchworm, with its step at every row."""
 
     simulation: Simulation
     steps: list[InchwormStep]
@@ -90,12 +86,12 @@ class Crawl:
 
     @property
     def worm(self) -> Inchworm:
-        """The only one."""
+        """The inchworm."""
         return self.troupe.worms[0]
 
     @cached_property
     def take(self) -> Take:
-        """What happened."""
+        """The take of the simulation."""
         return self.simulation.take()
 
     @cached_property
@@ -115,7 +111,7 @@ class Crawl:
 
     @cached_property
     def gaps(self) -> dict[str, Array]:
-        """How far each part is above the ground (K,) at its lowest [m]."""
+        """Least height of the parts above the ground (K,) [m]."""
         ground, result = self.simulation.world.ground, {}
         for part in self.take.parts:
             mesh = self.take.meshes[part.mesh]
@@ -142,7 +138,7 @@ def _crawl(scene: Scene) -> Crawl:
 
 @pytest.fixture(scope="module", params=list(WALKS))
 def crawl(request: pytest.FixtureRequest, scene_of: SceneOf) -> Crawl:
-    """Each of several walks in turn."""
+    """Return each of several walks in turn."""
     if request.param == "shipped":
         return _crawl(load_scene(find_scene("inchworm")))
     terrain, member = WALKS[request.param]
@@ -151,7 +147,7 @@ def crawl(request: pytest.FixtureRequest, scene_of: SceneOf) -> Crawl:
 
 @pytest.fixture(scope="module")
 def chain(figure: Callable[..., Figure]) -> InchwormChain:
-    """A chain of uneven links, whose body is a link too."""
+    """Return a chain of uneven links, one of which is the body."""
     nodes = {"a": -0.9, "b": -0.65, "c": -0.5, "d": -0.3, "e": -0.15, "f": 0.05, "g": 0.3}
     nodes |= {"h": 0.55, "i": 0.7, "j": 0.95}
     drawn = ", ".join(f"{name}: [0, {y}]" for name, y in nodes.items())
@@ -165,7 +161,7 @@ def chain(figure: Callable[..., Figure]) -> InchwormChain:
     return InchwormChain.of(found)
 
 
-# --- what holds at every row ------------------------------------------------------
+# --- invariants of every row ------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -182,7 +178,7 @@ def test_planted_end_does_not_move(crawl: Crawl) -> None:
 
 
 def test_swapping_base_and_tip_moves_nothing(crawl: Crawl) -> None:
-    """As the last pose from one end, so the first from the other: all links, all joints."""
+    """The last pose of one base equals the first of the other in all links and joints."""
     worm, swaps = crawl.worm, 0
     for before, after in itertools.pairwise(crawl.steps):
         if before is not after:
@@ -209,7 +205,7 @@ def test_joints_are_within_limits(crawl: Crawl) -> None:
 
 
 def test_joint_rates_and_their_changes_are_bounded(crawl: Crawl) -> None:
-    """They are slow, and so are the changes of their speed: also where base and tip swap."""
+    """Rates and their changes are bounded, also where base and tip swap."""
     dt = crawl.simulation.world.clock.dt
     assert np.abs(np.diff(crawl.q, axis=0)).max() / dt < 6.0
     assert np.abs(np.diff(crawl.q, 2, axis=0)).max() / dt**2 < 90.0
@@ -224,7 +220,7 @@ def test_worm_stays_in_its_plane(crawl: Crawl) -> None:
 
 
 def test_links_stay_connected(crawl: Crawl) -> None:
-    """Each link of a limb begins where the one before it ends, whatever is the base."""
+    """Each link starts at the end of the one before, with either base."""
     recorder = crawl.simulation.recorder
     skeleton = crawl.worm.chain.figure.skeleton
     for limb in skeleton.limbs:
@@ -276,7 +272,7 @@ def test_ends_avoid_forbidden_zones(crawl: Crawl) -> None:
         R = crawl.pose(end)[0][still]
         for part in (0.0, 0.5, 1.0):
             at = p[still] + R @ (part * (foot.link.ends[1] - foot.link.ends[0]))
-            # The places checked are those under the foot as it would lie on level ground.
+            # The checked places are under the foot as it lies on level ground.
             near = [ground.steppable(at[:, 0] + d, at[:, 2]) for d in (-0.01, 0.0, 0.01)]
             assert np.any(near, axis=0).all()
     places = np.array([contact.place for contact in crawl.take.contacts])
@@ -316,14 +312,12 @@ def test_loop_chord_tends_to_the_bessel_function(figure: Callable[..., Figure]) 
 
 
 def test_pose_does_not_depend_on_the_base(chain: InchwormChain, scene_of: SceneOf) -> None:
-    chance = np.random.default_rng(6)
+    rng = np.random.default_rng(6)
     worm = _worms(Simulation(scene_of("{figure: inchworm}"))).worms[0]
     n = 40
-    rear = np.stack(
-        [chance.uniform(-1, 1, n), chance.uniform(0, 1, n), chance.uniform(-0.2, 0.2, n)], -1
-    )
-    away = (chance.uniform(0.55, 0.9, n) * chain.free + chain.outside, chance.uniform(-0.1, 0.1, n))
-    front = rear + np.stack([*away, chance.uniform(-0.2, 0.2, n)], axis=-1)
+    rear = np.stack([rng.uniform(-1, 1, n), rng.uniform(0, 1, n), rng.uniform(-0.2, 0.2, n)], -1)
+    away = (rng.uniform(0.55, 0.9, n) * chain.free + chain.outside, rng.uniform(-0.1, 0.1, n))
+    front = rear + np.stack([*away, rng.uniform(-0.2, 0.2, n)], axis=-1)
     one, two = (solve_pose(chain, worm.track, base, rear, front) for base in (REAR, FRONT))
     assert max(one.residual.max(), two.residual.max()) < 1e-12
     assert np.abs(one.positions - two.positions).max() < 1e-9
@@ -350,7 +344,7 @@ def test_pose_does_not_depend_on_the_time_step(scene_of: SceneOf) -> None:
     assert np.abs(coarse.positions - fine.positions).max() < 1e-9
 
 
-# --- where it stops, lies, or is not let go -------------------------------------------
+# --- stops, rest and refusals ---------------------------------------------------------
 
 
 def test_worm_stops_before_forbidden_ground(scene_of: SceneOf) -> None:
@@ -362,7 +356,7 @@ def test_worm_stops_before_forbidden_ground(scene_of: SceneOf) -> None:
     tips = [x for _, p in map(crawl.pose, (REAR, FRONT)) for x in p[:, 0]]
     assert max(tips) < 4.0
     assert max(c.place[0] for c in crawl.take.contacts) > 4.0 - 1.5 * crawl.worm.pace.stride
-    # It rests in the pose in which it stopped.
+    # The worm rests in the pose of its stop.
     assert np.ptp(crawl.take.positions[-100:], axis=0).max() == 0.0
     speed = crawl.simulation.recorder.values[:, 1]
     assert speed[0] > 0.0
@@ -393,7 +387,7 @@ FIGURES = (
 
 
 @pytest.mark.parametrize(
-    ("member", "path", "says"),
+    ("member", "path", "phrases"),
     [
         ("{figure: inchworm, walk: {gait: wave}}", "walk.gait", ["no legs", "`gait`"]),
         ("{figure: inchworm, walk: {body_height: 1}}", "walk.body_height", ["`body_height`"]),
@@ -407,15 +401,15 @@ FIGURES = (
 )
 @pytest.mark.parametrize("number", [0, 1])
 def test_unsupported_keys_are_refused(
-    scene_of: SceneOf, member: str, path: str, says: list[str], number: int
+    scene_of: SceneOf, member: str, path: str, phrases: list[str], number: int
 ) -> None:
     cast = ["{figure: inchworm, name: other, at: [5, 5]}"] * number + [member]
     with pytest.raises(SceneError) as caught:
         Simulation(scene_of(*cast, more=FIGURES))
     (problem,) = caught.value.problems
     assert problem.path == f"cast[{number}].{path}"
-    for words in says:
-        assert words in problem.message
+    for phrase in phrases:
+        assert phrase in problem.message
 
 
 def test_stride_suggested_by_the_error_works(scene_of: SceneOf) -> None:
@@ -434,26 +428,26 @@ def test_start_without_allowed_ground_is_refused(scene_of: SceneOf) -> None:
     )
     with pytest.raises(SimulationError) as caught:
         Simulation(scene)
-    for words in ("w: ", "[50, 50]", "`at`"):
-        assert words in str(caught.value)
+    for phrase in ("w: ", "[50, 50]", "`at`"):
+        assert phrase in str(caught.value)
 
 
 def test_only_straight_chains_are_inchworms(shipped: Figure) -> None:
     assert is_inchworm(shipped) == (shipped.name == "inchworm")
 
 
-# --- beside others --------------------------------------------------------------------
+# --- other performers ------------------------------------------------------------------
 
 
 def _of(take: Take, name: str) -> tuple[bytes, ...]:
     nodes = [i for i, node in enumerate(take.nodes) if node.performer == name]
     channels = [i for i, c in enumerate(take.channels) if c.name.startswith(f"{name}.")]
-    words = [repr(c) for c in take.contacts if c.performer == name]
+    lines = [repr(c) for c in take.contacts if c.performer == name]
     return (
         take.positions[:, nodes].tobytes(),
         take.rotations[:, nodes].tobytes(),
         take.values[:, channels].tobytes(),
-        "\n".join(words).encode(),
+        "\n".join(lines).encode(),
     )
 
 

@@ -33,13 +33,13 @@ The hopper swings its one leg within 0.22 s."""
 LEGLESS = {"inchworm", "robot_arm"}
 
 
-def walk_of(figure: str, fps: int) -> Scene:
+def record_walk(figure: str, fps: int) -> Scene:
     return read_scene(
         f"pronk: 1\nfps: {fps}\nduration: 2.5\ncast: [{{figure: {figure}, walk: {{}}}}]\n"
     )
 
 
-def largest(walk: object) -> float:
+def largest_acceleration(walk: object) -> float:
     clock = walk.simulation.world.clock
     return float(np.abs(np.diff(walk.q, n=2, axis=0)).max() / clock.dt**2)
 
@@ -53,9 +53,9 @@ def test_every_walking_figure_has_a_bound() -> None:
 def test_leg_joint_accelerations_are_bounded(
     figure: str, walk_through: Callable[..., object]
 ) -> None:
-    found = largest(walk_through(walk_of(figure, 24)))
+    found = largest_acceleration(walk_through(record_walk(figure, 24)))
     assert found < MOST[figure]
-    # A bound that nobody comes near says nothing.
+    # A bound far above all accelerations would check nothing.
     assert found > 0.4 * MOST[figure]
 
 
@@ -63,5 +63,7 @@ def test_leg_joint_accelerations_are_bounded(
 @pytest.mark.parametrize("figure", MOST)
 def test_joint_speeds_are_continuous(figure: str, walk_through: Callable[..., object]) -> None:
     """With a jump in speed, halving the step would double the largest acceleration."""
-    coarse, fine = (largest(walk_through(walk_of(figure, fps))) for fps in (48, 96))
+    coarse, fine = (
+        largest_acceleration(walk_through(record_walk(figure, fps))) for fps in (48, 96)
+    )
     assert fine < 1.1 * coarse

@@ -27,43 +27,43 @@ duration: 1
 cast:
   - name: one
     figure: {figure}
-    pronk: {words}
+    pronk: {config}
 """
 
 ADVICE = re.compile(r"\b(distance|height|speed): ([0-9.e+-]+)")
 
 
-def build_hoppers(figure: str, words: str) -> HopperTroupe:
+def build_hoppers(figure: str, config: str) -> HopperTroupe:
     """Return the troupe of a scene with one hopper."""
-    (troupe,) = Simulation(read_scene(SCENE.format(figure=figure, words=words))).troupes
+    (troupe,) = Simulation(read_scene(SCENE.format(figure=figure, config=config))).troupes
     assert isinstance(troupe, HopperTroupe)
     return troupe
 
 
-def refused(figure: str, words: str) -> SceneError:
+def refusal(figure: str, config: str) -> SceneError:
     """Return the error of a `pronk` block."""
     with pytest.raises(SceneError) as caught:
-        build_hoppers(figure, words)
+        build_hoppers(figure, config)
     return caught.value
 
 
 def random_values(number: int) -> dict[str, float]:
     """Return two or three random values of a jump."""
-    chance = np.random.default_rng([number, 7])
-    words = {
-        "distance": 0.0 if chance.random() < 0.1 else float(np.exp(chance.uniform(-4.0, 4.0))),
-        "height": float(np.exp(chance.uniform(-4.0, 3.0))),
-        "speed": float(np.exp(chance.uniform(-2.0, 3.0))),
+    rng = np.random.default_rng([number, 7])
+    config = {
+        "distance": 0.0 if rng.random() < 0.1 else float(np.exp(rng.uniform(-4.0, 4.0))),
+        "height": float(np.exp(rng.uniform(-4.0, 3.0))),
+        "speed": float(np.exp(rng.uniform(-2.0, 3.0))),
     }
-    if chance.random() < 0.5:
-        del words[str(chance.choice(["distance", "height"]))]
-    return words
+    if rng.random() < 0.5:
+        del config[str(rng.choice(["distance", "height"]))]
+    return config
 
 
-def error_message(words: dict[str, float]) -> str:
+def error_message(config: dict[str, float]) -> str:
     """Return the error message of a `pronk` block; empty if it is valid."""
     try:
-        resolve_jump("cast[0].pronk", Pronk(**words), 1.0)
+        resolve_jump("cast[0].pronk", Pronk(**config), 1.0)
     except SceneError as error:
         (problem,) = error.problems
         assert problem.path == "cast[0].pronk.speed"
@@ -87,12 +87,12 @@ def test_both_heights_of_a_distance_and_speed(distance, speed):
 
 def test_consistent_values_are_accepted():
     jump = Jump(1.6, 0.8)
-    words = Pronk(distance=1.6, height=0.8, speed=jump.speed)
-    assert resolve_jump("", words, 1.0) == jump
+    config = Pronk(distance=1.6, height=0.8, speed=jump.speed)
+    assert resolve_jump("", config, 1.0) == jump
 
 
 @pytest.mark.parametrize(
-    ("words", "remedies"),
+    ("config", "remedies"),
     [
         (
             Pronk(distance=1.6, height=0.8, speed=6.0),
@@ -102,9 +102,9 @@ def test_consistent_values_are_accepted():
         (Pronk(height=2.0, speed=3.0), ("speed: 6.265", "height: 0.4587")),
     ],
 )
-def test_error_has_the_formula_and_suggested_values(words, remedies):
+def test_error_has_the_formula_and_suggested_values(config, remedies):
     with pytest.raises(SceneError) as caught:
-        resolve_jump("cast[0].pronk", words, 1.0)
+        resolve_jump("cast[0].pronk", config, 1.0)
     message = caught.value.problems[0].message
     assert "speed² = g distance² / (8 height) + 2 g height" in message
     for remedy in remedies:
@@ -112,39 +112,39 @@ def test_error_has_the_formula_and_suggested_values(words, remedies):
 
 
 def test_suggested_values_work() -> None:
-    refused = 0
+    refusal = 0
     for number in range(400):
-        words = random_values(number)
-        message = error_message(words)
+        config = random_values(number)
+        message = error_message(config)
         if not message:
             continue
-        refused += 1
+        refusal += 1
         assert FORMULA in message
         advice = ADVICE.findall(message.split("take ")[1])
         assert advice
-        for word, value in advice:
-            assert error_message({**words, word: float(value)}) == "", (words, word, value)
+        for key, value in advice:
+            assert error_message({**config, key: float(value)}) == "", (config, key, value)
         spare = re.search("leave out ([a-z ]+), or", message)
-        for word in spare[1].split(" or ") if spare else ():
-            assert error_message({k: v for k, v in words.items() if k != word}) == "", (words, word)
-    assert refused > 200
+        for key in spare[1].split(" or ") if spare else ():
+            assert error_message({k: v for k, v in config.items() if k != key}) == "", (config, key)
+    assert refusal > 200
 
 
 def test_suggested_values_are_the_nearest() -> None:
-    # Each other speed, distance or height is off the formula: those named are on it.
+    # Suggested values fulfil the formula.
     for number in range(200):
-        words = random_values(number)
-        message = error_message(words)
-        if len(words) == 3 and message:
-            for word, value in ADVICE.findall(message.split("take ")[1]):
-                right = {**words, word: float(value)}
+        config = random_values(number)
+        message = error_message(config)
+        if len(config) == 3 and message:
+            for key, value in ADVICE.findall(message.split("take ")[1]):
+                right = {**config, key: float(value)}
                 jump = Jump(right["distance"], right["height"])
                 assert jump.speed == pytest.approx(right["speed"], rel=1e-4)
         elif message:
-            for word, value in ADVICE.findall(message.split("take ")[1]):
-                # A little beyond, on the side of what was asked for, nothing works.
-                beyond = float(value) + 2e-3 * (words[word] - float(value))
-                assert error_message({**words, word: beyond}) or beyond == pytest.approx(
+            for key, value in ADVICE.findall(message.split("take ")[1]):
+                # Slightly nearer to the requested value the formula is violated.
+                beyond = float(value) + 2e-3 * (config[key] - float(value))
+                assert error_message({**config, key: beyond}) or beyond == pytest.approx(
                     float(value), rel=2e-3
                 )
 
@@ -153,7 +153,7 @@ def test_suggested_values_are_the_nearest() -> None:
 @pytest.mark.parametrize("figure", ["kangaroo", "hopper", "beetle", "tripod"])
 @pytest.mark.parametrize("crouch", [0.01, 5.0])
 def test_suggested_crouch_works(figure: str, crouch: float) -> None:
-    (problem,) = refused(figure, f"{{crouch: {crouch}}}").problems
+    (problem,) = refusal(figure, f"{{crouch: {crouch}}}").problems
     assert (problem.path, problem.line) == ("cast[0].pronk.crouch", 6)
     nearest, low, high = re.search(
         r"take ([0-9.]+), or another one from ([0-9.]+) to ([0-9.]+)", problem.message
@@ -169,20 +169,20 @@ def test_suggested_crouch_works(figure: str, crouch: float) -> None:
 
 @pytest.mark.parametrize("figure", ["kangaroo", "hopper", "tripod", "centipede"])
 def test_suggested_leg_force_works(figure: str) -> None:
-    (problem,) = refused(figure, "{max_force: 0.01}").problems
+    (problem,) = refusal(figure, "{max_force: 0.01}").problems
     assert (problem.path, problem.line) == ("cast[0].pronk.max_force", 6)
     force = re.search(r"take ([0-9.]+) or more", problem.message)[1]
     (hopper,) = build_hoppers(figure, f"{{max_force: {force}}}").hoppers
     assert 1.0 < hopper.max_leg_force * len(hopper.hips) / hopper.weight < 1.002
-    refused(figure, f"{{max_force: {0.999 * float(force):.6g}}}")
+    refusal(figure, f"{{max_force: {0.999 * float(force):.6g}}}")
 
 
-@pytest.mark.parametrize("word", ["distance: 2", "speed: 3", "jumps: 2", "turn_deg: 5"])
-def test_land_at_excludes_distance_keys(word: str) -> None:
-    words = f"{{land_at: [[1, 0]], {word}}}"
-    (problem,) = refused("kangaroo", words).problems
-    assert problem.path == f"cast[0].pronk.{word.split(':')[0]}"
-    column = SCENE.format(figure="kangaroo", words=words).splitlines()[5].index(word) + 1
+@pytest.mark.parametrize("key", ["distance: 2", "speed: 3", "jumps: 2", "turn_deg: 5"])
+def test_land_at_excludes_distance_keys(key: str) -> None:
+    config = f"{{land_at: [[1, 0]], {key}}}"
+    (problem,) = refusal("kangaroo", config).problems
+    assert problem.path == f"cast[0].pronk.{key.split(':')[0]}"
+    column = SCENE.format(figure="kangaroo", config=config).splitlines()[5].index(key) + 1
     assert (problem.line, problem.column) == (6, column)
     assert "conflicts with land_at; remove one" in problem.message
 
@@ -198,9 +198,9 @@ def test_all_errors_are_reported_at_once() -> None:
     assert [problem.line for problem in caught.value.problems] == [4, 5]
 
 
-def test_documented_jump_works() -> None:
-    words: dict[str, Any] = {"distance": 1.6, "height": 0.8, "crouch": 0.56, "max_force": 6}
-    text = ", ".join(f"{word}: {value}" for word, value in words.items())
+def test_documented_jump_is_simulated() -> None:
+    config: dict[str, Any] = {"distance": 1.6, "height": 0.8, "crouch": 0.56, "max_force": 6}
+    text = ", ".join(f"{key}: {value}" for key, value in config.items())
     (hopper,) = build_hoppers("kangaroo", f"{{{text}}}").hoppers
     assert hopper.lowest_height < hopper.crouch_height == 0.56 < hopper.standing_height
     assert hopper.max_leg_force == pytest.approx(6.0 * hopper.weight)

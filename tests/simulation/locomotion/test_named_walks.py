@@ -42,7 +42,7 @@ UNEVEN = (
 
 
 @cache
-def walked(figure: str, gait: str, more: str = "", options: str = "") -> Walk:
+def walk_in_gait(figure: str, gait: str, more: str = "", options: str = "") -> Walk:
     member = f"{{figure: {figure}, walk: {{gait: {gait}{options}}}}}"
     return walk_through(scene_of(member, duration=1.5, more=more))
 
@@ -52,7 +52,7 @@ def gait_of(walk: Walk) -> Gait:
 
 
 def assert_walking_invariants(walk: Walk) -> None:
-    """Stance feet stay, nothing is out of reach or below ground, nothing jumps."""
+    """Check that stance feet hold, legs reach, soles stay above ground and joints are smooth."""
     herd, recorder = walk.walkers.herd, walk.simulation.recorder
     assert not walk.take.notes
     down = walk.standing[1:] & walk.standing[:-1]
@@ -64,24 +64,24 @@ def assert_walking_invariants(walk: Walk) -> None:
     stretch = np.linalg.norm(walk.tips - hips, axis=-1) / herd.legs.lengths
     assert stretch.max() < MAX_REACH + 0.005
     dt = walk.simulation.world.clock.dt
-    # In flight it falls, on its feet it is thrown up again: up to 2 g for a hop.
+    # The body falls in flight and is accelerated upward in stance: up to 2 g in a hop.
     assert np.abs(np.diff(recorder.positions[:, 0], 2, axis=0)).max() < 2.0 * GRAVITY * dt**2
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(("figure", "gait"), PAIRS)
-def test_every_gait_works_on_every_figure_that_has_it(figure: str, gait: str) -> None:
-    assert_walking_invariants(walked(figure, gait))
+def test_invariants_of_walking_hold_for_every_gait_of_every_figure(figure: str, gait: str) -> None:
+    assert_walking_invariants(walk_in_gait(figure, gait))
 
 
 @pytest.mark.parametrize(("figure", "gait"), RUNS)
-def test_running_keeps_the_invariants_of_walking(figure: str, gait: str) -> None:
-    assert_walking_invariants(walked(figure, gait))
+def test_invariants_of_walking_hold_in_running_gaits(figure: str, gait: str) -> None:
+    assert_walking_invariants(walk_in_gait(figure, gait))
 
 
 @pytest.mark.parametrize("gait", ["trot", "wave", "ripple", "trot, duty: 0.8"])
-def test_uneven_legs_walk(gait: str) -> None:
-    walk = walked("odd", gait, more=UNEVEN)
+def test_figures_with_uneven_legs_walk(gait: str) -> None:
+    walk = walk_in_gait("odd", gait, more=UNEVEN)
     assert len(walk.walkers.herd.up) == 5
     assert_walking_invariants(walk)
     assert walk.standing.any(axis=1).all()
@@ -89,7 +89,7 @@ def test_uneven_legs_walk(gait: str) -> None:
 
 @pytest.mark.parametrize(("figure", "gait"), RUNS)
 def test_body_falls_freely_in_flight(figure: str, gait: str) -> None:
-    walk = walked(figure, gait)
+    walk = walk_in_gait(figure, gait)
     phases = np.array(walk.phases)[:, 0]
     flying = ~gait_of(walk).standing(phases).any(axis=-1)
     inner = flying[:-2] & flying[1:-1] & flying[2:]
@@ -97,7 +97,7 @@ def test_body_falls_freely_in_flight(figure: str, gait: str) -> None:
     height = walk.simulation.recorder.positions[:, 0, 1]
     dt = walk.simulation.world.clock.dt
     fall = np.diff(height, 2)[inner] / dt**2
-    # Sampled within one flight; a flight's first and last sample may hold a touch.
+    # Samples strictly within one flight; its first and last may include a contact.
     assert np.median(fall) == pytest.approx(-GRAVITY, rel=0.02)
     clear = walk.tips[..., 1] - walk.walkers.herd.foot_radius
     assert (clear[flying] >= -1e-9).all()
@@ -106,7 +106,7 @@ def test_body_falls_freely_in_flight(figure: str, gait: str) -> None:
 
 @pytest.mark.parametrize("duty", [0.4, 0.7])
 def test_feet_are_down_for_the_duty_factor(duty: float) -> None:
-    walk: Callable[..., Walk] = walked
+    walk: Callable[..., Walk] = walk_in_gait
     seen = walk("horse", "trot", options=f", duty: {duty}, cycle: 0.75")
     # 1.5 s are two whole cycles.
     assert abs(seen.standing[:-1].mean() - duty) < 0.02

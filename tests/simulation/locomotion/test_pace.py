@@ -1,4 +1,4 @@
-"""Changes of gait and mood on the way: no foot slips, no joint jumps, orders are followed."""
+"""Changes of gait and mood while walking: no slip, no jump of a joint, orders carried out."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ ROW = 1 / 96
 MILLIMETRE = 1e-3
 
 
-def walked(figure: str, walk: str, *script: str, duration: float = 6) -> Walk:
-    """Return the walk of one creature that a script directs."""
+def walk_with_script(figure: str, walk: str, *script: str, duration: float = 6) -> Walk:
+    """Return the walk of one creature with a script."""
     orders = ", ".join(f"{{at: {2 + 2 * i}, who: it, do: {do}}}" for i, do in enumerate(script))
     more = f"script: [{orders}]\n" if script else ""
     member = f"{{name: it, figure: {figure}, walk: {walk}}}"
@@ -51,14 +51,14 @@ CHANGES = {
 @pytest.mark.nightly
 @pytest.mark.parametrize("figure", CHANGES)
 def test_gait_changes_are_smooth(figure: str) -> None:
-    walk = walked(figure, *CHANGES[figure], duration=9)
+    walk = walk_with_script(figure, *CHANGES[figure], duration=9)
     assert walk.take.notes == ()
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max() < 0.1 * MILLIMETRE
     foot_radius = walk.walkers.herd.foot_radius
     assert (walk.tips[..., 1] - foot_radius).min() > -0.1 * MILLIMETRE
-    # No joint is thrown about harder than in the gaits themselves.
+    # Joints accelerate no more than in the gaits themselves.
     plain = max(steady(walk_through(s), 0.5, 3).max() for s in _alone(figure))
     assert steady(walk, 0, 9).max() < 2.0 * plain
 
@@ -72,7 +72,7 @@ def _alone(figure: str) -> list[object]:
 
 
 def test_feet_follow_the_new_gait_after_a_change() -> None:
-    walk = walked("horse", "{gait: walk}", "{gait: trot}", duration=8)
+    walk = walk_with_script("horse", "{gait: walk}", "{gait: trot}", duration=8)
     walkers = walk.walkers
     gait = walkers.progress.paces.last(0).gait
     end = walkers.progress.paces.changes[0][-1].gaits.end
@@ -90,7 +90,9 @@ def test_feet_follow_the_new_gait_after_a_change() -> None:
 
 @pytest.mark.slow
 def test_each_foot_lands_once_after_each_lift_off() -> None:
-    walk = walked("beetle", "{gait: tripod}", "{gait: wave}", "{gait: tripod}", duration=7)
+    walk = walk_with_script(
+        "beetle", "{gait: tripod}", "{gait: wave}", "{gait: tripod}", duration=7
+    )
     swinging = np.array(walk.swinging).astype(int)
     ups = (np.diff(swinging, axis=0) == 1).sum(axis=0)
     downs = (np.diff(swinging, axis=0) == -1).sum(axis=0)
@@ -100,9 +102,9 @@ def test_each_foot_lands_once_after_each_lift_off() -> None:
 
 @pytest.mark.slow
 def test_new_gait_has_its_default_or_ordered_speed() -> None:
-    walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=8)
+    walk = walk_with_script("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=8)
     assert speed(walk, 6.2) == pytest.approx(1.4, rel=1e-6)
-    own = walked("horse", "{gait: walk}", "{gait: canter}", duration=8)
+    own = walk_with_script("horse", "{gait: walk}", "{gait: canter}", duration=8)
     pace = own.walkers.progress.paces.last(0)
     assert speed(own, 6.2) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
 
@@ -123,7 +125,7 @@ def test_distance_does_not_depend_on_frame_rate() -> None:
 
 
 def test_distance_is_the_integral_of_the_stride() -> None:
-    walk = walked("beetle", "{}", "{gait: wave}", duration=3)
+    walk = walk_with_script("beetle", "{}", "{gait: wave}", duration=3)
     paces: PaceSchedule = walk.walkers.progress.paces
     (change,) = paces.changes[0]
     phase = np.linspace(change.gaits.start - 1.0, change.gaits.end + 1.0, 20001)
@@ -144,7 +146,7 @@ def test_second_change_waits_for_the_first() -> None:
 
 
 def test_pace_transition_is_smooth_at_both_ends() -> None:
-    walk = walked("beetle", "{}", "{gait: wave}", duration=3)
+    walk = walk_with_script("beetle", "{}", "{gait: wave}", duration=3)
     (change,) = walk.walkers.progress.paces.changes[0]
     assert isinstance(change, PaceTransition)
     edge = np.array([change.gaits.start, change.gaits.end])
@@ -156,13 +158,15 @@ def test_pace_transition_is_smooth_at_both_ends() -> None:
 
 
 def test_person_hops_on_one_foot() -> None:
-    walk = walked("person", "{gait: hop, legs: [r1], path: [[2, 0], [2, 2], [0, 2]], repeat: loop}")
+    walk = walk_with_script(
+        "person", "{gait: hop, legs: [r1], path: [[2, 0], [2, 2], [0, 2]], repeat: loop}"
+    )
     assert walk.take.notes == ()
     assert {contact.part for contact in walk.take.contacts} == {"it.r1"}
     left = walk.walkers.herd.leg_names.index("l1")
     body = walk.take.positions[:, 0]
     assert (walk.tips[:, left, 1] > 0.15).all()
-    # The foot that carries comes down under the body.
+    # The carrying foot lands under the body.
     right = walk.tips[:, 1 - left]
     stands = walk.standing[:, 1 - left]
     middle = np.median(np.linalg.norm((right - body)[stands][:, [0, 2]], axis=-1))
@@ -170,7 +174,9 @@ def test_person_hops_on_one_foot() -> None:
 
 
 def test_script_holds_a_foot_up_and_puts_it_down() -> None:
-    walk = walked("person", "{gait: walk}", "{gait: hop, legs: [r1]}", "{gait: walk}", duration=8)
+    walk = walk_with_script(
+        "person", "{gait: walk}", "{gait: hop, legs: [r1]}", "{gait: walk}", duration=8
+    )
     assert walk.take.notes == ()
     times = {
         leg: np.array([c.step * ROW for c in walk.take.contacts if c.part == f"it.{leg}"])
@@ -240,7 +246,7 @@ def test_legs_can_follow_every_mood(figure: str) -> None:
 
 
 def test_moods_of_a_script_change_the_walk_and_back() -> None:
-    walk = walked("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=12)
+    walk = walk_with_script("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=12)
     assert walk.take.notes == ()
     before, sneaking, after = (speed(walk, t) for t in (0.5, 3.8, 10.8))
     assert sneaking < 0.7 * before
@@ -263,7 +269,7 @@ def test_moods_of_a_script_change_the_walk_and_back() -> None:
         ("{mood: {sad: 5}}", "script[0].do.mood.sad: must be at most 2"),
     ],
 )
-def test_refuses_impossible_gaits_before_the_start(do: str, message: str) -> None:
+def test_impossible_gaits_are_refused_before_the_start(do: str, message: str) -> None:
     member, script = (
         "{name: it, figure: beetle, walk: {}}",
         f"script: [{{at: 1, who: it, do: {do}}}]",

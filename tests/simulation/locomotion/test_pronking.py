@@ -14,7 +14,7 @@ from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force,
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from tests.simulation.conftest import SHIPPED, scene_of
-from tests.simulation.locomotion.hop_recorder import Hops, hop_through
+from tests.simulation.locomotion.hop_recorder import HopRecording, hop_through
 
 G = np.array([0.0, -GRAVITY, 0.0])
 
@@ -36,7 +36,7 @@ def member(figure: str, config: str, more: str = "") -> str:
 
 
 @pytest.fixture(scope="module", params=HOPPERS)
-def level_hops(request) -> Hops:
+def level_hops(request) -> HopRecording:
     return hop_through(scene_of(member(request.param, HOPPERS[request.param]), duration=4))
 
 
@@ -89,7 +89,7 @@ def test_four_legs_give_the_whole_moment():
 
 @pytest.mark.slow
 def test_apex_and_distance_are_as_requested(level_hops):
-    hopper, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
+    hopper, seen = level_hops.troupe.hoppers[0], level_hops.states[0]
     flights = level_hops.lifts
     assert len(flights) >= 3
     for _, v in flights:
@@ -105,7 +105,7 @@ def test_apex_and_distance_are_as_requested(level_hops):
 
 
 def test_flights_are_parabolas(level_hops):
-    states = [s for s in level_hops.seen[0] if s.phase == "flight" and s.jumps]
+    states = [s for s in level_hops.states[0] if s.phase == "flight" and s.jumps]
     flights = level_hops.lifts
     times = level_hops.lift_times
     for s in states:
@@ -117,10 +117,10 @@ def test_flights_are_parabolas(level_hops):
 LIBRARY = (
     "antelope beetle camel centipede hopper horse kangaroo ostrich person scorpion spider tripod"
 ).split()
-"""Figures with legs that the library has."""
+"""Shipped figures with legs."""
 
 
-def test_library_lists_all_legged_figures(library):
+def test_tested_figures_are_all_legged_ones_of_the_library(library):
     legged = {name for name in SHIPPED if library(name).skeleton.legs}
     assert legged == set(LIBRARY)
 
@@ -134,7 +134,7 @@ def test_landings_end_at_rest_at_the_crouch(monkeypatch, figure, config):
     begin, push = hop_phases.begin_landing, hop_phases.begin_push
 
     def landing(hopper, ground, state, events):
-        # That before the first jump comes from standing, not from the air.
+        # The crouch before the first jump starts from standing, not from a flight.
         if state.jump_count:
             begins.append((state.p[1], state.v[1]))
         begin(hopper, ground, state, events)
@@ -165,7 +165,7 @@ def test_landings_end_at_rest_at_the_crouch(monkeypatch, figure, config):
 
 
 def test_leg_forces_accelerate_the_mass(level_hops):
-    hopper, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
+    hopper, seen = level_hops.troupe.hoppers[0], level_hops.states[0]
     for a, b in itertools.pairwise(seen):
         if a.phase == b.phase and a.phase in ("landing", "pushing") and a.jumps == b.jumps:
             found = (b.v - a.v) / (b.time - a.time)
@@ -178,7 +178,7 @@ SMOOTH = "{kind: hills, size: [12, 12], cells: [1200, 1200], height: 0.12, spaci
 
 
 def landing_errors(figure: str, config: str, terrain: str) -> tuple[float, float]:
-    """Return how far the first landings of a step and of half of it are off [m]."""
+    """Return the errors of the first landings at a time step and at half of it [m]."""
     points = []
     for steps in (4, 8, 64):
         scene = scene_of(
@@ -205,7 +205,7 @@ def landing_errors(figure: str, config: str, terrain: str) -> tuple[float, float
 )
 @pytest.mark.nightly
 def test_landing_points_on_smooth_hills_converge_with_the_step(figure, config):
-    # What is left is the attitude's, which Runge and Kutta turn: of fourth order, 16 times.
+    # The rest is the error of the attitude by Runge-Kutta of fourth order: 16 times smaller.
     coarse, fine = landing_errors(figure, config, SMOOTH)
     assert 1e-9 < coarse < 1e-4
     assert coarse > 8.0 * fine
@@ -222,21 +222,21 @@ def test_landing_points_on_smooth_hills_converge_with_the_step(figure, config):
 )
 @pytest.mark.nightly
 def test_landing_points_on_level_ground_do_not_depend_on_the_step(figure):
-    # Phases are exact and events are located in them: what is left is rounding.
+    # Phases are closed forms and events are located in them, so only rounding is left.
     coarse, fine = landing_errors(figure, "{}", "flat")
     assert coarse < 1e-11
     assert fine < 1e-11
 
 
-def landing_points(hops: Hops) -> np.ndarray:
-    """Return the middles of the feet (k, 3) of the landings, one after the other."""
+def landing_points(hops: HopRecording) -> np.ndarray:
+    """Return the centres of the feet (k, 3) at each landing [m]."""
     n = len(hops.troupe.hoppers[0].hips)
-    places = [h.place for h in hops.happened[0] if h.kind == "touch"]
+    places = [h.place for h in hops.events[0] if h.kind == "touch"]
     count = len(places) // n * n
     return np.array(places[:count]).reshape(-1, n, 3).mean(axis=1)
 
 
-# --- everywhere -----------------------------------------------------------------------------
+# --- every terrain--------------------------------------------------------------------------
 
 OFTEN = ("kangaroo", "hopper")
 CASES = [
@@ -251,7 +251,7 @@ CASES = [
 
 
 @pytest.fixture(scope="module", params=CASES)
-def long_hops(request) -> Hops:
+def long_hops(request) -> HopRecording:
     figure, terrain = request.param
     at = ", at: [-30, 0]" if terrain != "flat" else ""
     scene = scene_of(member(figure, "{}", at), terrain=terrain, duration=40)
@@ -259,13 +259,13 @@ def long_hops(request) -> Hops:
 
 
 def test_twenty_jumps_without_toppling(long_hops):
-    assert long_hops.seen[0][-1].jumps >= 20
-    assert all(s.phase != "fallen" for s in long_hops.seen[0])
+    assert long_hops.states[0][-1].jumps >= 20
+    assert all(s.phase != "fallen" for s in long_hops.states[0])
     if np.ptp(long_hops.simulation.world.ground.field.heights) == 0.0:
-        assert max(s.tilt for s in long_hops.seen[0]) < math.radians(15.0)
+        assert max(s.tilt for s in long_hops.states[0]) < math.radians(15.0)
 
 
-def written_rows(hops: Hops) -> int:
+def written_rows(hops: HopRecording) -> int:
     """Return the number of rows that are written."""
     return hops.simulation.scheduler.written
 
@@ -273,9 +273,9 @@ def written_rows(hops: Hops) -> int:
 def test_planted_feet_do_not_slip_or_sink(long_hops):
     rows = written_rows(long_hops)
     tips, herd = long_hops.tips()[:rows], long_hops.troupe.herd
-    down = np.array([s.down for s in long_hops.seen[0]][:rows])
+    down = np.array([s.down for s in long_hops.states[0]][:rows])
     both = down[1:] & down[:-1]
-    same = np.array([a.jumps == b.jumps for a, b in itertools.pairwise(long_hops.seen[0][:rows])])
+    same = np.array([a.jumps == b.jumps for a, b in itertools.pairwise(long_hops.states[0][:rows])])
     moved = np.linalg.norm(np.diff(tips, axis=0), axis=-1)
     assert moved[both & same[:, None]].max() < 1e-3
     ground = long_hops.simulation.world.ground
@@ -298,7 +298,7 @@ def test_leg_joints_are_within_limits(long_hops):
 def test_hopper_without_balance_topples():
     scene = scene_of(member("kangaroo", "{balance: 0}"), duration=5)
     hops = hop_through(scene)
-    assert hops.seen[0][-1].phase == "fallen"
+    assert hops.states[0][-1].phase == "fallen"
     take = hops.take
     assert [n.kind for n in take.notes].count("toppled") == 1
     assert any(c.kind == "hit" for c in take.contacts)
@@ -330,9 +330,9 @@ def test_weak_legs_let_the_body_strike_the_ground():
     )
     hops = hop_through(scene)
     hopper = hops.troupe.hoppers[0]
-    assert any(h.kind == "body" for h in hops.happened[0])
-    assert any(h.kind == "saturated" for h in hops.happened[0])
-    sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.seen[0]]
+    assert any(h.kind == "body" for h in hops.events[0])
+    assert any(h.kind == "saturated" for h in hops.events[0])
+    sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.states[0]]
     assert max(sizes) == pytest.approx(hopper.max_leg_force, rel=1e-9)
 
 
@@ -341,7 +341,7 @@ def test_weak_legs_let_the_body_strike_the_ground():
 
 def test_sound_events_of_take_off_and_landing(level_hops):
     take, n = level_hops.take, len(level_hops.troupe.hoppers[0].hips)
-    jumps = level_hops.seen[0][-1].jumps
+    jumps = level_hops.states[0][-1].jumps
     lifts = [c for c in take.contacts if c.kind == "lift"]
     touches = [c for c in take.contacts if c.kind == "touch"]
     assert len(lifts) == n * jumps
@@ -350,15 +350,15 @@ def test_sound_events_of_take_off_and_landing(level_hops):
     falls = [e for e in take.events if e.cause == "footfall"]
     assert len(offs) == jumps
     assert len(falls) == len(touches)
-    # What bends may squeak besides.
+    # Joints may squeak besides.
     assert {e.cause for e in take.events} <= {"boing", "footfall", "squeak", "squawk"}
     rise = GRAVITY / (take.header.rate * take.header.samples)
     for one, lift, (p, v) in zip(offs, lifts[::n], level_hops.lifts, strict=True):
-        # Measured between two rows, hence less by what the weight takes of it in one.
+        # Measured between two rows, so less by the effect of gravity within one.
         assert v[1] - float(rise) <= one.strength <= v[1] + 1e-3
         assert one.step + one.fraction == pytest.approx(lift.step + lift.fraction)
         assert np.hypot(one.place[0] - p[0], one.place[2] - p[2]) < p[1]
-    # Feet come down with the body, which falls as fast as it rose, or somewhat less.
+    # Feet come down with the body, which falls no faster than it rose.
     for one in falls:
         assert 0.35 < one.strength / np.linalg.norm(level_hops.lifts[0][1]) < 1.5
 
@@ -388,7 +388,7 @@ def test_jumps_land_on_their_targets(figure):
     found = landing_points(hops)[:, [0, 2]]
     assert len(found) == len(spots)
     assert np.abs(found - spots).max() < 0.015
-    assert hops.seen[0][-1].phase == "standing"
+    assert hops.states[0][-1].phase == "standing"
 
 
 DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4, foot_radius: 0.05}"

@@ -9,27 +9,27 @@ import numpy as np
 import pytest
 
 from tests.simulation.locomotion.hop_recorder import hop_through
-from tests.simulation.locomotion.random_hop_scenes import triple
+from tests.simulation.locomotion.random_hop_scenes import random_hop
 
 
 def check_invariants(number: int, folder: Path) -> None:
-    hops = hop_through(triple(number, folder).scene)
-    seen, tips, herd = hops.seen[0], hops.tips(), hops.troupe.herd
+    hops = hop_through(random_hop(number, folder).scene)
+    states, tips, herd = hops.states[0], hops.tips(), hops.troupe.herd
     assert np.isfinite(tips).all()
-    down = np.array([s.down for s in seen])
-    same = np.array([a.jumps == b.jumps for a, b in itertools.pairwise(seen)])
+    down = np.array([s.down for s in states])
+    same = np.array([a.jumps == b.jumps for a, b in itertools.pairwise(states)])
     stay = down[1:] & down[:-1] & same[:, None]
     moved = np.linalg.norm(np.diff(tips, axis=0), axis=-1)
     assert moved[stay].max(initial=0.0) < 1e-3
     ground = hops.simulation.world.ground
     over = tips[..., 1] - herd.foot_radius - ground.height(tips[..., 0], tips[..., 2])
     assert over[down].min(initial=0.0) > -1e-3
-    # In the air as well, until it falls.
-    upright = np.array([s.phase != "fallen" for s in seen])
+    # Feet in the air stay above the ground too, until a fall.
+    upright = np.array([s.phase != "fallen" for s in states])
     assert over[upright].min(initial=0.0) > -1e-3
     most = hops.troupe.hoppers[0].max_leg_force
-    for one in seen:
-        assert np.linalg.norm(one.forces, axis=-1).max() <= most * (1.0 + 1e-9)
+    for moment in states:
+        assert np.linalg.norm(moment.forces, axis=-1).max() <= most * (1.0 + 1e-9)
     skeleton = herd.figures[0].skeleton
     joints = [j for limb in skeleton.legs for j in limb.joints]
     q = hops.simulation.recorder.values[:, 2 : 2 + len(joints)]
@@ -41,5 +41,5 @@ def check_invariants(number: int, folder: Path) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("number", range(300))
-def test_invariants_hold(number: int, tmp_path: Path) -> None:
+def test_invariants_of_hopping_hold_in_random_scenes(number: int, tmp_path: Path) -> None:
     check_invariants(number, tmp_path)

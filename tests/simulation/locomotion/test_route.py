@@ -1,4 +1,4 @@
-"""Routes: ways over the plane, by their length."""
+"""Routes over the plane, by arc length."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_spline_starts_with_the_given_heading() -> None:
     np.testing.assert_allclose((xz[1] - xz[0]) / 0.05, heading_vector(0.7), atol=0.06)
 
 
-def test_straight_and_standing_routes() -> None:
+def test_straight_and_standing_routes_keep_their_heading() -> None:
     s = np.array([-1.0, 0.0, 2.5, 1e6])
     xz, headings = straight_route(np.array([1.0, 2.0]), 0.3).at(s)
     np.testing.assert_allclose(xz, [1.0, 2.0] + s[:, None] * heading_vector(0.3))
@@ -62,7 +62,7 @@ def test_straight_and_standing_routes() -> None:
     np.testing.assert_array_equal(xz, np.tile([1.0, 2.0], (3, 1)))
 
 
-def test_turn_in_place() -> None:
+def test_turn_in_place_keeps_its_position() -> None:
     route = turn_in_place(np.array([1.0, -1.0]), 0.5, -2.0, 0.4)
     assert route.length == pytest.approx(0.8)
     xz, headings = route.at(fine(route))
@@ -84,7 +84,7 @@ def test_routes_are_cut_and_joined_continuously() -> None:
     assert np.abs(np.diff(headings)).max() < 0.02
 
 
-def test_curvature_of_a_circle() -> None:
+def test_curvature_of_a_circle_is_its_inverse_radius() -> None:
     angles = np.linspace(0.0, 2.0 * np.pi, 17)[:-1]
     route = spline_route([3.0 * heading_vector(-a) for a in angles], None, closed=True)
     assert route.length == pytest.approx(6.0 * np.pi, rel=5e-3)

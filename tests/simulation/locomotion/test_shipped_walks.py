@@ -22,7 +22,7 @@ BALL = np.random.default_rng(0).normal(size=(40, 3))
 BALL /= np.linalg.norm(BALL, axis=-1, keepdims=True)
 
 
-def walked(name: str) -> bool:
+def is_walking_scene(name: str) -> bool:
     """Return whether creatures on legs walk over the ground of a scene, and none jumps."""
     scene = load_scene(find_scene(name))
     if any(isinstance(one.do, HopOver | JumpOnce) for one in scene.script):
@@ -32,18 +32,18 @@ def walked(name: str) -> bool:
     )
 
 
-def left_alone(walk: Walk) -> Array:
+def unposed_feet(walk: Walk) -> Array:
     """Return (K, L) which feet are left to their walk, not moved by an author."""
     times = np.arange(len(walk.phases)) * walk.simulation.world.clock.dt
     return walk.walkers.authored_poses.free_fraction(times) > 0.999
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in shipped_scenes() if walked(name)])
-def test_shipped_scenes_keep_the_invariants_of_walking(name: str) -> None:
+@pytest.mark.parametrize("name", [name for name in shipped_scenes() if is_walking_scene(name)])
+def test_invariants_of_walking_hold_in_shipped_scenes(name: str) -> None:
     walk = walk_through(load_scene(find_scene(name)))
     take, herd, ground = walk.take, walk.walkers.herd, walk.simulation.world.ground
-    dt, free = walk.simulation.world.clock.dt, left_alone(walk)
+    dt, free = walk.simulation.world.clock.dt, unposed_feet(walk)
     assert [note for note in take.notes if "foothold" in note.text and note.kind != "stopped"] == []
 
     down = walk.standing[1:] & walk.standing[:-1] & free[1:]

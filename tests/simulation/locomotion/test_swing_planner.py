@@ -51,13 +51,13 @@ def test_bends_start_and_end_at_rest_and_are_smooth() -> None:
     assert not p[[0, -1]].any()
     assert np.abs(speed[[0, -1]]).max() < 1e-3
     assert np.abs(change[[0, -1]]).max() < 0.05 * np.abs(change).max()
-    # No corner in the acceleration: it changes by its slope times the step.
+    # The acceleration is continuous: it changes by its slope times the step.
     assert np.abs(np.diff(change, axis=0)).max() < 1.5 * PIECES**3 * np.abs(np.diff(
         bend, 3, axis=0)).max() * h + 1e-4 * np.abs(change).max()  # fmt: skip
 
 
 def test_fitted_bends_converge_to_fourth_order() -> None:
-    """In the middle, where no end is near."""
+    """Errors in the middle of the swing, away from its ends."""
 
     def error(waves: float) -> float:
         values = np.sin(waves * KNOTS)[:, None] * np.ones(3)
@@ -74,7 +74,7 @@ def test_fitted_bends_converge_to_fourth_order() -> None:
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """A swing that was planned, and the plain one in its place."""
+    """A planned swing and the plain swing it replaces."""
 
     trial: SwingTrial
     height: float
@@ -83,7 +83,7 @@ class Planned:
 
     @property
     def both(self) -> Array:
-        """(rows, 2, 3) places of the foot, as planned and plainly."""
+        """(rows, 2, 3) positions of the foot, planned and plain [m]."""
         tips = self.trial.tips
         return np.stack([tips(self.height, self.bend), tips(self.plain, 0 * self.bend)], axis=1)
 
@@ -93,7 +93,7 @@ Record = Callable[[Scene], list[Planned]]
 
 @pytest.fixture
 def record(monkeypatch: pytest.MonkeyPatch) -> Record:
-    """Simulate scenes, keeping all swings that are planned."""
+    """Return a function that simulates scenes and keeps all planned swings."""
 
     def run(scene: Scene) -> list[Planned]:
         found = list[Planned]()
@@ -145,7 +145,7 @@ UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
 def test_free_leg_needs_less_work_than_a_led_one(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
 ) -> None:
-    """While it falls; to catch up afterwards takes more."""
+    """The free leg saves work while it falls; catching up afterwards takes more."""
     if not shipped.skeleton.legs:
         return
     swings = record(scene_of(walking(shipped.name, "passive"), duration=0.5))
@@ -166,7 +166,7 @@ def test_free_leg_needs_less_work_than_a_led_one(
 def test_no_torque_about_the_hip_of_a_free_leg(
     scene_of: Callable[..., Scene], record: Record
 ) -> None:
-    """The push on the foot that would replace the muscles points along the leg."""
+    """The force on the foot that replaces the muscles points along the leg."""
     for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
         trial, last = one.trial, simulate_fall(one.trial, one.plain)[1]
         assert last > ROWS // 2
@@ -196,47 +196,47 @@ CASTS = [(figure, swing) for figure in ("horse", "person") for swing in ("passiv
 
 
 @pytest.fixture(scope="module", params=CASTS, ids=" ".join)
-def upright(
+def level_feet_walks(
     request: pytest.FixtureRequest,
     scene_of: Callable[..., Scene],
     walk_through: Callable[[Scene], Walk],
 ) -> Walk:
-    """Walks of mammals over hills."""
+    """Return walks of mammals over hills."""
     return walk_through(scene_of(walking(*request.param), terrain=HILLS, duration=2.5, seed=2))
 
 
 @pytest.mark.slow
-def test_feet_stand_still_on_their_footholds(upright: Walk) -> None:
-    down = upright.standing[1:] & upright.standing[:-1]
-    moved = np.linalg.norm(np.diff(upright.tips, axis=0), axis=-1)
+def test_feet_stand_still_on_their_footholds(level_feet_walks: Walk) -> None:
+    down = level_feet_walks.standing[1:] & level_feet_walks.standing[:-1]
+    moved = np.linalg.norm(np.diff(level_feet_walks.tips, axis=0), axis=-1)
     assert moved[down].max() < 1e-4
-    ends = np.array(upright.ends)[upright.standing]
-    assert np.abs(upright.tips[upright.standing] - ends).max() < 1e-4
-    assert not upright.take.notes
+    ends = np.array(level_feet_walks.ends)[level_feet_walks.standing]
+    assert np.abs(level_feet_walks.tips[level_feet_walks.standing] - ends).max() < 1e-4
+    assert not level_feet_walks.take.notes
 
 
-def test_touchdowns_are_at_foot_down_phases(upright: Walk) -> None:
-    herd = upright.walkers.herd
+def test_touchdowns_are_at_foot_down_phases(level_feet_walks: Walk) -> None:
+    herd = level_feet_walks.walkers.herd
     names = [f"{herd.names[0]}.{leg}" for leg in herd.leg_names]
-    assert len(upright.take.contacts) > 4
-    for contact in upright.take.contacts:
+    assert len(level_feet_walks.take.contacts) > 4
+    for contact in level_feet_walks.take.contacts:
         leg = names.index(contact.part)
-        before, after = (float(upright.phases[contact.step + k][0]) for k in (0, 1))
+        before, after = (float(level_feet_walks.phases[contact.step + k][0]) for k in (0, 1))
         off = before + contact.fraction * (after - before) - herd.down[leg]
         assert abs(off - round(off)) < 1e-9
 
 
-def test_soles_stay_above_the_ground(upright: Walk) -> None:
-    ground, herd = upright.simulation.world.ground, upright.walkers.herd
-    x, y, z = np.moveaxis(upright.tips, -1, 0)
+def test_soles_stay_above_the_ground(level_feet_walks: Walk) -> None:
+    ground, herd = level_feet_walks.simulation.world.ground, level_feet_walks.walkers.herd
+    x, y, z = np.moveaxis(level_feet_walks.tips, -1, 0)
     assert (y - ground.height(x, z) - herd.foot_radius / ground.normal(x, z)[..., 1]).min() > -1e-3
 
 
-def test_joint_limits_hold_and_knees_do_not_flip(upright: Walk) -> None:
-    legs, q = upright.walkers.herd.legs, upright.q
+def test_joint_limits_hold_and_knees_do_not_flip(level_feet_walks: Walk) -> None:
+    legs, q = level_feet_walks.walkers.herd.legs, level_feet_walks.q
     assert (q >= legs.lower).all()
     assert (q <= legs.upper).all()
-    skeleton = upright.walkers.herd.figures[0].skeleton
+    skeleton = level_feet_walks.walkers.herd.figures[0].skeleton
     for i, leg in enumerate(skeleton.legs):
         for k, joint in enumerate(leg.joints):
             if skeleton.joint_names[joint].endswith("_bend"):
@@ -244,10 +244,10 @@ def test_joint_limits_hold_and_knees_do_not_flip(upright: Walk) -> None:
                 assert bends.min() * bends.max() >= 0.0
 
 
-def test_joints_do_not_jump(upright: Walk) -> None:
-    dt = upright.simulation.world.clock.dt
-    assert np.abs(np.diff(upright.q, axis=0)).max() < 20.0 * dt
-    assert np.abs(np.diff(upright.q, 2, axis=0)).max() < 400.0 * dt**2
+def test_joints_do_not_jump(level_feet_walks: Walk) -> None:
+    dt = level_feet_walks.simulation.world.clock.dt
+    assert np.abs(np.diff(level_feet_walks.q, axis=0)).max() < 20.0 * dt
+    assert np.abs(np.diff(level_feet_walks.q, 2, axis=0)).max() < 400.0 * dt**2
 
 
 def test_plain_swings_do_not_depend_on_planned_ones(

@@ -1,4 +1,4 @@
-"""Walkers on every kind of terrain: they get on, stand still, stand above ground, stand allowed."""
+"""Walkers on every kind of terrain: they progress, keep their footholds and stop at barriers."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from tests.simulation.conftest import Walk
 
 MILLIMETRE = 1e-3
 
-GENTLE = 4.0
-"""Greatest deceleration of a walker that comes to rest [m/s²]."""
+MAX_STOP_ACCELERATION = 4.0
+"""Greatest acceleration of a stopping walker [m/s²]."""
 
 TERRAINS = {
     "stairs": "stairs",
@@ -40,7 +40,7 @@ BARRIERS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("figure", "name"), PAIRS)
-def test_a_walker_gets_over(
+def test_walkers_cross_passable_terrain(
     figure: str,
     name: str,
     scene_of: Callable[..., object],
@@ -51,12 +51,12 @@ def test_a_walker_gets_over(
     take = walk.take
     assert take.notes == ()
     assert take.positions[-1, 0, 0] > 2.2
-    keeps_to_the_ground(walk)
+    assert_feet_on_the_ground(walk)
 
 
 @pytest.mark.parametrize("name", BARRIERS)
 @pytest.mark.parametrize("figure", WALKERS)
-def test_a_walker_stops_before_what_it_cannot_get_over(
+def test_walkers_stop_before_barriers(
     figure: str,
     name: str,
     scene_of: Callable[..., object],
@@ -65,18 +65,18 @@ def test_a_walker_stops_before_what_it_cannot_get_over(
     member = f"{{figure: {figure}, scale: {WALKERS[figure]}, at: [-1.5, 0], walk: {{}}}}"
     walk = walk_through(scene_of(member, terrain=BARRIERS[name], duration=10, seed=1))
     assert [note.kind for note in walk.take.notes] == ["stopped"]
-    keeps_to_the_ground(walk)
-    # As at the end of any way: level with where it came from, at rest, nothing sudden.
+    assert_feet_on_the_ground(walk)
+    # The walker stands level with its start, at rest, and stopped without a jolt.
     body = walk.take.positions[:, 0]
     assert abs(body[-1, 1] - body[0, 1]) < 0.1 * walk.walkers.herd.body_height[0]
     assert np.ptp(body[-24:], axis=0).max() < MILLIMETRE
     dt = walk.simulation.world.clock.dt
     along = np.abs(np.diff(body[:, 0], 2)).max() / dt**2
-    assert along < GENTLE
+    assert along < MAX_STOP_ACCELERATION
 
 
-def keeps_to_the_ground(walk: Walk) -> None:
-    """Feet stay, nothing of a sole is below ground, and all stand where it is allowed."""
+def assert_feet_on_the_ground(walk: Walk) -> None:
+    """Check that planted feet do not slip or sink and stand on steppable ground."""
     take, ground = walk.take, walk.simulation.world.ground
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
@@ -90,15 +90,15 @@ def keeps_to_the_ground(walk: Walk) -> None:
     assert np.abs(y - ground.height(x, z)).max() < 1e-12
 
 
-def test_a_turned_terrain_is_walked_like_the_one_that_stands_straight(
+def test_walks_on_a_rotated_terrain_are_rotated_walks(
     scene_of: Callable[..., object], walk_through: Callable[..., object]
 ) -> None:
-    # Where nothing is level no choice is left to rounding.
+    # On uneven ground no foothold choice depends on rounding.
     beetle = "{{figure: beetle, scale: 0.7, at: [{}, {}], heading_deg: {}, walk: {{}}}}"
-    words = "{{preset: rocks, at: [{}, {}], heading_deg: {}}}"
+    ground_format = "{{preset: rocks, at: [{}, {}], heading_deg: {}}}"
 
     def walk(member: tuple[float, ...], terrain: tuple[float, ...]) -> Take:
-        cast, ground = beetle.format(*member), words.format(*terrain)
+        cast, ground = beetle.format(*member), ground_format.format(*terrain)
         return walk_through(scene_of(cast, terrain=ground, duration=4)).take
 
     straight = walk((-1.0, 0.3, 0), (0, 0, 0))

@@ -1,4 +1,4 @@
-"""How bodies rock with their gaits, against forces summed up moment by moment."""
+"""Trunk oscillation: pitch and roll by gait, against numerically integrated forces."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ HIPS = np.array([[0.5, 0, -0.2], [-0.4, 0, -0.2], [0.5, 0, 0.2], [-0.4, 0, 0.2]]
 MASS = MassProperties(80.0, np.array([0.05, 0.0, 0.0]), np.diag([4.0, 12.0, 11.0]))
 
 
-def summed(gait: Gait, cycle: float) -> Array:
-    """Pitch by the sum of half-sines, integrated twice by the trapezoid rule."""
+def integrated_pitch(gait: Gait, cycle: float) -> Array:
+    """Return the pitch by half-sine forces, integrated twice by the trapezoidal rule."""
     into = np.mod(PHASES[:, None] - gait.down, 1.0)
     pushes = np.where(into < gait.duty, np.sin(np.pi * into / gait.duty), 0.0)
     force = MASS.mass * GRAVITY * pushes / pushes.mean(axis=0) / len(HIPS)
@@ -41,16 +41,16 @@ def summed(gait: Gait, cycle: float) -> Array:
 
 
 def test_pitch_is_the_torque_integrated_twice() -> None:
-    """At a cycle so quick that no bound is near."""
+    """The cycle is so short that no bound applies."""
     gait = Gait.of(np.array([0.5, 0.0, 0.43, 0.1]), 0.25)
     trunk = TrunkOscillation.of(gait, HIPS, MASS, 0.12)
     pitch, _ = trunk.at(PHASES)
-    expected = summed(gait, 0.12)
+    expected = integrated_pitch(gait, 0.12)
     assert 0.0 < np.abs(expected).max() < 0.3 * MAX_PITCH
     assert np.abs(pitch - expected).max() < 0.02 * np.abs(expected).max()
 
 
-def test_half_duty_is_no_pole() -> None:
+def test_half_duty_is_not_singular() -> None:
     near, at = (
         TrunkOscillation.of(Gait.of(np.array([0.5, 0.0, 0.5, 0.0]), duty), HIPS, MASS, 0.2)
         for duty in (0.4999, 0.5)
@@ -58,7 +58,7 @@ def test_half_duty_is_no_pole() -> None:
     np.testing.assert_allclose(near.pitch, at.pitch, atol=1e-4)
 
 
-def test_three_standing_feet_hold_the_body() -> None:
+def test_three_stance_feet_keep_the_body_level() -> None:
     gait = Gait.of(np.array([0.0, 0.25, 0.5, 0.75]), 0.8)
     trunk = TrunkOscillation.of(gait, HIPS, MASS, 1.0)
     assert not trunk.pitch.any()

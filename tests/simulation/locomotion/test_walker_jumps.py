@@ -18,7 +18,7 @@ from pipeline.simulation.take import Take
 from pipeline.spec import Scene, find_scene, load_scene
 from pipeline.spec.prop import BoxShape, Prop
 from tests.simulation.conftest import scene_of, tips_of
-from tests.simulation.locomotion.hop_recorder import Hops, hop_through
+from tests.simulation.locomotion.hop_recorder import HopRecording, hop_through
 
 MILLIMETRE = 1e-3
 
@@ -27,20 +27,20 @@ BOXES = {
     "person": (0.3, 0.3),
     "beetle": (0.2, 0.2),
 }
-"""Length and height of what each jumps over [m]."""
+"""Length and height of each figure's box [m]."""
 
 HARDEST = 60.0
-"""Acceleration that no body reaches [m/s²]."""
+"""Bound of the body's acceleration [m/s²]."""
 
 QUICKEST = 40.0
-"""Speed that no joint of a leg reaches [rad/s]."""
+"""Bound of the speed of leg joints [rad/s]."""
 
 AT = 4.0
-"""Where it stands [m]."""
+"""Place of the box [m]."""
 
 
-def over(figure: str, length: float, high: float, duration: float = 14) -> Scene:
-    """Return a scene of a walker that is told to jump over a box."""
+def hurdle_scene(figure: str, length: float, high: float, duration: float = 14) -> Scene:
+    """Return a scene of a walker that has an order to jump over a box."""
     return scene_of(
         f"{{name: a, figure: {figure}, walk: {{path: [[{AT + 4}, 0]]}}}}",
         f"{{name: box, prop: {{shape: box, size: [{length}, {high}, 3]}}, at: [{AT}, 0]}}",
@@ -51,7 +51,7 @@ def over(figure: str, length: float, high: float, duration: float = 14) -> Scene
 
 @dataclass
 class Leap:
-    """A walk with a jump, and what was seen of it at every step."""
+    """A walk with a jump, and its state at every step."""
 
     simulation: Simulation
     length: float
@@ -61,16 +61,16 @@ class Leap:
 
     @property
     def walkers(self) -> WalkerTroupe:
-        """Its creatures that walk."""
+        """The walking creatures."""
         return next(t for t in self.simulation.troupes if isinstance(t, WalkerTroupe))
 
     @property
     def take(self) -> Take:
-        """What happened."""
+        """The take of the simulation."""
         return self.simulation.take()
 
-    def look(self) -> None:
-        """Keep the state of this step."""
+    def record_step(self) -> None:
+        """Record the state of this step."""
         walkers = self.walkers
         trip = walkers.leaps.trips.get(0)
         leaping = trip is not None and trip.stage == "leaping" and trip.simulation is not None
@@ -82,7 +82,7 @@ class Leap:
 
     @property
     def changes(self) -> list[int]:
-        """Rows at which it goes over from walking to jumping and back."""
+        """Rows at which walking changes to jumping and back."""
         return [k for k in range(1, len(self.stages)) if self.stages[k] != self.stages[k - 1]]
 
     def tips(self) -> Array:
@@ -99,23 +99,23 @@ class Leap:
 )
 def leap(request) -> Leap:
     length, high = BOXES[request.param]
-    return watched(over(request.param, length, high), length, high)
+    return record_leap(hurdle_scene(request.param, length, high), length, high)
 
 
-def watched(scene: Scene, length: float, high: float) -> Leap:
-    """Simulate a scene of one walker, and look at every step."""
+def record_leap(scene: Scene, length: float, high: float) -> Leap:
+    """Simulate a scene of one walker and record every step."""
     one = Leap(Simulation(scene), length, high)
-    one.look()
+    one.record_step()
     while not one.simulation.finished:
         one.simulation.step()
-        one.look()
+        one.record_step()
     return one
 
 
-def lowest_over(take: Take, who: str, first: float, last: float) -> float:
+def lowest_over(take: Take, performer: str, first: float, last: float) -> float:
     """Return the height of the lowest vertex of a performer between two places along x [m]."""
     lowest = math.inf
-    for part in (one for one in take.parts if one.performer == who):
+    for part in (part for part in take.parts if part.performer == performer):
         mesh = take.meshes[part.mesh]
         node = int(mesh.nodes[0, 0])
         own = mesh.vertices.astype(float) - take.nodes[node].rest
@@ -177,7 +177,7 @@ def test_shipped_antelope_clears_its_box() -> None:
     scene = load_scene(find_scene("over_the_box"))
     box = next(member for member in scene.cast if isinstance(member, Prop))
     assert isinstance(box.prop, BoxShape)
-    leap = watched(scene, box.prop.size[0], box.prop.size[1])
+    leap = record_leap(scene, box.prop.size[0], box.prop.size[1])
     take, walkers = leap.take, leap.walkers
     dt, ground = leap.simulation.world.clock.dt, leap.simulation.world.ground
     assert not take.notes
@@ -205,14 +205,14 @@ def test_shipped_antelope_clears_its_box() -> None:
 def test_takes_are_reproducible() -> None:
     digests = set[str]()
     for _ in range(2):
-        simulation = Simulation(over("antelope", *BOXES["antelope"], duration=9))
+        simulation = Simulation(hurdle_scene("antelope", *BOXES["antelope"], duration=9))
         while not simulation.finished:
             simulation.step()
         digests.add(simulation.take().digest)
     assert len(digests) == 1
 
 
-def simulated(scene: Scene) -> Take:
+def take_of(scene: Scene) -> Take:
     simulation = Simulation(scene)
     while not simulation.finished:
         simulation.step()
@@ -222,8 +222,8 @@ def simulated(scene: Scene) -> Take:
 @pytest.mark.slow
 @pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
 def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None:
-    scene = over("antelope", *size, duration=3)
-    take = simulated(scene)
+    scene = hurdle_scene("antelope", *size, duration=3)
+    take = take_of(scene)
     (note,) = take.notes
     assert note.kind == "stopped"
     assert cause in note.text
@@ -233,32 +233,32 @@ def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None
 
 @pytest.mark.slow
 def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
-    words = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
+    config = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
     more = "script: [{at: 0.2, who: a, do: {hop_over: box}}]"
-    take = simulated(scene_of(words, box, duration=2, more=more))
+    take = take_of(scene_of(config, box, duration=2, more=more))
     (note,) = take.notes
     assert "too near" in note.text
 
 
 @pytest.mark.nightly
 def test_detour_to_a_box_returns_to_the_route() -> None:
-    words = "{name: a, figure: antelope, walk: {path: [[12, 0]]}}"
+    config = "{name: a, figure: antelope, walk: {path: [[12, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 1]}, at: [4, 2], heading_deg: -25}"
     more = "script: [{at: 0.1, who: a, do: {hop_over: box}}]"
-    take = simulated(scene_of(words, box, duration=20, more=more))
+    take = take_of(scene_of(config, box, duration=20, more=more))
     assert sum(one.kind == "lift" for one in take.contacts) == 4
     np.testing.assert_allclose(take.positions[-1, 0, [0, 2]], [12, 0], atol=1e-3)
 
 
 @pytest.mark.nightly
-def test_jump_to_a_point_then_the_next_order() -> None:
-    words = "{name: a, figure: antelope, walk: {}, pronk: {max_force: 4}}"
+def test_jump_to_a_point_is_followed_by_the_next_order() -> None:
+    config = "{name: a, figure: antelope, walk: {}, pronk: {max_force: 4}}"
     more = (
         "script: [{at: 1, who: a, do: {jump: {land_at: [2.5, -0.5], height: 0.3}}},"
         " {at: 4.3, who: a, do: {go_to: [4, 1]}}]"
     )
-    scene = scene_of(words, duration=14, more=more)
+    scene = scene_of(config, duration=14, more=more)
     simulation, landed = Simulation(scene), None
     while not simulation.finished:
         simulation.step()
@@ -273,11 +273,11 @@ def test_jump_to_a_point_then_the_next_order() -> None:
 
 
 @pytest.mark.nightly
-def test_jump_over_a_fallen_body() -> None:
-    words = "{name: a, figure: antelope, walk: {path: [[8, 0]]}}"
+def test_walker_jumps_over_a_fallen_body() -> None:
+    config = "{name: a, figure: antelope, walk: {path: [[8, 0]]}}"
     box = "{name: box, body: {shape: box, size: [0.4, 0.4, 1.2]}, at: [4, 0.9, 0]}"
     more = "script: [{at: 1.5, who: a, do: {hop_over: box}}]"
-    take = simulated(scene_of(words, box, duration=8, more=more))
+    take = take_of(scene_of(config, box, duration=8, more=more))
     assert sum(one.kind == "lift" for one in take.contacts) == 4
     assert lowest_over(take, "a", 3.8, 4.2) > 0.42
 
@@ -287,45 +287,47 @@ def test_jump_over_a_fallen_body() -> None:
 ROO = "{{name: roo, figure: kangaroo, pronk: {{distance: 1.6, height: 0.5{}}}}}"
 
 
-def directed(script: str, duration: float = 8, words: str = "", *others: str) -> Hops:
+def hop_with_script(
+    script: str, duration: float = 8, config: str = "", *others: str
+) -> HopRecording:
     more = f"script: [{script}]"
-    return hop_through(scene_of(ROO.format(words), *others, duration=duration, more=more))
+    return hop_through(scene_of(ROO.format(config), *others, duration=duration, more=more))
 
 
 @pytest.mark.slow
 def test_hopper_clears_a_crate_and_hops_on() -> None:
     crate = "{name: crate, prop: {shape: box, size: [0.5, 0.5, 1.5]}, at: [5, 0]}"
-    hops = directed("{at: 1, who: roo, do: {hop_over: crate}}", 6, "", crate)
+    hops = hop_with_script("{at: 1, who: roo, do: {hop_over: crate}}", 6, "", crate)
     assert lowest_over(hops.take, "roo", 4.75, 5.25) > 0.52
     assert hops.take.positions[-1, 0, 0] > 8.0
     assert not [one for one in hops.take.notes if one.kind != "misplaced"]
 
 
-def test_go_to_lands_on_the_place() -> None:
-    hops = directed("{at: 1, who: roo, do: {go_to: [4, 3]}}", 9)
+def test_go_to_order_ends_at_the_place() -> None:
+    hops = hop_with_script("{at: 1, who: roo, do: {go_to: [4, 3]}}", 9)
     state = hops.troupe.simulations[0].state
     assert state.phase == "standing"
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [4, 3]) < 0.05
-    assert hops.seen[0][-1].tilt < math.radians(3)
+    assert hops.states[0][-1].tilt < math.radians(3)
 
 
-def test_stop_and_hop_orders() -> None:
+def test_stop_order_ends_and_hop_order_resumes_the_hops() -> None:
     script = "{at: 1.6, who: roo, do: stop}, {at: 5, who: roo, do: hop}"
-    hops = directed(script, 8)
-    jumps = {seen.jumps for seen in hops.seen[0] if 3.5 < seen.time < 5.0}
+    hops = hop_with_script(script, 8)
+    jumps = {seen.jumps for seen in hops.states[0] if 3.5 < seen.time < 5.0}
     assert len(jumps) == 1
-    assert {seen.phase for seen in hops.seen[0] if 4.2 < seen.time < 5.0} == {"standing"}
-    assert hops.seen[0][-1].jumps > max(jumps) + 1
+    assert {seen.phase for seen in hops.states[0] if 4.2 < seen.time < 5.0} == {"standing"}
+    assert hops.states[0][-1].jumps > max(jumps) + 1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
 def test_stop_cancels_go_to_in_any_phase(at: float) -> None:
     script = f"{{at: 0.5, who: roo, do: {{go_to: [20, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
-    hops = directed(script, 7)
-    before = max(seen.jumps for seen in hops.seen[0] if seen.time <= at)
-    assert hops.seen[0][-1].jumps <= before + 1
-    assert hops.seen[0][-1].phase == "standing"
+    hops = hop_with_script(script, 7)
+    before = max(seen.jumps for seen in hops.states[0] if seen.time <= at)
+    assert hops.states[0][-1].jumps <= before + 1
+    assert hops.states[0][-1].phase == "standing"
 
 
 @pytest.mark.nightly
@@ -334,8 +336,8 @@ def test_jump_does_not_affect_other_walkers() -> None:
     jumps = "{name: a, figure: antelope, at: [0, -3], walk: {}}"
     more = "script: [{at: 0.5, who: a, do: {jump: {}}}]"
     alone, both = (
-        simulated(scene_of(beside, duration=6)),
-        simulated(scene_of(jumps, beside, duration=6, more=more)),
+        take_of(scene_of(beside, duration=6)),
+        take_of(scene_of(jumps, beside, duration=6, more=more)),
     )
     nodes = [i for i, node in enumerate(both.nodes) if node.performer == "b"]
     rows = len(alone.positions)
@@ -343,30 +345,30 @@ def test_jump_does_not_affect_other_walkers() -> None:
     assert (both.positions[:rows, nodes] == alone.positions).all()
 
 
-def test_wait_order() -> None:
-    hops = directed("{at: 1.5, who: roo, do: {wait: 3}}", 8)
-    standing = [seen.time for seen in hops.seen[0] if seen.phase == "standing" and seen.time > 2]
+def test_wait_order_pauses_the_hops() -> None:
+    hops = hop_with_script("{at: 1.5, who: roo, do: {wait: 3}}", 8)
+    standing = [seen.time for seen in hops.states[0] if seen.phase == "standing" and seen.time > 2]
     assert standing
-    assert hops.seen[0][-1].jumps > 2
+    assert hops.states[0][-1].jumps > 2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle", [40, -160])
-def test_turn_order(angle: float) -> None:
-    hops = directed(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 8)
+def test_turn_order_turns_by_its_angle(angle: float) -> None:
+    hops = hop_with_script(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 8)
     v = hops.lifts[-1][1]
     went = math.degrees(math.atan2(-v[2], v[0]))
     assert abs(math.remainder(went - angle, 360)) < 2.0
-    assert max(seen.tilt for seen in hops.seen[0]) < math.radians(15)
+    assert max(seen.tilt for seen in hops.states[0]) < math.radians(15)
 
 
-def test_speed_order() -> None:
-    hops = directed("{at: 2, who: roo, do: {speed: 4.5}}", 6)
+def test_speed_order_changes_the_speed() -> None:
+    hops = hop_with_script("{at: 2, who: roo, do: {speed: 4.5}}", 6)
     assert np.linalg.norm(hops.lifts[-1][1]) == pytest.approx(4.5, rel=1e-6)
 
 
-def test_single_jump_order() -> None:
-    hops = directed("{at: 1.3, who: roo, do: {jump: {height: 0.8, distance: 1.0}}}", 6)
+def test_single_jump_order_has_its_height_and_distance() -> None:
+    hops = hop_with_script("{at: 1.3, who: roo, do: {jump: {height: 0.8, distance: 1.0}}}", 6)
     apexes = [float(v[1] ** 2) / (2 * 9.81) for _, v in hops.lifts]
     assert max(apexes) == pytest.approx(0.8, rel=1e-3)
     assert sum(abs(one - 0.5) < 1e-3 for one in apexes) == len(apexes) - 1
@@ -377,12 +379,12 @@ def test_arrival_of_a_hopper_triggers_orders() -> None:
         "{at: 0.5, who: roo, do: {go_to: [2, 0]}},"
         "{when: {arrived: roo}, who: roo, do: {jump: {land_at: [3, 0]}}}"
     )
-    hops = directed(script, 12)
+    hops = hop_with_script(script, 12)
     state = hops.troupe.simulations[0].state
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [3, 0]) < 0.05
 
 
-# --- what is refused -------------------------------------------------------------------
+# --- refusals ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -427,7 +429,7 @@ def corners(size: tuple[float, float, float], middle: tuple[float, float, float]
 
 @pytest.mark.parametrize("deg", [0.0, 30.0, 45.0, 80.0])
 def test_hurdle_profile_of_a_box_in_a_strip(deg: float) -> None:
-    """A box turned by an angle: its sides cut the edges of the strip where lines meet."""
+    """The sides of a rotated box cut the edges of the strip at closed-form points."""
     long, wide, half = 0.4, 6.0, 0.3
     box = corners((long, 0.5, wide), (3.0, 0.25, 0.0), deg)
     one = hurdle_profile([box], np.zeros(2), 0.0, half)

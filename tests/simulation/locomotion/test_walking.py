@@ -33,8 +33,8 @@ def test_standing_feet_are_on_their_footholds(walk: Walk) -> None:
 def test_no_sole_is_below_the_ground(walk: Walk) -> None:
     ground, herd = walk.simulation.world.ground, walk.walkers.herd
     x, y, z = np.moveaxis(walk.tips, -1, 0)
-    chance = np.random.default_rng(0).normal(size=(40, 3))
-    ball = chance / np.linalg.norm(chance, axis=-1, keepdims=True)
+    rng = np.random.default_rng(0).normal(size=(40, 3))
+    ball = rng / np.linalg.norm(rng, axis=-1, keepdims=True)
     p = walk.tips[:, :, None] + herd.foot_radius[:, None, None] * ball
     above = p[..., 1] - ground.height(p[..., 0], p[..., 2])
     assert above.min() > -MILLIMETRE
@@ -82,7 +82,7 @@ def test_knees_never_flip(walk: Walk) -> None:
 
 
 def test_joint_speeds_are_bounded(walk: Walk) -> None:
-    """No joint goes faster than 20 radians a second, an insect's twitch."""
+    """The bound of 20 rad/s is the speed of an insect's twitch."""
     dt = walk.simulation.world.clock.dt
     assert np.abs(np.diff(np.array(walk.q), axis=0)).max() < 20.0 * dt
 
@@ -107,17 +107,17 @@ def test_contacts_are_at_foot_down_phases(walk: Walk) -> None:
     assert walk.take.contacts
     for contact in walk.take.contacts:
         leg = names.index(contact.part)
-        # Slopes slow a creature down; within a step its phase grows evenly.
+        # Slopes slow a creature; within a step its phase grows evenly.
         before, after = (walk.phases[contact.step + k][herd.owner[leg]] for k in (0, 1))
         off = before + contact.fraction * (after - before) - herd.down[leg]
         assert abs(off - round(off)) < 1e-9
 
 
 def test_every_footfall_sounds_once(walk: Walk) -> None:
-    """The poses alone say when a foot came to rest."""
+    """Touchdowns are found from the poses alone."""
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1) > 5e-6
     stopped = (moved[:-1] & ~moved[1:]).sum()
-    # Feet that come down within the last step have no row in which they rest.
+    # Feet that land within the last step have no row at rest.
     late = sum(c.step >= len(walk.tips) - 2 for c in walk.take.contacts)
     assert abs(len(walk.take.contacts) - late - stopped) <= 1
     loud = [event for event in walk.take.events if event.cause == "footfall"]
@@ -127,7 +127,7 @@ def test_every_footfall_sounds_once(walk: Walk) -> None:
 
 
 def test_belly_stays_near_or_above_the_ground(walk: Walk) -> None:
-    """Rough ground is felt through a blunted surface, so a corner of it may graze."""
+    """The body follows a smoothed ground, so a corner may graze it."""
     ground, figure = walk.simulation.world.ground, walk.walkers.herd.figures[0]
     recorder = walk.simulation.recorder
     tall = float(walk.walkers.herd.body_height[0])
@@ -165,7 +165,7 @@ def test_take_is_finite_and_rotations_are_unit_quaternions(walk: Walk) -> None:
 
 
 def test_links_keep_their_lengths(walk: Walk) -> None:
-    """A leg's links stay joined: each begins where the one before it ends."""
+    """Each link of a leg starts at the end of the one before."""
     figure, recorder = walk.walkers.herd.figures[0], walk.simulation.recorder
     links = figure.skeleton.links
     for limb in figure.skeleton.legs:

@@ -1,4 +1,4 @@
-"""Frames of people: nought at rest, proper in any pose, true to bones and hinges, continuous."""
+"""Body frames: identity at rest, rotations along bones and hinges, continuous in motion."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PEOPLE = pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "c
 X, Y, Z = np.eye(3)
 
 
-def bent(proportions: Proportions, limb: str, side: str, swing: Array, angle: float) -> Array:
+def bend_limb(proportions: Proportions, limb: str, side: str, swing: Array, angle: float) -> Array:
     """Return a person at rest but for one limb: swung whole, then bent at its hinge [rad]."""
     joints = proportions.rest()
     root, middle, tip = {"arm": ("shoulder", "elbow", "hand"), "leg": ("hip", "knee", "foot")}[limb]
@@ -48,18 +48,18 @@ def test_rest_frames_are_not_rotated(proportions: Proportions) -> None:
 
 @PEOPLE
 def test_frames_rotate_with_the_whole_body(proportions: Proportions) -> None:
-    chance = np.random.default_rng(3)
-    whole = rotation(normalized(chance.normal(size=(50, 3))), chance.uniform(0, 3, 50))
-    shift = chance.normal(size=(50, 1, 3))
+    rng = np.random.default_rng(3)
+    whole = rotation(normalized(rng.normal(size=(50, 3))), rng.uniform(0, 3, 50))
+    shift = rng.normal(size=(50, 1, 3))
     joints = np.einsum("nij,kj->nki", whole, proportions.rest()) + shift
     R, _ = frames_from_joints(joints, soles=np.repeat(whole[:, None, :, 1], 2, axis=1))
     np.testing.assert_allclose(R, np.broadcast_to(whole[:, None], R.shape), atol=1e-9)
 
 
 def test_frames_are_rotations_and_batches_match_single_poses() -> None:
-    chance = np.random.default_rng(1)
-    joints = ADULT.rest() + chance.normal(size=(400, 16, 3)) * 0.08
-    gaze = chance.normal(size=(400, 3))
+    rng = np.random.default_rng(1)
+    joints = ADULT.rest() + rng.normal(size=(400, 16, 3)) * 0.08
+    gaze = rng.normal(size=(400, 3))
     R, p = frames_from_joints(joints, gaze)
     np.testing.assert_allclose(R @ np.swapaxes(R, -1, -2), np.eye(3) + 0 * R, atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(R), 1.0, atol=1e-9)
@@ -73,24 +73,24 @@ def test_frames_are_rotations_and_batches_match_single_poses() -> None:
 @pytest.mark.parametrize("limb", ["arm", "leg"])
 def test_a_bent_limb_turns_about_its_hinge(limb: str, side: str) -> None:
     """Beyond 25° of bend the hinge alone tells the twist, wherever the limb points."""
-    chance = np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     names = ("upper_arm", "forearm") if limb == "arm" else ("thigh", "shin")
     upper, lower = (FRAMES.index(f"{name}_{side}") for name in names)
     way = 1.0 if limb == "arm" else -1.0
     for _ in range(60):
-        swing = rotation(normalized(chance.normal(size=3)), chance.uniform(0, 3.1))
-        angle = chance.uniform(np.radians(26), np.radians(140))
-        R, _ = frames_from_joints(bent(ADULT, limb, side, swing, angle))
+        swing = rotation(normalized(rng.normal(size=3)), rng.uniform(0, 3.1))
+        angle = rng.uniform(np.radians(26), np.radians(140))
+        R, _ = frames_from_joints(bend_limb(ADULT, limb, side, swing, angle))
         np.testing.assert_allclose(R[upper], swing, atol=1e-9)
         np.testing.assert_allclose(R[lower], swing @ rotation(Z, way * angle), atol=1e-9)
 
 
 @pytest.mark.parametrize("limb", ["arm", "leg"])
 def test_frames_lie_along_their_bones(limb: str) -> None:
-    chance = np.random.default_rng(4)
+    rng = np.random.default_rng(4)
     names = ("upper_arm_r", "forearm_r") if limb == "arm" else ("thigh_r", "shin_r")
     ends = ("shoulder_r", "elbow_r", "hand_r") if limb == "arm" else ("hip_r", "knee_r", "foot_r")
-    joints = ADULT.rest() + chance.normal(size=(300, 16, 3)) * 0.1
+    joints = ADULT.rest() + rng.normal(size=(300, 16, 3)) * 0.1
     R, _ = frames_from_joints(joints)
     places = joints[:, [JOINTS.index(end) for end in ends]]
     along = normalized(np.diff(places, axis=1))
@@ -107,16 +107,16 @@ def _fastest(joints: Array, gaze: Array | None = None) -> float:
 
 
 def test_limbs_turn_smoothly_from_straight_to_bent_and_overhead() -> None:
-    """An arm goes round in front from hanging to overhead, opening and closing its elbow."""
+    """An arm swings in front from hanging to overhead while its elbow opens and closes."""
     s = np.linspace(0.0, 1.0, 1001)
     rows = []
     for t in s:
         swing = rotation(Z, 3.0 * t) @ rotation(X, -1.2 * np.sin(np.pi * t))
-        rows.append(bent(ADULT, "arm", "r", swing, 1.2 * np.sin(4 * np.pi * t) ** 2))
+        rows.append(bend_limb(ADULT, "arm", "r", swing, 1.2 * np.sin(4 * np.pi * t) ** 2))
     # The joints turn by 1.2 · 4π / 1000 a row at most; the twist may follow at ten times that.
     assert _fastest(np.array(rows)) < 10 * 1.2 * 4 * np.pi / 1000
     rows = [
-        bent(ADULT, "leg", "l", rotation(Z, 0.9 * np.sin(t)), 0.5 * (1 - np.cos(2 * t)))
+        bend_limb(ADULT, "leg", "l", rotation(Z, 0.9 * np.sin(t)), 0.5 * (1 - np.cos(2 * t)))
         for t in 2 * np.pi * s
     ]
     assert _fastest(np.array(rows)) < 0.04
@@ -124,20 +124,20 @@ def test_limbs_turn_smoothly_from_straight_to_bent_and_overhead() -> None:
 
 def test_a_slightly_reversed_knee_does_not_flip() -> None:
     straight = np.linspace(-np.radians(5), np.radians(30), 500)
-    rows = np.array([bent(CHILD, "leg", "r", np.eye(3), angle) for angle in straight])
+    rows = np.array([bend_limb(CHILD, "leg", "r", np.eye(3), angle) for angle in straight])
     R, _ = frames_from_joints(rows)
     assert (R[:, FRAMES.index("thigh_r"), 2, 2] > 0.999).all()
 
 
 def test_heads_face_the_gaze_within_the_nod_limit() -> None:
-    chance = np.random.default_rng(5)
-    gaze = normalized(chance.normal(size=(200, 3)) * [1.0, 0.4, 1.0])
+    rng = np.random.default_rng(5)
+    gaze = normalized(rng.normal(size=(200, 3)) * [1.0, 0.4, 1.0])
     R, _ = frames_from_joints(np.broadcast_to(ADULT.rest(), (200, 16, 3)), gaze)
     face = R[:, FRAMES.index("head"), :, 0]
     near = np.abs(gaze[:, 1]) < np.sin(MAX_NOD)
     assert near.any()
     assert not near.all()
-    # What keeps a gaze along the neck from being undefined bends others by a thousandth.
+    # Regularisation of a gaze along the neck bends others by a thousandth.
     assert ((face * gaze).sum(axis=-1)[near] > np.cos(3e-3)).all()
     assert (np.abs(face[:, 1]) <= np.sin(MAX_NOD) + 1e-9).all()
     upward, _ = frames_from_joints(ADULT.rest(), Y)
@@ -147,12 +147,12 @@ def test_heads_face_the_gaze_within_the_nod_limit() -> None:
 def test_soles_lie_flat_within_the_ankle_limit() -> None:
     foot = FRAMES.index("foot_r")
     forward = rotation(Z, np.radians(20))
-    R, _ = frames_from_joints(bent(ADULT, "leg", "r", forward, 0.6))
+    R, _ = frames_from_joints(bend_limb(ADULT, "leg", "r", forward, 0.6))
     np.testing.assert_allclose(R[foot, :, 1], Y, atol=1e-9)
     slope = normalized(np.array([-0.3, 1.0, 0.0]))
     R, _ = frames_from_joints(ADULT.rest(), soles=np.stack([slope, slope]))
     np.testing.assert_allclose(R[foot, :, 1], slope, atol=1e-9)
-    # Who lies on the back has feet that hang on with the shins.
+    # Feet of a person lying on the back follow the shins.
     lying = ADULT.rest() @ rotation(Z, np.pi / 2).T
     R, _ = frames_from_joints(lying)
     shin = R[FRAMES.index("shin_r")]

@@ -1,4 +1,4 @@
-"""Flesh of people: closed, as heavy as they are, alike on both sides, and full where it bends."""
+"""Person meshes: closed, symmetric, of the body's volume, and full at bent joints."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from pipeline.simulation.take import Node
 from render.config import MATERIALS
 
 DENSITY = 985.0
-"""Of a human body [kg/m³]."""
+"""Density of a human body [kg/m³]."""
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -51,15 +51,15 @@ ALL = [
 EVERYONE = pytest.mark.parametrize(("proportions", "clothes"), ALL)
 
 
-def judge(layer: MaterialLayer) -> trimesh.Trimesh:
+def trimesh_of(layer: MaterialLayer) -> trimesh.Trimesh:
     mesh = layer.mesh
     return trimesh.Trimesh(mesh.vertices.astype(float), mesh.faces.astype(int), process=False)
 
 
-def posed(
+def posed_vertices(
     proportions: Proportions, layers: tuple[MaterialLayer, ...], joints: Array
 ) -> list[Array]:
-    """Return the vertices of all layers where a person's joints are."""
+    """Return the vertices of all layers in a pose of joints."""
     R, p = frames_from_joints(joints)
     origins = frame_origins(proportions)
     nodes = [Node(n, "", -1, tuple(o)) for n, o in zip(FRAMES, origins.tolist(), strict=True)]
@@ -92,7 +92,7 @@ def test_all_layers_are_closed_and_face_outward(proportions: Proportions, clothe
         edges = np.sort(layer.mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         _, counts = np.unique(edges, axis=0, return_counts=True)
         assert (counts == 2).all(), layer.name
-        solid = judge(layer)
+        solid = trimesh_of(layer)
         assert solid.is_winding_consistent
         assert all(piece > 0 for piece in _volumes(solid)), layer.name
         assert layer.material in MATERIALS
@@ -149,13 +149,15 @@ def test_vertices_in_the_middle_follow_no_side(proportions: Proportions, clothes
 @pytest.mark.slow
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
 def test_volumes_match_the_body_mass(proportions: Proportions) -> None:
-    """The space that flesh and clothes fill is the body's, to a tenth."""
+    """The volume of body and clothes is that of the body within a tenth."""
     layers = person_layers(proportions, Clothes(style="none"))
-    bodies = [judge(layer) for layer in layers if layer.name not in ("whites", "pupils", "hair")]
+    bodies = [
+        trimesh_of(layer) for layer in layers if layer.name not in ("whites", "pupils", "hair")
+    ]
     low = np.min([b.bounds[0] for b in bodies], axis=0)
     high = np.max([b.bounds[1] for b in bodies], axis=0)
-    chance = np.random.default_rng(6)
-    points = low + (high - low) * chance.random((2200, 3))
+    rng = np.random.default_rng(6)
+    points = low + (high - low) * rng.random((2200, 3))
     inside = np.zeros(len(points), bool)
     for body in bodies:
         inside |= _winding(body, points) > 0.5
@@ -186,9 +188,12 @@ def _winding(body: trimesh.Trimesh, points: Array) -> Array:
 def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
     for build in get_args(Stature):
         layers = {layer.name: layer for layer in person_layers(proportions, Clothes(build=build))}
-        shirt, trousers = judge(layers["shirt"]), layers["trousers"].mesh.vertices.astype(float)
+        shirt, trousers = (
+            trimesh_of(layers["shirt"]),
+            layers["trousers"].mesh.vertices.astype(float),
+        )
         hem = shirt.vertices[:, 1].min()
-        # Below it they come out, and at its edge it turns inward.
+        # Trousers emerge below the shirt, whose hem turns inward.
         covered = trousers[trousers[:, 1] > hem + 0.02 * proportions.height]
         assert len(covered) > 50
         assert (_winding(shirt, covered) > 0.5).all()
@@ -226,7 +231,7 @@ def test_clothes_depend_on_the_name_alone() -> None:
 def test_a_limb_bent_by_140_degrees_keeps_its_girth(
     layer: str, joints: tuple[str, str, str], way: float, most: float
 ) -> None:
-    """Behind the hinge the surface stays as far from it as it was, and no vertex falls in."""
+    """Behind the hinge the surface keeps its distance, and no vertex is inside."""
     clothes = Clothes(short_sleeves=layer == "skin")
     layers = person_layers(ADULT, clothes)
     number = next(k for k, one in enumerate(layers) if one.name == layer)
@@ -235,10 +240,10 @@ def test_a_limb_bent_by_140_degrees_keeps_its_girth(
     _, hinge, tip = (JOINTS.index(f"{name}_r") for name in joints)
     turn = rotation(Z, way * np.radians(140))
     bent[tip] = rest[hinge] + turn @ (rest[tip] - rest[hinge])
-    before = posed(ADULT, layers, rest)[number]
-    after = posed(ADULT, layers, bent)[number]
+    before = posed_vertices(ADULT, layers, rest)[number]
+    after = posed_vertices(ADULT, layers, bent)[number]
     near = (np.abs(before[:, 1] - rest[hinge, 1]) < 0.05) & (before[:, 2] > 0.02)
-    # Of the arm alone: the palm and the other leg are elsewhere.
+    # The arm alone, without palm and other limbs.
     assert near.sum() > 20
     radius = np.linalg.norm((before - rest[hinge])[near][:, :2], axis=-1)
     now = np.linalg.norm((after - rest[hinge])[near][:, :2], axis=-1)

@@ -15,10 +15,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.event_detection import sound_sources
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation, simulate
-from pipeline.simulation.sound_detection.active_intervals import (
-    ActiveInterval,
-    IntervalTracker,
-)
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval, IntervalTracker
 from pipeline.simulation.sound_detection.contact_sounds import CONTACT_CAUSES
 from pipeline.simulation.sound_detection.motion_sounds import MOTION_CAUSES, MotionSounds
 from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts
@@ -226,7 +223,7 @@ def test_a_prop_swooshes_while_its_speed_exceeds_the_threshold() -> None:
 @pytest.mark.parametrize(
     ("end", "size", "causes"),
     [
-        # 10 m/s: quick for a ball, slow for what is 2 m long.
+        # 10 m/s is fast for a ball and slow for a body 2 m long.
         (5, "[0.3, 0.3, 0.3]", ["swoosh"]),
         (5, "[2, 0.3, 0.3]", []),
         # 5 m/s is quick for nothing.

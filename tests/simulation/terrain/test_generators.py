@@ -1,4 +1,4 @@
-"""Every kind of terrain is as its words say: treads, slopes, depths, tops, shares."""
+"""Terrain generators: treads, slopes, depths, tops and shares as configured."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ SEEDED = ("fractal", "hills", "boulders", "ditches", "stones")
 GRIDS = [kind for kind in KINDS if issubclass(kind, GridTerrain) and kind is not SumTerrain]
 
 
-def terrain(words: Any) -> TerrainConfig:
-    return TypeAdapter(Terrain).validate_python(words)
+def terrain(config: Any) -> TerrainConfig:
+    return TypeAdapter(Terrain).validate_python(config)
 
 
 def test_every_model_has_a_generator_and_every_preset_a_model() -> None:
@@ -43,23 +43,23 @@ def test_every_model_has_a_generator_and_every_preset_a_model() -> None:
     assert len(kinds) == len(KINDS)
     for name in TERRAIN_PRESETS:
         assert np.isfinite(build_ground(terrain(name), 1).field.heights).all()
-    # What can be had without a file is there by its bare name.
+    # Every kind without a file has a preset of its name.
     assert kinds - {"image", "mesh", "sum"} <= TERRAIN_PRESETS.keys()
 
 
 @pytest.mark.parametrize("kind", GRIDS, ids=lambda kind: kind.__name__)
-def test_a_seed_changes_what_is_seeded_and_nothing_else(kind: type[GridTerrain]) -> None:
-    words = kind()
-    heights = build_ground(words, 4).field.heights
-    assert heights.shape == (words.cells[1] + 1, words.cells[0] + 1)
-    assert (build_ground(words, 4).field.heights == heights).all()
-    differs = bool((build_ground(words, 5).field.heights != heights).any())
-    assert differs == (words.kind in SEEDED)
+def test_a_seed_changes_random_terrains_only(kind: type[GridTerrain]) -> None:
+    config = kind()
+    heights = build_ground(config, 4).field.heights
+    assert heights.shape == (config.cells[1] + 1, config.cells[0] + 1)
+    assert (build_ground(config, 4).field.heights == heights).all()
+    differs = bool((build_ground(config, 5).field.heights != heights).any())
+    assert differs == (config.kind in SEEDED)
 
 
-def test_treads_of_stairs_are_level_and_as_high_as_asked() -> None:
-    words = StairsTerrain(start=1, steps=8, step_height=0.12, step_depth=0.4, landing=1.5)
-    ground = build_ground(words, 1)
+def test_treads_of_stairs_are_level_and_have_the_step_height() -> None:
+    config = StairsTerrain(start=1, steps=8, step_height=0.12, step_depth=0.4, landing=1.5)
+    ground = build_ground(config, 1)
     # Every vertex of a tread, up to the one before the next riser: cells of 0.05 m.
     run = np.arange(8)[:, None] * 0.05
     for k in range(1, 8):
@@ -73,7 +73,7 @@ def test_treads_of_stairs_are_level_and_as_high_as_asked() -> None:
     assert not ground.height(np.linspace(-15, 0.9, 50), np.zeros(50)).any()
 
 
-def test_treads_are_footholds_and_risers_and_their_feet_are_not() -> None:
+def test_treads_are_steppable_and_risers_are_not() -> None:
     ground = build_ground(StairsTerrain(), 1)
     # Riser k stands in the cell before its tread; 0.08 m and a cell below it is forbidden.
     risers = 1 + 0.4 * np.arange(8) - 0.025
@@ -86,9 +86,9 @@ def test_treads_are_footholds_and_risers_and_their_feet_are_not() -> None:
 
 
 @pytest.mark.parametrize(("course", "sign"), [("up", 1), ("down", -1)])
-def test_a_flight_leads_up_or_down_for_good(course: str, sign: int) -> None:
-    words = StairsTerrain(course=course, steps=5, step_height=0.2)
-    heights = build_ground(words, 1).field.heights
+def test_one_way_stairs_stay_at_their_last_height(course: str, sign: int) -> None:
+    config = StairsTerrain(course=course, steps=5, step_height=0.2)
+    heights = build_ground(config, 1).field.heights
     assert (np.diff(sign * heights, axis=1) >= 0).all()
     assert heights[:, -1] == pytest.approx(sign * 1.0)
     assert not heights[:, 0].any()
@@ -96,8 +96,8 @@ def test_a_flight_leads_up_or_down_for_good(course: str, sign: int) -> None:
 
 @pytest.mark.parametrize("course", ["up", "down", "up and down"])
 def test_a_ramp_has_its_slope(course: str) -> None:
-    words = RampTerrain(course=course, slope_deg=24, height=1.3, start=-2, level=1)
-    field = build_ground(words, 1).field
+    config = RampTerrain(course=course, slope_deg=24, height=1.3, start=-2, level=1)
+    field = build_ground(config, 1).field
     run = 1.3 / math.tan(math.radians(24))
     sign = -1 if course == "down" else 1
     x = np.linspace(-2 + 0.05, -2 + run - 0.05, 40)
@@ -112,15 +112,15 @@ def test_a_ramp_has_its_slope(course: str) -> None:
     )
 
 
-def test_a_ramp_is_forbidden_from_the_unsteppable_slope_on() -> None:
+def test_a_ramp_steeper_than_the_unsteppable_slope_is_forbidden() -> None:
     for slope, forbidden in ((39.9, False), (40.1, True)):
         ground = build_ground(RampTerrain(slope_deg=slope), 1)
         assert bool(ground.forbidden.any()) is forbidden
 
 
-def test_ditches_without_variation_are_all_alike() -> None:
-    words = DitchesTerrain(width=0.5, depth=0.7, spacing=2, variation=0, start=0)
-    ground = build_ground(words, 1)
+def test_ditches_without_variation_are_equal() -> None:
+    config = DitchesTerrain(width=0.5, depth=0.7, spacing=2, variation=0, start=0)
+    ground = build_ground(config, 1)
     middles = np.arange(1, 15, 2.0)
     floor = middles[:, None] + np.linspace(-0.2, 0.2, 9)
     assert np.abs(ground.height(floor, floor) + 0.7).max() < 1e-12
@@ -129,9 +129,9 @@ def test_ditches_without_variation_are_all_alike() -> None:
     assert not ground.field.heights[:, :300].any()
 
 
-def test_walls_of_a_ditch_are_forbidden_and_so_is_their_foot() -> None:
-    words = DitchesTerrain(width=1, depth=0.7, spacing=3, variation=0, start=0, foot_radius=0.15)
-    ground = build_ground(words, 1)
+def test_walls_of_a_ditch_and_the_floor_beside_them_are_forbidden() -> None:
+    config = DitchesTerrain(width=1, depth=0.7, spacing=3, variation=0, start=0, foot_radius=0.15)
+    ground = build_ground(config, 1)
     for side in (-1, 1):
         # The wall takes the cell outside of the edge, at 0.5 m from the middle at 1.5 m.
         wall = 1.5 + side * np.linspace(0.5, 0.55, 5)[1:-1]
@@ -149,14 +149,14 @@ def test_walls_of_a_ditch_are_forbidden_and_so_is_their_foot() -> None:
 def test_ditches_vary_within_their_bounds(
     variation: float, width: float, between: float, start: float, seed: int
 ) -> None:
-    words = DitchesTerrain(
+    config = DitchesTerrain(
         width=width, spacing=width + between, variation=variation, start=start, depth=0.5
     )
-    row = build_ground(words, seed).field.heights[0]
+    row = build_ground(config, seed).field.heights[0]
     deep = row < 0
     edges = np.flatnonzero(np.diff(deep.astype(int)))
     assert not deep[0]
-    expected = math.floor((15 - start) / words.spacing + 1e-9)
+    expected = math.floor((15 - start) / config.spacing + 1e-9)
     assert len(edges) // 2 == expected
     for low, high in zip(edges[::2], edges[1::2], strict=False):
         floor = row[low + 1 : high + 1]
@@ -169,28 +169,28 @@ def test_ditches_vary_within_their_bounds(
 
 @given(st.floats(0, 1), st.integers(0, 999))
 def test_stones_keep_half_their_gap(jitter: float, seed: int) -> None:
-    words = StonesTerrain(jitter=jitter)
-    stand = stone_layout(words, generator(seed, "terrain"))
+    config = StonesTerrain(jitter=jitter)
+    stand = stone_layout(config, generator(seed, "terrain"))
     xz = np.stack([stand.x, stand.z], axis=-1).reshape(-1, 2)
     apart = np.linalg.norm(xz[:, None] - xz, axis=-1) + 99.0 * np.eye(len(xz))
-    free = apart.min() - words.diameter
-    assert free >= words.gap * (1 - jitter / 2) - 1e-9
-    assert (stand.x.min() - stand.pit[0]) - words.diameter / 2 >= words.gap * (
+    free = apart.min() - config.diameter
+    assert free >= config.gap * (1 - jitter / 2) - 1e-9
+    assert (stand.x.min() - stand.pit[0]) - config.diameter / 2 >= config.gap * (
         1 - jitter / 4
     ) - 1e-9
-    assert np.abs(stand.tops).max() <= words.height_variation / 2
+    assert np.abs(stand.tops).max() <= config.height_variation / 2
     if jitter == 0:
-        assert free == pytest.approx(words.gap)
+        assert free == pytest.approx(config.gap)
 
 
 def test_tops_of_stones_are_level_and_the_pit_is_deep() -> None:
-    words = StonesTerrain(jitter=1, diameter=0.6, gap=0.3, depth=0.9, height_variation=0.2)
-    ground = build_ground(words, 7)
-    stand = stone_layout(words, generator(7, "terrain"))
+    config = StonesTerrain(jitter=1, diameter=0.6, gap=0.3, depth=0.9, height_variation=0.2)
+    ground = build_ground(config, 7)
+    stand = stone_layout(config, generator(7, "terrain"))
     whole = (np.abs(stand.z) < 5.5).ravel()
     x, z, tops = stand.x.ravel()[whole], stand.z.ravel()[whole], stand.tops.ravel()[whole]
     assert len(x) > 20
-    # Cells that reach over the rim are walls: what lies a cell's diagonal within is level.
+    # Cells across the rim are walls; the top is level from a cell's diagonal inward.
     diagonal = math.hypot(0.04, 0.04)
     inner = 0.3 - diagonal
     for angle in np.linspace(0, 6, 13):
@@ -209,8 +209,8 @@ def test_tops_of_stones_are_level_and_the_pit_is_deep() -> None:
 
 
 def test_boulders_cover_their_share_and_leave_the_clearing() -> None:
-    words = BouldersTerrain(cover=0.3, height=0, buried=0.5, clearing=2)
-    field = build_ground(words, 3).field
+    config = BouldersTerrain(cover=0.3, height=0, buried=0.5, clearing=2)
+    field = build_ground(config, 3).field
     x, _, z = field.vertices.T
     stands = field.heights.ravel() > 0
     outside = np.hypot(x, z) > 3.5
@@ -221,13 +221,13 @@ def test_boulders_cover_their_share_and_leave_the_clearing() -> None:
 
 
 def test_a_boulder_is_an_ellipsoid() -> None:
-    words = BouldersTerrain(
+    config = BouldersTerrain(
         size=(8, 8), cells=(400, 400), cover=0.01, height=0, buried=0.25, diameters=(1, 1),
         clearing=0,
     )  # fmt: skip
-    heap = scattered_boulders(words, generator(5, "terrain").spawn(2)[1])
+    heap = scattered_boulders(config, generator(5, "terrain").spawn(2)[1])
     assert len(heap.xz) == 1
-    field = build_ground(words, 5).field
+    field = build_ground(config, 5).field
     (centre,), (axes,), ((c, s),) = heap.xz, heap.axes, heap.turn
     assert (np.abs(centre) < 4 - axes[0]).all()
     # A quarter of it is in the ground, so its middle is half its third axis up.
@@ -241,26 +241,26 @@ def test_a_boulder_is_an_ellipsoid() -> None:
 
 
 def test_a_sum_adds_its_terms_on_its_own_grid() -> None:
-    words = terrain(
+    config = terrain(
         {"kind": "sum", "size": (12, 8), "cells": (240, 80), "of": ("stairs", {"kind": "ramp"})}
     )
     parts = [StairsTerrain, RampTerrain]
     heights = [build_ground(p(size=(12, 8), cells=(240, 80)), 1).field.heights for p in parts]
-    assert build_ground(words, 1).field.heights == pytest.approx(heights[0] + heights[1])
+    assert build_ground(config, 1).field.heights == pytest.approx(heights[0] + heights[1])
 
 
-def test_two_equal_terms_of_a_sum_draw_from_seeds_of_their_own() -> None:
+def test_equal_terms_of_a_sum_have_different_seeds() -> None:
     one = {"preset": "rocks", "height": 1}
     twice = build_ground(terrain({"kind": "sum", "of": (one, one)}), 1).field.heights
     once = build_ground(terrain({"kind": "sum", "of": (one,)}), 1).field.heights
     assert np.abs(twice - 2 * once).max() > 0.1
-    # A term more leaves the others as they are.
+    # Another term does not change the others.
     assert np.ptp(twice - once) == pytest.approx(1.0)
 
 
 SIDE = st.floats(0.5, 60)
 COUNT = st.integers(2, 40)
-WORDS: dict[str, Any] = {
+VALUES: dict[str, Any] = {
     "course": st.sampled_from(["up", "down", "up and down"]),
     "start": st.floats(-40, 40),
     "steps": st.integers(1, 50),
@@ -275,22 +275,22 @@ WORDS: dict[str, Any] = {
 }
 
 
-def test_hills_far_wider_than_their_ground_leave_it_flat() -> None:
+def test_hills_much_wider_than_the_ground_have_full_height_or_none() -> None:
     for spacing in np.arange(5.0, 20.0, 0.25):
-        words = {"size": (0.5, 0.5), "cells": (9, 10), "spacing": float(spacing), "height": 1.0}
-        heights = build_ground(HillsTerrain.model_validate(words), 2).field.heights
+        config = {"size": (0.5, 0.5), "cells": (9, 10), "spacing": float(spacing), "height": 1.0}
+        heights = build_ground(HillsTerrain.model_validate(config), 2).field.heights
         assert np.ptp(heights) in (0.0, pytest.approx(1.0))
 
 
 @pytest.mark.parametrize("kind", GRIDS, ids=lambda kind: kind.__name__)
 @given(data=st.data())
-def test_any_words_make_a_finite_ground_or_are_refused(kind: type[GridTerrain], data: Any) -> None:
-    words: dict[str, Any] = {"size": data.draw(st.tuples(SIDE, SIDE))}
-    words["cells"] = data.draw(st.tuples(COUNT, COUNT))
+def test_any_config_gives_a_finite_ground_or_is_refused(kind: type[GridTerrain], data: Any) -> None:
+    config: dict[str, Any] = {"size": data.draw(st.tuples(SIDE, SIDE))}
+    config["cells"] = data.draw(st.tuples(COUNT, COUNT))
     for name in kind.model_fields.keys() - GridTerrain.model_fields.keys() - {"kind"}:
-        words[name] = data.draw(WORDS.get(name, st.floats(0.01, 20)), label=name)
+        config[name] = data.draw(VALUES.get(name, st.floats(0.01, 20)), label=name)
     try:
-        made = kind(**words)
+        made = kind(**config)
     except ValidationError:
         # Features finer than the grid, as others say in detail.
         return

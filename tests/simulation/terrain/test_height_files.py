@@ -1,4 +1,4 @@
-"""Terrains from files: heights are those in the file, and a file that is none is refused."""
+"""Terrains from files: their heights are those of the file, and invalid files are refused."""
 
 from __future__ import annotations
 
@@ -19,77 +19,72 @@ from pipeline.errors import SceneError
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.terrain.height_files import (
-    MeshError,
-    grid_of,
-    obj_vertices,
-    ply_vertices,
-)
+from pipeline.simulation.terrain.height_files import MeshError, grid_of, obj_vertices, ply_vertices
 from pipeline.spec import load_scene, simulation_key
 
-SCENE = "pronk: 1\nduration: 1\nterrain: {words}\ncast: [{{prop: {{shape: ball}}}}]\n"
+SCENE = "pronk: 1\nduration: 1\nterrain: {config}\ncast: [{{prop: {{shape: ball}}}}]\n"
 COLUMN = len("terrain: {kind: image, file: ") + 1
 
 
-def world(folder: Path, words: str) -> Ground:
+def build_ground_of(folder: Path, config: str) -> Ground:
     path = folder / "scene.yaml"
-    path.write_text(SCENE.format(words=words), encoding="utf-8")
+    path.write_text(SCENE.format(config=config), encoding="utf-8")
     return Simulation(load_scene(path)).world.ground
 
 
-def refusal(folder: Path, words: str) -> str:
+def refusal_message(folder: Path, config: str) -> str:
     with pytest.raises(SceneError) as caught:
-        world(folder, words)
+        build_ground_of(folder, config)
     (problem,) = caught.value.problems
     assert problem.path == "terrain.file"
     assert (problem.file, problem.line) == (str(folder / "scene.yaml"), 3)
-    assert problem.column == len("terrain: " + words.partition("file: ")[0] + "file: ") + 1
+    assert problem.column == len("terrain: " + config.partition("file: ")[0] + "file: ") + 1
     return problem.message
 
 
-def gentle(rows: int, columns: int) -> Array:
+def smooth_heights(rows: int, columns: int) -> Array:
     x, z = np.meshgrid(np.linspace(0, 2, columns), np.linspace(0, 3, rows))
     return 0.5 + 0.4 * np.sin(x) * np.cos(z)
 
 
 @pytest.mark.parametrize(("bits", "most"), [(8, 255), (16, 65535)])
-def test_heights_of_a_picture_are_its_pixels(tmp_path: Path, bits: int, most: int) -> None:
-    pixels = np.rint(gentle(31, 41) * most).astype(np.uint8 if bits == 8 else np.uint16)
+def test_heights_of_an_image_are_its_pixels(tmp_path: Path, bits: int, most: int) -> None:
+    pixels = np.rint(smooth_heights(31, 41) * most).astype(np.uint8 if bits == 8 else np.uint16)
     Image.fromarray(pixels).save(tmp_path / "land.png")
-    field = world(
+    field = build_ground_of(
         tmp_path, "{kind: image, file: land.png, size: [20, 15], low: -1, high: 1.5}"
     ).field
     assert field.cells == (40, 30)
     assert field.heights == pytest.approx(-1 + 2.5 * pixels / most, abs=1e-12)
-    # Seen from above the picture lies as it is: its first row at the lowest z.
+    # Seen from above the image is upright: its first row is at the lowest z.
     corner = field.height(np.array(-10.0), np.array(-7.5))
     assert float(corner) == pytest.approx(-1 + 2.5 * pixels[0, 0] / most)
 
 
-def test_a_picture_may_be_sampled_on_another_grid(tmp_path: Path) -> None:
+def test_an_image_may_be_sampled_on_another_grid(tmp_path: Path) -> None:
     pixels = np.tile(np.arange(0, 250, 10, dtype=np.uint8), (9, 1))
     Image.fromarray(pixels).save(tmp_path / "slope.png")
-    words = "{kind: image, file: slope.png, size: [24, 8], cells: [7, 5], low: 0, high: 2.55}"
-    field = world(tmp_path, words).field
+    config = "{kind: image, file: slope.png, size: [24, 8], cells: [7, 5], low: 0, high: 2.55}"
+    field = build_ground_of(tmp_path, config).field
     x = np.linspace(0, 24, 8)
     assert field.heights == pytest.approx(np.tile(0.1 * x, (6, 1)))
 
 
-def test_files_are_named_from_the_folder_of_the_scene_and_in_sums(
+def test_files_are_relative_to_the_scene_also_in_sums(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "maps").mkdir()
     Image.fromarray(np.full((4, 4), 51, np.uint8)).save(tmp_path / "maps/land.png")
     monkeypatch.chdir("/")
-    words = "{kind: sum, cells: [8, 6], of: [flat, {kind: image, file: maps/land.png, high: 1}]}"
-    assert world(tmp_path, words).field.heights == pytest.approx(np.full((7, 9), 0.2))
+    config = "{kind: sum, cells: [8, 6], of: [flat, {kind: image, file: maps/land.png, high: 1}]}"
+    assert build_ground_of(tmp_path, config).field.heights == pytest.approx(np.full((7, 9), 0.2))
 
 
-def test_the_key_of_a_take_knows_what_the_file_holds(tmp_path: Path) -> None:
+def test_the_simulation_key_depends_on_the_content_of_the_file(tmp_path: Path) -> None:
     def key(value: int, name: str = "land.png", more: str = "") -> str:
         Image.fromarray(np.full((4, 4), value, np.uint8)).save(tmp_path / name)
         path = tmp_path / "scene.yaml"
-        path.write_text(SCENE.format(words=f"{{kind: image, file: {name}{more}}}"), "utf-8")
+        path.write_text(SCENE.format(config=f"{{kind: image, file: {name}{more}}}"), "utf-8")
         return simulation_key(load_scene(path))
 
     assert key(1) == key(1) == key(1, "other.png")
@@ -104,14 +99,14 @@ def png(kind: str, size: tuple[int, int] = (5, 5)) -> bytes:
 
 
 def with_size(width: int, height: int) -> bytes:
-    """Return a picture whose header says a size that its data have not."""
+    """Return a PNG whose header has another size than its data."""
     whole = png("L")
     header = struct.pack(">II", width, height) + whole[24:29]
     return whole[:16] + header + struct.pack(">I", zlib.crc32(b"IHDR" + header)) + whole[33:]
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (b"no picture at all", "'a.png' is no PNG picture"),
         (b"", "'a.png' is no PNG picture"),
@@ -125,20 +120,18 @@ def with_size(width: int, height: int) -> bytes:
     ],
     ids=range(9),
 )
-def test_what_is_no_picture_of_heights_is_refused(
-    tmp_path: Path, content: bytes, told: str
-) -> None:
+def test_unusable_images_are_refused(tmp_path: Path, content: bytes, message: str) -> None:
     (tmp_path / "a.png").write_bytes(content)
-    assert refusal(tmp_path, "{kind: image, file: a.png}").startswith(told)
+    assert refusal_message(tmp_path, "{kind: image, file: a.png}").startswith(message)
 
 
-def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    told = refusal(tmp_path, "{kind: image, file: b.png}")
-    assert told == f"'b.png' does not exist in {tmp_path}"
-    assert refusal(tmp_path, "{kind: mesh, file: .}").endswith("is a folder, not a file")
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    message = refusal_message(tmp_path, "{kind: image, file: b.png}")
+    assert message == f"'b.png' does not exist in {tmp_path}"
+    assert refusal_message(tmp_path, "{kind: mesh, file: .}").endswith("is a folder, not a file")
 
 
-GRID = gentle(5, 7)
+GRID = smooth_heights(5, 7)
 
 
 def grid_mesh(heights: Array = GRID, origin: tuple[float, float] = (-2, 1)) -> trimesh.Trimesh:
@@ -168,25 +161,25 @@ def shuffled(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
         ("a.PLY", lambda mesh: mesh.export(file_type="ply", encoding="binary")),
     ],
 )
-def test_a_mesh_that_is_a_grid_stands_at_its_own_places(
+def test_a_grid_mesh_keeps_its_coordinates(
     tmp_path: Path, name: str, write: Callable[[trimesh.Trimesh], bytes]
 ) -> None:
     mesh = shuffled(grid_mesh())
     (tmp_path / name).write_bytes(write(mesh))
-    field = world(tmp_path, f"{{kind: mesh, file: {name}, at: [10, 20]}}").field
+    field = build_ground_of(tmp_path, f"{{kind: mesh, file: {name}, at: [10, 20]}}").field
     assert field.cells == (6, 4)
     assert field.size == pytest.approx((2.4, 2.0), abs=1e-6)
     x, y, z = mesh.vertices.T
     assert field.height(x + 10, z + 20) == pytest.approx(y, abs=1e-6)
 
 
-def test_a_mesh_may_have_z_up_and_another_unit_and_be_turned(tmp_path: Path) -> None:
+def test_a_mesh_may_have_z_up_a_scale_and_a_heading(tmp_path: Path) -> None:
     mesh = grid_mesh()
     x, y, z = mesh.vertices.T
     raised = trimesh.Trimesh(np.stack([x, -z, y], 1) * 100, mesh.faces, process=False)
     (tmp_path / "a.obj").write_text(raised.export(file_type="obj"))
-    words = "{kind: mesh, file: a.obj, up: z, scale: 0.01, heading_deg: 90}"
-    field = world(tmp_path, words).field
+    config = "{kind: mesh, file: a.obj, up: z, scale: 0.01, heading_deg: 90}"
+    field = build_ground_of(tmp_path, config).field
     # A quarter turn about +Y takes x to -z and z to x.
     assert field.height(z, -x) == pytest.approx(y, abs=1e-6)
 
@@ -213,7 +206,7 @@ NO_GRID = "'a.obj' is no regular grid in x and z: "
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "told"),
+    ("name", "content", "message"),
     [
         ("a.obj", bent(uneven), NO_GRID + "its values of x are not evenly spaced"),
         ("a.obj", bent(off_its_line), NO_GRID + "its values of x are not evenly spaced"),
@@ -260,18 +253,18 @@ NO_GRID = "'a.obj' is no regular grid in x and z: "
     ],
     ids=range(14),
 )
-def test_what_is_no_grid_is_refused_with_the_reason(
-    tmp_path: Path, name: str, content: bytes, told: str
+def test_meshes_that_are_no_grid_are_refused_with_the_reason(
+    tmp_path: Path, name: str, content: bytes, message: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
-    assert refusal(tmp_path, f"{{kind: mesh, file: {name}}}") == told
+    assert refusal_message(tmp_path, f"{{kind: mesh, file: {name}}}") == message
 
 
 @given(
     st.binary(max_size=300)
     | st.text("ply\nformat ascii 1.0elemntvrxpyz end_hadif ").map(str.encode)
 )
-def test_no_bytes_are_read_with_a_traceback(content: bytes) -> None:
+def test_any_bytes_are_read_or_refused(content: bytes) -> None:
     for read in (obj_vertices, ply_vertices):
         for start in (
             b"",

@@ -1,4 +1,4 @@
-"""The surface that is drawn is the one that is stood on; forbidden zones are where they are."""
+"""Height fields: the rendered surface is the walked one; forbidden zones cover steep ground."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def _rough(seed: int = 2, polygons: Polygons = "triangles") -> HeightField:
 
 
 def _points(field: HeightField, n: int, seed: int = 0) -> tuple[Array, Array]:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     half_x, half_z = field.size[0] / 2, field.size[1] / 2
-    return chance.uniform(-half_x, half_x, n), chance.uniform(-half_z, half_z, n)
+    return rng.uniform(-half_x, half_x, n), rng.uniform(-half_z, half_z, n)
 
 
 def _barycentric(field: HeightField, x: float, z: float) -> tuple[float, int]:
@@ -52,7 +52,7 @@ def _area(a: Array, b: Array, c: Array) -> Array:
     return u[..., 0] * v[..., 2] - u[..., 2] * v[..., 0]
 
 
-def test_every_word_for_polygons_has_its_surface() -> None:
+def test_every_polygon_kind_has_a_surface() -> None:
     assert set(ALL) == set(SURFACES)
 
 
@@ -73,8 +73,8 @@ def test_the_middle_of_a_quadrilateral_is_as_high_as_its_corners_on_average() ->
         assert middles[i, j] == pytest.approx(mean, abs=1e-14)
 
 
-def test_quadrilaterals_favour_no_diagonal() -> None:
-    """What is mirrored, or turned over a diagonal, spans the same surface mirrored."""
+def test_quadrilaterals_are_symmetric_in_their_diagonals() -> None:
+    """The surface of mirrored or transposed heights is the mirrored or transposed surface."""
     field = _rough(polygons="quads")
     x, z = _points(field, 2000)
     mirrored = QuadField(field.heights[:, ::-1], field.size)
@@ -96,7 +96,7 @@ def test_the_surface_is_continuous(polygons: Polygons) -> None:
 
 
 @of_all
-def test_what_is_drawn_is_what_is_stood_on(polygons: Polygons) -> None:
+def test_heights_are_those_of_the_mesh(polygons: Polygons) -> None:
     field = _rough(polygons=polygons)
     x, z = _points(field, 300)
     drawn = [_barycentric(field, *p)[0] for p in zip(x, z, strict=True)]
@@ -104,7 +104,7 @@ def test_what_is_drawn_is_what_is_stood_on(polygons: Polygons) -> None:
 
 
 @of_all
-def test_normals_are_those_of_the_triangles_and_point_up(polygons: Polygons) -> None:
+def test_normals_match_the_triangles_and_point_up(polygons: Polygons) -> None:
     field = _rough(polygons=polygons)
     x, z = _points(field, 100)
     n = field.normal(x, z)
@@ -146,7 +146,7 @@ def test_a_plane_is_exact_anywhere(a: float, b: float, x: float, z: float) -> No
         assert not forbidden_cells(field, math.atan(math.hypot(a, b)) + 1e-6, 0.5).any()
 
 
-def test_outside_the_grid_the_edge_goes_on_and_nothing_is_steppable() -> None:
+def test_outside_the_grid_the_edge_continues_and_nothing_is_steppable() -> None:
     ground = build_ground(FlatTerrain(size=(6.0, 4.0)), 1)
     field = _rough()
     assert field.height(np.array(99.0), np.array(0.1)) == field.height(np.array(3.0), np.array(0.1))
@@ -155,13 +155,13 @@ def test_outside_the_grid_the_edge_goes_on_and_nothing_is_steppable() -> None:
 
 
 @of_all
-def test_a_wall_is_forbidden_and_so_is_what_lies_under_it(polygons: Polygons) -> None:
+def test_a_wall_and_the_ground_below_it_are_forbidden(polygons: Polygons) -> None:
     """A step of 1 m between columns 4 and 5, the low side to the left; cells of 0.1 m."""
     heights = np.zeros((11, 11))
     heights[:, 5:] = 1.0
     field = SURFACES[polygons](heights, (1.0, 1.0))
     zones = forbidden_cells(field, math.radians(40), 0.15)
-    # The wall's own cells, one radius downhill of them to the safe side, none uphill.
+    # The cells of the wall and one radius downhill, rounded up; none uphill.
     assert zones.all(axis=0).tolist() == [False] * 2 + [True] * 3 + [False] * 5
     assert (zones.any(axis=0) == zones.all(axis=0)).all()
     bare = forbidden_cells(field, math.radians(40), 0.0)
@@ -206,7 +206,7 @@ def test_downhill_of_a_wall_is_forbidden_for_any_pair_of_points(
 
 
 @of_all
-def test_zones_are_not_everywhere(polygons: Polygons) -> None:
+def test_forbidden_zones_end_near_steep_ground(polygons: Polygons) -> None:
     """The safe side costs at most two cells beyond the radius."""
     field = _rough(polygons=polygons)
     radius, limit = 0.2, math.radians(50)
@@ -222,17 +222,17 @@ def test_zones_are_not_everywhere(polygons: Polygons) -> None:
 
 
 @pytest.mark.parametrize(
-    "words", [ROUGH, HillsTerrain(size=(20.0, 10.0), cells=(80, 40), height=0.7, spacing=3)]
+    "config", [ROUGH, HillsTerrain(size=(20.0, 10.0), cells=(80, 40), height=0.7, spacing=3)]
 )
-def test_ground_is_as_high_as_asked_and_its_seed_decides(
-    words: FractalTerrain | HillsTerrain,
+def test_random_ground_has_its_configured_height_and_depends_on_the_seed(
+    config: FractalTerrain | HillsTerrain,
 ) -> None:
-    heights = build_ground(words, 4).field.heights
-    assert heights.shape == (words.cells[1] + 1, words.cells[0] + 1)
-    assert np.ptp(heights) == pytest.approx(words.height)
+    heights = build_ground(config, 4).field.heights
+    assert heights.shape == (config.cells[1] + 1, config.cells[0] + 1)
+    assert np.ptp(heights) == pytest.approx(config.height)
     assert abs(heights.mean()) < 1e-12
-    assert (build_ground(words, 4).field.heights == heights).all()
-    assert (build_ground(words, 5).field.heights != heights).any()
+    assert (build_ground(config, 4).field.heights == heights).all()
+    assert (build_ground(config, 5).field.heights != heights).any()
 
 
 def test_flat_ground_is_flat() -> None:
@@ -242,8 +242,8 @@ def test_flat_ground_is_flat() -> None:
 
 
 def test_hills_are_about_their_spacing_apart() -> None:
-    words = HillsTerrain(size=(60.0, 60.0), cells=(240, 240), height=1, spacing=5)
-    heights = build_ground(words, 3).field.heights
+    config = HillsTerrain(size=(60.0, 60.0), cells=(240, 240), height=1, spacing=5)
+    heights = build_ground(config, 3).field.heights
     power = np.abs(np.fft.rfft(heights, axis=1)) ** 2
     k = np.fft.rfftfreq(heights.shape[1], 0.25)
     # Waves in the plane cut at an angle look longer: the mean along x is 2/π of k, or more.
@@ -253,8 +253,8 @@ def test_hills_are_about_their_spacing_apart() -> None:
 
 def test_rougher_ground_has_more_of_its_power_in_small_features() -> None:
     def fine(roughness: float) -> float:
-        words = FractalTerrain(roughness=roughness, cells=(128, 128))
-        heights = build_ground(words, 3).field.heights
+        config = FractalTerrain(roughness=roughness, cells=(128, 128))
+        heights = build_ground(config, 3).field.heights
         return float(np.abs(np.diff(heights, axis=1)).mean())
 
     assert fine(0.3) < fine(0.5) < fine(0.7) < fine(0.9)

@@ -1,4 +1,4 @@
-"""A terrain may lie anywhere and be turned: what is drawn there is what is stood on."""
+"""Moved and rotated terrains: heights, normals, zones and vertices."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ of_all = pytest.mark.parametrize("polygons", get_args(Polygons))
 def ground_at(
     at: tuple[float, float], heading_deg: float, polygons: Polygons = "triangles", seed: int = 2
 ) -> Ground:
-    words = FractalTerrain(
+    config = FractalTerrain(
         size=(6, 4),
         cells=(30, 25),
         height=1.5,
@@ -37,27 +37,27 @@ def ground_at(
         heading_deg=heading_deg,
         polygons=polygons,
     )
-    return build_ground(words, seed)
+    return build_ground(config, seed)
 
 
-def to_world(places: Array, at: tuple[float, float], heading_deg: float) -> Array:
-    """Turn and move (n, 2) places by the rotation of the table of letters."""
-    p = np.stack([places[:, 0], np.zeros(len(places)), places[:, 1]], axis=-1)
+def to_world(local_points: Array, at: tuple[float, float], heading_deg: float) -> Array:
+    """Return points (n, 2) of a terrain rotated and moved to the world."""
+    p = np.stack([local_points[:, 0], np.zeros(len(local_points)), local_points[:, 1]], axis=-1)
     moved = p @ turned_by(math.radians(heading_deg)).T
     return moved[:, [0, 2]] + at
 
 
-def places(n: int, seed: int = 0) -> Array:
+def local_points(n: int, seed: int = 0) -> Array:
     return np.random.default_rng(seed).uniform(-0.5, 0.5, (n, 2)) * (6.0, 4.0)
 
 
 @of_all
 @given(st.tuples(PLACE, PLACE), DEGREES)
-def test_a_moved_terrain_is_the_same_terrain_elsewhere(
+def test_a_moved_terrain_has_moved_heights_normals_and_zones(
     polygons: Polygons, at: tuple[float, float], heading_deg: float
 ) -> None:
     here, there = ground_at((0, 0), 0, polygons), ground_at(at, heading_deg, polygons)
-    p = places(200)
+    p = local_points(200)
     q = to_world(p, at, heading_deg)
     # 9 km away a double is exact to 2e-12 m, and the steepest slopes here are below 20.
     assert np.abs(there.height(*q.T) - here.height(*p.T)).max() < 1e-9
@@ -71,11 +71,11 @@ def test_a_moved_terrain_is_the_same_terrain_elsewhere(
 
 @of_all
 @pytest.mark.parametrize(("at", "heading_deg"), [((0, 0), 0), ((3.3, -7.1), 0), ((5, 40), 33)])
-def test_heights_are_those_of_the_mesh_that_is_drawn(
+def test_heights_and_normals_are_those_of_the_mesh(
     polygons: Polygons, at: tuple[float, float], heading_deg: float
 ) -> None:
     field = ground_at(at, heading_deg, polygons).field
-    q = to_world(places(300), at, heading_deg)
+    q = to_world(local_points(300), at, heading_deg)
     corners = field.vertices[field.faces]
     flat = corners * (1.0, 0.0, 1.0)
     found = field.height(*q.T)
@@ -86,13 +86,13 @@ def test_heights_are_those_of_the_mesh_that_is_drawn(
         k = int(weights.min(axis=1).argmax())
         assert weights[k].min() > -1e-9
         assert weights[k] @ corners[k, :, 1] == pytest.approx(y, abs=1e-9)
-        judged = trimesh.triangles.normals(corners[k : k + 1])[0][0]
-        assert weights[k].min() < 1e-6 or judged == pytest.approx(n, abs=1e-9)
+        expected = trimesh.triangles.normals(corners[k : k + 1])[0][0]
+        assert weights[k].min() < 1e-6 or expected == pytest.approx(n, abs=1e-9)
 
 
 @of_all
 @given(st.tuples(PLACE, PLACE), DEGREES)
-def test_a_field_is_known_by_its_vertices(
+def test_a_field_is_recovered_from_its_vertices(
     polygons: Polygons, at: tuple[float, float], heading_deg: float
 ) -> None:
     field = ground_at(at, heading_deg, polygons).field
@@ -108,7 +108,7 @@ def test_a_field_is_known_by_its_vertices(
 @of_all
 def test_gradients_are_finite_differences_in_the_world(polygons: Polygons) -> None:
     field = ground_at((5, -3), 75, polygons).field
-    x, z = to_world(places(2000), (5, -3), 75).T
+    x, z = to_world(local_points(2000), (5, -3), 75).T
     h = 1e-7
     along_x = (field.height(x + h, z) - field.height(x - h, z)) / (2 * h)
     along_z = (field.height(x, z + h) - field.height(x, z - h)) / (2 * h)

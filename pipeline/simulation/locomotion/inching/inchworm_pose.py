@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.base_change import link_poses
 from pipeline.simulation.figures.ik_goals import TipPlacement
-from pipeline.simulation.figures.inverse_kinematics import TOLERANCE, damped_step
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, damped_step
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
@@ -241,7 +241,7 @@ def _solve_joints(
 def _finish_reach(batch: LimbBatch, pose: LimbPose, goal: TipPlacement) -> tuple[LimbPose, Array]:
     """Solve limbs whose joints reached their limits with the full inverse kinematics."""
     error = np.linalg.norm(goal.task(batch, pose).velocity, axis=-1)
-    far = np.flatnonzero(error > TOLERANCE)
+    far = np.flatnonzero(error > TIP_ITERATION.tolerance)
     residual: Array = error * batch.lengths
     if len(far):
         solution = reach(

@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.pronking.hurdle_jump import (
     plan_vault,
     shifted_state,
 )
-from pipeline.simulation.locomotion.pronking.initial_stance import crouched_state, standing_state
+from pipeline.simulation.locomotion.pronking.start_states import crouched_state, standing_state
 from pipeline.simulation.locomotion.routes.route import (
     Route,
     connecting_route,

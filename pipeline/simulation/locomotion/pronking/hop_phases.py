@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.foot_contact import flight_swing
-from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents
+from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents, flight_swing
 from pipeline.simulation.locomotion.pronking.hop_state import (
     FREE_FALL,
     HopState,

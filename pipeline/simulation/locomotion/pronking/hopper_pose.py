@@ -23,8 +23,8 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState
-from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.route import straight_route
+from pipeline.simulation.locomotion.swing.swing_depenetration import LegSolver
 from pipeline.simulation.spatial import Array, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 

@@ -97,8 +97,8 @@ def touchdown_speed(
 ) -> float:
     """Return the speed at which a foot comes down [m/s].
 
-    A planned foot comes to rest as it touches, as an animal's does; what is heard is the speed that
-    it loses within the last tenth of its swing.
+    A planned foot comes to rest as it touches, as an animal's does. The sound has the speed that
+    the foot loses within the last tenth of its swing.
 
     Args:
         start: (3,) tip at lift-off [m].

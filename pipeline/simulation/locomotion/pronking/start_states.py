@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.locomotion.pronking.foot_contact import body_clearance
+from pipeline.simulation.locomotion.pronking.hop_events import body_clearance
 from pipeline.simulation.locomotion.pronking.hop_state import (
     FREE_FALL,
     HopState,

@@ -10,6 +10,7 @@ Source: Sims 1987, 7.4.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,29 +21,45 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_
 from pipeline.simulation.spatial import Array, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
-MAX_STRETCH, MIN_FOLD = 0.985, 1.01
-"""Greatest stretch of a leg in the air, in its length, and least fold, in its folded length."""
+
+@dataclass(frozen=True, slots=True)
+class FootLift:
+    """Constants of the lifting of feet out of the ground.
+
+    Attributes:
+        max_stretch: greatest stretch of a leg in the air, in its length.
+        min_fold: least fold of a leg in the air, in its folded length.
+        missed_distance: of a foot in the air from its goal, beyond which the ground is tested [m].
+        max_lifts: number of attempts to lift a foot.
+        min_depth: depth in the ground from which a foot is lifted [m].
+    """
+
+    max_stretch: float = 0.985
+    min_fold: float = 1.01
+    missed_distance: float = 1e-4
+    max_lifts: int = 8
+    min_depth: float = 2e-4
 
 
-UNREACHED_DISTANCE, MAX_LIFTS = 1e-4, 8
-"""Distance of a foot in the air from its goal that triggers the ground test [m], and the number of
-attempts to lift it."""
+@dataclass(frozen=True, slots=True)
+class FreePlaceSearch:
+    """Constants of the search for the free place of a foot.
 
-LIFT_DEPTH = 2e-4
-"""Depth in the ground from which a foot is lifted [m]."""
+    Attributes:
+        tolerance: distance of a foot from a place that it still reaches [m].
+        height: least height of a free foot above the ground [m].
+        latitudes, longitudes: directions searched, from top to bottom and around the hip.
+        stretches: distances searched, in leg lengths; at least the folded length.
+    """
+
+    tolerance: float = 1e-4
+    height: float = 2e-4
+    latitudes: int = 9
+    longitudes: int = 16
+    stretches: tuple[float, ...] = (0.97, 0.85, 0.7, 0.55, 0.4, 0.28)
 
 
-SOLVED_DISTANCE = 1e-4
-"""Distance of a foot from a place that counts as unreached [m]."""
-
-FREE_HEIGHT = 2e-4
-"""Least height above the ground of a free foot [m]."""
-
-LATITUDES, LONGITUDES = 9, 16
-"""Search directions, from top to bottom and around the hip."""
-
-STRETCH_LEVELS = (0.97, 0.85, 0.7, 0.55, 0.4, 0.28)
-"""Search distances, in leg lengths; at least the folded length."""
+FOOT_LIFT, FREE_PLACE_SEARCH = FootLift(), FreePlaceSearch()
 
 
 class LegSolver:
@@ -70,7 +87,7 @@ class LegSolver:
             limp: (n, L) feet of fallen creatures.
         """
         clamped = self._clamp_reach(goals, down)
-        moved = np.abs(clamped - goals).max(axis=-1) > UNREACHED_DISTANCE
+        moved = np.abs(clamped - goals).max(axis=-1) > FOOT_LIFT.missed_distance
         return self._lift_feet(clamped, R, p, down | limp, moved)
 
     def _lift_feet(
@@ -92,8 +109,9 @@ class LegSolver:
         """
         herd = self.herd
         solution = solve_near_rest(herd.legs, herd.chains, goals)
-        for _ in range(MAX_LIFTS):
-            rows, legs = np.nonzero(~fixed & (clamped | (solution.residual > UNREACHED_DISTANCE)))
+        for _ in range(FOOT_LIFT.max_lifts):
+            misses = clamped | (solution.residual > FOOT_LIFT.missed_distance)
+            rows, legs = np.nonzero(~fixed & misses)
             rows, legs, depth = self._buried_feet(solution, R, p, rows, legs)
             if not len(rows):
                 break
@@ -103,9 +121,8 @@ class LegSolver:
             goals[rows, legs] += turn_inverse(R[rows, c], up)
             self._resolve(solution, goals, rows)
         else:
-            self._relocate_feet(
-                solution, goals, R, p, ~fixed & (clamped | (solution.residual > UNREACHED_DISTANCE))
-            )
+            misses = clamped | (solution.residual > FOOT_LIFT.missed_distance)
+            self._relocate_feet(solution, goals, R, p, ~fixed & misses)
         return solution
 
     def _relocate_feet(
@@ -149,7 +166,7 @@ class LegSolver:
             lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.foot_radius[legs])
             - tips[:, 1]
         )
-        is_buried = depth > LIFT_DEPTH
+        is_buried = depth > FOOT_LIFT.min_depth
         return rows[is_buried], legs[is_buried], depth[is_buried]
 
     def _resolve(self, solution: RestSolution, goals: Array, rows: NDArray[np.int64]) -> None:
@@ -164,7 +181,8 @@ class LegSolver:
         herd = self.herd
         offset = goals - herd.hips
         distance = np.maximum(np.sqrt((offset * offset).sum(axis=-1)), 1e-9)
-        longest, shortest = MAX_STRETCH * herd.legs.lengths, MIN_FOLD * self.folds
+        longest = FOOT_LIFT.max_stretch * herd.legs.lengths
+        shortest = FOOT_LIFT.min_fold * self.folds
         near = ~down & (distance < shortest)
         k = np.where(down, 1.0, np.minimum(distance, longest) / distance)
         offset = k[..., None] * offset
@@ -194,22 +212,24 @@ def free_foot_place(
         goal: (3,) of the foot, in the frame of the body [m].
         folded_length: least distance from hip to foot [m].
     """
+    search = FREE_PLACE_SEARCH
     hip, length = herd.hips[leg], float(herd.legs.lengths[leg])
     distances = np.array(
-        [k * length for k in STRETCH_LEVELS if k * length > folded_length] + [1.02 * folded_length]
+        [k * length for k in search.stretches if k * length > folded_length]
+        + [1.02 * folded_length]
     )
     # Unit vectors (k, 3) all around.
-    y = np.linspace(-1.0, 1.0, LATITUDES)
-    angle = np.arange(LONGITUDES) * (2.0 * math.pi / LONGITUDES)
+    y = np.linspace(-1.0, 1.0, search.latitudes)
+    angle = np.arange(search.longitudes) * (2.0 * math.pi / search.longitudes)
     r = np.sqrt(1.0 - y * y)[:, None]
-    level = np.broadcast_to(y[:, None], (LATITUDES, LONGITUDES))
+    level = np.broadcast_to(y[:, None], (search.latitudes, search.longitudes))
     result: Array = np.stack([r * np.cos(angle), level, r * np.sin(angle)], axis=-1)
     places = hip + (distances[:, None, None] * result.reshape(-1, 3)).reshape(-1, 3)
     places = places[np.argsort(((places - goal) ** 2).sum(axis=-1), kind="stable")]
     feet = places @ R.T + p
     lowest = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.foot_radius[leg])
-    places = places[feet[:, 1] >= lowest + FREE_HEIGHT]
+    places = places[feet[:, 1] >= lowest + search.height]
     legs = np.full(len(places), leg)
     _, error = solve_each_near_rest(herd.legs, herd.chains, legs, places)
-    reached: NDArray[np.int64] = np.flatnonzero(error <= SOLVED_DISTANCE)
+    reached: NDArray[np.int64] = np.flatnonzero(error <= search.tolerance)
     return places[reached[0]] if len(reached) else None

@@ -47,7 +47,7 @@ class TimeEstimate:
         if len(times) < MIN_COUNTS or now - times[0] < MIN_MEASURED:
             return
         # At least the last two intervals.
-        middle = bisect_left(times, (times[0] + now) / 2.0)
+        middle = bisect_left(counts, (counts[0] + done) / 2.0)
         first = min(middle, len(times) - MIN_COUNTS)
         if counts[-1] > counts[first]:
             self.pace = (now - times[first]) / (counts[-1] - counts[first])

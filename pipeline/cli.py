@@ -18,7 +18,6 @@ app = typer.Typer(
     name="pronk",
     help="One YAML scene in; a path-traced film and a frame-exact score out.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.commands.completion import completion
 from pipeline.commands.options import (
     CheckOptions,
     Reporting,
@@ -62,6 +63,7 @@ def figure(
         typer.Argument(
             metavar="FIGURE...",
             help="Figure files, names of shipped figures, scenes, or SCENE:FIGURE.",
+            autocompletion=completion("figures", "scenes", with_files=True),
         ),
     ],
     options: Reporting,

@@ -88,7 +88,7 @@ def build_model(
     heaviest = max(c.build.mass.mass for c in colliders)
     for k, corners in enumerate(pushers):
         _add_kinematic_body(spec, mujoco, f"pusher {k}", corners, KINEMATIC_MASS_RATIO * heaviest)
-    spec.nuserdata = 1
+    spec.nuserdata = 2
     spec.memory = memory_for(len(colliders) + len(pushers))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco

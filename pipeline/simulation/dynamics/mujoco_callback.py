@@ -145,10 +145,29 @@ def _array_at(address: int, count: int, kind: Any) -> Callable[..., Any]:
 
 def native_callback(function: Callable[[int, int], None]) -> Any:
     """Returns machine code that MuJoCo or Python calls with two addresses."""
+    address = numba.types.intp
+    return function if numba.config.DISABLE_JIT else _native(function, numba.void(address, address))
+
+
+def native_collision(function: Callable[[int, int, int, int, int, float], int]) -> Any:
+    """Returns machine code for MuJoCo's table of collision functions.
+
+    Args:
+        function: addresses of model, data and contacts to fill, numbers of two geoms, largest gap
+            -> number of contacts.
+    """
     if numba.config.DISABLE_JIT:
-        return function
-    nothing, address = numba.types.void, numba.types.intp
-    made = numba.cfunc(nothing(address, address), cache=CACHE_WRITABLE)(function)
+        address, number = ctypes.c_ssize_t, ctypes.c_int
+        kinds = (number, address, address, address, number, number, ctypes.c_double)
+        return ctypes.CFUNCTYPE(*kinds)(function)
+    address, number = numba.types.intp, numba.types.intc
+    return _native(
+        function, number(address, address, address, number, number, numba.types.float64)
+    )
+
+
+def _native(function: Callable[..., Any], signature: Any) -> Any:
+    made = numba.cfunc(signature, cache=CACHE_WRITABLE)(function)
     # The machine code lives as long as this object.
     result = made.ctypes
     result.made = made

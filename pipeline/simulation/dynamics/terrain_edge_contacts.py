@@ -11,6 +11,10 @@ those of the body beside the other, so it is a direction in which they can be se
 deep in a wall is measured from that wall, not from the top. The gap counts along the normal of the
 contact: the facet's, or that of both edges.
 
+A contact that is deep along its normal although the body hardly overlaps the ground in another
+direction is none: beside a wall, an edge of the ground above the bottom of the body is in front of
+it, and the wall is what the body meets.
+
 Source: Gregorius 2013 (arcs of the Gauss map that cross), for edges of two convex solids.
 """
 
@@ -46,6 +50,9 @@ PARALLEL_EDGES = 1e-6
 
 EDGE_IN_PLANE = 1e-3
 """Sine of the angle to a plane at which an edge counts as lying in it."""
+
+DEEP_OVERLAP = 1e-3
+"""Depth beyond which a contact must be the direction of least overlap, in sizes of the body."""
 
 UPWARD_FACET = 1e-3
 """Vertical component of the normal above which nothing below can touch a facet."""
@@ -100,7 +107,7 @@ def add_edge_contacts(
             else:
                 if edges < 0:
                     edges = _downward_edges(shapes, body, R, room)
-                _add_crossings(room.edges, edges, body, p, c, minus(d, c), grid.sides[k], slack)
+                _add_crossings(room, edges, body, p, c, minus(d, c), grid.sides[k], slack)
 
 
 @compiled
@@ -137,7 +144,7 @@ def _add_vertex_on_facet(
     """
     lever = minus(peak, p)
     place = unturned(R, lever)
-    most, which = -np.inf, -1
+    most, which, beside = -np.inf, -1, -np.inf
     # Where the vertical line through it enters and leaves the body.
     low, high = -np.inf, np.inf
     first, count = body.facets
@@ -149,17 +156,21 @@ def _add_vertex_on_facet(
             low = max(low, -away / up)
             if away > most:
                 most, which = away, k
-        elif up > LEVEL_NORMAL:
-            high = min(high, -away / up)
-        elif away > 0.0:
-            return
+        else:
+            beside = max(beside, away)
+            if up > LEVEL_NORMAL:
+                high = min(high, -away / up)
+            elif away > 0.0:
+                return
+    if most < -DEEP_OVERLAP * body.size and beside > most:
+        return
     if which >= 0 and low <= high:
         insert_new_contact(body, most, times(-1.0, turned(R, row(facets, which))), lever)
 
 
 @compiled
 def _add_crossings(
-    edges: Array,
+    room: Workspace,
     n: int,
     body: Record,
     p: Vector,
@@ -169,6 +180,7 @@ def _add_crossings(
     slack: float,
 ) -> None:
     """Adds the crossings of n edges of a body with an edge of the ground that starts at c."""
+    edges = room.edges
     for e in range(n):
         x, z = edges[e, 3], edges[e, 5]
         between_x, between_z = c[0] - edges[e, 0], c[2] - edges[e, 2]
@@ -186,8 +198,9 @@ def _add_crossings(
                 (edges[e, 9], edges[e, 10], edges[e, 11]),
             )
             if _separates(along, row(sides, 0), row(sides, 1)) and _separates(ground, one, other):
-                rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
-                _add_crossing(body, along, ground, rise, minus(plus(c, times(t, ground)), p), slack)
+                place = plus(c, times(t, ground))
+                rise = edges[e, 1] + s * along[1] - place[1]
+                _add_crossing(body, room.world, p, along, ground, sides, rise, place, slack)
 
 
 @compiled
@@ -200,7 +213,15 @@ def _separates(way: Vector, one: Vector, other: Vector) -> bool:
 
 @compiled
 def _add_crossing(
-    body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
+    body: Record,
+    world: Array,
+    p: Vector,
+    along: Vector,
+    ground: Vector,
+    sides: Array,
+    rise: float,
+    place: Vector,
+    slack: float,
 ) -> None:
     """Adds the contact of two edges that cross, seen from above, one above the other."""
     normal = cross(along, ground)
@@ -208,5 +229,18 @@ def _add_crossing(
     if square > PARALLEL_EDGES * PARALLEL_EDGES * dot(along, along) * dot(ground, ground):
         normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
         gap = rise * normal[1]
+        if gap < -DEEP_OVERLAP * body.size:
+            for side in range(2):
+                if gap < _height_over_plane(body, world, row(sides, side), place):
+                    return
         if gap <= slack:
-            insert_new_contact(body, gap, normal, lever)
+            insert_new_contact(body, gap, normal, minus(place, p))
+
+
+@compiled
+def _height_over_plane(body: Record, world: Array, normal: Vector, place: Vector) -> float:
+    """Returns the height of the lowest vertex of a body over a plane through a place [m]."""
+    least = np.inf
+    for k in range(body.corners[1]):
+        least = min(least, dot(normal, minus(row(world, k), place)))
+    return least

@@ -13,7 +13,8 @@ contact: the facet's, or that of both edges.
 
 A contact that is deep along its normal although the body hardly overlaps the ground in another
 direction is none: beside a wall, an edge of the ground above the bottom of the body is in front of
-it, and the wall is what the body meets.
+it, and the wall is what the body meets. Steep edges that cross far apart, seen from above, may be
+nearest to one another beyond their ends.
 
 Source: Gregorius 2013 (arcs of the Gauss map that cross), for edges of two convex solids.
 """
@@ -199,8 +200,24 @@ def _add_crossings(
             )
             if _separates(along, row(sides, 0), row(sides, 1)) and _separates(ground, one, other):
                 place = plus(c, times(t, ground))
-                rise = edges[e, 1] + s * along[1] - place[1]
-                _add_crossing(body, room.world, p, along, ground, sides, rise, place, slack)
+                start = row(edges, e)
+                rise = start[1] + s * along[1] - place[1]
+                normal = cross(along, ground)
+                size = length(normal)
+                if size <= PARALLEL_EDGES * length(along) * length(ground):
+                    continue
+                normal = times(math.copysign(1.0 / size, normal[1]), normal)
+                gap = rise * normal[1]
+                if gap > slack:
+                    continue
+                if gap < -DEEP_OVERLAP * body.size:
+                    s, t = _nearest_of_lines(minus(c, start), along, ground)
+                    if min(s, t) < 0.0 or max(s, t) > 1.0:
+                        continue
+                    place = plus(c, times(t, ground))
+                    if gap < _lowest_over_planes(body, room.world, sides, place):
+                        continue
+                insert_new_contact(body, gap, normal, minus(place, p))
 
 
 @compiled
@@ -212,35 +229,26 @@ def _separates(way: Vector, one: Vector, other: Vector) -> bool:
 
 
 @compiled
-def _add_crossing(
-    body: Record,
-    world: Array,
-    p: Vector,
-    along: Vector,
-    ground: Vector,
-    sides: Array,
-    rise: float,
-    place: Vector,
-    slack: float,
-) -> None:
-    """Adds the contact of two edges that cross, seen from above, one above the other."""
+def _nearest_of_lines(between: Vector, along: Vector, ground: Vector) -> tuple[float, float]:
+    """Returns where two lines are nearest to one another, in extents of each.
+
+    Args:
+        between: from the start of the one to that of the other [m].
+        along: extent of the one [m].
+        ground: extent of the other [m].
+    """
     normal = cross(along, ground)
     square = dot(normal, normal)
-    if square > PARALLEL_EDGES * PARALLEL_EDGES * dot(along, along) * dot(ground, ground):
-        normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
-        gap = rise * normal[1]
-        if gap < -DEEP_OVERLAP * body.size:
-            for side in range(2):
-                if gap < _height_over_plane(body, world, row(sides, side), place):
-                    return
-        if gap <= slack:
-            insert_new_contact(body, gap, normal, minus(place, p))
+    return dot(cross(between, ground), normal) / square, dot(cross(between, along), normal) / square
 
 
 @compiled
-def _height_over_plane(body: Record, world: Array, normal: Vector, place: Vector) -> float:
-    """Returns the height of the lowest vertex of a body over a plane through a place [m]."""
-    least = np.inf
-    for k in range(body.corners[1]):
-        least = min(least, dot(normal, minus(row(world, k), place)))
-    return least
+def _lowest_over_planes(body: Record, world: Array, sides: Array, place: Vector) -> float:
+    """Returns the largest height over two planes through a place of a body's lowest vertex [m]."""
+    most = -np.inf
+    for side in range(2):
+        least, normal = np.inf, row(sides, side)
+        for k in range(body.corners[1]):
+            least = min(least, dot(normal, minus(row(world, k), place)))
+        most = max(most, least)
+    return most

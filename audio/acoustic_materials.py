@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from audio.modal_synthesis import BAR, BELL, MEMBRANE, PLATE, SHELL, ModeShape
+from audio.mode_shapes import BAR, BELL, MEMBRANE, PLATE, SHELL, ModeShape
 from audio.names import normalized_name
 
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from audio.dsp import Signal, band_noise, convolve, resample, without_offset
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_synthesis import slip_impulses, slip_pulse, slip_rate
 from audio.names import normalized_name
 from audio.source_motion import SpeedProfile
+from audio.stick_slip import slip_impulses, slip_pulse, slip_rate
 from audio.time_grid import SAMPLE_RATE
 
 # The sound power of vortices grows with the sixth power of speed; the amplitude with the third.

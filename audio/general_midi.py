@@ -1,11 +1,11 @@
 """General MIDI: melodic instruments and drums by name.
 
-Source: MMA General MIDI 1991, tables 1 and 3.
+Source: MMA General MIDI 1991, tables 1 to 3.
 """
 
 from __future__ import annotations
 
-from audio.names import normalized_name, unknown_name_message
+from audio.names import UnknownName, normalized_name
 
 # In the order of the programs, 0 to 127.
 INSTRUMENTS: tuple[str, ...] = (
@@ -43,6 +43,14 @@ INSTRUMENTS: tuple[str, ...] = (
     *("telephone ring", "helicopter", "applause", "gunshot"),
 )
 
+FAMILY_SIZE = 8
+FAMILIES = (
+    *("piano", "chromatic percussion", "organ", "guitar", "bass", "strings", "ensemble", "brass"),
+    *("reed", "pipe", "synth lead", "synth pad", "synth effects", "ethnic", "percussive"),
+    "sound effects",
+)
+"""Families of the instruments: eight programs each, in the order of the programs."""
+
 # Usual ranges of the instruments chosen by default, at sounding pitch. Others stay within the
 # middle of the keyboard.
 RANGES: dict[str, tuple[int, int]] = {
@@ -63,7 +71,7 @@ RANGES: dict[str, tuple[int, int]] = {
 _DEFAULT_RANGE = (36, 96)
 
 # In the order of the keys, from the lowest.
-_LOWEST_DRUM_KEY = 35
+LOWEST_DRUM_KEY = 35
 DRUMS: tuple[str, ...] = (
     *("acoustic bass drum", "bass drum", "side stick", "acoustic snare", "hand clap"),
     *("electric snare", "low floor tom", "closed hi-hat", "high floor tom", "pedal hi-hat"),
@@ -77,17 +85,17 @@ DRUMS: tuple[str, ...] = (
 )
 
 _PROGRAMS = {normalized_name(name): program for program, name in enumerate(INSTRUMENTS)}
-_DRUM_KEYS = {normalized_name(name): key for key, name in enumerate(DRUMS, _LOWEST_DRUM_KEY)}
+_DRUM_KEYS = {normalized_name(name): key for key, name in enumerate(DRUMS, LOWEST_DRUM_KEY)}
 
 
 def program_number(name: str) -> int:
     """Return the General MIDI program of an instrument, 0 to 127.
 
     Raises:
-        ValueError: no instrument has this name; the message names the nearest.
+        UnknownName: no instrument has this name; the message names the nearest.
     """
     if normalized_name(name) not in _PROGRAMS:
-        raise ValueError(unknown_name_message("instrument", name, INSTRUMENTS))
+        raise UnknownName("instrument", name, INSTRUMENTS)
     return _PROGRAMS[normalized_name(name)]
 
 
@@ -95,10 +103,10 @@ def drum_key(name: str) -> int:
     """Return the key of a drum on the drum channel, 35 to 81.
 
     Raises:
-        ValueError: no drum has this name; the message names the nearest.
+        UnknownName: no drum has this name; the message names the nearest.
     """
     if normalized_name(name) not in _DRUM_KEYS:
-        raise ValueError(unknown_name_message("drum", name, DRUMS))
+        raise UnknownName("drum", name, DRUMS)
     return _DRUM_KEYS[normalized_name(name)]
 
 

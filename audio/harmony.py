@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from audio.names import nearest_name, normalized_name, unknown_name_message
+from audio.names import UnknownName, nearest_name, normalized_name
 
 # Semitones above the root.
 MODES: dict[str, tuple[int, ...]] = {
@@ -159,7 +159,7 @@ def parse_scale(text: str) -> Scale:
         )
     letter, accidental, kind = match.groups()
     if normalized_name(kind) not in MODES:
-        raise ValueError(unknown_name_message("scale", kind, MODES))
+        raise UnknownName("scale", kind, MODES)
     return Scale(_pitch_class(letter, accidental), MODES[normalized_name(kind)])
 
 

@@ -6,8 +6,21 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-MAX_LISTED = 24
-"""Longer lists of allowed names are cut to those similar to the unknown one."""
+
+class UnknownName(ValueError):
+    """A name that nothing has.
+
+    Attributes:
+        kind: what the name should be of, such as "instrument".
+        name: the unknown name.
+        known: all known names.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        near = nearest_name(name, self.known)
+        hint = f"did you mean {near!r}?" if near else f"known: {', '.join(self.known)}"
+        super().__init__(f"no {kind} is called {name!r}, {hint}")
 
 
 def normalized_name(name: str) -> str:
@@ -23,27 +36,6 @@ def matches_pattern(name: str, pattern: str) -> bool:
 
 def nearest_name(name: str, allowed: Iterable[str]) -> str | None:
     """Return the allowed name most similar to this one, or None if none is similar."""
-    return next(iter(_similar_names(name, allowed, 1, 0.5)), None)
-
-
-def _similar_names(name: str, allowed: Iterable[str], count: int, cutoff: float) -> list[str]:
     originals = {normalized_name(each): each for each in allowed}
-    close = get_close_matches(normalized_name(name), originals, count, cutoff)
-    return [originals[each] for each in close]
-
-
-def unknown_name_message(kind: str, name: str, allowed: Iterable[str]) -> str:
-    """Return an error message with the nearest allowed name and the allowed names.
-
-    Args:
-        kind: of the name, such as "instrument".
-        name: the unknown one.
-        allowed: all known names.
-    """
-    allowed = list(allowed)
-    near = nearest_name(name, allowed)
-    hint = f"; did you mean {near!r}?" if near else ""
-    if near and len(allowed) > MAX_LISTED:
-        similar = ", ".join(_similar_names(name, allowed, 6, 0.3))
-        return f"unknown {kind} {name!r}{hint} ({len(allowed)} names, such as {similar})"
-    return f"unknown {kind} {name!r}{hint} (allowed: {', '.join(allowed)})"
+    close = get_close_matches(normalized_name(name), originals, 1, 0.5)
+    return originals[close[0]] if close else None

@@ -5,96 +5,41 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import log10
 
 from audio.acoustic_materials import family_of
 from audio.cause_voices import FrictionVoice, cause_voice
-from audio.config.notes import PhraseStep, StepTime
 from audio.config.sound import EventFilter, Sound, Voice
 from audio.general_midi import drum_key, program_number
-from audio.harmony import Scale, fold_pitch, parse_chord, parse_steps
+from audio.harmony import Scale, fold_pitch, parse_steps
 from audio.loudness_at_listener import event_level, pan_of, reverb_send
 from audio.names import matches_pattern
+from audio.note_groups import NoteGroup, note_groups
 from audio.pitch_rules import PartRank, Ranks, default_rule, part_ranks, pitch_by_rule, rank_of
 from audio.quantisation import TimingShifts, quantise, timing_shifts
 from audio.score import Score, ScoreEvent
 from audio.time_grid import nearest_frame_time
 
-# --- Phrases: the note, chord or sequence of notes that a voice plays for an event
-# Source: Sims 1987, 13.1 (a sound event gives "a note of arbitrary complexity").
-
-_DEFAULT_STEP_BEATS = 0.5
-
 
 @dataclass(frozen=True, slots=True)
-class NoteGroup:
-    """Notes with the same onset.
+class _LengthBySize:
+    """Default length of a note by the size of its body, because larger bodies ring longer.
 
     Attributes:
-        delay: time from the event [s].
-        pitches: MIDI pitches.
-        gain_db: of each note, relative to the level of the event [dB].
-        seconds: length [s]; None for the length of the event.
+        shortest: of the smallest body [s].
+        per_metre: growth with the size [s/m].
+        longest: of any body [s].
     """
 
-    delay: Fraction
-    pitches: tuple[int, ...]
-    gain_db: float
-    seconds: float | None
+    shortest: float = 0.25
+    per_metre: float = 0.5
+    longest: float = 1.5
+
+    def seconds(self, size: float) -> float:
+        """Return the length of a body of this size [m]."""
+        return min(max(self.shortest + self.per_metre * size, self.shortest), self.longest)
 
 
-def note_groups(
-    voice: Voice, pitch: int, scale: Scale, tempo: float, rate: Fraction
-) -> Iterator[NoteGroup]:
-    """Yield the notes of a voice for one event in the order of time, the first without delay.
-
-    Args:
-        voice: with its phrase or chord.
-        pitch: of the event.
-        scale: of the degrees.
-        tempo: beats a minute.
-        rate: frames a second.
-    """
-    if voice.phrase is None:
-        pitches = (pitch,) if voice.chord is None else parse_chord(voice.chord).near(pitch)
-        yield _note_group(Fraction(0), pitches, 0.0, None)
-        return
-    delay = Fraction(0)
-    for step in voice.phrase.steps:
-        seconds = _step_seconds(step if step.has_time else voice.phrase, tempo, rate)
-        if not step.rest:
-            length = step.length or voice.length or float(seconds)
-            yield _note_group(delay, _step_pitches(step, pitch, scale), step.gain_db, length)
-        delay += seconds
-
-
-def _note_group(
-    delay: Fraction, pitches: tuple[int, ...], gain_db: float, seconds: float | None
-) -> NoteGroup:
-    # All notes together have the power of one.
-    return NoteGroup(delay, pitches, gain_db - 10 * log10(len(pitches)), seconds)
-
-
-def _step_seconds(time: StepTime, tempo: float, rate: Fraction) -> Fraction:
-    """Return the time to the next step [s], exact for decimals as written in the scene."""
-    if time.frames is not None:
-        return time.frames / rate
-    if time.seconds is not None:
-        return Fraction(str(time.seconds))
-    beats = _DEFAULT_STEP_BEATS if time.beats is None else time.beats
-    return Fraction(str(beats)) * 60 / Fraction(str(tempo))
-
-
-def _step_pitches(step: PhraseStep, pitch: int, scale: Scale) -> tuple[int, ...]:
-    if step.chord is not None:
-        return parse_chord(step.chord).near(pitch)
-    own = scale.degree(pitch)
-    moved = [pitch + scale.pitch(own + d) - scale.pitch(own) for d in step.degrees]
-    return tuple(sorted({fold_pitch(each) for each in moved}))
-
-
-# Length of a note by the size of its body: base and bounds [s], growth [s/m].
-_BASE_LENGTH, _LENGTH_PER_METRE, _MAX_LENGTH = 0.25, 0.5, 1.5
+_DEFAULT_LENGTH = _LengthBySize()
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,8 +228,8 @@ def _default_instrument(event: ScoreEvent) -> str:
 
 
 def _default_length(event: ScoreEvent) -> float:
-    """Return the length of a note [s]: larger bodies ring longer, friction has its own."""
+    """Return the length of a note [s]: friction has its own, other sounds follow the size."""
     voice = cause_voice(event.cause)
     if isinstance(voice, FrictionVoice):
         return voice.seconds
-    return min(max(_BASE_LENGTH + _LENGTH_PER_METRE * event.size, _BASE_LENGTH), _MAX_LENGTH)
+    return _DEFAULT_LENGTH.seconds(event.size)

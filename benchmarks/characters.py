@@ -34,7 +34,7 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.terrain import build_ground
 from pipeline.simulation.troupe import World
 from pipeline.spec import load_scene, read_scene
-from pipeline.spec.library_search import library
+from pipeline.spec.scene_library import library
 
 ROUNDS, STEPS = 12, 48
 

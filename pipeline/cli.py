@@ -8,7 +8,7 @@ from typing import Annotated, Never
 
 import typer
 
-from pipeline.commands import analysis, films, options, scene_files
+from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
 from pipeline.errors import PronkError
@@ -45,6 +45,7 @@ for command in (
     direct,
 ):
     app.command()(command)
+app.command("list")(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")
 app.add_typer(analysis.reports, name="report")

@@ -15,7 +15,8 @@ from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
 from render.frame import LightLayers
-from render.lights.lamps import emitters, fixed_places, lamp_emitters, move_lamps
+from render.lights.environment_emitters import emitters
+from render.lights.lamps import fixed_places, lamp_emitters, move_lamps
 from render.meshes import (
     MeshGroup,
     build_mesh,

@@ -1,4 +1,4 @@
-"""The command line as a stranger meets it: help, and one clear message for every slip."""
+"""The command line: help, results, and one clear message for every mistake."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ light: studio
 film: {size: [64, 36], samples: 1, depth: 2, denoise: "off"}
 """
 
-# Every command that reads a scene, with what else it needs.
+# Commands that read a scene, with their further arguments.
 COMMANDS = {
     "render": (),
     "check": (),
@@ -49,7 +49,7 @@ MAKERS = [name for name in COMMANDS if name != "check"]
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the current folder: a scene, and what an earlier run may have made of it."""
+    """Return the current folder with a scene and outputs of an earlier run."""
     (tmp_path / "tiny.yaml").write_text(SCENE, encoding="utf-8")
     frames = tmp_path / "out" / "tiny" / "frames"
     frames.mkdir(parents=True)
@@ -63,30 +63,30 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def pronk(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Pronk:
     """Return a function that runs a command: exit code, standard output, standard error."""
 
-    def run(*words: str) -> tuple[int, str, str]:
+    def run(*arguments: str) -> tuple[int, str, str]:
         capfd.readouterr()
-        monkeypatch.setattr(sys, "argv", ["pronk", *words])
+        monkeypatch.setattr(sys, "argv", ["pronk", *arguments])
         monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
         # The test runner listens to Ctrl-C itself.
         monkeypatch.setattr(cli, "listen", lambda: None)
         with pytest.raises(SystemExit) as end:
             cli.main()
-        said = capfd.readouterr()
-        return int(end.value.code or 0), said.out, said.err
+        captured = capfd.readouterr()
+        return int(end.value.code or 0), captured.out, captured.err
 
     return run
 
 
 @pytest.fixture
 def refused(pronk: Pronk, folder: Path) -> Callable[..., str]:
-    """Return a function that runs a command which must fail and harm nothing: its message."""
+    """Return a function that runs a failing command, which changes no file: its message."""
 
     def files() -> dict[str, bytes]:
         return {str(p): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
-    def run(code: int, *words: str) -> str:
+    def run(code: int, *arguments: str) -> str:
         before = files()
-        found, out, err = pronk(*words)
+        found, out, err = pronk(*arguments)
         assert found == code, err
         assert out == ""
         assert "Traceback" not in err
@@ -109,11 +109,11 @@ finally:
 """
 
 
-def test_help_is_instant_for_it_imports_nothing_heavy() -> None:
+def test_help_imports_no_heavy_module() -> None:
     root = str(Path(cli.__file__).parents[1])
-    words = [sys.executable, "-c", _MODULES, "--help"]
+    arguments = [sys.executable, "-c", _MODULES, "--help"]
     env = {**os.environ, "PYTHONPATH": root}
-    end = subprocess.run(words, capture_output=True, text=True, env=env, check=True)
+    end = subprocess.run(arguments, capture_output=True, text=True, env=env, check=True)
     modules = set(end.stderr.split())
     assert "typer" in modules
     heavy = {"numpy", "pydantic", "mitsuba", "drjit", "zarr", "yaml", "av", "mido", "PIL"}
@@ -139,21 +139,24 @@ def test_every_command_has_help(pronk: Pronk, command: str) -> None:
     assert f"pronk {command}" in out
 
 
-@pytest.mark.parametrize("error", [ValueError("in words alone: KeyboardInterrupt"), KeyError()])
-def test_what_is_raised_in_place_of_an_interrupt_is_one(
-    error: Exception, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("error", [ValueError("as text alone: KeyboardInterrupt"), KeyError()])
+def test_errors_after_ctrl_c_end_as_an_interrupt(
+    error: Exception, pronk: Pronk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def app() -> None:
         raise error
 
     monkeypatch.setattr(cli, "app", app)
+    monkeypatch.setattr(cli, "ignore", lambda: None)
     with pytest.raises(type(error)):
-        cli._ended()
+        pronk("check")
     monkeypatch.setattr(cli, "heard", lambda: True)
-    assert cli._ended() == cli.INTERRUPTED
+    code, out, err = pronk("check")
+    assert (code, out) == (cli.INTERRUPTED, "")
+    assert err.startswith("stopped; ")
 
 
-def test_the_version_is_said(pronk: Pronk) -> None:
+def test_version_is_printed(pronk: Pronk) -> None:
     import pipeline
 
     assert pronk("--version") == (0, f"pronk {pipeline.__version__}\n", "")
@@ -162,24 +165,24 @@ def test_the_version_is_said(pronk: Pronk) -> None:
 @pytest.mark.parametrize("flag", [(), ("--figure",)])
 def test_schemas_are_of_draft_07(pronk: Pronk, flag: tuple[str, ...]) -> None:
     code, out, _ = pronk("schema", *flag)
-    words = json.loads(out)
+    schema = json.loads(out)
     assert code == 0
-    assert words["$schema"] == "http://json-schema.org/draft-07/schema#"
-    jsonschema.Draft7Validator.check_schema(words)
+    assert schema["$schema"] == "http://json-schema.org/draft-07/schema#"
+    jsonschema.Draft7Validator.check_schema(schema)
 
 
-def test_check_says_what_is_right(pronk: Pronk, folder: Path) -> None:
+def test_check_summarises_valid_scenes(pronk: Pronk, folder: Path) -> None:
     code, out, err = pronk("check", "tiny", "tiny.yaml")
     assert (code, err) == (0, "")
     assert len(out.splitlines()) == 2
     assert out.startswith("tiny: right: 8 frames at 24 a second, 64x36; bug (beetle); 0%")
 
 
-def test_quiet_is_silent(pronk: Pronk, folder: Path) -> None:
+def test_quiet_check_prints_nothing(pronk: Pronk, folder: Path) -> None:
     assert pronk("check", "tiny", "-q") == (0, "", "")
 
 
-def test_doctor_says_what_is_found(pronk: Pronk) -> None:
+def test_doctor_lists_findings(pronk: Pronk) -> None:
     code, out, _ = pronk("doctor", "--json")
     findings = [json.loads(line) for line in out.splitlines()]
     named = {finding["what"]: finding for finding in findings}
@@ -189,28 +192,28 @@ def test_doctor_says_what_is_found(pronk: Pronk) -> None:
     assert {"Python", "pronk", "mitsuba", "machine"} <= named.keys()
 
 
-def _with(command: str, scene: str, *more: str) -> tuple[str, ...]:
+def _arguments(command: str, scene: str, *more: str) -> tuple[str, ...]:
     return (command, scene, *COMMANDS[command], *more)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_an_unknown_scene_is_answered_by_the_nearest(
+def test_an_unknown_scene_suggests_the_nearest_name(
     refused: Callable[..., str], command: str
 ) -> None:
-    near = refused(2, *_with(command, "tinny"))
+    near = refused(2, *_arguments(command, "tinny"))
     assert near.startswith("error: no scene is called 'tinny'")
     assert "'tiny'" in near
-    assert "first_steps" in refused(2, *_with(command, "firststeps"))
+    assert "first_steps" in refused(2, *_arguments(command, "firststeps"))
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_typo_is_shown_at_its_place(
+def test_a_misspelt_key_is_shown_at_its_position(
     refused: Callable[..., str], folder: Path, command: str
 ) -> None:
     wrong = SCENE.replace("speed:", "strde:")
     (folder / "wrong.yaml").write_text(wrong, encoding="utf-8")
     column = wrong.splitlines()[5].index("strde") + 1
-    message = refused(3, *_with(command, "wrong.yaml"))
+    message = refused(3, *_arguments(command, "wrong.yaml"))
     assert f"wrong.yaml:6:{column}: cast[0].walk.strde: " in message
     assert "stride" in message
     assert message.splitlines()[2] == " " * (4 + column - 1) + "^"
@@ -218,7 +221,7 @@ def test_a_typo_is_shown_at_its_place(
 
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize(
-    ("word", "told"),
+    ("word", "message_part"),
     [
         ("cast.bug.walk.strde=1", "stride"),
         ("camra.view=top", "camera"),
@@ -228,16 +231,16 @@ def test_a_typo_is_shown_at_its_place(
         ("=", "path"),
     ],
 )
-def test_a_wrong_set_is_told(
-    refused: Callable[..., str], command: str, word: str, told: str
+def test_an_invalid_override_is_refused(
+    refused: Callable[..., str], command: str, word: str, message_part: str
 ) -> None:
-    message = refused(3, *_with(command, "tiny", "--set", word))
+    message = refused(3, *_arguments(command, "tiny", "--set", word))
     assert f"--set {word}" in message
-    assert told in message
+    assert message_part in message
 
 
 @pytest.mark.parametrize(
-    ("frames", "told"),
+    ("frames", "message_part"),
     [
         ("abc", "cannot be read"),
         ("1-", "cannot be read"),
@@ -249,20 +252,22 @@ def test_a_wrong_set_is_told(
         ("", "names no frame"),
     ],
 )
-def test_wrong_frames_are_told(refused: Callable[..., str], frames: str, told: str) -> None:
+def test_invalid_frame_ranges_are_refused(
+    refused: Callable[..., str], frames: str, message_part: str
+) -> None:
     message = refused(2, "render", "tiny", "--frames", frames)
     assert message.startswith(f"error: --frames '{frames}': ")
-    assert told in message
+    assert message_part in message
 
 
 @pytest.mark.parametrize("number", ["0", "9", "-1"])
-def test_a_frame_that_is_none_is_told(refused: Callable[..., str], number: str) -> None:
+def test_a_frame_outside_the_scene_is_refused(refused: Callable[..., str], number: str) -> None:
     message = refused(2, "frame", "tiny", "--", number)
     assert message == f"error: frame {number}: the scene has frames 1-8\n"
 
 
 @pytest.mark.parametrize(
-    "words",
+    "arguments",
     [
         ("render",),
         ("render", "tiny", "--preset", "best"),
@@ -278,18 +283,18 @@ def test_a_frame_that_is_none_is_told(refused: Callable[..., str], number: str) 
     ],
     ids=" ".join,
 )
-def test_a_command_that_cannot_be_read_is_told(
-    refused: Callable[..., str], words: tuple[str, ...]
+def test_invalid_commands_print_their_usage(
+    refused: Callable[..., str], arguments: tuple[str, ...]
 ) -> None:
-    assert "Usage: pronk" in refused(2, *words)
+    assert "Usage: pronk" in refused(2, *arguments)
 
 
 @pytest.mark.parametrize("command", MAKERS)
-def test_an_out_folder_that_is_a_file_is_told(
+def test_an_out_folder_that_is_a_file_is_refused(
     refused: Callable[..., str], folder: Path, command: str
 ) -> None:
     (folder / "note.txt").write_text("mine", encoding="utf-8")
-    message = refused(4, *_with(command, "tiny", "--out", "note.txt"))
+    message = refused(4, *_arguments(command, "tiny", "--out", "note.txt"))
     assert message == (
         "error: note.txt/tiny: cannot be written to (Not a directory); "
         "choose another place with --out\n"
@@ -298,23 +303,23 @@ def test_an_out_folder_that_is_a_file_is_told(
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 @pytest.mark.parametrize("command", MAKERS)
-def test_an_out_folder_that_cannot_be_written_is_told(
+def test_an_unwritable_out_folder_is_refused(
     refused: Callable[..., str], folder: Path, command: str
 ) -> None:
     (folder / "locked").mkdir(mode=0o500)
-    assert "cannot be written to" in refused(4, *_with(command, "tiny", "--out", "locked"))
+    assert "cannot be written to" in refused(4, *_arguments(command, "tiny", "--out", "locked"))
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_scene_that_cannot_begin_is_told(refused: Callable[..., str], command: str) -> None:
-    words = ("terrain.kind=fractal", "terrain.height=40", "terrain.unsteppable_slope_deg=1")
-    sets = [piece for word in words for piece in ("--set", word)]
-    message = refused(4, *_with(command, "tiny", *sets))
+def test_a_scene_without_foothold_is_refused(refused: Callable[..., str], command: str) -> None:
+    arguments = ("terrain.kind=fractal", "terrain.height=40", "terrain.unsteppable_slope_deg=1")
+    sets = [piece for word in arguments for piece in ("--set", word)]
+    message = refused(4, *_arguments(command, "tiny", *sets))
     assert "error: bug: leg " in message
     assert "no foothold" in message
 
 
-def test_all_scenes_are_refused_before_anything_is_made(
+def test_one_invalid_scene_stops_all_before_any_output(
     refused: Callable[..., str], folder: Path
 ) -> None:
     (folder / "wrong.yaml").write_text("pronk: 1\n", encoding="utf-8")
@@ -324,16 +329,14 @@ def test_all_scenes_are_refused_before_anything_is_made(
     assert "no 3" in refused(2, "render", "tiny", "short", "--frames", "1-4")
 
 
-def test_scenes_of_one_name_would_write_to_one_place(
-    refused: Callable[..., str], folder: Path
-) -> None:
+def test_scenes_of_equal_name_are_refused(refused: Callable[..., str], folder: Path) -> None:
     (folder / "other").mkdir()
     (folder / "other" / "tiny.yaml").write_text(SCENE, encoding="utf-8")
     message = refused(2, "render", "tiny", "other/tiny.yaml")
     assert message.startswith("error: two scenes are called 'tiny', and both would write to ")
 
 
-def test_check_tells_what_a_figures_author_may_not_have_meant(pronk: Pronk, folder: Path) -> None:
+def test_verbose_check_warns_of_disconnected_nodes(pronk: Pronk, folder: Path) -> None:
     worm = "figures: {bug: {nodes: {a: [0, 0], b: [0, 1], x: [5, 5]}, chains: [[a, b]]}}\n"
     text = SCENE.replace("beetle, scale: 0.6, walk: {gait: tripod, cycle: 0.3, speed: 0.6}", "bug")
     (folder / "worm.yaml").write_text(text + worm)
@@ -345,7 +348,7 @@ def test_check_tells_what_a_figures_author_may_not_have_meant(pronk: Pronk, fold
 
 
 @pytest.mark.slow
-def test_figure_tells_and_pictures_a_figure(pronk: Pronk, folder: Path) -> None:
+def test_figure_prints_and_draws_a_figure(pronk: Pronk, folder: Path) -> None:
     code, out, _ = pronk("figure", "tiny.yaml:bug", "--out", "seen")
     assert code == 0
     assert "l3          leg, 3 links, 5 joints" in out
@@ -353,10 +356,13 @@ def test_figure_tells_and_pictures_a_figure(pronk: Pronk, folder: Path) -> None:
     assert (folder / "seen" / "beetle.png").is_file()
     code, out, err = pronk("figure", "beatle")
     assert (code, out) == (2, "")
-    assert err == "error: no figure or scene is called 'beatle', did you mean 'beetle'?\n"
+    assert err == (
+        "error: no figure or scene is called 'beatle', did you mean 'beetle'? "
+        "`pronk list figures` has all 14\n"
+    )
 
 
-def test_check_tells_the_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> None:
+def test_check_reports_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> None:
     for name in ("one", "two"):
         wrong = SCENE.replace("frames: 8", "frmes: 8")
         (folder / f"{name}.yaml").write_text(wrong, encoding="utf-8")
@@ -367,17 +373,17 @@ def test_check_tells_the_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> N
     assert "two.yaml:3:1: frmes: " in err
 
 
-def test_errors_in_json_are_lines_of_json(pronk: Pronk, folder: Path) -> None:
+def test_json_errors_are_json_lines(pronk: Pronk, folder: Path) -> None:
     code, out, err = pronk("check", "tiny", "--json", "--set", "cast.bug.walk.strde=1")
     (line,) = out.splitlines()
-    words = json.loads(line)
+    entry = json.loads(line)
     assert (code, err) == (3, "")
-    assert (words["event"], words["exit_code"]) == ("error", 3)
-    assert words["problems"][0]["path"] == "cast[0].walk.strde"
+    assert (entry["event"], entry["exit_code"]) == ("error", 3)
+    assert entry["problems"][0]["path"] == "cast[0].walk.strde"
     assert json.loads(pronk("check", "nowhere", "--json")[1])["exit_code"] == 2
 
 
-def test_a_starter_is_right_and_is_not_overwritten(pronk: Pronk, folder: Path) -> None:
+def test_a_starter_scene_is_valid_and_not_overwritten(pronk: Pronk, folder: Path) -> None:
     assert pronk("new", "hello")[0] == 0
     text = (folder / "hello.yaml").read_bytes()
     assert pronk("check", "hello")[0] == 0
@@ -388,40 +394,40 @@ def test_a_starter_is_right_and_is_not_overwritten(pronk: Pronk, folder: Path) -
 
 
 @pytest.fixture
-def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave out the pictures of figures, which take seconds."""
-    monkeypatch.setattr("pipeline.production.reports.figure_report.figure_svg", lambda _: "<svg/>")
-    monkeypatch.setattr("pipeline.production.reports.canvas.png_of", lambda _: b"")
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Skip the pictures of figures, which take seconds."""
+    monkeypatch.setattr("pipeline.production.reports.figure_sheet.figure_svg", lambda _: "<svg/>")
+    monkeypatch.setattr("pipeline.production.reports.plot_files.png_of", lambda _: b"")
 
 
-def told_of(pronk: Pronk, name: str, *words: str) -> dict[str, Any]:
-    """Return what `pronk figure` tells other programs."""
-    code, out, _ = pronk("figure", name, "--json", *words)
+def figure_json(pronk: Pronk, name: str, *arguments: str) -> dict[str, Any]:
+    """Return the JSON report of `pronk figure`."""
+    code, out, _ = pronk("figure", name, "--json", *arguments)
     assert code == 0
     (line,) = out.splitlines()
-    said = json.loads(line)
-    assert said["event"] == "result"
-    return dict(said["figure"])
+    captured = json.loads(line)
+    assert captured["event"] == "result"
+    return dict(captured["figure"])
 
 
-@pytest.mark.usefixtures("folder", "unpictured")
-def test_figure_tells_what_all_links_weigh(pronk: Pronk) -> None:
-    told = told_of(pronk, "tiny.yaml:bug")
-    assert "denavit" not in told
-    links = {link["name"]: link for link in told["links"]}
+@pytest.mark.usefixtures("folder", "no_pictures")
+def test_figure_prints_mass_properties_of_all_links(pronk: Pronk) -> None:
+    report = figure_json(pronk, "tiny.yaml:bug")
+    assert "denavit" not in report
+    links = {link["name"]: link for link in report["links"]}
     assert {"body", "l1.1", "r3.3", "head.2"} <= links.keys()
-    assert told["rest"]["mass"] == pytest.approx(sum(link["mass"] for link in links.values()))
-    for link in told["links"]:
+    assert report["rest"]["mass"] == pytest.approx(sum(link["mass"] for link in links.values()))
+    for link in report["links"]:
         inertia = np.array(link["inertia"])
         assert (inertia == inertia.T).all()
         assert (np.linalg.eigvalsh(inertia) > 0).all()
         assert (link["joint"] is None) == (link["name"] == "body")
-    # Told to people in the same words, a few digits each.
+    # The printed report has the same values with fewer digits.
     out = " ".join(pronk("figure", "tiny.yaml:bug")[1].split())
     one, two, three = (links[f"l3.{n}"]["mass"] for n in (1, 2, 3))
     assert f"{one + two + three:.3g} kg ({one:.3g} + {two:.3g} + {three:.3g})" in out
-    x, y, _ = told["rest"]["centre"]
-    assert f"{told['rest']['mass']:.4g} kg, body {links['body']['mass']:.3g} kg" in out
+    x, y, _ = report["rest"]["centre"]
+    assert f"{report['rest']['mass']:.4g} kg, body {links['body']['mass']:.3g} kg" in out
     assert f"centre of mass at rest ({x:.3f}, {y:.3f}, 0.000) m" in out
 
 
@@ -440,8 +446,8 @@ def _step(axis: int, way: float) -> Array:
     return F
 
 
-def rebuilt(rows: list[dict[str, Any]], q: Array) -> Array:
-    """Return the frames (J, 4, 4) of joints from their table alone, by the notation's rule."""
+def joint_frames(rows: list[dict[str, Any]], q: Array) -> Array:
+    """Return the frames (J, 4, 4) of joints from their Denavit-Hartenberg table."""
     moved: dict[str, Array] = {"body": np.eye(4)}
     left = list(zip(rows, q, strict=True))
     while left:
@@ -456,19 +462,19 @@ def rebuilt(rows: list[dict[str, Any]], q: Array) -> Array:
     return np.array([moved[row["joint"]] @ np.array(row["tool"]) for row in rows])
 
 
-@pytest.mark.usefixtures("folder", "unpictured")
+@pytest.mark.usefixtures("folder", "no_pictures")
 @pytest.mark.parametrize("name", sorted(path.stem for path in FIGURES.glob("*.yaml")))
-def test_poses_come_back_from_the_printed_parameters(pronk: Pronk, name: str) -> None:
-    rows = told_of(pronk, name, "--dh")["denavit"]
+def test_printed_parameters_reproduce_poses(pronk: Pronk, name: str) -> None:
+    rows = figure_json(pronk, name, "--dh")["denavit"]
     scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: {name}}}]\n")
     skeleton = build_figure(name, scene.figures[name], 1.0).skeleton
     assert [row["joint"] for row in rows] == list(skeleton.joint_names)
-    chance = np.random.default_rng(1)
-    for q in (skeleton.preferred, *chance.uniform(skeleton.lower, skeleton.upper, (3, len(rows)))):
-        assert np.abs(rebuilt(rows, q) - JointTree.of(skeleton).pose(q)).max() < 1e-9
+    rng = np.random.default_rng(1)
+    for q in (skeleton.preferred, *rng.uniform(skeleton.lower, skeleton.upper, (3, len(rows)))):
+        assert np.abs(joint_frames(rows, q) - JointTree.of(skeleton).pose(q)).max() < 1e-9
 
 
-@pytest.mark.usefixtures("folder", "unpictured")
+@pytest.mark.usefixtures("folder", "no_pictures")
 def test_figure_prints_a_table_of_parameters(pronk: Pronk) -> None:
     _, out, _ = pronk("figure", "robot_arm", "--dh")
     lines = out.splitlines()

@@ -1,4 +1,4 @@
-"""Documented scenes are accepted as they stand, and links of the pages lead to files."""
+"""Documented scenes are valid, and links of the pages lead to files."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def blocks() -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("name", "text"), blocks(), ids=lambda value: value.split("\n")[0])
-def test_a_documented_scene_is_accepted(name: str, text: str) -> None:
-    # Excerpts leave out what does not matter for their subject.
+def test_documented_scenes_are_valid(name: str, text: str) -> None:
+    # Excerpts omit keys that do not matter for their subject.
     header = "" if text.startswith("pronk:") else "pronk: 1\nduration: 40\n"
     scene = read_scene(header + text + ("" if "cast:" in text else WALKER), name)
     assert scene.cast
@@ -41,7 +41,7 @@ def test_links_of_a_page_lead_to_files(page: Path) -> None:
     assert len(page.read_text(encoding="utf-8")) < 6_000 or page.name != "README.md"
 
 
-def test_modules_that_contributing_names_exist() -> None:
+def test_modules_named_in_contributing_exist() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     modules = re.findall(r"`((?:pipeline|render|audio|tests)/[\w/]+\.py)`", text)
     assert len(modules) > 8

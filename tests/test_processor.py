@@ -1,4 +1,4 @@
-"""Arithmetic is the same on all processors that have the units it is held to."""
+"""The processor class: numpy and BLAS use the same units on every processor."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ needs_avx2 = pytest.mark.skipif(
 )
 
 
-def output(code: str, **variables: str) -> str:
-    """Return what a Python process prints whose environment chooses kernels by `variables` only."""
+def python_output(code: str, **variables: str) -> str:
+    """Return the output of a Python process whose kernels `variables` alone select."""
     clean = {name: value for name, value in os.environ.items() if name not in RELATED}
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
@@ -36,9 +36,9 @@ def output(code: str, **variables: str) -> str:
 
 @pytest.mark.slow
 @needs_avx2
-def test_child_processes_inherit_the_hold() -> None:
+def test_child_processes_inherit_the_processor_class() -> None:
     child = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {PRINT_CLASS!r}])"
-    assert output("import pipeline; " + child) == "x86_64-X86_V3"
+    assert python_output("import pipeline; " + child) == "x86_64-X86_V3"
 
 
 @pytest.mark.slow
@@ -56,15 +56,15 @@ def test_child_processes_inherit_the_hold() -> None:
     ids=lambda variables: " ".join(f"{k}={v}" for k, v in variables.items()) or "nothing set",
 )
 @needs_avx2
-def test_settings_that_agree_with_the_hold_are_completed(variables: dict[str, str]) -> None:
-    assert output(PRINT_CLASS, **variables) == "x86_64-X86_V3"
+def test_compatible_settings_are_completed(variables: dict[str, str]) -> None:
+    assert python_output(PRINT_CLASS, **variables) == "x86_64-X86_V3"
 
 
 @needs_avx2
-def test_numpy_and_its_blas_obey_the_hold() -> None:
+def test_numpy_and_its_blas_use_the_common_units() -> None:
     found = "n.show_config(mode='dicts')['SIMD Extensions']['found']"
-    assert output(f"import pipeline, numpy as n; print(*{found})") == "X86_V3"
-    assert "Haswell" in output("import pipeline, numpy", OPENBLAS_VERBOSE="2")
+    assert python_output(f"import pipeline, numpy as n; print(*{found})") == "X86_V3"
+    assert "Haswell" in python_output("import pipeline, numpy", OPENBLAS_VERBOSE="2")
 
 
 @pytest.mark.slow
@@ -80,11 +80,9 @@ def test_numpy_and_its_blas_obey_the_hold() -> None:
     ids=["numpy first", "numpy first, kernel chosen", "other kernel", "fewer units", "mixed"],
 )
 @needs_avx2
-def test_a_process_that_is_not_held_has_a_class_of_its_own(
-    before: str, variables: dict[str, str]
-) -> None:
-    assert output(before + PRINT_CLASS, **variables).endswith("-own")
+def test_incompatible_settings_give_an_own_class(before: str, variables: dict[str, str]) -> None:
+    assert python_output(before + PRINT_CLASS, **variables).endswith("-own")
 
 
-def test_other_processors_keep_the_units_they_have() -> None:
+def test_class_names_of_held_and_other_processes_differ() -> None:
     assert class_name(["X86_V3"], held=True) != class_name(["X86_V3"], held=False)

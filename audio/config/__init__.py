@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pydantic import AfterValidator, BaseModel, ConfigDict
 
 
-class Config(BaseModel):
+class AudioConfig(BaseModel):
     """Base of the models: immutable, known keys only, finite numbers only."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)

@@ -6,16 +6,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from audio.config import Config, checked_by
-from audio.config.notes import (
-    ChordName,
-    PhraseOrSteps,
-    Pitch,
-    Quantisation,
-    ScaleName,
-    Velocity,
-    VelocityOrNumber,
-)
+from audio.config import AudioConfig, checked_by
+from audio.config.phrase import PhraseOrSteps
+from audio.config.pitch import ChordName, Pitch, ScaleName
+from audio.config.quantisation import Quantisation
+from audio.config.velocity import Velocity, VelocityOrNumber
 from audio.general_midi import drum_key, program_number
 
 Instrument = Annotated[str, checked_by(program_number)]
@@ -24,7 +19,7 @@ Pattern = Annotated[str, Field(min_length=1)]
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
-class Range(Config):
+class Range(AudioConfig):
     """A range of numbers."""
 
     above: float | None = Field(None, ge=0, description="Lower bound, included.")
@@ -43,7 +38,7 @@ class Range(Config):
         )
 
 
-class EventFilter(Config):
+class EventFilter(AudioConfig):
     """Selects events; every given condition must hold, `*` stands for any letters."""
 
     cause: Pattern | None = Field(None, description="Cause, such as footfall or scuff.")
@@ -58,7 +53,7 @@ class EventFilter(Config):
     )
 
 
-class Voice(Config):
+class Voice(AudioConfig):
     """Sound of some events; defaults follow cause, material and size."""
 
     when: EventFilter = Field(EventFilter(), description="The events it applies to; default all.")
@@ -126,8 +121,8 @@ RoomName = Literal["open", "dry", "room", "hall"]
 Metres = Annotated[float, Field(gt=0, le=1000)]
 
 
-class Room(Config):
-    """Acoustics of the place; the preset supplies what is not given."""
+class Room(AudioConfig):
+    """Acoustics of the place; the preset supplies the other keys."""
 
     preset: RoomName = Field(
         "open", description="open (the ground and little else), dry (nothing), room or hall."
@@ -146,7 +141,7 @@ class Room(Config):
     )
 
 
-class Master(Config):
+class Master(AudioConfig):
     """Loudness of the whole track."""
 
     lufs: float = Field(-16.0, ge=-40, le=-6, description="Target integrated loudness [LUFS].")
@@ -157,7 +152,7 @@ class Master(Config):
         30.0,
         ge=0,
         le=60,
-        description="Greatest gain of a soft scene [dB]: what is nearly silent stays soft.",
+        description="Greatest gain of a soft scene [dB]: a nearly silent scene stays soft.",
     )
     most_limiting_db: float = Field(
         18.0,
@@ -184,7 +179,7 @@ MasterOrOff = Annotated[
 ]
 
 
-class Sound(Config):
+class Sound(AudioConfig):
     """The sound of a scene: the scale of its notes, its voices, its loudness."""
 
     scale: ScaleName = Field(

@@ -58,7 +58,7 @@ def jumps(scene: SceneName, options: SceneOptions) -> None:
 @with_options
 def fit(scene: SceneName, options: SceneOptions) -> None:
     """Find gains that make the first dancer move its hands more smoothly."""
-    from pipeline.production.reports.jerk_trials import fit_jerk
+    from pipeline.production.reports.jerk_fit import fit_jerk
 
     reporter = options.reporter()
     fitted = fit_jerk(options.scene(scene), reporter)

@@ -43,8 +43,8 @@ def direct(
 
     Leaves a take, and a scene that does the same by itself.
     """
-    from pipeline.production.direct.recording import recorder_for
-    from pipeline.production.direct.session import direct as serve
+    from pipeline.production.direct.scene_recorder import recorder_for
+    from pipeline.production.direct.server import direct as serve
     from pipeline.production.direct.transport import transport_for
     from pipeline.spec import find_scene, load_scene
 

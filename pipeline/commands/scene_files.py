@@ -63,7 +63,7 @@ def figure(
     ] = False,
 ) -> None:
     """Report the parts and masses of a figure and draw it standing."""
-    from pipeline.production.reports.figure_report import figure_sheet, figures_of
+    from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
 
     reporter = options.reporter()
     for drawing in (drawing for name in names for drawing in figures_of(name)):

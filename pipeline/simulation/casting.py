@@ -13,7 +13,7 @@ from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
@@ -45,9 +45,9 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         troupes.append(PropTroupe(props, world, [m.material or PROP_MATERIAL for m in props]))
     # Rooms that load MuJoCo or a compiler are imported only where they are needed.
     if scene.dancers:
-        from pipeline.simulation.dancers.dancer_troupe import Dancers
+        from pipeline.simulation.dancers.dancer_troupe import DancerTroupe
 
-        troupes.append(Dancers(scene.dancers, scene.dances, world))
+        troupes.append(DancerTroupe(scene.dancers, scene.dances, world))
     # Characters push bodies through the contact coupling instead.
     pushing = [troupe.inventory for troupe in troupes]
     characters = [member for _, member in cast if isinstance(member, Character)]
@@ -102,7 +102,7 @@ def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         ground = world.ground if level is None else level_ground(level, world.ground)
         there = replace(world, ground=ground)
         if walkers:
-            troupes.append(Walkers(walkers, there, _default_materials(walkers)))
+            troupes.append(WalkerTroupe(walkers, there, _default_materials(walkers)))
         if hoppers:
             troupes.append(HopperTroupe(hoppers, there, _default_materials(hoppers)))
         if worms:

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch
-from pipeline.simulation.signals import Signal
 from pipeline.simulation.sound_detection.contact_sounds import ContactSounds
 from pipeline.simulation.sound_detection.motion_sounds import MotionSounds
 from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts
 from pipeline.simulation.sound_detection.vocal_sounds import VocalSounds
-from pipeline.simulation.take import Contact, SoundEvent
+from pipeline.simulation.troupe import Facts
 from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene
 
 
 class EventDetection:
-    """All detectors of a scene."""
+    """All detectors of a scene; events and the contacts they follow from go to the recorder."""
 
     def __init__(
         self, scene: Scene, clock: Clock, recorder: Recorder, figures: Mapping[str, Figure]
@@ -30,23 +29,20 @@ class EventDetection:
         self._voices = VocalSounds(detect, clock)
         self._motions = MotionSounds(detect, sound_sources(scene, clock, recorder, figures))
 
-    def of_step(
-        self, contacts: Sequence[Contact], signals: Sequence[Signal], step: int
-    ) -> list[SoundEvent]:
-        """Returns the events of the contacts and signals with which `step` was reached."""
+    def record_step(self, facts: Facts, step: int) -> None:
+        """Records the facts with which `step` was reached, and the events that follow from them."""
+        contacts = facts.contacts
         events = self._contacts.events(contacts)
-        voices = self._voices.events(signals, step)
+        voices = self._voices.events(facts.signals, step)
         self._motions.add_contacts(contacts)
-        return [*events, *voices]
+        self._recorder.add_facts(contacts, [*events, *voices], facts.notes)
 
-    def of_batch_contacts(self, batch: Batch) -> list[SoundEvent]:
-        """Returns the events of contacts that became known when rows were written."""
-        return self._contacts.events(batch.contacts)
-
-    def of_batch_motion(self, batch: Batch) -> list[SoundEvent]:
-        """Returns the events of motion in finished rows."""
-        alive, values = self._recorder.alive[batch.rows], self._recorder.values[batch.rows]
-        return self._motions.events(batch.rows, batch.p, batch.R, alive, values)
+    def record_batch(self, batch: Batch) -> None:
+        """Records contacts that became known when rows were written, and the events of the rows."""
+        recorder, rows = self._recorder, batch.rows
+        recorder.add_facts(batch.contacts, self._contacts.events(batch.contacts), ())
+        alive, values = recorder.alive[rows], recorder.values[rows]
+        recorder.add_facts((), self._motions.events(rows, batch.p, batch.R, alive, values), ())
 
 
 def sound_sources(

@@ -1,7 +1,7 @@
 """Obstacles: convex solids that troupes show one another, and their motion.
 
 Every visible part that follows one node is an obstacle: its convex hull. A skin over many nodes
-gives solids of its own. The velocity follows from the poses of the node. Obstacles push and are not
+gives separate solids. The velocity follows from the poses of the node. Obstacles push and are not
 pushed, except bodies with an `ObstacleMass`.
 """
 

@@ -17,6 +17,7 @@ from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory, join_inventories, shifted_look
 from pipeline.simulation.obstacles import Obstacle
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.row_storage import allocate_rows, release_rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
@@ -30,7 +31,6 @@ from pipeline.simulation.take import (
     Told,
 )
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.troupe import Rows
 from pipeline.spec.script import order_text
 
 

@@ -1,6 +1,7 @@
 """Quaternions, vectors and matrices of one body as plain floats.
 
-The scalar counterpart of `spatial`: for a single body, tuples of floats cost a tenth of arrays.
+Use it in plain Python that integrates a single body step by step, such as a hopper: tuples of
+floats cost a tenth of the arrays of `spatial`, and plain Python cannot call `dynamics.vectors`.
 Quaternions are `wxyz`; a matrix is a tuple of its rows.
 """
 
@@ -76,7 +77,7 @@ def rotate(R: Rows, v: Vector) -> Vector:
     )
 
 
-def unrotate(R: Rows, v: Vector) -> Vector:
+def rotate_inverse(R: Rows, v: Vector) -> Vector:
     """Return Rᵀ v."""
     a, b, c = R
     x, y, z = v

@@ -18,9 +18,10 @@ from pipeline.simulation.attachment import Attachment, split_attachments
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling
 from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows, Troupe, WriteStage, node_range, pushed_troupe
+from pipeline.simulation.troupe import Troupe, WriteStage, node_range, pushed_troupe
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,26 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
 
 from pipeline.errors import SceneError
-from pipeline.simulation.attachment import attachments_of
-from pipeline.simulation.casting import figures_of, troupes_of
-from pipeline.simulation.clock import Clock
-from pipeline.simulation.contact_coupling import coupling_of
-from pipeline.simulation.event_detection import EventDetection
-from pipeline.simulation.inventory import obstacles_of
+from pipeline.simulation.assembly import assemble
 from pipeline.simulation.mechanism import Leg
-from pipeline.simulation.node_names import NodeNames, node_aliases
-from pipeline.simulation.obstacles import Obstacle
-from pipeline.simulation.recorder import Recorder
-from pipeline.simulation.scheduler import Batch, RowScheduler
-from pipeline.simulation.script import Orders, Script
+from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Take
-from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import Facts, World
-from pipeline.simulation.versions import header_of
+from pipeline.simulation.troupe import Facts
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -41,7 +29,6 @@ class Simulation:
 
     Attributes:
         step_number: number of steps taken.
-        signals: signals of the last step.
         aliases: names of drawing nodes for the nodes of creatures.
 
     Raises:
@@ -50,46 +37,23 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, key: str = "", directed: bool = False) -> None:
-        self.step_number = 0
-        self.signals: tuple[Signal, ...] = ()
-        self._facts = Facts()
         try:
-            self._build(scene, key, directed)
-            self.scheduler.buffer_step(0)
+            parts = assemble(scene, key, directed)
+            parts.scheduler.buffer_step(0)
         except SceneError as error:
             raise scene.source_map.with_locations(error) from None
+        self.world, self.troupes, self.recorder = parts.world, parts.troupes, parts.recorder
+        self.script, self.coupling, self.scheduler = parts.script, parts.coupling, parts.scheduler
+        self.aliases = parts.aliases
+        self._obstacles, self._detection = parts.obstacles, parts.detection
+        self.step_number = 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
 
-    def _build(self, scene: Scene, key: str, directed: bool) -> None:
-        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
-        ground = build_ground(scene.terrain, scene.seed)
-        detect = scene.sound.detect
-        self.world = World(
-            ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed
-        )
-        figures = figures_of(scene)
-        self.troupes = troupes_of(scene, figures, self.world)
-        inventories = [troupe.inventory for troupe in self.troupes]
-        self.recorder = recorder = Recorder(header_of(scene, key), clock, ground, inventories)
-        self.aliases = node_aliases(figures, recorder.nodes)
-        names = NodeNames.joined(recorder.nodes, self.aliases)
-        attachments = attachments_of(scene.cast, names, recorder.nodes, clock)
-        for troupe in self.troupes:
-            troupe.bind(recorder.nodes, recorder.meshes, names)
-        recorder.attach(attachments)
-        self._detection = EventDetection(scene, clock, recorder, figures)
-        self.script = Script(scene.script, clock)
-        self.coupling = coupling_of(
-            scene, self.troupes, recorder, attachments, lambda: self._obstacles
-        )
-        self.scheduler = RowScheduler(
-            clock, self.troupes, recorder, attachments, self.coupling, self._record_batch
-        )
-
-    @cached_property
-    def _obstacles(self) -> list[Obstacle]:
-        return obstacles_of([troupe.inventory for troupe in self.troupes])
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """Signals of the last step."""
+        return self._facts.signals
 
     @property
     def finished(self) -> bool:
@@ -103,9 +67,9 @@ class Simulation:
         self._update_obstacles()
         self._read(orders)
         self._advance()
-        self._write_rows()
+        self.scheduler.buffer_step(self.step_number)
         self._collect_facts()
-        self._record_facts()
+        self._detection.record_step(self._facts, self.step_number)
 
     def add_instruction(self, instruction: Instruction) -> None:
         """Adds an instruction from outside; one without delay is given in the next step.
@@ -144,7 +108,7 @@ class Simulation:
         for troupe in self.troupes:
             if needed := troupe.solids_needed(orders):
                 row = self.last_row()
-                troupe.see_solids(self.recorder.solids(self._obstacles, needed, row))
+                troupe.see_solids(self.recorder.solids(self._obstacles(), needed, row))
 
     def _update_obstacles(self) -> None:
         if self.coupling is not None:
@@ -159,21 +123,8 @@ class Simulation:
             troupe.advance(self.step_number)
         self.step_number += 1
 
-    def _write_rows(self) -> None:
-        self.scheduler.buffer_step(self.step_number)
-
-    def _record_batch(self, batch: Batch) -> None:
-        self.recorder.add_facts(batch.contacts, self._detection.of_batch_contacts(batch), ())
-        self.recorder.add_facts((), self._detection.of_batch_motion(batch), ())
-
     def _collect_facts(self) -> None:
         self._facts = Facts.merged([troupe.facts() for troupe in self.troupes])
-        self.signals = self._facts.signals
-
-    def _record_facts(self) -> None:
-        facts = self._facts
-        events = self._detection.of_step(facts.contacts, facts.signals, self.step_number)
-        self.recorder.add_facts(facts.contacts, events, facts.notes)
 
 
 def simulate(

@@ -1,4 +1,4 @@
-"""Rotations and poses, as arrays; the table of letters.
+"""Rotations and poses of many bodies as numpy arrays; the table of letters.
 
     W world      B body or link      J joint      F foot      C camera
 
@@ -6,6 +6,9 @@
 quaternion `wxyz`, `v_WB` its velocity. Neighbouring letters cancel:
 `p_WF = p_WB + R_WB @ p_BF`. All functions work on the last axis (or the last two,
 for matrices) and broadcast over the others.
+
+Use this module wherever arrays are at hand. A loop over the sub-steps of one body in plain Python
+uses `scalar_rotation`; compiled code uses `dynamics.vectors`.
 """
 
 from __future__ import annotations
@@ -117,7 +120,7 @@ def turn(R: Array, v: Array) -> Array:
     return (R @ v[..., None])[..., 0]
 
 
-def unturn(R: Array, v: Array) -> Array:
+def turn_inverse(R: Array, v: Array) -> Array:
     """Returns the vectors `v` (..., 3) rotated by the inverses of `R` (..., 3, 3)."""
     return (v[..., None, :] @ R)[..., 0, :]
 

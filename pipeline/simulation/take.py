@@ -255,7 +255,7 @@ class TakeNote:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """An instruction of the script, as given to `who` from `step` on."""
+    """An instruction of the script, given to performer `who` at `step`."""
 
     step: int
     who: str

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.members import Members
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
+from pipeline.simulation.order_outcome import GripChange, Outcome
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.spatial import Array
@@ -52,25 +52,6 @@ class World:
     directed: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Writable slice of n rows of the take, for one troupe.
-
-    Attributes:
-        positions: (n, J, 3) node positions [m].
-        rotations: (n, J, 3, 3) matrices; the take stores quaternions.
-        alive: (n, J) whether a node exists.
-        values: (n, C) channel values.
-        scales: (n, N, 3) scales of the scaled nodes.
-    """
-
-    positions: Array
-    rotations: Array
-    alive: NDArray[np.bool_]
-    values: Array
-    scales: Array
-
-
 @dataclass(frozen=True, slots=True)
 class Facts:
     """Contacts and signals of one step.
@@ -81,6 +62,8 @@ class Facts:
         arrived: performers that reached the end of their routes.
         touched: pairs of performers that began to touch, by name.
         signals: further signals for the director and the voice detector.
+        outcomes: orders that ended, other than by arriving.
+        grips: hands that took hold of members of other troupes, or released them.
     """
 
     contacts: tuple[Contact, ...] = ()
@@ -88,6 +71,8 @@ class Facts:
     arrived: tuple[str, ...] = ()
     touched: tuple[tuple[str, str], ...] = ()
     signals: tuple[Signal, ...] = ()
+    outcomes: tuple[Outcome, ...] = ()
+    grips: tuple[GripChange, ...] = ()
 
     @staticmethod
     def merged(facts: Sequence[Facts]) -> Facts:
@@ -105,6 +90,8 @@ class Facts:
                 *(Signal("touch", *pair) for pair in touched),
                 *(signal for one in facts for signal in one.signals),
             ),
+            outcomes=tuple(outcome for one in facts for outcome in one.outcomes),
+            grips=tuple(change for one in facts for change in one.grips),
         )
 
 
@@ -159,6 +146,13 @@ class Troupe:
     def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
         """Receives the corners (n, 3) [m] of the solids of the performers it asked for."""
 
+    def watches_members(self, orders: Orders) -> bool:
+        """Returns whether it has to see members of other troupes before it reads `orders`."""
+        return False
+
+    def see_members(self, members: Members) -> None:
+        """Receives the members of all troupes as they were in the row before."""
+
     def read(self, orders: Orders) -> None:
         """Applies the orders of the script to its members."""
 
@@ -197,6 +191,14 @@ class Troupe:
     def solid_motion(self) -> SolidMotion:
         """Returns pose and velocity of its solids in the last row."""
         raise NotImplementedError
+
+    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[int]) -> None:
+        """Lets hands hold its members, or release them, from the next row on.
+
+        Args:
+            changes: in the order of time.
+            hands: numbers of the nodes of these hands in the take.
+        """
 
     def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """Applies (S, 3) impulses [N s] and [N m s] to its solids, spread until the next row."""

@@ -10,10 +10,10 @@ from pipeline.spec.digest import scene_digest, simulation_key
 from pipeline.spec.figure import Figure, Node
 from pipeline.spec.group import Group
 from pipeline.spec.json_schema import figure_schema, schema
-from pipeline.spec.library_search import find_scene, library, shipped_scenes
 from pipeline.spec.operations import Operation
 from pipeline.spec.prop import Prop
 from pipeline.spec.scene import VERSION, Scene
+from pipeline.spec.scene_library import find_scene, library, shipped_scenes
 from pipeline.spec.scene_loader import load_figure, load_figures, load_scene, read_scene
 from pipeline.spec.terrain import Terrain
 from pipeline.spec.walk import GaitPhases, Walk

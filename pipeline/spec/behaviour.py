@@ -47,10 +47,10 @@ class Traits(ConfigModel):
 
 
 class Urge(ConfigModel):
-    """What all behaviours have."""
+    """Settings of every behaviour."""
 
     target: ClassVar[TargetKind | None] = None
-    """What its key may name, None for behaviours whose key names nothing."""
+    """Kinds of performers that its key may name, None if it names nothing."""
 
     urge: Annotated[Number, Field(ge=-1, le=1)] = Field(
         0.0, description="Added to its activation, which goes from 0 to about 1."
@@ -165,9 +165,10 @@ FORMS: Mapping[str, type[Urge]] = {
     "rest": SitDown,
     "freeze": Freeze,
 }
-"""Behaviours by the key that selects them. Withdrawal from pain needs no key."""
+"""Behaviours by the key that selects them."""
 
 WITHDRAWAL = "withdrawal"
+WITHDRAWAL_TEXT = "Withdraws from pain; needs no key."
 
 NAMES = (WITHDRAWAL, *FORMS)
 """Names of all behaviours, in the order in which takes number them."""

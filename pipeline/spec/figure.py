@@ -29,7 +29,7 @@ from pipeline.spec.operations import Operation, carry_out
 from pipeline.spec.operations.drawing import MAX_NODES, Mark, Sheet, faults_of_chain
 from pipeline.spec.suggestions import hint
 
-PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
+PartKind = Literal["leg", "arm", "head", "tail", "feeler", "horn", "wing", "body"]
 Feet = Literal["plain", "claws", "hooves", "paws", "toes"]
 LinkShape = Literal["round", "straight", "box", "plate", "ball"]
 
@@ -114,7 +114,7 @@ class Figure(ConfigModel):
     material: Name | None = Field(None, description="Material of parts that name none, by name.")
     feet: Feet | None = Field(
         None,
-        description="What legs end in; it is seen, and weighs nothing. Claws if left out for an "
+        description="Ends of the legs, drawn without mass. Claws if left out for an "
         "insect, plain for a mammal.",
     )
     eyes: bool = Field(True, description="Whether its head has eyes.")

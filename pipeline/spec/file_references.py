@@ -11,11 +11,18 @@ from pathlib import Path
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
-from pipeline.spec.source_tree import ListNode, MappingNode, ScalarNode, SourceNode, find_node
+from pipeline.spec.yaml_tree import (
+    ListNode,
+    MappingNode,
+    ScalarNode,
+    SourceNode,
+    find_node,
+    with_node,
+)
 
 Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
-"""Takes a file and the name that the author gave it; returns what is wrong, None if nothing."""
+"""Takes a file and the name that the author gave it; returns its error, None if it has none."""
 
 TERRAIN_FILE_KINDS = ("image", "mesh")
 """Kinds of terrain that read a file."""
@@ -31,10 +38,10 @@ def complete_file_names(
         folder: its folder, None where it has none.
 
     Returns:
-        The scene, and what is wrong with the files.
+        The scene, and the problems of the files.
     """
     problems: list[Problem] = []
-    changed: SourceNode = scene
+    changed = scene
     for path, file_fault in _file_keys(scene):
         name = find_node(scene, path)
         if len(name.path) < len(path) or not isinstance(name.tree, ScalarNode):
@@ -46,8 +53,7 @@ def complete_file_names(
         fault = file_fault(whole, text)
         if fault is not None:
             problems.append(place.problem(path, fault))
-        changed = _replaced(changed, path, ScalarNode(place, str(whole)))
-    assert isinstance(changed, MappingNode)
+        changed = with_node(changed, path, ScalarNode(place, str(whole)))
     return changed, problems
 
 
@@ -102,18 +108,6 @@ def _unreadable_file(path: Path, name: str) -> str | None:
         return None if path.exists() else f"'{name}' does not exist in {path.parent}"
     except (OSError, ValueError) as error:
         return f"'{name}' cannot be the name of a file: {error}"
-
-
-def _replaced(tree: SourceNode, path: Steps, value: SourceNode) -> SourceNode:
-    """Return the tree with another value at a path that it has."""
-    if not path:
-        return value
-    step, *below = path
-    if isinstance(tree, MappingNode) and isinstance(step, str):
-        return tree.with_value(step, _replaced(tree.entries[step].value, (*below,), value))
-    assert isinstance(tree, ListNode)
-    assert isinstance(step, int)
-    return tree.with_item(step, _replaced(tree.items[step], (*below,), value))
 
 
 def content_digest(file: str) -> str:

@@ -49,6 +49,13 @@ Target = Annotated[
 """A performer by its name, or a place [x, y, z] [m]."""
 
 
+Goal = Annotated[
+    Annotated[Name, Tag("a name")] | Annotated[Point, Tag("a place")],
+    Discriminator(_name_or_place),
+]
+"""A member of the cast or a place by its name, or a place on the ground [x, z] [m]."""
+
+
 def keyed_union(forms: Mapping[str, type[BaseModel]], default: str, word: Any = None) -> Any:
     """Return the union of models that are told apart by the key that each alone has.
 

@@ -112,14 +112,15 @@ def _names_of_many_bodies(scene: object) -> Iterator[Fault]:
 
 
 def _materials(scene: object) -> Iterator[Fault]:
-    known = text_keys(value_at(scene, "materials")) | MATERIALS.keys()
+    own = text_keys(value_at(scene, "materials"))
     named = [((*path, "material"), value_at(owner, "material")) for path, owner in _owners(scene)]
     for i, member in _members(scene):
         listed = items_of(value_at(value_at(member, "many"), "materials"))
         named += [(("cast", i, "many", "materials", k), name) for k, name in listed]
     for path, name in named:
-        if isinstance(name, str) and name not in known:
-            yield Fault(path, f"no material is called '{name}', {hint(name, known)}")
+        if isinstance(name, str) and name not in own and name not in MATERIALS:
+            close = hint(name, MATERIALS, "materials", own)
+            yield Fault(path, f"no material is called '{name}', {close}")
 
 
 def _owners(scene: object) -> Iterator[tuple[Path, Any]]:
@@ -192,7 +193,7 @@ def _behaviour_targets(scene: object) -> Iterator[Fault]:
 
 
 def _moods(scene: object) -> Iterator[Fault]:
-    known = text_keys(value_at(scene, "moods")) | MOODS.keys()
+    own = text_keys(value_at(scene, "moods"))
     mixes: list[tuple[Path, Any]] = [
         (("cast", i, "mood"), value_at(member, "mood")) for i, member in _members(scene)
     ]
@@ -200,8 +201,9 @@ def _moods(scene: object) -> Iterator[Fault]:
         mixes.append((("script", i, "do", "mood"), value_at(value_at(instruction, "do"), "mood")))
     for path, mix in mixes:
         for name in [mix] if isinstance(mix, str) else sorted(text_keys(mix)):
-            if name not in known:
-                yield Fault(path, f"no mood is called '{name}', {hint(name, known)}")
+            if name not in own and name not in MOODS:
+                close = hint(name, MOODS, "moods", own)
+                yield Fault(path, f"no mood is called '{name}', {close}")
 
 
 def _look_targets(scene: object) -> Iterator[Fault]:
@@ -237,7 +239,8 @@ def _sound_patterns(scene: object) -> Iterator[Fault]:
         patterns.append(((*place, "who"), value_at(when, "who")))
         cause = value_at(when, "cause")
         if isinstance(cause, str) and not any(matches_pattern(name, cause) for name in CAUSES):
-            yield Fault((*place, "cause"), f"nothing is caused by '{cause}', {hint(cause, CAUSES)}")
+            close = hint(cause, CAUSES, "causes")
+            yield Fault((*place, "cause"), f"nothing is caused by '{cause}', {close}")
     for cause in CAUSES:
         threshold = value_at(value_at(sound, "detect"), cause)
         patterns.append((("sound", "detect", cause, "who"), value_at(threshold, "who")))

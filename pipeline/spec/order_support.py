@@ -24,12 +24,16 @@ from pipeline.spec.partial_scene import (
     unknown_name,
     value_at,
 )
-from pipeline.spec.script import FORMS
+from pipeline.spec.script import FORMS, PLAIN_ORDERS
 from pipeline.spec.suggestions import hint
 
-CHARACTER_ONLY = ("reach", "grab", "let_go", "hug", "grapple", "sit", "stand", "freeze", "urge")
+CHARACTER_ONLY = (
+    *("reach", "grab", "carry", "throw", "kick", "let_go", "hug", "grapple"),
+    *("sit", "stand", "freeze", "urge"),
+)
 CHARACTER_ORDERS = (
-    *("go_to", "turn_deg", "walk", "stop", "wait", "speed", "look_at", "look"),
+    *("go_to", "follow", "chase", "flee", "avoid"),
+    *("turn_deg", "walk", "stop", "wait", "speed", "look_at", "look"),
     *CHARACTER_ONLY,
 )
 DANCER_ONLY = ("dance",)
@@ -40,6 +44,19 @@ HOPPER_ORDERS = (
     *("go_to", "turn_deg", "speed", "wait", "look_at", "look"),
 )
 """Orders of a creature that hops and does not walk."""
+
+
+def orders_by_performer() -> dict[str, tuple[str, ...]]:
+    """Return the orders that each sort of performer can be given."""
+    others = {*CHARACTER_ONLY, *DANCER_ONLY, "hop"}
+    walker_orders = tuple(order for order in (*PLAIN_ORDERS, *FORMS) if order not in others)
+    return {
+        "walkers": walker_orders,
+        "hoppers": HOPPER_ORDERS,
+        "people": CHARACTER_ORDERS,
+        "dancers": DANCER_ORDERS,
+    }
+
 
 UNMOVED = ("prop", "body")
 """Kinds of members that follow no script."""
@@ -87,7 +104,7 @@ def faults_of_script(scene: object) -> Iterator[Fault]:
 def _faults_of_order(
     name: str, do: object, path: Path, cast: Cast, dances: Collection[str]
 ) -> Iterator[Fault]:
-    """Find what is wrong with the order `do` to a member of the cast."""
+    """Find faults of the order `do` to a member of the cast."""
     member = cast[name]
     who, order = (*path, "who"), (*path, "do")
     kind = kind_of(member)
@@ -114,7 +131,7 @@ def _faults_of_order(
 
 
 def _faults_of_arrival(name: str, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find that a member whose arrival is waited for never arrives."""
+    """Find orders that wait for an arrival that never comes."""
     if name not in cast:
         yield unknown_name(name, cast, path)
         return
@@ -149,14 +166,14 @@ def _has(member: object, block: str) -> bool:
     return (isinstance(member, Mapping) and block in member) or value_at(member, block) is not None
 
 
-def _order_of(do: object, known: Collection[str]) -> str | None:
-    """Return the order in `do`: its word, or the first of its keys, known ones before others."""
+def _order_of(do: object) -> str | None:
+    """Return the order in `do`: its word, or the first of its keys, orders of people first."""
     if isinstance(do, str):
         return do
     keys = given_keys(do)
     if isinstance(do, BaseModel):
         return next(iter(keys), None)
-    return next(iter(sorted(keys, key=lambda key: key not in known)), None)
+    return next(iter(sorted(keys, key=lambda key: key not in CHARACTER_ORDERS)), None)
 
 
 def _at_order(do: object, order: str, path: Path, message: str) -> Fault:
@@ -206,8 +223,8 @@ def faults_of_hop_targets(scene: object) -> Iterator[Fault]:
 
 
 def _faults_of_character(name: str, do: object, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find what a child or an adult is ordered that it cannot do."""
-    order = _order_of(do, CHARACTER_ORDERS)
+    """Find orders that a child or an adult cannot carry out."""
+    order = _order_of(do)
     if order is not None and order not in CHARACTER_ORDERS:
         message = f"'{name}' is a person, who can {', '.join(CHARACTER_ORDERS)}"
         yield _at_order(do, order, path, message)
@@ -244,14 +261,14 @@ def _faults_of_urges(member: object, name: str, do: object, path: Path) -> Itera
         yield Fault((*path, "urge"), message, at_key=True)
     for key in urges:
         if key not in NAMES:
-            message = f"no behaviour is called '{key}', {hint(str(key), NAMES)}"
+            message = f"no behaviour is called '{key}', {hint(str(key), NAMES, 'behaviours')}"
             yield Fault((*path, "urge", str(key)), message, at_key=True)
 
 
 def _faults_of_dancer(
     name: str, do: object, path: Path, dances: Collection[str], hangs: bool
 ) -> Iterator[Fault]:
-    """Find what a dancer is ordered that it cannot do.
+    """Find orders that a dancer cannot carry out.
 
     Args:
         name: of the dancer.

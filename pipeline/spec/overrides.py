@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
 from pipeline.spec.partial_scene import member_names
-from pipeline.spec.source_tree import (
+from pipeline.spec.suggestions import hint
+from pipeline.spec.yaml_reader import read_yaml
+from pipeline.spec.yaml_tree import (
     Entry,
     ListNode,
     MappingNode,
@@ -18,8 +20,6 @@ from pipeline.spec.source_tree import (
     path_text,
     plain_values,
 )
-from pipeline.spec.suggestions import hint
-from pipeline.spec.yaml_reader import read_yaml
 
 _STEP = re.compile(r"(?:^|\.)([^.\[\]=]+)|\[([0-9]{1,9})\]")
 
@@ -49,7 +49,7 @@ def override(scene: MappingNode, assignments: Sequence[str]) -> tuple[MappingNod
         assignments: `path=value` each; the value is YAML.
 
     Returns:
-        The changed scene, and what is wrong with the assignments themselves.
+        The changed scene, and the problems of the assignments themselves.
     """
     problems: list[Problem] = []
     for text in assignments:

@@ -11,8 +11,8 @@ from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.renamed_keys import rename_keys
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
-from pipeline.spec.source_tree import ListNode, MappingNode, tree_of
 from pipeline.spec.validation import check, problems_of_faults
+from pipeline.spec.yaml_tree import ListNode, MappingNode, tree_of
 
 
 def instruction_of(values: Mapping[str, Any], scene: Scene, now: float) -> Instruction:

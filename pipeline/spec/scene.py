@@ -26,7 +26,6 @@ from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.partial_scene import member_names
 from pipeline.spec.script import Instruction
 from pipeline.spec.sound_thresholds import SceneSound
-from pipeline.spec.source_tree import SourceMap, SourceNode
 from pipeline.spec.terrain import Terrain
 from pipeline.spec.terrain.kinds import FlatTerrain
 from pipeline.spec.timing import (
@@ -38,6 +37,7 @@ from pipeline.spec.timing import (
     frames_of,
     rate_of,
 )
+from pipeline.spec.yaml_tree import SourceMap, SourceNode
 from render.config import Camera, Cuts, Film, Light, Material
 from render.config.film import Even
 

@@ -15,23 +15,18 @@ from pathlib import Path
 from pipeline.errors import Problem, SceneError, UsageError
 from pipeline.spec.figure import Figure
 from pipeline.spec.file_references import complete_file_names
-from pipeline.spec.library_search import (
-    DANCE_BLOCK,
-    FIGURE_BLOCK,
-    FigureFile,
-    LibrarySearch,
-    find_figure,
-)
+from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, FigureFile, LibrarySearch
 from pipeline.spec.model_base import NAME_PATTERN
 from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.overrides import override
 from pipeline.spec.renamed_keys import rename_keys
 from pipeline.spec.scene import VERSION, Scene
-from pipeline.spec.source_tree import ListNode, MappingNode, ScalarNode, plain_values
+from pipeline.spec.scene_library import find_figure
 from pipeline.spec.suggestions import hint
 from pipeline.spec.timing import faults_of_timing
 from pipeline.spec.validation import check, in_order, problems_of_faults
 from pipeline.spec.yaml_reader import read_bytes, read_file
+from pipeline.spec.yaml_tree import ListNode, MappingNode, ScalarNode, plain_values
 
 LOG = logging.getLogger("pronk")
 

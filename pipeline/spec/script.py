@@ -11,6 +11,7 @@ from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.model_base import (
     ConfigModel,
     Fault,
+    Goal,
     Integer,
     Length,
     LengthOrZero,
@@ -26,9 +27,41 @@ from pipeline.spec.walk import GAIT, Gait, Manner
 
 
 class GoTo(ConfigModel):
-    """Go to a place and stop there."""
+    """Go to a place, or up to a member of the cast wherever it is by then, and stop there."""
 
-    go_to: Point = Field(description="Where to, [x, z] [m].")
+    go_to: Goal = Field(description="Where to: [x, z] [m], a member of the cast, or a place.")
+    gap: LengthOrZero | None = Field(
+        None,
+        description="Distance from the surface of a member at which it stops [m]; just clear of "
+        "it if left out.",
+    )
+
+
+class Follow(ConfigModel):
+    """Go after a member of the cast, and keep a distance, until told otherwise."""
+
+    follow: Name = Field(description="Whom or what: a member of the cast.")
+    gap: LengthOrZero = Field(1.0, description="Distance from its surface that it keeps [m].")
+
+
+class Chase(ConfigModel):
+    """Run after a member of the cast until it touches it."""
+
+    chase: Name = Field(description="Whom or what: a member of the cast.")
+
+
+class Flee(ConfigModel):
+    """Run from a member of the cast or a place, until far enough away."""
+
+    flee: Target = Field(description="From whom, what or where.")
+    distance: Length = Field(5.0, description="How far away it stops [m].")
+
+
+class Avoid(ConfigModel):
+    """Keep off a member of the cast or a place from now on, whatever else it does."""
+
+    avoid: Target = Field(description="Whom, what or where.")
+    distance: Length = Field(2.0, description="How near it lets it come [m].")
 
 
 class TurnBy(ConfigModel):
@@ -138,6 +171,35 @@ class LetGo(ConfigModel):
     let_go: Side = Field(description="With which hand: left, right or both.")
 
 
+class Carry(ConfigModel):
+    """Take something, go somewhere with it, and put it down there."""
+
+    carry: Name = Field(description="What or whom: a member of the cast.")
+    to: Goal = Field(description="Where to: [x, z] [m], a member of the cast, or a place.")
+    hand: Side = Field("right", description="With which hand: left, right or both.")
+
+
+class Throw(ConfigModel):
+    """Throw what is in the hand."""
+
+    throw: Name = Field(description="What: a member of the cast that it holds by then.")
+    to: Target = Field(description="Where to: [x, y, z] [m], a member of the cast, or a place.")
+
+
+class Kick(ConfigModel):
+    """Go up to something and kick it."""
+
+    kick: Name = Field(description="What: a member of the cast.")
+    to: Target | None = Field(
+        None,
+        description="Where to: [x, y, z] [m], a member of the cast, or a place; straight ahead if "
+        "left out.",
+    )
+    speed: Annotated[Number, Field(gt=0, le=40)] = Field(
+        5.0, description="Speed of the foot where it meets it [m/s]."
+    )
+
+
 class Hug(ConfigModel):
     """Go to somebody and put both arms around them."""
 
@@ -180,8 +242,18 @@ class Perform(ConfigModel):
 
 
 Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go", "dance"]
-"""Stop here; walk, or hop, straight on; sit down on the ground, stand up; keep quite still until
-something else is told; let go with both hands; go on with one's own dance."""
+
+PLAIN_ORDERS: Mapping[str, str] = {
+    "stop": "Stop here.",
+    "walk": "Walk straight on.",
+    "hop": "Hop straight on.",
+    "sit": "Sit down on the ground.",
+    "stand": "Stand up.",
+    "freeze": "Keep quite still until something else is told.",
+    "let_go": "Let go with both hands.",
+    "dance": "Go on with one's own dance.",
+}
+"""What each order of one word means."""
 
 FORMS: Mapping[str, type[ConfigModel]] = {
     "gait": ChangeGait,
@@ -194,8 +266,15 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "look": LookAhead,
     "hop_over": HopOver,
     "jump": JumpOnce,
+    "follow": Follow,
+    "chase": Chase,
+    "flee": Flee,
+    "avoid": Avoid,
     "reach": Reach,
     "grab": Grab,
+    "carry": Carry,
+    "throw": Throw,
+    "kick": Kick,
     "let_go": LetGo,
     "hug": Hug,
     "grapple": Grapple,
@@ -217,15 +296,20 @@ def order_text(do: Do) -> str:
     if isinstance(do, str):
         return do
     values = do.model_dump(mode="json", exclude_unset=True)
-    return ", ".join(f"{key} {_flow(value)}" for key, value in values.items())
+    return ", ".join(f"{key} {flow_text(value)}" for key, value in values.items())
 
 
-def _flow(value: Any) -> str:
+def flow_text(value: Any) -> str:
+    """Return a value as YAML in one line."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {flow_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_flow(item) for item in value) + "]"
+        return "[" + ", ".join(flow_text(item) for item in value) + "]"
     return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+EVENTS = ("arrived", "touch", "near", "fell", "at_rest", "hug")
+"""Events that an instruction can wait for."""
 
 
 class When(ConfigModel):
@@ -241,6 +325,18 @@ class When(ConfigModel):
         description="Two that start to touch one another: a character and another, a prop, a "
         "creature, a dancer, or a body that collides with all.",
     )
+    near: tuple[Name, Name] | None = Field(
+        None, description="Two members of the cast that come near one another."
+    )
+    within: LengthOrZero = Field(
+        1.0, description="With near: the distance between their surfaces that counts [m]."
+    )
+    fell: Name | None = Field(
+        None, description="A member of the cast that fell: off its feet, over an edge, or down."
+    )
+    at_rest: Name | None = Field(
+        None, description="A member of the cast that has moved and comes to rest."
+    )
     hug: tuple[Name, Name] | None = Field(
         None,
         description="A child or an adult that has closed its arms around a child, an adult or a "
@@ -249,9 +345,9 @@ class When(ConfigModel):
 
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
-        given = [key for key in ("arrived", "touch", "hug") if getattr(self, key) is not None]
+        given = [key for key in EVENTS if getattr(self, key) is not None]
         if len(given) != 1:
-            raise_faults([Fault((), "should have one of arrived, touch and hug")])
+            raise_faults([Fault((), f"should have one of {', '.join(EVENTS)}")])
         return self
 
 

@@ -1,9 +1,10 @@
-"""Suggestions for unknown names and keys: the nearest known one, or all of them."""
+"""Suggestions for unknown names and keys: the close ones, and where all of them are listed."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
-from difflib import get_close_matches
+from difflib import SequenceMatcher
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -12,30 +13,84 @@ from pydantic.fields import FieldInfo
 
 from pipeline.spec.model_base import PathSegment
 
-# Matching is quadratic: bounds on what is listed, on the names compared and on their lengths.
-MAX_LISTED = 12
+# Matching is quadratic: bounds on the names compared and on their lengths.
 MAX_COMPARED = 500
 MAX_NAME_LENGTH = 64
 
+MIN_SIMILARITY = 0.6
+"""Ratio of matching letters from which on a name is close."""
 
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name closest to `name`, or None where none is close."""
-    names = sorted(known, reverse=True)[:MAX_COMPARED]
-    by_fold = {other.casefold()[:MAX_NAME_LENGTH]: other for other in names}
-    close = get_close_matches(name.casefold()[:MAX_NAME_LENGTH], by_fold, n=1, cutoff=0.6)
-    return by_fold[close[0]] if close else None
+MAX_LISTED = 100
+"""Of more known names the rest is counted."""
+
+SIMILARITY_SPREAD = 0.08
+"""Close names that are less similar than the best by more than this are left out."""
+
+MIN_PART_LENGTH = 3
+"""Shorter names are not looked for inside others [characters]."""
 
 
-def hint(name: str, known: Iterable[str]) -> str:
-    """Return the end of a message about an unknown name: the nearest name, or all known ones."""
-    names = sorted(known)
-    close = nearest(name, names)
-    if close is not None:
-        return f"did you mean '{close}'?"
-    if not names:
-        return "there are none"
-    listed = ", ".join(names[:MAX_LISTED])
-    return f"known: {listed}" + (", ..." if len(names) > MAX_LISTED else "")
+def close_names(name: str, known: Iterable[str]) -> list[str]:
+    """Return the known names close to `name`, the most similar first; case does not matter.
+
+    Close are the names in which a word begins like `name`, as in all pianos of the instruments
+    for "piano"; where there are none, the names that are spelt alike.
+    """
+    wanted, names = _folded(name), sorted(known)[:MAX_COMPARED]
+    matcher = SequenceMatcher(b=wanted)
+    similarity = dict.fromkeys(names, 0.0)
+    for other in names:
+        matcher.set_seq1(_folded(other))
+        if matcher.quick_ratio() >= MIN_SIMILARITY:
+            similarity[other] = matcher.ratio()
+    close = [other for other in names if _has_word(_folded(other), wanted)]
+    if not close:
+        least = max(MIN_SIMILARITY, max(similarity.values(), default=0.0) - SIMILARITY_SPREAD)
+        close = [other for other in names if similarity[other] >= least]
+    return sorted(close, key=lambda other: -similarity[other])
+
+
+def _has_word(text: str, start: str) -> bool:
+    """Return whether a word of a folded text has this start; `_` and `-` part words too."""
+    if len(start) < MIN_PART_LENGTH:
+        return False
+    return re.search(rf"(?<![^\W_]){re.escape(start)}", text) is not None
+
+
+def hint(name: str, known: Iterable[str], kind: str = "", own: Iterable[str] = ()) -> str:
+    """Return the end of a message about an unknown name: the close names, or all of them.
+
+    Args:
+        name: the unknown name.
+        known: names that it may be.
+        kind: what `pronk list` calls the known names, empty if it does not list them.
+        own: further names, of this file alone.
+    """
+    listed, own_names = sorted(set(known)), sorted(set(own))
+    close = close_names(name, {*listed, *own_names})
+    command = f"`pronk list {kind}` has all {len(listed)}"
+    if close:
+        question = f"did you mean {joined_choices(close)}?"
+        return f"{question} {command}" if kind else question
+    if not kind:
+        names = sorted({*listed, *own_names})
+        return f"known: {_enumerated(names)}" if names else "there are none"
+    return f"known here: {_enumerated(own_names)}; {command}" if own_names else command
+
+
+def _enumerated(names: list[str]) -> str:
+    more = len(names) - MAX_LISTED
+    return ", ".join(names[:MAX_LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def joined_choices(names: Iterable[str]) -> str:
+    """Return names as text: "'a', 'b' or 'c'"."""
+    *others, last = [f"'{name}'" for name in names]
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+def _folded(name: str) -> str:
+    return name.casefold()[:MAX_NAME_LENGTH]
 
 
 def known_keys(model: type[BaseModel], path: Iterable[PathSegment]) -> list[str]:

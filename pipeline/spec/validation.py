@@ -12,9 +12,11 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+import audio.names
 from pipeline.errors import Problem
 from pipeline.spec.model_base import FAULTS, Fault, PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.suggestions import hint, known_keys
+from pipeline.spec.yaml_tree import (
     REFUSED,
     FoundNode,
     ListNode,
@@ -25,7 +27,7 @@ from pipeline.spec.source_tree import (
     has_refused,
     plain_values,
 )
-from pipeline.spec.suggestions import hint, known_keys
+from render.config.base import UnknownName
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -275,6 +277,10 @@ def _special_message(error: ErrorDetails, value: object) -> str:
             return f"needs the key '{key}'"
         case "union_tag_not_found":
             return f"should be a name or a mapping, is {described(value)}"
+        case "value_error" if isinstance(context["error"], audio.names.UnknownName | UnknownName):
+            unknown: audio.names.UnknownName | UnknownName = context["error"]
+            close = hint(unknown.name, unknown.known, f"{unknown.kind}s")
+            return f"no {unknown.kind} is called '{unknown.name}', {close}"
         case "value_error" | "assertion_error":
             return error["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")
     return f"{error['msg'].removeprefix('Input ')}, is {described(value)}"

@@ -69,6 +69,23 @@ GaitName = Literal[
 ]
 
 
+LEG_REQUIREMENTS: Mapping[str, str] = {
+    "tripod": "6 legs",
+    "ripple": "more than 4 legs",
+    "walk": "one pair of legs or two",
+    "amble": "two pairs of legs",
+    "pace": "two pairs of legs",
+    "canter": "two pairs of legs",
+    "transverse gallop": "two pairs of legs",
+    "rotary gallop": "two pairs of legs",
+    "bound": "two pairs of legs",
+    "run": "one pair of legs",
+    "hop": "one leg or one pair",
+    "skip": "one pair of legs",
+}
+"""Legs that a gait needs; the others suit any legs."""
+
+
 def _form_of_gait(value: Any) -> str | None:
     if isinstance(value, str):
         return "a gait by name"

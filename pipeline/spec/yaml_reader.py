@@ -26,7 +26,8 @@ from yaml.reader import ReaderError
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
-from pipeline.spec.source_tree import (
+from pipeline.spec.yaml_scalars import Scalar, scalar_of
+from pipeline.spec.yaml_tree import (
     REFUSED,
     Entry,
     InvalidValue,
@@ -36,7 +37,6 @@ from pipeline.spec.source_tree import (
     SourceLocation,
     SourceNode,
 )
-from pipeline.spec.yaml_scalars import Scalar, scalar_of
 
 MAX_VALUES = 100_000
 """Values of a file after its aliases are expanded."""
@@ -100,7 +100,7 @@ def read_yaml(text: str, file: str) -> tuple[SourceNode | None, list[Problem]]:
         file: its name as the author gave it.
 
     Returns:
-        The tree, None where the text holds no document or is no YAML, and what is wrong with it.
+        The tree, None where the text holds no document or is no YAML, and its problems.
     """
     reader = _Reader(text, file)
     try:
@@ -133,7 +133,7 @@ class _Reader:
 
     Attributes:
         root: the tree, once it is read.
-        problems: what is wrong so far.
+        problems: found so far.
         lines: the text, line by line.
     """
 
@@ -309,7 +309,7 @@ def syntax_problem(error: Exception, file: str, lines: Sequence[str], text: str)
         text: the whole file.
     """
     if isinstance(error, ReaderError):
-        return _odd_character(text, error.position, file, lines)
+        return _odd_character(text, error.position, file)
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     if not isinstance(error, yaml.MarkedYAMLError) or mark is None:
         return SourceLocation(file).problem((), f"is not YAML: {error}")
@@ -327,7 +327,7 @@ def _syntax_message(error: yaml.MarkedYAMLError) -> str:
     return message
 
 
-def _odd_character(text: str, position: int, file: str, lines: Sequence[str]) -> Problem:
+def _odd_character(text: str, position: int, file: str) -> Problem:
     before = text[:position]
     line = before.count("\n")
     column = position - (before.rfind("\n") + 1)
@@ -350,7 +350,7 @@ def read_file(path: Path) -> tuple[MappingNode | None, list[Problem]]:
     """Read a file.
 
     Returns:
-        Its mapping, None if there is none to go on with, and what is wrong so far.
+        Its mapping, None if there is none to go on with, and the problems so far.
     """
     file = str(path)
     try:
@@ -372,7 +372,7 @@ def read_bytes(content: bytes, file: str) -> tuple[MappingNode | None, list[Prob
         file: its name as the author gave it.
 
     Returns:
-        Its mapping, None if there is none to go on with, and what is wrong so far.
+        Its mapping, None if there is none to go on with, and the problems so far.
     """
     if len(content) > MAX_FILE_BYTES:
         return None, [Problem("", f"is larger than {MAX_FILE_BYTES // 2**20} MiB", file)]

@@ -18,13 +18,13 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 
-class ConfigModel(BaseModel):
+class RenderConfig(BaseModel):
     """A block of the scene file: frozen; it rejects unknown keys, infinities and NaN."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class PresetModel(ConfigModel):
+class PresetModel(RenderConfig):
     """A block that the name of a preset may replace, or that adjusts one by its key `preset`.
 
     The values of the preset are written out when the block is read, so that a block means the
@@ -40,7 +40,7 @@ class PresetModel(ConfigModel):
         values = {"preset": value} if isinstance(value, str) else value
         if not isinstance(values, Mapping) or values.get("preset") is None:
             return values
-        known_name(str(values["preset"]), cls.presets, "preset")
+        known_name(str(values["preset"]), cls.presets, cls.__name__.lower())
         return merge(cls.presets[str(values["preset"])], values)
 
     @classmethod
@@ -53,6 +53,22 @@ class PresetModel(ConfigModel):
         block.get("properties", {}).get("preset", {}).pop("anyOf", None)
         block.get("properties", {}).setdefault("preset", {}).update(names)
         return {"anyOf": [names, block], "title": cls.__name__}
+
+
+class UnknownName(ValueError):
+    """A name that nothing has; the message holds the nearest name, or all of them.
+
+    Attributes:
+        kind: what the name should be of, such as "material".
+        name: the unknown name.
+        known: all known names.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        near = difflib.get_close_matches(name, self.known, n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(self.known)}"
+        super().__init__(f"no {kind} is called {name!r}, {hint}")
 
 
 def merge(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, Any]:
@@ -69,14 +85,12 @@ def known_name(name: str, names: Iterable[str], kind: str) -> str:
     """Return `name` if it is one of `names`.
 
     Raises:
-        ValueError: it is not; the message holds the nearest name, or all of them.
+        UnknownName: it is not.
     """
     known = sorted(names)
     if name in known:
         return name
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-    raise ValueError(f"no {kind} is called {name!r}; {hint}")
+    raise UnknownName(kind, name, known)
 
 
 def _from_hex(value: object) -> object:

@@ -11,11 +11,11 @@ from pydantic import AfterValidator, BeforeValidator, Field, TypeAdapter, model_
 from render.config.base import (
     HELD_EASE_DESCRIPTION,
     TURN_DESCRIPTION,
-    ConfigModel,
     Ease,
     Place,
     Rate,
     Rates,
+    RenderConfig,
     Time,
     Turn,
 )
@@ -46,7 +46,7 @@ FOCUS_DESCRIPTION = (
 FieldOfView = Annotated[float, Field(ge=1, le=150)]
 
 
-class CameraTangent(ConfigModel):
+class CameraTangent(RenderConfig):
     """Velocities of a spline at a keyframe, where they are given."""
 
     position: Rates | None = Field(None, description="[m/s].")
@@ -55,7 +55,7 @@ class CameraTangent(ConfigModel):
     fov_deg: Rate | None = Field(None, description="[degrees/s].")
 
 
-class CameraKey(ConfigModel):
+class CameraKey(RenderConfig):
     """Pose and lens of the camera at one time, relative to its parent or the world."""
 
     at: Time = Field(description="Time from the start of the film [s].")
@@ -85,7 +85,7 @@ class CameraKey(ConfigModel):
         return self
 
 
-class Camera(ConfigModel):
+class Camera(RenderConfig):
     """One cut: a camera that follows performers, stands still, or is animated by the author."""
 
     start: float = Field(0.0, ge=0, description="Time at which this cut starts [s].")

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
-from render.config.base import Angle, ConfigModel
+from render.config.base import Angle, RenderConfig
 
 MoveEase = Literal["linear", "in", "out", "in-out"]
 
@@ -22,7 +22,7 @@ _EASE_DESCRIPTION = (
 Length = Annotated[float, Field(ge=-1e4, le=1e4)]
 
 
-class _Move(ConfigModel):
+class _Move(RenderConfig):
     ease: MoveEase | None = Field(None, description=_EASE_DESCRIPTION)
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from render.config.base import ConfigModel
+from render.config.base import RenderConfig
 
 Denoise = Literal["off", "fast", "high"]
 SoftLight = Literal["half", "full"]
@@ -69,7 +69,7 @@ _PRESETS: dict[Preset, dict[str, Any]] = {
 }
 
 
-class Film(ConfigModel):
+class Film(RenderConfig):
     """Size and quality of the frames: a preset, and what differs from it."""
 
     preset: Preset = Field("preview", description="Source of the values left out.")

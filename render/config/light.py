@@ -10,10 +10,10 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from render.config.base import Color, ConfigModel, Point, PresetModel, Unit, known_name
+from render.config.base import Color, Point, PresetModel, RenderConfig, Unit, known_name
 
 
-class Sun(ConfigModel):
+class Sun(RenderConfig):
     """The sun, placed by hour, day and latitude, and the air that it shines through."""
 
     hour: float = Field(
@@ -31,7 +31,7 @@ class Sun(ConfigModel):
     clouds: Unit = Field(0.0, description="0 is a clear sky, 1 an overcast one without sun.")
 
 
-class Moon(ConfigModel):
+class Moon(RenderConfig):
     """The moon, which lights the night from a chosen direction."""
 
     heading_deg: float = Field(
@@ -44,7 +44,7 @@ class Moon(ConfigModel):
     )
 
 
-class Studio(ConfigModel):
+class Studio(RenderConfig):
     """A key light, a fill light and a rim light, large and soft, in front of a backdrop."""
 
     heading_deg: float = Field(
@@ -57,7 +57,7 @@ class Studio(ConfigModel):
     backdrop: Color = Field((0.58, 0.6, 0.63), description="Colour of the backdrop.")
 
 
-class Hdr(ConfigModel):
+class Hdr(RenderConfig):
     """A panorama of all directions, which lights the scene."""
 
     file: Annotated[str, Field(min_length=1)] = Field(
@@ -69,7 +69,7 @@ class Hdr(ConfigModel):
     )
 
 
-class Spot(ConfigModel):
+class Spot(RenderConfig):
     """The cone of a spotlight."""
 
     toward: Point = Field(description="Point that it shines at, in the frame of `at`.")
@@ -77,7 +77,7 @@ class Spot(ConfigModel):
     softness: Unit = Field(0.3, description="Share of the cone that its soft edge takes up.")
 
 
-class Lamp(ConfigModel):
+class Lamp(RenderConfig):
     """A lamp: a small sphere that shines all around, or a spotlight."""
 
     at: Point = Field((0.0, 2.5, 0.0), description="Position in the frame of its parent [m].")

@@ -16,6 +16,9 @@ import numpy as np
 from render.color import luminance
 from render.lights.environment_map import UP, Map, Vector, illuminance, normalized, smoothstep
 
+CARD_ILLUMINANCE = 1.25 * math.pi
+"""Illuminance at which a grey card shows as middle grey."""
+
 KEY_DISTANCE = 4000.0
 """Distance of the disc [m]: across a scene of 30 m its direction changes by 0.4 degrees."""
 

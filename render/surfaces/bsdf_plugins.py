@@ -32,7 +32,8 @@ def plugin(methods: type, base: str) -> Any:
 def _plugin_class(methods: type, base: str, variant: str) -> type:
     del variant
     # Mitsuba's classes allow no second base, so the methods are copied.
-    own = {k: v for k, v in vars(methods).items() if not k.startswith("__")}
+    found = {k: v for owner in reversed(methods.__mro__) for k, v in vars(owner).items()}
+    own = {k: v for k, v in found.items() if not k.startswith("__")}
     return type(methods.__name__, (getattr(mi, base),), own)
 
 
@@ -67,24 +68,39 @@ def glossy_bsdf(material: Material, shader: Shader, values: dict[str, Any]) -> A
     return surface
 
 
-class _DiffuseBsdf:
-    """Methods of `mi.BSDF` for a diffuse surface."""
+class _ShadedBsdf:
+    """Methods of `mi.BSDF` for a surface with the colour and normal of a shader."""
 
     m_components: list[Any]
     m_flags: Any
     shader: Shader
     values: dict[str, Any]
 
-    def sample(
-        self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
-    ) -> tuple[Any, Any]:
-        return self.eval_pdf_sample(ctx, si, mi.Vector3f(0, 0, 1), sample1, sample2, active)[2:]
-
     def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
         return self.eval_pdf(ctx, si, wo, active)[0]
 
     def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
         return self.eval_pdf(ctx, si, wo, active)[1]
+
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+        """Return the value towards `wo` and the density of sampling it."""
+        raise NotImplementedError
+
+    def traverse(self, callback: Any) -> None:
+        for name, value in self.values.items():
+            callback.put(name, value, mi.ParamFlags.NonDifferentiable)
+
+    def parameters_changed(self, keys: Any) -> None:
+        del keys
+
+
+class _DiffuseBsdf(_ShadedBsdf):
+    """Methods of `mi.BSDF` for a diffuse surface."""
+
+    def sample(
+        self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any]:
+        return self.eval_pdf_sample(ctx, si, mi.Vector3f(0, 0, 1), sample1, sample2, active)[2:]
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         del ctx
@@ -115,13 +131,6 @@ class _DiffuseBsdf:
     def _shaded(self, si: Any) -> tuple[Any, Any]:
         color, normal = self.shader(si)
         return color, _local_normal(si, normal)
-
-    def traverse(self, callback: Any) -> None:
-        for name, value in self.values.items():
-            callback.put(name, value, mi.ParamFlags.NonDifferentiable)
-
-    def parameters_changed(self, keys: Any) -> None:
-        del keys
 
     def to_string(self) -> str:
         return "DiffuseBsdf[]"
@@ -155,13 +164,9 @@ class _Paint:
         return "Paint[]"
 
 
-class _GlossyBsdf:
+class _GlossyBsdf(_ShadedBsdf):
     """Methods of `mi.BSDF` for a glossy surface."""
 
-    m_components: list[Any]
-    m_flags: Any
-    shader: Shader
-    values: dict[str, Any]
     paint: Any
     base: Any
 
@@ -179,12 +184,6 @@ class _GlossyBsdf:
         found, weight = self.base.sample(ctx, here, sample1, sample2, active)
         self.paint.color = None
         return _from_bent(found, weight, frame, side)
-
-    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-        return self.eval_pdf(ctx, si, wo, active)[0]
-
-    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-        return self.eval_pdf(ctx, si, wo, active)[1]
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         here, frame, side = self._painted(si)
@@ -219,13 +218,6 @@ class _GlossyBsdf:
         wi.z = dr.maximum(wi.z, 1e-3)
         here.wi = dr.normalize(wi)
         return here, frame, side
-
-    def traverse(self, callback: Any) -> None:
-        for name, value in self.values.items():
-            callback.put(name, value, mi.ParamFlags.NonDifferentiable)
-
-    def parameters_changed(self, keys: Any) -> None:
-        del keys
 
     def to_string(self) -> str:
         return "GlossyBsdf[]"

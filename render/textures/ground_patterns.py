@@ -137,16 +137,18 @@ def ice(rng: np.random.Generator) -> Drawn:
 
 def tiles(rng: np.random.Generator) -> Drawn:
     """Draw six by six floor tiles, each of its own tone, with grout between them."""
-    return _slabs(rng, 6, np.zeros((6, 6)), 2.4)
+    return _slabs(rng, np.zeros((6, 6)))
 
 
 def checker(rng: np.random.Generator) -> Drawn:
     """Draw six by six floor tiles, light and dark."""
     row, column = np.indices((6, 6))
-    return _slabs(rng, 6, 0.72 * ((row + column) % 2 * 2.0 - 1.0), 2.4)
+    return _slabs(rng, 0.72 * ((row + column) % 2 * 2.0 - 1.0))
 
 
-def _slabs(rng: np.random.Generator, across: int, tones: Array, size: float) -> Drawn:
+def _slabs(rng: np.random.Generator, tones: Array) -> Drawn:
+    """Draw square slabs in 2.4 m, whose tones (N, N) vary a little."""
+    across = len(tones)
     y, x = np.mgrid[0:TILE, 0:TILE] * (across / TILE)
     row, column = y.astype(int), x.astype(int)
     edge = np.minimum(np.minimum(x - column, 1 - x + column), np.minimum(y - row, 1 - y + row))
@@ -156,4 +158,4 @@ def _slabs(rng: np.random.Generator, across: int, tones: Array, size: float) -> 
     tone = (tones + rng.normal(0, 0.06, (across, across)))[row, column]
     shade = np.where(slab > 0.02, 1.0 + tone, 0.6) + 0.05 * noise(rng, 1.2, first=6)
     relief = 0.004 * slab + 0.00015 * noise(rng, 1.4, first=12)
-    return shade.clip(0.12, 2.0), 0.15 * noise(rng, 1.6, first=4).clip(-2, 2), relief, size
+    return shade.clip(0.12, 2.0), 0.15 * noise(rng, 1.6, first=4).clip(-2, 2), relief, 2.4

@@ -22,7 +22,7 @@ sampling of emitters and BSDFs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -104,6 +104,18 @@ class Wavefront(Tracer):
         self._bounce = _recorded(_bounce)
         self._hits_emitter = _recorded(_hits_emitter)
         self._add_emission = _recorded(_add_emission)
+        self._stages: Mapping[str, Any] = {
+            "direct light": self._add_direct,
+            "path start": self._start_paths,
+            "bounce": self._bounce,
+            "emitter hit": self._hits_emitter,
+            "emission": self._add_emission,
+        }
+
+    @property
+    def recordings(self) -> Mapping[str, int]:
+        """Number of recordings of each stage since the scene changed."""
+        return {name: stage.n_recordings for name, stage in self._stages.items()}
 
     def accumulator(self) -> Accumulator:
         """Return an empty accumulator."""
@@ -115,13 +127,7 @@ class Wavefront(Tracer):
         Replayed after a change, they would keep some of the old scene: Dr.Jit 1.5 tracks the
         buffers of a scene that it replaced itself, but not always Embree's.
         """
-        for stage in (
-            self._add_direct,
-            self._start_paths,
-            self._bounce,
-            self._hits_emitter,
-            self._add_emission,
-        ):
+        for stage in self._stages.values():
             stage.clear()
 
     def set_total(self, passes: int) -> None:

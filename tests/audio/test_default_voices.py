@@ -20,7 +20,7 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score as placed
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import library
+from pipeline.spec.scene_library import library
 from render.config.material import MATERIALS
 from tests.audio.conftest import is_on_scale
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from audio.modal_synthesis import BAR, BELL, MEMBRANE, PLATE, SHELL
+from audio.mode_shapes import BAR, BELL, MEMBRANE, PLATE, SHELL
 from audio.wav_file import write_wav
 
 ALL = {"bar": BAR, "plate": PLATE, "bell": BELL, "membrane": MEMBRANE, "shell": SHELL}

@@ -18,7 +18,7 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 RATES = [Fraction(r) for r in (10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120)]
 RATES += [Fraction(144), Fraction(240), *(Fraction(r * 1000, 1001) for r in (24, 30, 60))]

@@ -17,7 +17,7 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 SLOW = {"squeaky_robot": pytest.mark.slow, "pass_by": pytest.mark.slow, "toy": pytest.mark.slow}
 SCENES = [

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from audio.modal_synthesis import SLIP_SHARE, slip_impulses, slip_pulse, slip_rate
+from audio.stick_slip import SLIP_SHARE, slip_impulses, slip_pulse, slip_rate
 
 RATE = 48_000
 

@@ -15,7 +15,7 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 from tests.audio.conftest import is_on_scale
 
 pytestmark = pytest.mark.slow

@@ -22,14 +22,14 @@ from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
-from pipeline.spec.library_search import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 from pipeline.spec.suggestions import hint
 
 MOTION = Path(__file__).parent / "motion"
 
 
 def main() -> int:
-    """Write what is due and say why; return the exit code."""
+    """Write outdated goldens and print why; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenes", nargs="*", help="names of shipped scenes; all if none is named")
     parser.add_argument("--all", action="store_true", help="also write goldens that still hold")
@@ -49,7 +49,7 @@ def main() -> int:
 
 
 def update(name: str, always: bool) -> str:
-    """Write the golden of a shipped scene if it is due; return in words why or why not."""
+    """Write the golden of a shipped scene if outdated; return the reason."""
     if name not in shipped_scenes():
         raise UsageError(f"no shipped scene is called {name!r}, {hint(name, shipped_scenes())}")
     scene = load_scene(library() / (name + SUFFIX))

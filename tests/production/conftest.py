@@ -77,11 +77,11 @@ class Studio:
         return self.made / "frames" / f"{number:04d}.png"
 
     def load(self, *sets: str) -> Scene:
-        """Return the scene with changed words."""
+        """Return the scene with overrides."""
         return load_scene(self.scene, sets)
 
     def order(self, *sets: str, **more: Any) -> Order:
-        """Return what the command line asks of production."""
+        """Return the order of a command line."""
         return Order(self.load(*sets), "tiny", self.folder / "out", **more)
 
     def render(self, *sets: str, **more: Any) -> None:
@@ -104,7 +104,7 @@ class Studio:
         return {name: digest for name, (_, digest) in self.state().items() if name != MANIFEST}
 
     def changes(self, before: State) -> set[str]:
-        """Return what came, went or was written since `before`, the take's files as one."""
+        """Return files created, deleted or written since `before`, the take's as one."""
         after = self.state()
         names = {n for n in before.keys() | after.keys() if before.get(n) != after.get(n)}
         return {"take.zarr" if name.startswith("take.zarr/") else name for name in names}
@@ -117,7 +117,7 @@ class Studio:
 
 @pytest.fixture(scope="session")
 def unmade(tmp_path_factory: pytest.TempPathFactory) -> Studio:
-    """Return a studio with a scene and no film, which nobody may change."""
+    """Return a studio with a scene and no film, shared by tests that do not write."""
     studio = Studio(tmp_path_factory.mktemp("unmade"))
     studio.scene.write_text(TINY, encoding="utf-8")
     return studio
@@ -125,7 +125,7 @@ def unmade(tmp_path_factory: pytest.TempPathFactory) -> Studio:
 
 @pytest.fixture(scope="session")
 def film(unmade: Studio, tmp_path_factory: pytest.TempPathFactory) -> Studio:
-    """Return a finished tiny film, which nobody may change."""
+    """Return a finished tiny film, shared by tests that do not write."""
     studio = unmade.copied(tmp_path_factory.mktemp("film") / "studio")
     studio.render()
     return studio
@@ -158,9 +158,9 @@ def pronk(
 ) -> Callable[..., tuple[int, str, str]]:
     """Return a function that runs a command in this process: exit code, output, errors."""
 
-    def run(*words: str | Path, cwd: Path | None = None) -> tuple[int, str, str]:
+    def run(*arguments: str | Path, cwd: Path | None = None) -> tuple[int, str, str]:
         capfd.readouterr()
-        monkeypatch.setattr(sys, "argv", ["pronk", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["pronk", *map(str, arguments)])
         monkeypatch.setattr(options.CURRENT, "options", options.Verbosity())
         # The test runner listens to Ctrl-C itself.
         monkeypatch.setattr(cli, "listen", lambda: None)
@@ -168,9 +168,13 @@ def pronk(
             monkeypatch.chdir(cwd)
         with pytest.raises(SystemExit) as end:
             cli.main()
-        said = capfd.readouterr()
+        captured = capfd.readouterr()
         code = end.value.code
-        return (code if isinstance(code, int) else 0 if code is None else 1), said.out, said.err
+        return (
+            (code if isinstance(code, int) else 0 if code is None else 1),
+            captured.out,
+            captured.err,
+        )
 
     return run
 
@@ -180,20 +184,20 @@ def _hear_interrupts() -> None:
 
 
 class Running:
-    """A command in a process of its own, which Ctrl-C and kill can be tried on."""
+    """A command in its own process, to interrupt or kill."""
 
-    def __init__(self, words: tuple[str | Path, ...], cwd: Path) -> None:
+    def __init__(self, arguments: tuple[str | Path, ...], cwd: Path) -> None:
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
         self.process = subprocess.Popen(
-            [sys.executable, "-c", "from pipeline.cli import main; main()", *map(str, words)],
+            [sys.executable, "-c", "from pipeline.cli import main; main()", *map(str, arguments)],
             cwd=cwd,
             env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            # A group of its own, as a terminal gives it: Ctrl-C reaches the workers too.
+            # A process group, as of a terminal, so that Ctrl-C reaches the workers too.
             start_new_session=True,
-            # Whoever runs the tests in the background has let them ignore it.
+            # Tests in the background inherit an ignored SIGINT.
             preexec_fn=_hear_interrupts,
         )
 
@@ -213,11 +217,11 @@ class Running:
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., Running]]:
-    """Return a function that starts a command; whatever still runs is killed at the end."""
+    """Return a function that starts a command; running commands are killed at the end."""
     running: list[Running] = []
 
-    def begin(*words: str | Path, cwd: Path) -> Running:
-        running.append(Running(words, cwd))
+    def begin(*arguments: str | Path, cwd: Path) -> Running:
+        running.append(Running(arguments, cwd))
         return running[-1]
 
     yield begin

@@ -17,11 +17,11 @@ from render.shot import CameraPose, Moment, Shot
 Make = Callable[..., Shot]
 
 FROM, TO = -1.2, 1.2
-"""The way of what moves while the shutter is open [m]."""
+"""Distance that the body moves while the shutter is open [m]."""
 
 
 def exposed(make_shot: Make, moments: int, samples: int, seed: int = 0) -> Shot:
-    """Return a shot of a body that goes its way in so many moments."""
+    """Return a shot of a moving body, exposed at a number of moments."""
     film = Film(size=(64, 48), samples=samples, depth=3, denoise="off")
     shots = [
         make_shot(x=FROM + (TO - FROM) * (k + 0.5) / moments, film=film, seed=seed)
@@ -46,7 +46,7 @@ def test_a_still_scene_looks_as_without_blur(renderer: Renderer, make_shot: Make
 
 @pytest.mark.slow
 def test_a_moving_body_is_visible_at_every_moment(renderer: Renderer, make_shot: Make) -> None:
-    """Where the body is in one of two moments only, half of the picture is the ground's."""
+    """A pixel with the body in one of two moments is half ground."""
     shot = exposed(make_shot, 2, 128)
     blurred = light_of(renderer, shot)
     alone = [
@@ -96,7 +96,7 @@ def test_every_moment_is_in_the_digest(make_shot: Make) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "exposures"),
+    ("config", "exposures"),
     [
         ({"shutter_deg": 0, "moments": 8}, (0.0,)),
         ({"shutter_deg": 360, "moments": 2, "samples": 8}, (0.25, 0.75)),
@@ -105,6 +105,6 @@ def test_every_moment_is_in_the_digest(make_shot: Make) -> None:
     ],
 )
 def test_moments_are_the_centres_of_equal_intervals(
-    words: dict[str, object], exposures: tuple[float, ...]
+    config: dict[str, object], exposures: tuple[float, ...]
 ) -> None:
-    assert Film.model_validate(words).resolved().exposures == pytest.approx(exposures)
+    assert Film.model_validate(config).resolved().exposures == pytest.approx(exposures)

@@ -64,7 +64,7 @@ def test_hexadecimal_colours_are_srgb() -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "words"),
+    ("model", "config"),
     [
         (Material, {"roughness": math.nan}),
         (Material, {"roughness": 1.5}),
@@ -86,9 +86,9 @@ def test_hexadecimal_colours_are_srgb() -> None:
         (Film, {"moments": 0}),
     ],
 )
-def test_invalid_values_are_rejected(model: type[Material], words: dict[str, object]) -> None:
+def test_invalid_values_are_rejected(model: type[Material], config: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
-        model.model_validate(words)
+        model.model_validate(config)
 
 
 def test_cuts_start_at_zero_in_order_of_time() -> None:

@@ -154,7 +154,7 @@ def test_sound_of_a_part_starts_with_the_part(tmp_path: Path) -> None:
     assert loud[7] > 0.2
 
 
-def test_a_torn_film_has_no_key(tmp_path: Path) -> None:
+def test_a_truncated_film_has_no_key(tmp_path: Path) -> None:
     film = tmp_path / "f.mp4"
     write_film(film, [patches((i, 0, 0)) for i in range(COUNT)], Fraction(24), key="k")
     whole = film.read_bytes()

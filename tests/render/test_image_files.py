@@ -22,7 +22,7 @@ def test_png_keeps_pixels_and_key(tmp_path: Path, size: tuple[int, int]) -> None
 
 
 @pytest.mark.parametrize("suffix", ["png", "exr"])
-def test_a_torn_file_has_no_key_wherever_it_is_torn(tmp_path: Path, suffix: str) -> None:
+def test_a_truncated_file_has_no_key(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"a.{suffix}"
     if suffix == "png":
         write_png(path, RNG.integers(0, 256, (8, 8, 3), dtype=np.uint8), "key")

@@ -30,16 +30,16 @@ def card(lamps: list[dict[str, object]], distance: float = 1.0) -> Shot:
     """Return a grey card with a lamp above its middle, seen from above, and no other light."""
     corners = np.array([[-5, 0, -5], [5, 0, -5], [5, 0, 5], [-5, 0, 5]], np.float32)
     mesh = Mesh("card", corners, np.array([[0, 2, 1], [0, 3, 2]], np.uint32), "card", smooth=False)
-    words = material({"color": [0.4613561] * 3, "roughness": 1.0})
+    config = material({"color": [0.4613561] * 3, "roughness": 1.0})
     lit = Light.model_validate({"studio": {"fill": 0, "rim": 0, "backdrop": [0, 0, 0]}})
     lamp = [{"at": [0, distance, 0], "radius": 0.0, "color": [1, 1, 1], **one} for one in lamps]
     lit = Light.model_validate({**lit.model_dump(), "lamps": lamp})
     pose = CameraPose((0.0, 0.6, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0), fov_deg=10)
-    return Shot((mesh,), {"card": words}, lit, pose, FILM)
+    return Shot((mesh,), {"card": config}, lit, pose, FILM)
 
 
 def middle(renderer: Renderer, shot: Shot) -> float:
-    """Return the light in the middle of the picture that comes of the lamps alone."""
+    """Return the light of the lamps alone in the middle of the picture."""
     dark = replace(shot, light=shot.light.model_copy(update={"lamps": ()}))
     seen = renderer.render(shot).light - renderer.render(dark).light
     return float(luminance(seen)[16:20, 20:28].mean())
@@ -52,7 +52,7 @@ def middle(renderer: Renderer, shot: Shot) -> float:
 def test_brightness_one_shows_a_grey_card_as_middle_grey_a_metre_away(
     renderer: Renderer, kind: dict[str, object]
 ) -> None:
-    """The law of the inverse square, for bulbs seen and unseen and for spots."""
+    """Inverse square law for visible and hidden bulbs and for spots."""
     near = middle(renderer, card([{"brightness": 1, **kind}], 1.0))
     assert near == pytest.approx(0.18 * 1.25, rel=0.12)
     assert middle(renderer, card([{"brightness": 4, **kind}], 2.0)) == pytest.approx(near, rel=0.04)
@@ -127,14 +127,14 @@ def test_colours_follow_the_temperature() -> None:
 
 
 def test_conflicting_lamps_are_rejected(renderer: Renderer, make_shot: Make) -> None:
-    for words in (
+    for config in (
         {"radius": 0.1, "spot": {"toward": [0, 0, 0]}},
         {"at": [1, 1, 1], "spot": {"toward": [1, 1, 1]}},
         {"brightness": -1},
         {"temperature_k": 0},
     ):
         with pytest.raises(ValidationError):
-            Lamp.model_validate(words)
+            Lamp.model_validate(config)
     nowhere = replace(
         make_shot(lit=light({"lamps": [{}]})), lamps=(LampPlace((0.0, float("nan"), 0.0)),)
     )

@@ -87,7 +87,7 @@ def test_the_focal_plane_is_as_sharp_as_a_pinhole(renderer: Renderer) -> None:
 
 @pytest.mark.slow
 def test_focus_changes_without_a_build(renderer: Renderer) -> None:
-    """What is moved in place is what would be built."""
+    """A lens moved in place gives the picture of a fresh build."""
     near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))
     assert near.build == far.build
     scene = renderer.scene_for(near)

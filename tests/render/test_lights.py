@@ -20,8 +20,8 @@ def _mitsuba(backend: Backend) -> None:
 
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     """Return what sky and key light send on level ground and on a wall to the south."""
+    from render.lights.environment_emitters import emitters
     from render.lights.environment_map import irradiance
-    from render.lights.lamps import emitters
 
     found = emitters(lit, GROUND)
     sky = np.array(found["sky"]["bitmap"], np.float64)[..., :3]
@@ -38,8 +38,8 @@ def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     return total[0], total[1]
 
 
-def at(hour: float, **words: float) -> Light:
-    return light({"sun": {"hour": hour, "day": 172, "latitude_deg": 48, **words}})
+def at(hour: float, **config: float) -> Light:
+    return light({"sun": {"hour": hour, "day": 172, "latitude_deg": 48, **config}})
 
 
 @pytest.mark.nightly
@@ -70,8 +70,8 @@ def test_night_is_darker_and_bluer_than_dusk_and_dusk_than_day() -> None:
 
 @pytest.mark.slow
 def test_moon_and_clouds_set_the_light_of_a_night() -> None:
-    def level(**words: object) -> float:
-        return float(luminance(irradiance_of(light({"preset": "night", **words}))[0]))
+    def level(**config: object) -> float:
+        return float(luminance(irradiance_of(light({"preset": "night", **config}))[0]))
 
     full, half, new = (level(moon={"phase": p}) for p in (1.0, 0.5, 0.0))
     assert full > 1.3 * half > 1.3 * new > 0

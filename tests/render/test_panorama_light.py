@@ -63,7 +63,7 @@ def test_sky_and_sun_sum_to_the_panorama(
 
 
 def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
-    from render.lights.lamps import emitters
+    from render.lights.environment_emitters import emitters
 
     for sun in (0.0, 3.0):
         lit = light({"hdr": {"file": written(tmp_path / "a.exr", sky(sun))}})
@@ -78,9 +78,9 @@ def test_a_panorama_turns_about_the_vertical(tmp_path: Path) -> None:
 
     file = written(tmp_path / "a.exr", sky(2000.0))
     for turn, xz in ((0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-45, (0.707, 0.707))):
-        words = light({"hdr": {"file": file, "turn_deg": turn}}).hdr
-        assert words is not None
-        toward = panorama_light(words)[1].direction
+        config = light({"hdr": {"file": file, "turn_deg": turn}}).hdr
+        assert config is not None
+        toward = panorama_light(config)[1].direction
         flat = toward[[0, 2]] / np.hypot(*toward[[0, 2]])
         np.testing.assert_allclose(flat, xz, atol=0.02)
 
@@ -160,7 +160,7 @@ def test_an_unusable_panorama_is_reported(tmp_path: Path) -> None:
     assert "is no .exr or .hdr file" in str(panorama_fault(tmp_path / "a.png"))
     torn = tmp_path / "half.exr"
     torn.write_bytes(Path(written(tmp_path / "whole.exr", sky())).read_bytes()[:3000])
-    from render.lights.lamps import emitters
+    from render.lights.environment_emitters import emitters
 
     with pytest.raises(ShotError, match=r"half\.exr"):
         emitters(light({"hdr": {"file": str(torn)}}), (0.2, 0.2, 0.2))

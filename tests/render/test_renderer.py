@@ -70,12 +70,12 @@ def test_a_convex_body_in_a_furnace_shows_its_albedo(renderer: Renderer) -> None
         [np.stack([quads[0], quads[1], quads[2]], 1), np.stack([quads[0], quads[2], quads[3]], 1)]
     )
     mesh = Mesh("ball", ball.astype(np.float32), faces.astype(np.uint32), "m")
-    words = material({"color": [0.5, 0.5, 0.5], "roughness": 1.0})
-    (group,) = group_meshes([mesh], {"m": words})
+    config = material({"color": [0.5, 0.5, 0.5], "roughness": 1.0})
+    (group,) = group_meshes([mesh], {"m": config})
     scene = mi.load_dict(
         {
             "type": "scene",
-            "ball": build_mesh(group, [mesh], words),
+            "ball": build_mesh(group, [mesh], config),
             "sky": {"type": "constant"},
             "camera": {
                 "type": "perspective",
@@ -103,10 +103,10 @@ def test_a_grey_card_is_middle_grey_by_day(renderer: Renderer) -> None:
     v = np.cross(n, u)
     corners = np.array([-u - v, u - v, u + v, -u + v], np.float32) * 5
     card = Mesh("card", corners, np.array([[0, 2, 1], [0, 3, 2]], np.uint32), "card", smooth=False)
-    words = material({"color": [0.4613561] * 3, "roughness": 1.0})
+    config = material({"color": [0.4613561] * 3, "roughness": 1.0})
     film = Film(size=(16, 16), samples=256, depth=2, denoise="off")
     pose = CameraPose(tuple((4 * n).tolist()), (0.0, 0.0, 0.0), up=tuple(u.tolist()), fov_deg=10)
-    seen = renderer.render(Shot((card,), {"card": words}, lit, pose, film)).light
+    seen = renderer.render(Shot((card,), {"card": config}, lit, pose, film)).light
     expected = 0.18 * 1.25
     luma = float((seen @ np.array([0.2126, 0.7152, 0.0722])).mean())
     assert luma == pytest.approx(expected, rel=0.15)

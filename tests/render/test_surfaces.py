@@ -24,11 +24,11 @@ Make = Callable[..., Shot]
 ABOVE = CameraPose((0.0, 9.0, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0))
 FILM = Film(size=(64, 64), samples=16, depth=2, denoise="off")
 
-SHINING = {name for name, words in MATERIALS.items() if words.glow > 0}
+SHINING = {name for name, config in MATERIALS.items() if config.glow > 0}
 SOME = ("dry soil", "mud", "snow", "walnut", "brass", "white fur", "glass", "green chitin")
 
 
-def furnace(words: Material, ground: bool) -> float:
+def furnace(config: Material, ground: bool) -> float:
     """Return the mean radiance of a ball in a sky of radiance 1."""
     import mitsuba as mi
 
@@ -38,14 +38,14 @@ def furnace(words: Material, ground: bool) -> float:
     place = solid.vertices.astype(np.float32)
     laid: dict[str, Any] = {"uv": place[:, [0, 2]].copy()} if ground else {"rest": place}
     mesh = Mesh("ball", place, solid.faces.astype(np.uint32), "m", **laid)
-    (group,) = group_meshes([mesh], {"m": words})
+    (group,) = group_meshes([mesh], {"m": config})
     eye = mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
     film = {"type": "hdrfilm", "width": 24, "height": 24, "rfilter": {"type": "box"}}
     camera = {"type": "perspective", "fov": 18, "to_world": eye, "film": film}
     sky = {"type": "constant"}
     scene = {
         "type": "scene",
-        "ball": build_mesh(group, [mesh], words),
+        "ball": build_mesh(group, [mesh], config),
         "sky": sky,
         "camera": camera,
     }
@@ -63,8 +63,8 @@ def furnace(words: Material, ground: bool) -> float:
 )
 def test_no_material_gains_energy(renderer: Renderer, name: str) -> None:
     del renderer
-    words = MATERIALS[name]
-    assert furnace(words, ground=words.steep_color is not None) < 1.02
+    config = MATERIALS[name]
+    assert furnace(config, ground=config.steep_color is not None) < 1.02
 
 
 def test_a_diffuse_surface_reflects_its_albedo(renderer: Renderer) -> None:
@@ -75,8 +75,8 @@ def test_a_diffuse_surface_reflects_its_albedo(renderer: Renderer) -> None:
     from render.surfaces.bsdf_plugins import diffuse_bsdf
     from render.surfaces.patterns import GroundShader
 
-    words = material({"preset": "dry soil", "bump": 0})
-    look = GroundShader(words)
+    config = material({"preset": "dry soil", "bump": 0})
+    look = GroundShader(config)
     surface = diffuse_bsdf(look, look.values)
     si: Any = mi.SurfaceInteraction3f()
     x, z = np.random.default_rng(4).uniform(-300, 300, (2, 100_000))
@@ -145,11 +145,11 @@ def test_vertex_shares_match_the_shader() -> None:
     choose().activate()
     from render.surfaces.mitsuba_bsdf import CREST, HOLLOW, STEEP, vertex_shares
 
-    words = material({"preset": "dry soil", "crest_color": [1, 1, 1], "hollow_color": [0, 0, 0]})
-    low, high = words.hollow_height - 1, words.crest_height + 1
+    config = material({"preset": "dry soil", "crest_color": [1, 1, 1], "hollow_color": [0, 0, 0]})
+    low, high = config.hollow_height - 1, config.crest_height + 1
     places = np.float32([[0, low, 0], [3, (low + high) / 2, 1], [7, high, 2]])
     slanted = np.float32([[0, 1, 0], [0, 1, 0], [1, 0.2, 0]])
-    found = vertex_shares(words, places, slanted / np.linalg.norm(slanted, axis=1, keepdims=True))
+    found = vertex_shares(config, places, slanted / np.linalg.norm(slanted, axis=1, keepdims=True))
     assert found[CREST].tolist() == [0, 0, 1]
     assert found[HOLLOW].tolist() == [1, 0, 0]
     assert found[STEEP].tolist() == [0, 0, 1]
@@ -214,11 +214,11 @@ def test_crests_and_hollows_show_their_colours(renderer: Renderer) -> None:
     from render.surfaces.patterns import GroundShader
 
     green, red, blue = [0.2, 0.6, 0.2], [0.8, 0.1, 0.1], [0.1, 0.1, 0.8]
-    words = material(
+    config = material(
         {"preset": "sand", "color": green, "color2": green}
         | {"crest_color": red, "crest_height": 2.0, "hollow_color": blue, "hollow_height": -1.0}
     )
-    look = GroundShader(words)
+    look = GroundShader(config)
     x, z = np.random.default_rng(8).uniform(-20, 20, (2, 1000))
     strongest = []
     for y in (-3.0, 0.5, 4.0):

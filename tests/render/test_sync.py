@@ -17,7 +17,7 @@ SIZE = (640, 360)
 COUNT = 60
 
 
-def written(folder: Path, fps: Fraction, delay: float) -> Path:
+def write_late_film(folder: Path, fps: Fraction, delay: float) -> Path:
     """Write the meter's own pattern as a film, its sound late by `delay` [s]."""
     rate = f"{fps.numerator}/{fps.denominator}"
     pattern = meter.PatternRenderer(fps=rate, width=SIZE[0], height=SIZE[1])
@@ -67,11 +67,11 @@ def late_ms(film: Path, fps: Fraction) -> float:
 
 
 @pytest.mark.parametrize("fps", [Fraction(24), Fraction(30000, 1001)])
-def test_sound_is_in_time(tmp_path: Path, fps: Fraction) -> None:
-    assert abs(late_ms(written(tmp_path, fps, 0.0), fps)) < 1.0
+def test_sound_and_picture_are_synchronous(tmp_path: Path, fps: Fraction) -> None:
+    assert abs(late_ms(write_late_film(tmp_path, fps, 0.0), fps)) < 1.0
 
 
 @pytest.mark.slow
 def test_the_meter_detects_late_sound(tmp_path: Path) -> None:
     fps = Fraction(24)
-    assert late_ms(written(tmp_path, fps, 0.010), fps) == pytest.approx(10.0, abs=1.0)
+    assert late_ms(write_late_film(tmp_path, fps, 0.010), fps) == pytest.approx(10.0, abs=1.0)

@@ -18,7 +18,7 @@ def test_every_texture_has_a_pattern() -> None:
     from render.config.material import Texture
 
     assert {*PATTERNS, "none"} == set(get_args(Texture))
-    assert {words.texture for words in MATERIALS.values()} <= {*PATTERNS, "none"}
+    assert {config.texture for config in MATERIALS.values()} <= {*PATTERNS, "none"}
 
 
 @pytest.mark.slow
@@ -49,7 +49,7 @@ def test_patches_are_halves() -> None:
 
 
 def test_a_kernel_reads_the_drawn_pattern(backend: Backend) -> None:
-    """At the middles of texels, and straight between them, over the border as well."""
+    """Kernels equal the pattern at texel centres and are linear between, also at the border."""
     if backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant reads no packed tiles")
     backend.activate()

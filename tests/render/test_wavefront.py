@@ -17,9 +17,6 @@ from render.shot import Shot
 
 Make = Callable[..., Shot]
 
-RECORDED = ("_add_direct", "_start_paths", "_bounce", "_hits_emitter", "_add_emission")
-"""Recorded stages of a wavefront."""
-
 LAMPS = light({"preset": "night", "lamps": [{"at": [0.8, 1.2, 0.6], "radius": 0.2}]})
 CASES: dict[str, tuple[str | Light, str | Material]] = {
     "sun and sky": ("day", "bone"),
@@ -30,7 +27,7 @@ CASES: dict[str, tuple[str | Light, str | Material]] = {
     "lamps by night": (LAMPS, "green chitin"),
 }
 DAILY = ("a large light and a glossy body",)
-"""The others run nightly."""
+"""Cases of the full tier; the others run nightly."""
 
 
 def light_of_both(
@@ -56,7 +53,7 @@ def light_of_both(
     "name",
     [name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly) for name in CASES],
 )
-def test_the_mean_equals_path(renderer: Renderer, make_shot: Make, name: str) -> None:
+def test_mean_light_equals_path(renderer: Renderer, make_shot: Make, name: str) -> None:
     lit, look = CASES[name]
     film = Film(size=(64, 48), depth=5, soft_light="full", denoise="off")
     ours, theirs = light_of_both(make_shot(film=film, lit=lit, look=look), 64, 4)
@@ -112,17 +109,21 @@ def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
     np.testing.assert_allclose(seen.albedo[0, 0], 0.0)
 
 
-def test_frames_replay_one_recording(renderer: Renderer, make_shot: Make) -> None:
-    from render.mitsuba_scene import MitsubaScene
+def test_passes_of_a_frame_replay_one_recording(renderer: Renderer, make_shot: Make) -> None:
+    from render.mitsuba_scene import MitsubaScene, choose_tracer
+    from render.tracing.wavefront import Wavefront
 
-    scene = MitsubaScene(make_shot())
-    for i in range(4):
-        scene.update(make_shot(x=0.2 * i).moments[0])
-        scene.trace(i, range(4), 4)
-    stages = vars(scene._tracer)
-    # Few paths end at a lamp, or none.
-    assert all(stages[name].n_recordings == 1 for name in RECORDED[:-1])
-    assert stages[RECORDED[-1]].n_recordings <= 1
+    shot = make_shot()
+    scene = MitsubaScene(shot)
+    tracer, _ = choose_tracer(scene.scene, shot.film.resolved(), scene.depth)
+    assert isinstance(tracer, Wavefront)
+    for seed in range(4):
+        tracer.scene_changed()
+        tracer.trace(scene.sensor, seed, range(4), 4)
+        counts = dict(tracer.recordings)
+        # Few paths end at a lamp, or none.
+        assert counts.pop("emission") <= 1
+        assert set(counts.values()) == {1}
 
 
 def test_passes_may_be_added_in_parts(renderer: Renderer, make_shot: Make) -> None:
@@ -155,11 +156,11 @@ def test_stratification_reduces_the_noise(renderer: Renderer, make_shot: Make) -
 
     scene = MitsubaScene(replace(make_shot(), film=Film(size=(64, 48), depth=2, denoise="off")))
     spread = [scene.trace(seed, range(16), 16).light for seed in range(8)]
-    chance = [
+    rng = [
         np.mean([scene.trace(1000 + 16 * seed + k, range(1), 1).light for k in range(16)], axis=0)
         for seed in range(8)
     ]
-    assert np.std(spread, axis=0).mean() < 0.7 * np.std(chance, axis=0).mean()
+    assert np.std(spread, axis=0).mean() < 0.7 * np.std(rng, axis=0).mean()
 
 
 def test_a_medium_is_left_to_the_path_tracer(renderer: Renderer) -> None:

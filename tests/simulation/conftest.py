@@ -1,4 +1,4 @@
-"""Scenes that several tests look at, simulated once."""
+"""Scenes and figures of several tests, simulated or built once."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.skeleton import BODY, Link, Skeleton
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Take
@@ -26,7 +26,7 @@ HEADER = "pronk: 1\nduration: {duration}\nseed: {seed}\nterrain: {terrain}\ncast
 def scene_of(
     *cast: str, terrain: str = "flat", duration: float = 2, seed: int = 3, more: str = ""
 ) -> Scene:
-    """Return a scene of its cast, one flow mapping each."""
+    """Return a scene of cast members, each a YAML flow mapping."""
     rows = "".join(f"- {member}\n" for member in cast)
     text = HEADER.format(duration=duration, seed=seed, terrain=terrain, cast=rows)
     return read_scene(f"{text}{more}\n")
@@ -34,7 +34,7 @@ def scene_of(
 
 @dataclass
 class Walk:
-    """A simulation with what was seen of it at every step."""
+    """A simulation with the state of its feet at every step."""
 
     simulation: Simulation
     swinging: list[NDArray[np.bool_]] = field(default_factory=list)
@@ -43,23 +43,23 @@ class Walk:
     ends: list[Array] = field(default_factory=list)
 
     @property
-    def walkers(self) -> Walkers:
-        """Its creatures."""
+    def walkers(self) -> WalkerTroupe:
+        """The creatures of the scene."""
         troupe = self.simulation.troupes[0]
-        assert isinstance(troupe, Walkers)
+        assert isinstance(troupe, WalkerTroupe)
         return troupe
 
-    def look(self) -> None:
-        """Keep the state of this step."""
+    def record_step(self) -> None:
+        """Record the state of this step."""
         walkers = self.walkers
-        self.swinging.append(walkers.stepping.feet.swinging.copy())
+        self.swinging.append(walkers.sequencer.feet.swinging.copy())
         self.phases.append(walkers.phase.copy())
-        self.lifted.append(walkers.stepping.feet.lift_phase.copy())
-        self.ends.append(walkers.stepping.feet.end.copy())
+        self.lifted.append(walkers.sequencer.feet.lift_phase.copy())
+        self.ends.append(walkers.sequencer.feet.end.copy())
 
     @cached_property
     def take(self) -> Take:
-        """What happened."""
+        """The take of the simulation."""
         return self.simulation.take()
 
     @cached_property
@@ -78,7 +78,7 @@ class Walk:
 
     @cached_property
     def standing(self) -> NDArray[np.bool_]:
-        """(K, L) whether a foot is down."""
+        """(K, L) which feet are down."""
         return ~np.array(self.swinging)
 
 
@@ -96,13 +96,13 @@ def tips_of(simulation: Simulation, herd: Herd) -> Array:
 
 
 def walk_through(scene: Scene) -> Walk:
-    """Simulate `scene` and look at every step; a row stands at each."""
+    """Simulate `scene`, which has a row at every step, and record every step."""
     assert scene.steps == scene.rows_per_frame
     walk = Walk(Simulation(scene))
-    walk.look()
+    walk.record_step()
     while not walk.simulation.finished:
         walk.simulation.step()
-        walk.look()
+        walk.record_step()
     return walk
 
 
@@ -151,35 +151,35 @@ def scene_named(name: str) -> Scene:
 
 @pytest.fixture(name="scene_of", scope="session")
 def _scene_of() -> Callable[..., Scene]:
-    """Make scenes of their casts."""
+    """Return `scene_of`."""
     return scene_of
 
 
 @pytest.fixture(name="walk_through", scope="session")
 def _walk_through() -> Callable[[Scene], Walk]:
-    """Simulate scenes and look at every step."""
+    """Return `walk_through`."""
     return walk_through
 
 
 @pytest.fixture(scope="session", params=list(WALKS))
 def walk(request: pytest.FixtureRequest) -> Walk:
-    """Each of several walks in turn."""
+    """Return each walk of `WALKS` in turn."""
     return walk_through(scene_named(request.param))
 
 
 @pytest.fixture(scope="session")
 def first_steps() -> Walk:
-    """The shipped scene."""
+    """Return the walk of the shipped scene `first_steps`."""
     return walk_through(scene_named("first steps"))
 
 
 @pytest.fixture(scope="session")
 def figure() -> Callable[..., Figure]:
-    """Build figures from flow mappings of the language."""
+    """Return a function that builds a figure from its YAML flow mapping."""
 
-    def build(words: str, scale: float = 1.0) -> Figure:
+    def build(config: str, scale: float = 1.0) -> Figure:
         scene = read_scene(
-            f"pronk: 1\nduration: 1\nfigures: {{thing: {words}}}\ncast: [{{figure: thing}}]\n"
+            f"pronk: 1\nduration: 1\nfigures: {{thing: {config}}}\ncast: [{{figure: thing}}]\n"
         )
         return build_figure("thing", scene.figures["thing"], scale)
 
@@ -188,24 +188,24 @@ def figure() -> Callable[..., Figure]:
 
 @pytest.fixture(scope="session")
 def beetle() -> Figure:
-    """The shipped beetle, as it is drawn."""
+    """Return the shipped beetle at its drawn size."""
     scene = read_scene("pronk: 1\nduration: 1\ncast: [{figure: beetle}]\n")
     return build_figure("beetle", scene.figures["beetle"], 1.0)
 
 
-def random_skeleton(chance: np.random.Generator, joints: int) -> Skeleton:
-    """Return a tree of joints of both kinds, each with a link of its own."""
-    parents = np.array([int(chance.integers(-1, j)) for j in range(joints)], dtype=np.int64)
-    axes = chance.normal(size=(joints, 3))
-    # Some axes are those that people draw, so that parallel and crossing ones occur.
-    square = chance.random(joints) < 0.4
-    axes[square] = np.eye(3)[chance.integers(0, 3, int(square.sum()))]
+def random_skeleton(rng: np.random.Generator, joints: int) -> Skeleton:
+    """Return a random tree of hinges and slides, each with one link."""
+    parents = np.array([int(rng.integers(-1, j)) for j in range(joints)], dtype=np.int64)
+    axes = rng.normal(size=(joints, 3))
+    # Some axes are coordinate axes, so that parallel and crossing axes occur.
+    square = rng.random(joints) < 0.4
+    axes[square] = np.eye(3)[rng.integers(0, 3, int(square.sum()))]
     axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
-    places = chance.uniform(-1, 1, (joints, 3))
-    for j in np.flatnonzero(chance.random(joints) < 0.3):
+    places = rng.uniform(-1, 1, (joints, 3))
+    for j in np.flatnonzero(rng.random(joints) < 0.3):
         if parents[j] != BODY:
             places[j] = places[parents[j]]  # two joints of a ball
-    ends = np.stack([places, places + chance.uniform(-1, 1, (joints, 3))], axis=1)
+    ends = np.stack([places, places + rng.uniform(-1, 1, (joints, 3))], axis=1)
     body = Link("body", "body", BODY, np.zeros((2, 3)), (0.1, 0.1), "", False)
     links = [
         Link(f"link{j}", "leg", j, ends[j], (0.1, 0.1), "", j not in parents) for j in range(joints)
@@ -215,7 +215,7 @@ def random_skeleton(chance: np.random.Generator, joints: int) -> Skeleton:
         parents=parents,
         axes=axes,
         places=places,
-        prismatic=chance.random(joints) < 0.3,
+        prismatic=rng.random(joints) < 0.3,
         lower=np.full(joints, -1.5),
         upper=np.full(joints, 1.5),
         preferred=np.full(joints, 0.2),
@@ -227,7 +227,7 @@ def random_skeleton(chance: np.random.Generator, joints: int) -> Skeleton:
 
 @pytest.fixture(name="random_skeleton", scope="session")
 def _random_skeleton() -> Callable[[np.random.Generator, int], Skeleton]:
-    """Make skeletons that nobody drew."""
+    """Return `random_skeleton`."""
     return random_skeleton
 
 
@@ -243,11 +243,11 @@ def _library(name: str) -> Figure:
 
 @pytest.fixture(scope="session")
 def library() -> Callable[[str], Figure]:
-    """Build shipped figures by their names."""
+    """Return a function that builds a shipped figure by name."""
     return _library
 
 
 @pytest.fixture(scope="session", params=SHIPPED)
 def shipped(request: pytest.FixtureRequest) -> Figure:
-    """Each figure of the library in turn."""
+    """Return each shipped figure in turn."""
     return _library(request.param)

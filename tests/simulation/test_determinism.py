@@ -1,4 +1,4 @@
-"""The same scene gives the same bytes; rates and neighbours change nothing that they should not."""
+"""The same scene gives the same bytes, whatever the process, cast order, neighbours and rates."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
     """Return all bytes of one performer."""
     nodes = [i for i, node in enumerate(take.nodes) if node.performer == name]
     channels = [i for i, c in enumerate(take.channels) if c.name.startswith(f"{name}.")]
-    words = [repr(c) for c in take.contacts if c.performer == name]
-    words += [repr(e) for e in take.events if e.who == name]
+    lines = [repr(c) for c in take.contacts if c.performer == name]
+    lines += [repr(e) for e in take.events if e.who == name]
     return (
         take.positions[:, nodes].tobytes(),
         take.rotations[:, nodes].tobytes(),
         take.values[:, channels].tobytes(),
-        "\n".join(words).encode(),
+        "\n".join(lines).encode(),
     )
 
 
@@ -71,7 +71,7 @@ def test_another_process_gives_the_same_take(scene_of: SceneOf, salt: str) -> No
     assert done.stdout == simulate(read_scene(dump(scene))).digest
 
 
-def test_the_order_of_the_cast_does_not_matter(scene_of: SceneOf) -> None:
+def test_cast_order_does_not_change_motion(scene_of: SceneOf) -> None:
     there = simulate(scene_of(BUG, WAVER, STANDER, terrain=ROUGH))
     back = simulate(scene_of(STANDER, WAVER, BUG, terrain=ROUGH))
     for name in ("bug", "waver", "stander"):
@@ -82,14 +82,14 @@ INTEGRATED = 5e-4
 """How far phases, seconds and metres may be apart for the steps that integrate them."""
 
 
-def test_another_performer_leaves_one_as_it_was(scene_of: SceneOf) -> None:
+def test_motion_does_not_depend_on_other_performers(scene_of: SceneOf) -> None:
     alone = simulate(scene_of(BUG, terrain=ROUGH))
     beside = simulate(scene_of(STANDER, BUG, WAVER, terrain=ROUGH))
     assert _of(alone, "bug") == _of(beside, "bug")
 
 
 @pytest.mark.parametrize("terrain", ["flat", ROUGH])
-def test_another_rate_samples_the_same_world(scene_of: SceneOf, terrain: str) -> None:
+def test_frame_rate_does_not_change_the_motion(scene_of: SceneOf, terrain: str) -> None:
     one = simulate(scene_of(BUG, WAVER, terrain=terrain, more="fps: 24"))
     two = simulate(scene_of(BUG, WAVER, terrain=terrain, more="fps: 48"))
     assert np.abs(one.positions - two.positions[::2]).max() < 2e-3
@@ -101,7 +101,7 @@ def test_another_rate_samples_the_same_world(scene_of: SceneOf, terrain: str) ->
     assert np.allclose(times[0], times[1], atol=near)
 
 
-def test_finer_steps_change_nothing_but_what_redundancy_leaves(scene_of: SceneOf) -> None:
+def test_finer_steps_converge_to_the_same_motion(scene_of: SceneOf) -> None:
     coarse, fine = (
         simulate(scene_of(BUG, terrain=ROUGH, more=f"{{steps: {n}}}"[1:-1])) for n in (4, 16)
     )
@@ -111,7 +111,7 @@ def test_finer_steps_change_nothing_but_what_redundancy_leaves(scene_of: SceneOf
     assert np.allclose(sorted(_moments(coarse)), sorted(_moments(fine)), atol=INTEGRATED)
 
 
-def test_stepping_by_hand_is_simulating(scene_of: SceneOf) -> None:
+def test_manual_steps_give_the_take_of_simulate(scene_of: SceneOf) -> None:
     scene = scene_of(BUG, terrain=ROUGH)
     simulation, seen = Simulation(scene), list[tuple[int, int]]()
     while not simulation.finished:

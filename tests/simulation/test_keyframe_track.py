@@ -106,7 +106,7 @@ def test_a_cycle_is_smooth_at_its_ends() -> None:
     step = 1e-6
     slope = [cycle(np.array([t, t + step]))[:, 0] @ [-1, 1] / step for t in (2.5 - 2 * step, 2.5)]
     assert slope[0] == pytest.approx(slope[1], abs=1e-3)
-    # Whole turns go on as fast as they came.
+    # Whole turns continue at the same rate.
     rate = np.diff(np.unwrap(cycle(np.linspace(0.5, 6.5, 601))[:, 1], period=360.0)) / 0.01
     np.testing.assert_allclose(rate, 180.0, rtol=1e-6)
 

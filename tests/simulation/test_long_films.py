@@ -45,7 +45,7 @@ while not simulation.finished:
     if simulation.step_number == last // 5:
         footfalls = len(simulation.recorder.contacts)
     if simulation.step_number % 24 == 0:
-        # The most of either part: in between some is given back and taken again.
+        # Peaks of both parts: in between memory is freed and allocated again.
         part = int(simulation.step_number > last // 5)
         most[part] = max(most[part], anonymous())
 take = simulation.take()
@@ -77,7 +77,7 @@ def _crowd(scene_of: Callable[..., Scene], seconds: float) -> Scene:
     ],
 )
 def test_memory_stays_flat(scene_of: Callable[..., Scene], seconds: int, on_disk_from: int) -> None:
-    """In a process of its own; what lies in files that the system can take back is not counted."""
+    """Runs in a new process; file-backed memory is not counted."""
     scene = _crowd(scene_of, seconds)
     done = subprocess.run(
         [sys.executable, "-c", WALK, str(on_disk_from)],

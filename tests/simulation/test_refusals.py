@@ -1,4 +1,4 @@
-"""What cannot be done is refused before it begins, with the place in the scene and a way out."""
+"""Impossible scenes are refused before the first step, with path and suggestion."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STANDS = "{figure: beetle, name: other, at: [5, 5]}"
 
 
 @pytest.mark.parametrize(
-    ("member", "path", "says"),
+    ("member", "path", "phrases"),
     [
         ("{figure: beetle, walk: {speed: 9, cycle: 2}}", "walk", ["stride", "18", "at most"]),
         ("{figure: beetle, walk: {stride: 3}}", "walk", ["stride", "at most"]),
@@ -48,19 +48,19 @@ STANDS = "{figure: beetle, name: other, at: [5, 5]}"
     ],
 )
 @pytest.mark.parametrize("number", [0, 1])
-def test_what_a_figure_cannot_do(
-    scene_of: SceneOf, member: str, path: str, says: list[str], number: int
+def test_walks_that_a_figure_cannot_do_are_refused(
+    scene_of: SceneOf, member: str, path: str, phrases: list[str], number: int
 ) -> None:
     cast = [STANDS] * number + [member]
     with pytest.raises(SceneError) as caught:
         Simulation(scene_of(*cast, more=FOUR))
     (problem,) = caught.value.problems
     assert problem.path == f"cast[{number}].{path}"
-    for words in says:
-        assert words in problem.message
+    for phrase in phrases:
+        assert phrase in problem.message
 
 
-def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: SceneOf) -> None:
+def test_greatest_stride_and_height_of_the_message_work(scene_of: SceneOf) -> None:
     with pytest.raises(SceneError) as caught:
         Simulation(scene_of("{figure: beetle, walk: {stride: 3}}"))
     most = float(caught.value.problems[0].message.split("at most ")[1].split(";")[0])
@@ -77,7 +77,7 @@ def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: Scen
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "words",
+    "walk_config",
     [
         {"stride": 3},
         {"speed": 4, "cycle": 0.9},
@@ -87,19 +87,19 @@ def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: Scen
         {"stride": 3, "speed": 2, "cycle": 1.5},
     ],
 )
-def test_all_that_a_message_offers_for_a_stride_works(
-    scene_of: SceneOf, words: dict[str, float | str]
+def test_every_suggestion_for_a_stride_works(
+    scene_of: SceneOf, walk_config: dict[str, float | str]
 ) -> None:
     def scene(changed: dict[str, float | str]) -> Scene:
-        walk = ", ".join(f"{word}: {value}" for word, value in changed.items())
+        walk = ", ".join(f"{key}: {value}" for key, value in changed.items())
         return scene_of(f"{{figure: beetle, walk: {{{walk}}}}}")
 
     with pytest.raises(SceneError) as caught:
-        Simulation(scene(words))
-    offers = re.split(", | or ", caught.value.problems[0].message.split("; take ")[1])
-    assert len(offers) >= 2
-    for offer in offers:
-        Simulation(scene({**words, **dict(re.findall(r"(\w+): ([\d.]+)", offer))}))
+        Simulation(scene(walk_config))
+    suggestions = re.split(", | or ", caught.value.problems[0].message.split("; take ")[1])
+    assert len(suggestions) >= 2
+    for suggestion in suggestions:
+        Simulation(scene({**walk_config, **dict(re.findall(r"(\w+): ([\d.]+)", suggestion))}))
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,9 @@ def test_all_that_a_message_offers_for_a_stride_works(
         ([0, 0], "{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}"),
     ],
 )
-def test_a_start_without_a_foothold(scene_of: SceneOf, at: list[float], terrain: str) -> None:
+def test_a_start_without_a_foothold_is_refused(
+    scene_of: SceneOf, at: list[float], terrain: str
+) -> None:
     scene = scene_of(f"{{figure: beetle, name: bug, at: {at}}}", terrain=terrain)
     with pytest.raises(SimulationError) as caught:
         Simulation(scene)
@@ -119,9 +121,7 @@ def test_a_start_without_a_foothold(scene_of: SceneOf, at: list[float], terrain:
     assert "`at`" in message
 
 
-def test_a_simulation_that_diverges_says_where(
-    scene_of: SceneOf, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_divergence_names_step_and_node(scene_of: SceneOf, monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = Simulation(scene_of("{figure: beetle, name: bug, walk: {}}"))
     for _ in range(3):
         simulation.step()
@@ -142,7 +142,7 @@ def test_a_simulation_that_diverges_says_where(
         run_through()
 
 
-def test_a_legless_figure_lies_still(scene_of: SceneOf) -> None:
+def test_a_figure_without_legs_lies_still(scene_of: SceneOf) -> None:
     take = simulate(scene_of("{figure: worm}", more=FOUR))
     assert np.ptp(take.positions, axis=0).max() == 0.0
     assert not take.contacts

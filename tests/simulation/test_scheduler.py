@@ -14,11 +14,12 @@ from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.scheduler import Batch, BatchLimits, RowScheduler
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Header, Node
 from pipeline.simulation.terrain import Ground, build_ground
-from pipeline.simulation.troupe import Rows, Troupe, WriteStage
+from pipeline.simulation.troupe import Troupe, WriteStage
 from pipeline.spec import read_scene
 
 CLOCK = Clock(Fraction(24), frames=6, steps=4, samples=2)
@@ -148,7 +149,7 @@ def test_the_last_troupe_sees_attached_nodes_in_the_world(ground: Ground) -> Non
     troupes = [Mover("rider", log), Mover("horse", log), Last("birds", log)]
     scheduler, _ = scheduler_of(troupes, ground, [rider])
     run(scheduler)
-    # The rider's own way and the horse's add up.
+    # The displacements of rider and horse add up.
     assert log[-1] == ("last sees", 2 * (CLOCK.rows - 1))
 
 

@@ -23,7 +23,7 @@ from pipeline.simulation.spatial import (
     quaternion,
     rotation,
     turn,
-    unturn,
+    turn_inverse,
 )
 
 CHANCE = np.random.default_rng(11)
@@ -60,7 +60,7 @@ def test_a_rotation_keeps_its_axis_and_turns_perpendicular_vectors() -> None:
 
 def test_unturn_inverts_turn() -> None:
     v = CHANCE.normal(size=(500, 3))
-    assert _same(unturn(TURNS, turn(TURNS, v)), v)
+    assert _same(turn_inverse(TURNS, turn(TURNS, v)), v)
     assert _same(cross(v, AXES), np.cross(v, AXES))
 
 

@@ -124,7 +124,7 @@ def test_an_interrupted_write_leaves_no_take(
     class Killed(BaseException):
         pass
 
-    def kill(self: object, words: object) -> None:
+    def kill(self: object, header: object) -> None:
         raise Killed
 
     monkeypatch.setattr(type(zarr.open_group(tmp_path / "x").attrs), "update", kill)

@@ -1,4 +1,4 @@
-"""Operations on a drawing: what each does, what holds of all, and what is refused."""
+"""Drawing operations: their effects, their laws, and refusals."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pipeline.spec.operations.node_selection import encloses
 NODES = {"hip": [0, 0], "knee1_l": [-1, 0.2], "foot1_l": [-2, 0.5], "nose": [0, -1]}
 CHAINS = [["nose", "hip", "knee1_l", "foot1_l"]]
 
-# Every form of every operation, with what it leaves; a test pairs it with the registry.
+# Every form of every operation; a test compares the keys with the registry.
 FORMS = {
     "mirror": ["{mirror: x}", "{mirror: x, nodes: [knee1_l, foot1_l], suffix: _b}",
                "{mirror: y, nodes: [foot1_l]}"],
@@ -42,29 +42,29 @@ FORMS = {
 }  # fmt: skip
 
 
-def words_of(*then, nodes=NODES, chains=CHAINS, **more):
+def figure_config(*then, nodes=NODES, chains=CHAINS, **more):
     operations = [yaml.safe_load(one) if isinstance(one, str) else one for one in then]
     return {"nodes": nodes, "chains": chains, "then": operations, **more}
 
 
 def sheet_of(*then, **more):
-    return Figure.model_validate(words_of(*then, **more)).sheet()
+    return Figure.model_validate(figure_config(*then, **more)).sheet()
 
 
-def places(sheet):
+def positions(sheet):
     return {name: pytest.approx(mark.at, abs=1e-9) for name, mark in sheet.marks.items()}
 
 
-def test_every_operation_has_a_form_here_and_a_method():
+def test_every_operation_is_tested_here_and_implemented():
     assert OPERATIONS.keys() == FORMS.keys()
     assert all("apply" in vars(model) for model in OPERATIONS.values())
 
 
 @pytest.mark.parametrize("form", [form for forms in FORMS.values() for form in forms])
 def test_every_form_loads_and_fits_the_schema_and_its_operation(form):
-    words = words_of(form)
-    assert jsonschema.Draft7Validator(figure_schema()).is_valid({"pronk": 1, "figure": words})
-    figure = Figure.model_validate(words)
+    config = figure_config(form)
+    assert jsonschema.Draft7Validator(figure_schema()).is_valid({"pronk": 1, "figure": config})
+    figure = Figure.model_validate(config)
     (key,) = [key for key, model in OPERATIONS.items() if type(figure.then[0]) is model]
     assert form in FORMS[key]
     written = figure.model_dump(exclude_none=True)
@@ -74,7 +74,7 @@ def test_every_form_loads_and_fits_the_schema_and_its_operation(form):
 # What operations do.
 
 
-def test_mirror_copies_what_is_off_the_axis_with_its_connections():
+def test_mirror_copies_nodes_beside_the_axis_with_their_connections():
     sheet = sheet_of("{mirror: x}")
     assert sheet.marks["foot1_r"].at == (2.0, 0.5)
     assert {("hip", "knee1_r"), ("foot1_r", "knee1_r")} <= sheet.connections
@@ -82,7 +82,7 @@ def test_mirror_copies_what_is_off_the_axis_with_its_connections():
     assert sheet_of("{mirror: y, nodes: [foot1_l]}").marks["foot1_r"].at == (-2.0, -0.5)
 
 
-def test_mirrored_names():
+def test_mirrored_names_swap_their_side():
     assert mirrored_name("foot_l") == "foot_r"
     assert mirrored_name("foot_r") == "foot_l"
     assert mirrored_name("foot1") == "foot1_m"
@@ -90,7 +90,7 @@ def test_mirrored_names():
 
 
 @given(st.from_regex(r"[a-z]{1,5}(_l|_r)", fullmatch=True))
-def test_mirroring_a_side_twice_gives_its_name_back(name):
+def test_mirroring_a_name_twice_restores_it(name):
     assert mirrored_name(mirrored_name(name)) == name
 
 
@@ -113,20 +113,20 @@ def test_copies_are_numbered(name, copies):
         name = copy
 
 
-def test_numbers_that_are_taken_are_passed_over():
+def test_numbers_in_use_are_skipped():
     assert copied_names(["f1", "f2", "f3"], ["f1", "f2", "f3"]) == {
         "f1": "f4", "f2": "f5", "f3": "f6"
     }  # fmt: skip
 
 
-def test_copies_are_tied_to_what_their_originals_are_tied_to():
+def test_copies_keep_the_connections_of_their_originals():
     sheet = sheet_of("{copy: [knee1_l, foot1_l], rotate_deg: 40, about: hip, repeat: 2}")
     assert set(sheet.marks) == {*NODES, "knee2_l", "foot2_l", "knee3_l", "foot3_l"}
     assert {("hip", "knee2_l"), ("hip", "knee3_l"), ("foot3_l", "knee3_l")} <= sheet.connections
     assert ("knee2_l", "knee3_l") not in sheet.connections
 
 
-def test_a_centipede_is_segments_joined_to_one_another():
+def test_joined_copies_of_a_segment_form_a_centipede():
     nodes = {"head": [0, -1], "seg1": [0, 0], "hip1_l": [-0.2, 0], "foot1_l": [-1, 0.1]}
     copy = "{copy: [seg1, hip1_l, foot1_l], translate: [0, 0.5], repeat: 9, join: [[seg1, seg1]]}"
     sheet = sheet_of(copy, "{mirror: x}", nodes=nodes, chains=[[*nodes]])
@@ -137,14 +137,14 @@ def test_a_centipede_is_segments_joined_to_one_another():
     assert len(sheet.connections) == 1 + 9 + 10 * 4
 
 
-def test_a_copy_may_be_left_loose_and_connected_later():
+def test_a_copy_may_be_disconnected_and_connected_later():
     loose = sheet_of("{copy: [hip], translate: [0, 1], join: []}")
     assert len(loose.connections) == 3
     tied = sheet_of("{copy: [hip], translate: [0, 1], join: []}", "{connect: [hip, hip_2]}")
     assert tied.connections - loose.connections == {("hip", "hip_2")}
 
 
-def test_transformations_are_done_in_their_order():
+def test_transformations_apply_in_order():
     sheet = sheet_of(
         "{move: [foot1_l], mirror: x, scale: 2, rotate_deg: 90, translate: [10, 0], about: [0, 0]}"
     )
@@ -153,20 +153,20 @@ def test_transformations_are_done_in_their_order():
     assert sheet.marks["foot1_l"].size == 2
 
 
-def test_a_turn_is_to_the_left_and_about_the_middle_unless_told_otherwise():
+def test_rotation_is_to_the_left_about_the_centre_by_default():
     pair = {"a": [1, 0], "b": [3, 0], "c": [9, 9]}
     sheet = sheet_of("{move: [a, b], rotate_deg: 90}", nodes=pair, chains=[])
-    assert places(sheet)["b"] == (2, -1), "right turns to the front"
+    assert positions(sheet)["b"] == (2, -1), "right turns to the front"
     sheet = sheet_of("{move: [a, b], rotate_abs_deg: 90}", nodes=pair, chains=[])
-    assert places(sheet)["b"] == (0, -3)
+    assert positions(sheet)["b"] == (0, -3)
 
 
-def test_scaling_takes_radii_along():
+def test_scaling_scales_radii():
     sheet = sheet_of("{move: all, scale_xy: [4, 1]}")
     assert {mark.size for mark in sheet.marks.values()} == {2}
 
 
-def test_selections_form_a_ring():
+def test_previous_selection_alternates_between_the_last_two():
     outline = "{select: [[-3, -1], [-0.5, -1], [-0.5, 1], [-3, 1]]}"
     back = "{select: previous}"
     first, second = ("knee1_l", "foot1_l"), ("hip",)
@@ -189,7 +189,7 @@ def test_operations_work_on_the_selection():
     assert {"knee2_l", "foot2_l"} <= set(copied.marks)
 
 
-def test_nodes_near_an_axis_stick_to_it():
+def test_nodes_near_an_axis_snap_to_it():
     nodes = {"a": [1e-3, -1], "b": [-1e-3, 1], "c": [0.1, 1e-3]}
     assert [m.at for m in sheet_of(nodes=nodes, chains=[]).marks.values()] == [
         (0, -1), (0, 1), (0.1, 0)
@@ -212,9 +212,9 @@ drawings = st.lists(points, min_size=1, max_size=8, unique=True).map(
 
 
 @given(drawings, st.sampled_from("xy"))
-def test_mirroring_twice_is_nothing(nodes, axis):
+def test_mirroring_twice_is_the_identity(nodes, axis):
     move = {"move": "all", "mirror": axis}
-    assert places(sheet_of(nodes=nodes, chains=[])) == {
+    assert positions(sheet_of(nodes=nodes, chains=[])) == {
         name: mark.at for name, mark in sheet_of(move, move, nodes=nodes, chains=[]).marks.items()
     }
 
@@ -230,17 +230,17 @@ def test_a_mirror_of_a_mirror_lies_on_the_original(at, axis):
 
 
 @given(drawings, st.integers(2, 24), st.sampled_from(["rotate_deg", "rotate_abs_deg"]))
-def test_a_full_turn_in_parts_is_nothing(nodes, n, word):
+def test_partial_rotations_of_a_full_turn_are_the_identity(nodes, n, word):
     sheet = sheet_of(*[{"move": "all", word: 360 / n}] * n, nodes=nodes, chains=[], sticky=0)
-    assert places(sheet) == {name: tuple(at) for name, at in nodes.items()}
+    assert positions(sheet) == {name: tuple(at) for name, at in nodes.items()}
 
 
 @given(drawings, points, st.floats(0.1, 8), st.floats(-720, 720))
-def test_what_is_undone_is_undone(nodes, way, factor, angle):
-    back = [-way[0], -way[1]]
-    about = list(way)
+def test_inverse_transformations_are_the_identity(nodes, sense, factor, angle):
+    back = [-sense[0], -sense[1]]
+    about = list(sense)
     sheet = sheet_of(
-        {"move": "all", "translate": list(way)},
+        {"move": "all", "translate": list(sense)},
         {"move": "all", "scale": factor, "rotate_deg": angle, "about": about},
         {"move": "all", "scale": 1 / factor, "rotate_deg": -angle, "about": about},
         {"move": "all", "translate": back},
@@ -253,9 +253,9 @@ def test_what_is_undone_is_undone(nodes, way, factor, angle):
 
 
 @given(drawings, points, st.integers(1, 4))
-def test_deleting_what_was_copied_is_nothing(nodes, way, n):
+def test_deleting_all_copies_restores_the_drawing(nodes, sense, n):
     chain = [[*nodes]] if len(nodes) > 1 else []
-    move = [way[0] + 20, way[1]]
+    move = [sense[0] + 20, sense[1]]
     before = sheet_of(nodes=nodes, chains=chain, sticky=0)
     copy = {"copy": "all", "translate": move, "repeat": n}
     copied = sheet_of(copy, nodes=nodes, chains=chain, sticky=0)
@@ -266,8 +266,8 @@ def test_deleting_what_was_copied_is_nothing(nodes, way, n):
 
 
 @given(drawings, points, st.integers(1, 4))
-def test_repeating_is_copying_the_last_copy(nodes, way, n):
-    move = {"translate": [way[0] + 20, way[1]], "rotate_deg": 7}
+def test_repeat_equals_copying_the_last_copy(nodes, sense, n):
+    move = {"translate": [sense[0] + 20, sense[1]], "rotate_deg": 7}
     once = sheet_of({"copy": "all", **move, "repeat": n}, nodes=nodes, chains=[])
     last, then = list(nodes), []
     taken = set(nodes)
@@ -275,7 +275,7 @@ def test_repeating_is_copying_the_last_copy(nodes, way, n):
         then.append({"copy": last, **move})
         last = list(copied_names(last, taken).values())
         taken |= set(last)
-    assert places(once) == {
+    assert positions(once) == {
         k: m.at for k, m in sheet_of(*then, nodes=nodes, chains=[]).marks.items()
     }
 
@@ -286,7 +286,7 @@ C_SHAPE = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 3), (4, 3), (4, 4), (0, 4)]
 STAR = [(math.cos(0.8 * math.pi * k), math.sin(0.8 * math.pi * k)) for k in range(5)]
 
 
-@pytest.mark.parametrize("way", [1, -1], ids=["one way", "other way"])
+@pytest.mark.parametrize("sense", [1, -1], ids=["one sense", "other sense"])
 @pytest.mark.parametrize(
     ("outline", "point", "inside"),
     [
@@ -303,12 +303,12 @@ STAR = [(math.cos(0.8 * math.pi * k), math.sin(0.8 * math.pi * k)) for k in rang
         (STAR, (0.9, 0.6), False),
     ],
 )
-def test_known_outlines(outline, point, inside, way):
-    assert encloses(outline[::way], point) is inside
+def test_outlines_enclose_known_points(outline, point, inside, sense):
+    assert encloses(outline[::sense], point) is inside
 
 
-def even_odd(outline, point):
-    """Count the sides that a ray to the right crosses: another method altogether."""
+def encloses_by_crossings(outline, point):
+    """Return whether a ray to the right crosses the outline an odd number of times."""
     x, y = point
     odd = False
     for (ax, ay), (bx, by) in zip(outline, [*outline[1:], outline[0]], strict=True):
@@ -319,7 +319,7 @@ def even_odd(outline, point):
 
 @settings(max_examples=300)
 @given(st.integers(0, 2**32), st.integers(3, 30))
-def test_enclosure_against_counting_crossings(seed, n):
+def test_enclosure_matches_counting_of_crossings(seed, n):
     draw = random.Random(seed)
     # A star-shaped outline never crosses itself, and is concave nearly always.
     angles = sorted(draw.uniform(0, 2 * math.pi) for _ in range(n))
@@ -329,7 +329,7 @@ def test_enclosure_against_counting_crossings(seed, n):
         outline.reverse()
     for _ in range(20):
         point = draw.uniform(-3, 3), draw.uniform(-3, 3)
-        assert encloses(outline, point) == even_odd(outline, point)
+        assert encloses(outline, point) == encloses_by_crossings(outline, point)
 
 
 # What is refused, and where.
@@ -357,7 +357,7 @@ MISTAKES = [
     ("{copy: [§hipp], translate: [0, 1]}", ".copy[0]", "no node is called 'hipp', did you mean "
      "'hip'?"),
     ("{copy: [hip, §knee_m], translate: [0, 1]}", ".copy[1]", "no node is called 'knee_m', did "
-     "you mean 'knee_r'?"),
+     "you mean 'knee_l' or 'knee_r'?"),
     ("{copy: §hip, translate: [0, 1]}", ".copy", "must be 'selected' or 'all', is the text 'hip'"),
     ("{copy: [hip], §trnslate: [0, 1]}", ".trnslate", "unknown key, did you mean 'translate'?"),
     ("{copy: [hip], translate: §[0]}", ".translate", "must hold 2 values, holds 1"),
@@ -396,7 +396,7 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("operation", "path", "message"), MISTAKES)
-def test_one_mistake_is_one_problem_at_its_place(operation, path, message):
+def test_one_mistake_is_one_problem_at_its_position(operation, path, message):
     before, _, after = SCENE.replace("OPERATION", operation).partition("§")
     with pytest.raises(SceneError) as caught:
         read_scene(before + after, "bug.yaml")
@@ -406,8 +406,8 @@ def test_one_mistake_is_one_problem_at_its_place(operation, path, message):
     assert (problem.line, problem.column) == (before.count("\n") + 1, column)
 
 
-def test_operations_go_on_after_a_mistake():
-    figure = words_of(
+def test_operations_after_a_mistake_are_checked():
+    figure = figure_config(
         "{copy: [hip, hipp], translate: [0, 1]}", "{delete: [hip_2]}", "{delete: [hip_3]}"
     )
     text = yaml.safe_dump(

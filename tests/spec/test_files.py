@@ -1,11 +1,19 @@
-"""Scenes and figures in files: where they are found and what is said when they are not."""
+"""Scene and figure files: search order, encodings, and messages for missing files."""
 
 from __future__ import annotations
 
 import pytest
 
 from pipeline.errors import SceneError, UsageError
-from pipeline.spec import find_scene, library, load_figure, load_scene, read_scene, shipped_scenes
+from pipeline.spec import (
+    find_scene,
+    library,
+    load_figure,
+    load_scene,
+    read_scene,
+    shipped_scenes,
+    simulation_key,
+)
 
 SCENE = "pronk: 1\nduration: 1\ncast: [{figure: bug}]\n"
 FIGURE = "pronk: 1\nfigure:\n  nodes: {head: [0, -1], hip: [0, 0]}\n  chains: [[head, hip]]\n"
@@ -18,9 +26,9 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def problems_of(call, *given):
+def problems_of(call, *arguments):
     with pytest.raises(SceneError) as caught:
-        call(*given)
+        call(*arguments)
     return [str(problem).partition("\n")[0] for problem in caught.value.problems]
 
 
@@ -38,7 +46,7 @@ def test_a_figure_in_the_scene_comes_before_one_beside_it(folder):
     assert list(load_scene("play.yaml").figures["bug"].nodes) == ["own"]
 
 
-def test_a_scene_may_be_called_like_its_figure(folder):
+def test_a_scene_may_have_the_name_of_its_figure(folder):
     (folder / "figures").mkdir()
     (folder / "figures" / "bug.yaml").write_text(FIGURE)
     (folder / "bug.yaml").write_text(SCENE)
@@ -46,7 +54,7 @@ def test_a_scene_may_be_called_like_its_figure(folder):
     assert list(load_scene("play.yaml").figures) == ["bug"]
 
 
-def test_mistakes_in_a_figure_file_carry_its_name_and_lines(folder):
+def test_mistakes_in_a_figure_file_have_its_name_and_lines(folder):
     wrong = FIGURE.replace("[head, hip]", "[haed, hip]").replace("nodes: {", "nodes: {a: [x, 0], ")
     (folder / "bug.yaml").write_text(wrong)
     (folder / "play.yaml").write_text(SCENE.replace("1\nc", "-1\nc"))
@@ -69,29 +77,30 @@ def test_a_material_that_a_figure_file_names_must_be_in_the_scene(folder):
     assert load_scene("play.yaml").figures["bug"].material == "goo"
 
 
-def test_a_figure_file_that_is_no_yaml_is_reported_with_the_scene(folder):
+def test_a_figure_file_that_is_no_yaml_is_reported(folder):
     (folder / "bug.yaml").write_text("figure: [")
     (problem,) = problems_of(load_scene, "play.yaml")
     assert problem.startswith("bug.yaml:1:10: is not YAML: ")
 
 
-def test_a_missing_figure_says_where_was_searched_and_what_is_near(folder):
+def test_the_message_of_a_missing_figure_names_the_search_places_and_the_nearest_name(folder):
     (folder / "figures").mkdir()
     (folder / "figures" / "bugs.yaml").write_text(FIGURE)
     assert problems_of(load_scene, "play.yaml") == [
-        "play.yaml:3:17: cast[0].figure: no figure is called 'bug', did you mean 'bugs'? (searched:"
-        " this file, bug.yaml and figures/bug.yaml beside it, the library)"
+        "play.yaml:3:17: cast[0].figure: no figure is called 'bug', did you mean 'bugs'? "
+        "`pronk list figures` has all 14 (searched: this file, bug.yaml and figures/bug.yaml "
+        "beside it, the library)"
     ]
 
 
-def test_a_figure_file_of_a_newer_version(folder):
+def test_a_figure_file_of_a_newer_version_is_refused(folder):
     (folder / "bug.yaml").write_text(FIGURE.replace("pronk: 1", "pronk: 3"))
     assert problems_of(load_figure, "bug.yaml") == [
         "bug.yaml:1:8: pronk: this pronk reads version 1 of the language, not 3"
     ]
 
 
-def test_a_folder_and_an_unreadable_file_are_no_scenes(folder):
+def test_a_folder_is_refused_as_a_scene(folder):
     (folder / "sub").mkdir()
     assert problems_of(load_scene, "sub") == ["sub: is a folder, not a file"]
 
@@ -102,7 +111,7 @@ def test_a_byte_order_mark_and_other_line_breaks_are_accepted():
         assert read_scene(content).n_frames == 24
 
 
-def test_lines_are_counted_whatever_breaks_them():
+def test_all_line_breaks_count_lines():
     for line_break in ("\n", "\r\n", "\r"):
         text = (SCENE + "sead: 1\n").replace("\n", line_break)
         with pytest.raises(SceneError) as caught:
@@ -115,7 +124,7 @@ def test_find_scene_takes_a_path_a_name_here_and_a_shipped_name(folder, monkeypa
     shipped = folder / "shipped"
     shipped.mkdir()
     (shipped / "first_steps.yaml").write_text(SCENE)
-    monkeypatch.setattr("pipeline.spec.library_search.library", lambda: shipped)
+    monkeypatch.setattr("pipeline.spec.scene_library.library", lambda: shipped)
     assert shipped_scenes() == ["first_steps"]
     assert find_scene("play.yaml").samefile("play.yaml")
     assert find_scene("play").samefile("play.yaml")
@@ -130,27 +139,29 @@ def test_find_scene_takes_a_path_a_name_here_and_a_shipped_name(folder, monkeypa
     ("name", "message"),
     [
         ("plya", "no scene is called 'plya', neither in this folder nor among the shipped; did "
-         "you mean 'play'?"),
-        ("./sub/plya.yaml", "there is no file './sub/plya.yaml'; the folder holds no scenes"),
+         "you mean 'play'? `pronk list scenes` has all 53"),
+        ("./plya.yaml", "'./plya.yaml' is no file in {here}, did you mean 'play.yaml'?"),
+        ("sub/plya.yaml", "'sub/plya.yaml' is no file in {here}/sub, which holds no YAML files"),
+        ("bus/plya.yaml", "'bus/plya.yaml' is no file: there is no folder {here}/bus"),
         ("sub", "'sub' is a folder; give the file of a scene"),
     ],
 )  # fmt: skip
-def test_a_scene_that_is_not_found(folder, name, message):
+def test_a_missing_scene_is_refused_with_a_hint(folder, name, message):
     (folder / "sub").mkdir()
     with pytest.raises(UsageError) as caught:
         find_scene(name)
-    assert str(caught.value) == message
+    assert str(caught.value) == message.format(here=folder.resolve())
 
 
 @pytest.mark.parametrize("name", ["", "\0", "a\nb", "x" * 5000, "/", "..", "*", "\udcff"])
-def test_odd_names_are_not_found_either(folder, name):
+def test_odd_names_are_refused_without_a_traceback(folder, name):
     with pytest.raises(UsageError):
         find_scene(name)
     with pytest.raises((UsageError, SceneError)):
         load_scene(name)
 
 
-def test_the_library_is_there():
+def test_the_library_has_figures():
     assert (library() / "figures").is_dir()
 
 
@@ -162,3 +173,61 @@ def test_shipped_figures_load(path):
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_shipped_scenes_load(name):
     assert load_scene(find_scene(name)).n_frames >= 1
+
+
+def test_a_path_of_a_figure_is_the_same_as_its_name(folder):
+    (folder / "bug.yaml").write_text(FIGURE)
+    (folder / "sub").mkdir()
+    (folder / "sub" / "bug.yaml").write_text(FIGURE.replace("head", "nose"))
+    by_name = load_scene("play.yaml")
+    for path in ("bug.yaml", "./bug.yaml", "./bug", "sub/../bug.yaml", str(folder / "bug.yaml")):
+        (folder / "play.yaml").write_text(SCENE.replace("figure: bug", f"figure: {path}"))
+        scene = load_scene("play.yaml")
+        assert (list(scene.figures), scene.cast) == (["bug"], by_name.cast)
+        assert simulation_key(scene) == simulation_key(by_name)
+    (folder / "play.yaml").write_text(
+        "pronk: 1\nframes: 24\n"
+        "cast: [{figure: sub/bug.yaml}, {figure: bug}, {figure: ./bug.yaml}]\n"
+    )
+    scene = load_scene("play.yaml")
+    assert [member.figure for member in scene.cast] == ["bug_2", "bug", "bug"]
+    assert "nose" in scene.figures["bug_2"].nodes
+    assert "head" in scene.figures["bug"].nodes
+
+
+def test_paths_are_those_from_the_folder_of_the_scene(folder, monkeypatch):
+    (folder / "sub").mkdir()
+    (folder / "bug.yaml").write_text(FIGURE)
+    (folder / "play.yaml").write_text(SCENE.replace("figure: bug", "figure: ./bug.yaml"))
+    monkeypatch.chdir(folder / "sub")
+    assert list(load_scene("../play.yaml").figures) == ["bug"]
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("bgu.yaml", "'bgu.yaml' is no file in {here}, did you mean 'bug.yaml'?"),
+        ("sub/bug.yaml", "'sub/bug.yaml' is no file in {here}/sub, which holds no YAML files"),
+        ("no/bug.yaml", "'no/bug.yaml' is no file: there is no folder {here}/no"),
+        ("./sub", "'./sub' is a folder, not a file"),
+        ("play.yaml", "'play.yaml' holds no figure; it lacks the key 'figure'"),
+    ],
+)
+def test_a_path_that_leads_to_no_figure(folder, path, message):
+    (folder / "sub").mkdir()
+    (folder / "bug.yaml").write_text(FIGURE)
+    (folder / "play.yaml").write_text(SCENE.replace("figure: bug", f"figure: {path}"))
+    assert problems_of(load_scene, "play.yaml") == [
+        "play.yaml:3:17: cast[0].figure: " + message.format(here=folder.resolve())
+    ]
+
+
+def test_dances_are_named_by_paths_too(folder):
+    (folder / "wave.yaml").write_text((library() / "dances" / "waving.yaml").read_text("utf-8"))
+    (folder / "play.yaml").write_text(
+        "pronk: 1\nframes: 24\ncast: [{dancer: torso, dance: ./wave.yaml}]\n"
+        "script: [{at: 0.5, who: dancer, do: {dance: wave.yaml}}]\n"
+    )
+    scene = load_scene("play.yaml")
+    assert list(scene.dances) == ["wave"]
+    assert (scene.cast[0].dance, scene.script[0].do.dance) == ("wave", "wave")

@@ -1,4 +1,4 @@
-"""Whatever a file holds, it becomes a scene or a list of problems, and nothing else happens."""
+"""Any content of a file gives a scene or a list of problems."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ light: {sun: {hour: 16.5, day: 172}}
 film: {size: [1280, 720], preset: preview}
 sound: {scale: C minor pentatonic, voices: [{when: {who: bug}, pitch: by foot}]}
 """
-WORDS = yaml.safe_load(SCENE)
+CONFIG = yaml.safe_load(SCENE)
 ODD = ["", "~", "-1", "0", "1e9", ".nan", "[]", "{}", "true", "'3'", "*k", "*t", "&k", "!x 1",
        "? a", "- b", "{a: [1, 2]}", "x: 1", "|\n  text", "\t", "<<: *k", "9999999999999999999",
        "1e-300", "!!binary aGk=", "#", "---", "...", "%YAML 1.1", "@", "`", "\\", '"\\x', "é",
@@ -47,8 +47,8 @@ ODD = ["", "~", "-1", "0", "1e9", ".nan", "[]", "{}", "true", "'3'", "*k", "*t",
 PIECES = re.findall(r"\w+|[^\w]", SCENE)
 
 
-def outcome(content, overrides=()):
-    """Return the scene or the problems; anything else that is raised fails the test."""
+def read_or_problems(content, overrides=()):
+    """Return the scene or the problems; any other exception fails the test."""
     try:
         return read_scene(content, "scene.yaml", overrides=overrides)
     except SceneError as error:
@@ -58,39 +58,39 @@ def outcome(content, overrides=()):
     return problems
 
 
-def places(problems):
+def positions(problems):
     return [(p.line, p.column) for p in problems if p.file == "scene.yaml"]
 
 
 @given(st.binary(max_size=300))
-def test_any_bytes(content):
-    outcome(content)
+def test_any_bytes_give_a_scene_or_problems(content):
+    read_or_problems(content)
 
 
 @given(st.text(max_size=300))
-def test_any_text(text):
-    outcome(text)
+def test_any_text_gives_a_scene_or_problems(text):
+    read_or_problems(text)
 
 
 @given(st.lists(st.sampled_from([*ODD, *PIECES, ": ", "\n", "\n  ", ", "]), max_size=40))
-def test_any_row_of_pieces(pieces):
-    outcome("".join(pieces))
+def test_any_tokens_give_a_scene_or_problems(pieces):
+    read_or_problems("".join(pieces))
 
 
 @pytest.mark.slow
 @given(st.data())
 @settings(max_examples=300)
-def test_a_scene_with_pieces_replaced(data):
+def test_replaced_tokens_give_a_round_tripping_scene_or_located_problems(data):
     pieces = list(PIECES)
     for _ in range(data.draw(st.integers(1, 3))):
         at = data.draw(st.integers(0, len(pieces) - 1))
         pieces[at] = data.draw(st.sampled_from(ODD) | st.sampled_from(PIECES))
     text = "".join(pieces)
-    found = outcome(text)
+    found = read_or_problems(text)
     if isinstance(found, Scene):
         assert read_scene(dump(found)) == found
         return
-    assert places(found) == sorted(places(found))
+    assert positions(found) == sorted(positions(found))
     lines = re.split("\r\n|[\n\r\x85\u2028\u2029]", text)
     for problem in found:
         if problem.source:
@@ -99,10 +99,10 @@ def test_a_scene_with_pieces_replaced(data):
 
 
 @given(st.binary(max_size=4), st.data())
-def test_a_scene_with_bytes_replaced(content, data):
+def test_replaced_bytes_give_a_scene_or_problems(content, data):
     start = data.draw(st.integers(0, len(SCENE)))
     end = start + data.draw(st.integers(0, 8))
-    outcome(SCENE.encode()[:start] + content + SCENE.encode()[end:])
+    read_or_problems(SCENE.encode()[:start] + content + SCENE.encode()[end:])
 
 
 VALUES = st.recursive(
@@ -124,39 +124,39 @@ VALUES = st.recursive(
 )
 
 
-def paths_in(words, path=()):
+def paths_in(config, path=()):
     yield path
-    if isinstance(words, dict | list):
-        for step, value in words.items() if isinstance(words, dict) else enumerate(words):
+    if isinstance(config, dict | list):
+        for step, value in config.items() if isinstance(config, dict) else enumerate(config):
             yield from paths_in(value, (*path, step))
 
 
-PATHS = [path for path in paths_in(WORDS) if path]
+PATHS = [path for path in paths_in(CONFIG) if path]
 
 
 @pytest.mark.slow
 @given(st.sampled_from(PATHS), VALUES)
 @settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
-def test_a_scene_with_any_value_anywhere(path, value):
-    words = yaml.safe_load(SCENE)
-    below = words
+def test_any_value_at_any_path_gives_a_round_tripping_scene_or_problems(path, value):
+    config = yaml.safe_load(SCENE)
+    below = config
     for step in path[:-1]:
         below = below[step]
     below[path[-1]] = value
-    found = outcome(yaml.safe_dump(words, sort_keys=False))
+    found = read_or_problems(yaml.safe_dump(config, sort_keys=False))
     if isinstance(found, Scene):
         assert read_scene(dump(found)) == found
 
 
 @given(st.sampled_from(PATHS), st.sampled_from(ODD))
-def test_any_override(path, value):
+def test_any_override_of_any_path_gives_a_scene_or_problems(path, value):
     text = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
-    outcome(SCENE, [f"{text.removeprefix('.')}={value}"])
+    read_or_problems(SCENE, [f"{text.removeprefix('.')}={value}"])
 
 
 @given(st.lists(st.text(max_size=20), max_size=3))
-def test_any_words_as_overrides(words):
-    outcome(SCENE, words)
+def test_any_texts_as_overrides_give_a_scene_or_problems(config):
+    read_or_problems(SCENE, config)
 
 
 @pytest.mark.slow
@@ -178,5 +178,5 @@ def test_any_words_as_overrides(words):
     ids=["brackets", "dashes", "braces", "questions", "long text", "long list", "large cast",
          "many unknown nodes", "many unknown keys"],
 )  # fmt: skip
-def test_large_files_end(content):
-    assert not isinstance(outcome(content), Scene)
+def test_large_files_are_refused_in_bounded_time(content):
+    assert not isinstance(read_or_problems(content), Scene)

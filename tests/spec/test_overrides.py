@@ -20,17 +20,17 @@ cast:
 """
 
 
-def loaded(*words):
-    return read_scene(SCENE, "scene.yaml", overrides=words)
+def loaded(*overrides):
+    return read_scene(SCENE, "scene.yaml", overrides=overrides)
 
 
-def problems_of(*words):
+def problems_of(*overrides):
     with pytest.raises(SceneError) as caught:
-        loaded(*words)
+        loaded(*overrides)
     return [str(problem) for problem in caught.value.problems]
 
 
-def test_values_are_laid_over_the_scene():
+def test_overrides_replace_values_of_the_scene():
     scene = loaded(
         "cast[0].walk.speed=0.5", "cast.ant.scale = 2", "film.size=[320, 180]", "title=A film"
     )
@@ -40,11 +40,11 @@ def test_values_are_laid_over_the_scene():
     assert scene.title == "A film"
 
 
-def test_the_last_one_wins_and_a_value_may_hold_an_equals_sign():
+def test_the_last_override_wins_and_values_may_contain_equals_signs():
     assert loaded("title=a", "title='b=c'").title == "b=c"
 
 
-def test_frames_take_the_place_of_duration_and_back():
+def test_frames_and_duration_replace_each_other():
     assert loaded("frames=7").n_frames == 7
     assert loaded("frames=7", "duration=1").n_frames == 24
 
@@ -56,23 +56,23 @@ def test_a_preset_is_adjusted_or_replaced():
     assert loaded("light.sun.hour=12").light.sun.hour == 12
 
 
-def test_a_changed_alias_changes_nothing_else():
+def test_overriding_an_alias_changes_one_node():
     nodes = loaded("figures.ant.nodes.top[1]=-3").figures["ant"].nodes
     assert (nodes["hip"].at, nodes["top"].at) == ((0, 0), (0, -3))
 
 
-def test_an_override_mends_a_mistake_of_the_file():
+def test_an_override_replaces_an_invalid_value():
     assert read_scene(SCENE.replace("2\n", "-2\n", 1), overrides=["duration=3"]).n_frames == 72
 
 
-def test_members_without_a_name_have_the_names_they_will_get():
+def test_overrides_find_members_by_their_generated_names():
     text = SCENE + "  - figure: ant\n"
     scene = read_scene(text, overrides=["cast.ant_2.scale=3"])
     assert [member.scale for member in scene.cast] == [1, 1, 3]
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("overrides", "message"),
     [
         ("cast[0].walk.sped=1", "cast[0].walk.sped: unknown key, did you mean 'speed'?"),
         ("cast.queen.scale=x", "cast[0].scale: should be a number, is the text 'x'"),
@@ -94,11 +94,11 @@ def test_members_without_a_name_have_the_names_they_will_get():
         ("pronk=2", "pronk: this pronk reads version 1 of the language, not 2"),
     ],
 )  # fmt: skip
-def test_a_wrong_override_says_so_at_its_own_place(words, message):
-    assert problems_of(words) == [f"--set {words}: {message}"]
+def test_an_invalid_override_is_refused_with_its_path(overrides, message):
+    assert problems_of(overrides) == [f"--set {overrides}: {message}"]
 
 
-def test_syntax_errors_in_a_value_are_those_of_the_override():
+def test_a_syntax_error_in_a_value_names_the_override():
     (problem,) = problems_of("film.size=[320, 180")
     assert problem.startswith("--set film.size=[320, 180: film.size: is not YAML: ")
 

@@ -15,10 +15,10 @@ from pipeline.spec.script import FORMS as ORDERS
 from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS, TerrainConfig
 
 MORE_TERRAINS = ("ditches", "{kind: sum, of: [stairs, {preset: rocks, height: 0.1}]}")
-"""Terrains that the library does not show."""
+"""Terrains without a shipped scene."""
 
 FROM_FILES = {"image", "mesh"}
-"""Terrains whose files the library does not ship."""
+"""Terrains of files, which the library does not ship."""
 
 
 @cache
@@ -55,11 +55,11 @@ def test_every_kind_of_performer_has_a_scene(block: str) -> None:
 
 
 @pytest.mark.parametrize("key", BEHAVIOURS)
-def test_the_key_of_a_behaviour_is_its_own(key: str) -> None:
+def test_the_key_of_a_behaviour_is_unique(key: str) -> None:
     assert key in BEHAVIOURS[key].model_fields
     assert [k for k, form in BEHAVIOURS.items() if key in form.model_fields] == [key]
 
 
 @pytest.mark.parametrize("key", ORDERS)
-def test_an_order_is_found_by_its_key(key: str) -> None:
+def test_the_key_of_an_order_is_required(key: str) -> None:
     assert ORDERS[key].model_fields[key].is_required()

@@ -25,7 +25,7 @@ OLD = SCENE.format(rows="samples", bob="bounciness")
 NEW = SCENE.format(rows="rows_per_frame", bob="body_bob")
 
 
-def test_old_keys_mean_what_the_new_ones_do(caplog: pytest.LogCaptureFixture) -> None:
+def test_old_keys_equal_new_keys(caplog: pytest.LogCaptureFixture) -> None:
     new = read_scene(NEW, "new.yaml")
     assert not caplog.messages
     old = read_scene(OLD, "old.yaml")
@@ -34,7 +34,7 @@ def test_old_keys_mean_what_the_new_ones_do(caplog: pytest.LogCaptureFixture) ->
     assert (new.rows_per_frame, new.moods["heavy"].body_bob) == (2, 0.5)
 
 
-def test_each_old_key_is_one_line_of_warning(caplog: pytest.LogCaptureFixture) -> None:
+def test_each_old_key_gives_one_warning(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING, "pronk"):
         read_scene(OLD, "old.yaml")
     assert sorted(caplog.messages) == [
@@ -58,7 +58,7 @@ def test_old_keys_work_on_the_command_line(caplog: pytest.LogCaptureFixture) -> 
     ]
 
 
-def test_both_names_of_a_key_are_refused_where_the_old_one_stands() -> None:
+def test_old_and_new_name_together_are_refused_at_the_old_one() -> None:
     with pytest.raises(SceneError) as refused:
         read_scene(NEW.replace("frames: 2\n", "frames: 2\nsamples: 2\n", 1), "both.yaml")
     (problem,) = refused.value.problems
@@ -73,7 +73,7 @@ def test_bounciness_of_bodies_keeps_its_name(caplog: pytest.LogCaptureFixture) -
     assert not caplog.messages
 
 
-def test_an_instruction_from_outside_may_have_the_old_key() -> None:
+def test_rpc_instructions_accept_old_keys() -> None:
     values = {"who": "beetle", "do": {"gait": "tripod", "bounciness": 0.02}}
     scene = read_scene(NEW)
     assert instruction_of(values, scene, 0.0).do == scene.script[0].do

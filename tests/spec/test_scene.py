@@ -1,4 +1,4 @@
-"""What the models mean: frames, rates, names, terrains."""
+"""Scene models: frames, rates, names, terrains."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from pipeline.spec.terrain.kinds import FlatTerrain, HillsTerrain
 BUG = Figure(nodes={"head": [0, -1], "hip": [0, 0]}, chains=[["head", "hip"]])
 
 
-def scene(**words):
-    given = {"pronk": 1, "figures": {"bug": BUG}, "cast": [{"figure": "bug"}], **words}
+def scene(**config):
+    given = {"pronk": 1, "figures": {"bug": BUG}, "cast": [{"figure": "bug"}], **config}
     return Scene.model_validate(given)
 
 
@@ -47,13 +47,13 @@ def test_the_film_is_never_shorter_and_less_than_a_frame_longer(duration, fps):
     assert (n - 1) < Fraction(Decimal(duration)) * fps <= n
 
 
-def test_frames_given_are_the_frames():
+def test_the_key_frames_sets_the_number_of_frames():
     assert scene(frames=7, fps="24000/1001").n_frames == 7
     assert scene(frames=7, fps="24000/1001").rate == Fraction(24000, 1001)
 
 
 @pytest.mark.parametrize(
-    "words",
+    "config",
     [
         {},
         {"duration": 1, "frames": 24},
@@ -71,12 +71,12 @@ def test_frames_given_are_the_frames():
         {"frames": 1, "fps": "٣/1"},
     ],
 )
-def test_a_scene_that_cannot_be_is_refused_without_a_file_too(words):
+def test_invalid_scenes_are_refused_without_a_file(config):
     with pytest.raises(ValidationError):
-        scene(**words)
+        scene(**config)
 
 
-def test_members_are_called_after_their_figure_and_the_first_keeps_its_name():
+def test_unnamed_members_get_the_name_of_their_figure_and_a_number():
     cast = [
         {"figure": "bug"},
         {"figure": "bug", "name": "bug_2"},
@@ -88,12 +88,12 @@ def test_members_are_called_after_their_figure_and_the_first_keeps_its_name():
     assert names == ["bug", "bug_2", "bug_3", "queen", "bug_4"]
 
 
-def test_walls_without_a_name_never_share_one_with_a_brick():
+def test_names_of_unnamed_walls_differ_from_names_of_bricks():
     cast = [{"many": {"of": "brick", "rows": 3, "columns": 3}} for _ in range(3)]
     assert [m.name for m in scene(frames=1, cast=cast).cast] == ["wall", "wall2", "wall3"]
 
 
-def test_a_name_taken_by_a_later_member_is_left_to_it():
+def test_an_unnamed_member_avoids_names_of_later_members():
     cast = [{"figure": "bug"}, {"figure": "bug", "name": "bug"}]
     assert [m.name for m in scene(frames=1, cast=cast).cast] == ["bug_2", "bug"]
 
@@ -108,14 +108,14 @@ def test_defaults_make_a_film():
     assert made.cast[0].walk is None
 
 
-def test_terrain_by_name_by_preset_and_in_full_are_the_same():
+def test_terrain_by_name_by_preset_and_in_full_are_equal():
     full = HillsTerrain(height=2)
-    for words in ({"kind": "hills", "height": 2}, {"preset": "hills", "height": 2}, full):
-        assert scene(duration=1, terrain=words).terrain == full
+    for config in ({"kind": "hills", "height": 2}, {"preset": "hills", "height": 2}, full):
+        assert scene(duration=1, terrain=config).terrain == full
     assert scene(duration=1, terrain="hills").terrain == HillsTerrain()
 
 
-def test_nothing_can_be_changed():
+def test_models_are_immutable():
     made = scene(duration=1)
     with pytest.raises(ValidationError):
         made.seed = 2
@@ -124,7 +124,7 @@ def test_nothing_can_be_changed():
 
 
 @given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
-def test_stride_that_agrees_is_accepted_and_one_that_does_not_is_refused(speed, cycle):
+def test_a_stride_must_equal_speed_times_cycle(speed, cycle):
     stride = speed * cycle
     if 0 < stride <= 10_000:
         Walk(speed=speed, cycle=cycle, stride=stride)
@@ -133,21 +133,21 @@ def test_stride_that_agrees_is_accepted_and_one_that_does_not_is_refused(speed, 
 
 
 @given(st.floats(0.01, 90), st.floats(0.01, 90), st.floats(0.01, 9000))
-def test_the_values_that_a_refusal_proposes_work(speed, cycle, stride):
+def test_suggested_values_of_a_walk_work(speed, cycle, stride):
     try:
         Walk(speed=speed, cycle=cycle, stride=stride)
     except ValidationError as error:
-        said = error.errors()[0]["msg"].partition("take ")[2].replace(" or ", ", ")
-        proposals = [one.split(": ") for one in said.split(", ")]
-        assert [word for word, _ in proposals] == ["stride", "speed", "cycle"]
+        message = error.errors()[0]["msg"].partition("take ")[2].replace(" or ", ", ")
+        proposals = [one.split(": ") for one in message.split(", ")]
+        assert [key for key, _ in proposals] == ["stride", "speed", "cycle"]
         given = {"speed": speed, "cycle": cycle, "stride": stride}
-        for word, value in proposals:
-            if word != "stride" and float(value) > 1000:
-                continue  # beyond the range of that word
-            Walk(**{**given, word: float(value)})
+        for key, value in proposals:
+            if key != "stride" and float(value) > 1000:
+                continue  # beyond the range of that key
+            Walk(**{**given, key: float(value)})
 
 
-def test_operations_see_the_nodes_that_earlier_ones_made():
+def test_operations_see_nodes_of_earlier_operations():
     figure = {
         "nodes": {"hip": [0, 0], "foot": [1, 1]},
         "chains": [["hip", "foot"]],
@@ -161,11 +161,11 @@ def test_operations_see_the_nodes_that_earlier_ones_made():
 
 
 @pytest.mark.parametrize("name", ["a", "foot 1", "l-1", "Käfer", "1"])
-def test_names(name):
+def test_valid_node_names_are_accepted(name):
     assert Figure(nodes={name: [0, 0]}).nodes[name].at == (0, 0)
 
 
 @pytest.mark.parametrize("name", ["", " a", "a ", "a.b", "a[0]", "a/b", "a\n", "-a", "x" * 65])
-def test_what_is_no_name(name):
+def test_invalid_node_names_are_refused(name):
     with pytest.raises(ValidationError):
         Figure(nodes={name: [0, 0]})

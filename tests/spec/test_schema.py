@@ -1,4 +1,4 @@
-"""The JSON Schema accepts what loads, short forms too, and refuses what does not."""
+"""The JSON Schema accepts valid scenes, short forms included, and refuses mistakes."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ FULL = {
 FIGURE = {"pronk": 1, "figure": FULL["figures"]["ant"]}
 
 
-def accepts(words, value):
-    return jsonschema.Draft7Validator(words).is_valid(value)
+def accepts(json_schema, value):
+    return jsonschema.Draft7Validator(json_schema).is_valid(value)
 
 
 def changed(scene, path, value):
@@ -52,33 +52,33 @@ def changed(scene, path, value):
     return scene
 
 
-@pytest.mark.parametrize("words", [schema(), figure_schema()], ids=["scene", "figure"])
-def test_it_is_a_schema_of_draft_07(words):
-    jsonschema.Draft7Validator.check_schema(words)
-    assert words["$schema"] == "http://json-schema.org/draft-07/schema#"
+@pytest.mark.parametrize("json_schema", [schema(), figure_schema()], ids=["scene", "figure"])
+def test_schemas_follow_draft_07(json_schema):
+    jsonschema.Draft7Validator.check_schema(json_schema)
+    assert json_schema["$schema"] == "http://json-schema.org/draft-07/schema#"
     for later in ("$defs", "prefixItems", "discriminator"):
-        assert not list(occurrences(words, later))
+        assert not list(occurrences(json_schema, later))
 
 
-def occurrences(words, key):
-    below = words.values() if isinstance(words, dict) else words
-    if isinstance(words, dict) and key in words:
-        yield words
-    if isinstance(words, dict | list):
+def occurrences(json_schema, key):
+    below = json_schema.values() if isinstance(json_schema, dict) else json_schema
+    if isinstance(json_schema, dict) and key in json_schema:
+        yield json_schema
+    if isinstance(json_schema, dict | list):
         for value in below:
             yield from occurrences(value, key)
 
 
-def test_every_reference_leads_somewhere_and_stands_alone():
-    words = schema()
-    references = list(occurrences(words, "$ref"))
+def test_every_reference_has_a_definition_and_no_sibling_keys():
+    json_schema = schema()
+    references = list(occurrences(json_schema, "$ref"))
     assert references
     for one in references:
         assert list(one) == ["$ref"]
-        assert one["$ref"].removeprefix("#/definitions/") in words["definitions"]
+        assert one["$ref"].removeprefix("#/definitions/") in json_schema["definitions"]
 
 
-def test_every_word_is_described():
+def test_every_key_has_a_description():
     undescribed = [
         f"{block['title']}.{name}"
         for block in (schema(), *schema()["definitions"].values(), figure_schema())
@@ -108,7 +108,7 @@ def test_scenes_are_accepted(scene):
     assert accepts(schema(), scene)
 
 
-def test_a_scene_that_was_written_out_is_accepted():
+def test_a_dumped_scene_is_accepted():
     assert accepts(schema(), yaml.safe_load(dump(Scene.model_validate(FULL))))
 
 
@@ -118,10 +118,10 @@ def test_shipped_scenes_are_accepted(name):
 
 
 @pytest.mark.parametrize("path", sorted((library() / "figures").glob("*.yaml")), ids=str)
-def test_figure_files_are_accepted_by_their_schema_alone(path):
-    words = yaml.safe_load(path.read_text("utf-8"))
-    assert accepts(figure_schema(), words)
-    assert not accepts(schema(), words)
+def test_figure_files_are_accepted_by_the_figure_schema_only(path):
+    json_schema = yaml.safe_load(path.read_text("utf-8"))
+    assert accepts(figure_schema(), json_schema)
+    assert not accepts(schema(), json_schema)
 
 
 @pytest.mark.slow

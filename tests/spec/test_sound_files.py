@@ -1,4 +1,4 @@
-"""The SoundFont of a scene: found beside it, and refused with its place when it is not there."""
+"""The SoundFont of a scene: found beside it, or refused with its path."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from pipeline.spec import load_scene
 SCENE = "pronk: 1\nduration: 1\ncast: [{figure: beetle}]\nsound:\n  soundfont: {font}\n"
 
 
-def written(folder: Path, font: str) -> Path:
+def write_scene(folder: Path, font: str) -> Path:
     path = folder / "play.yaml"
     path.write_text(SCENE.replace("{font}", font), encoding="utf-8")
     return path
 
 
-def test_a_font_is_found_beside_the_scene_from_anywhere(
+def test_a_soundfont_beside_the_scene_is_found_from_any_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "fonts").mkdir()
     (tmp_path / "fonts" / "größer.sf2").write_bytes(b"RIFF")
-    path = written(tmp_path, "fonts/größer.sf2")
+    path = write_scene(tmp_path, "fonts/größer.sf2")
     monkeypatch.chdir("/")
     assert load_scene(path).sound.soundfont == str(tmp_path / "fonts" / "größer.sf2")
 
 
 @pytest.mark.parametrize("font", ["none.sf2", ".", "a\\0b.sf2"])
-def test_a_font_that_is_not_there_is_one_problem_with_its_place(tmp_path: Path, font: str) -> None:
-    path = written(tmp_path, f'"{font}"')
+def test_a_missing_soundfont_is_one_problem_with_its_path(tmp_path: Path, font: str) -> None:
+    path = write_scene(tmp_path, f'"{font}"')
     with pytest.raises(SceneError) as refused:
         load_scene(path)
     (problem,) = refused.value.problems
@@ -38,11 +38,11 @@ def test_a_font_that_is_not_there_is_one_problem_with_its_place(tmp_path: Path, 
     assert "is no file in" in str(problem)
 
 
-def test_the_font_is_none_of_what_is_simulated(tmp_path: Path) -> None:
+def test_the_soundfont_does_not_change_the_simulation_key(tmp_path: Path) -> None:
     from pipeline.spec import simulation_key
 
     (tmp_path / "a.sf2").write_bytes(b"")
-    with_font = load_scene(written(tmp_path, "a.sf2"))
+    with_font = load_scene(write_scene(tmp_path, "a.sf2"))
     path = tmp_path / "plain.yaml"
     path.write_text(SCENE.partition("sound:")[0], encoding="utf-8")
     assert simulation_key(with_font) == simulation_key(load_scene(path))

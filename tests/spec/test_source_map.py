@@ -1,4 +1,4 @@
-"""Errors that are found after loading still say where the words stand."""
+"""Errors found after loading have file, line and column of their key."""
 
 from __future__ import annotations
 
@@ -42,36 +42,36 @@ def scene() -> Scene:
         ("figures.bug.nodes.knee l.radius", 7, 36),
         ("figures.bug.parts.knee l", 11, 13),
         ("figures.bug.then[1]", 10, 12),
-        ("figures.bug.joints.l1", 4, 3),  # not in the file: the nearest word above
+        ("figures.bug.joints.l1", 4, 3),  # not in the file: the nearest key above
         ("cast[0].walk.speed", 14, 19),
         ("cast[0].walk.gait", 14, 5),
         ("cast[0]", 13, 5),
     ],
 )
-def test_a_path_leads_to_its_place(scene, path, line, column):
+def test_a_path_has_its_line_and_column(scene, path, line, column):
     problem = scene.source_map.with_location(Problem(path, "is odd"))
     assert (problem.line, problem.column, problem.file) == (line, column, "bug.yaml")
     assert problem.source == TEXT.split("\n")[line - 1]
     assert (problem.path, problem.message) == (path, "is odd")
 
 
-def test_what_is_nowhere_is_in_the_file(scene):
+def test_an_unknown_path_has_the_file_alone(scene):
     assert str(scene.source_map.with_location(Problem("zzz", "is odd"))) == "bug.yaml: zzz: is odd"
     assert str(scene.source_map.with_location(Problem("", "is odd"))) == "bug.yaml: is odd"
 
 
-def test_a_problem_with_a_place_keeps_it(scene):
+def test_a_located_problem_keeps_its_location(scene):
     known = Problem("figures.bug", "is odd", "other.yaml", 3, 4, "source")
     assert scene.source_map.with_location(known) == known
     error = scene.source_map.with_locations(SceneError([known, Problem("cast[0]", "too")]))
     assert [problem.line for problem in error.problems] == [3, 13]
 
 
-def test_a_scene_without_text_has_no_places(scene):
-    words = scene.model_dump()
-    made = Scene.model_validate(words)
+def test_a_scene_without_text_has_no_locations(scene):
+    config = scene.model_dump()
+    made = Scene.model_validate(config)
     assert made.source_map.find("figures.bug") is None
-    assert made == scene, "where words stand is no part of what they say"
+    assert made == scene, "source locations take no part in equality"
     assert pickle.loads(pickle.dumps(scene)).source_map.find("cast[0]") == scene.source_map.find(
         "cast[0]"
     )

@@ -3,159 +3,65 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.camera.auto_framing import AutoFraming, lead_offset
 from pipeline.production.camera.camera_path import CameraPath, smoothed
 from pipeline.production.camera.camera_target import CameraTarget, follow
 from pipeline.production.camera.clearance import Clearance, VisibleGround
-from pipeline.production.camera.framing import AutoFraming, lead_offset
-from pipeline.production.camera.keyframed_camera import (
-    animated_path,
-    fields_of_view,
-    has_direction,
-)
+from pipeline.production.camera.keyframed_camera import animated_path, fields_of_view, has_direction
+from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Take
 from render.config import Camera
-from render.config.camera import Focus
-from render.shot import CameraPose, Lens
-
-# A sensor 24 mm high has a vertical field of view φ with a focal length f = 12 mm / tan(φ/2); an
-# f-number N gives an aperture of radius f / 2N.
-HALF_SENSOR = 0.012
-"""Half the height of the sensor [m]."""
-
-MIN_FOCUS, MAX_FOCUS = 0.02, 1e5
-"""Range of the focus distance [m]."""
+from render.shot import CameraPose
 
 
-def lenses(
+def camera_poses(
     take: Take,
-    cut: Camera,
-    rows: NDArray[np.int64],
-    path: CameraPath,
-    place: Array,
-    nodes: Mapping[str, int],
-) -> tuple[Lens | None, ...]:
-    """Return the lens of a cut at each frame, None where all is sharp.
+    cameras: Sequence[Camera],
+    aspect: float,
+    mounts: Sequence[int] | None = None,
+    nodes: Mapping[str, int] | None = None,
+) -> tuple[CameraPose, ...]:
+    """Return the camera pose of every frame.
 
     Args:
-        take: what is filmed.
-        cut: its configuration.
-        rows: (F,) of its frames.
-        path: of its camera.
-        place: (F, 3) what it looks at [m].
+        take: that is filmed.
+        cameras: one for each cut in order of time, the first from the start.
+        aspect: width by height of the frame.
+        mounts: node that carries the camera of each cut, -1 for none.
         nodes: number of each node that a focus names.
     """
-    if cut.aperture is None:
-        return (None,) * len(rows)
-
-    def distance(focus: Focus) -> Array:
-        if isinstance(focus, float | int):
-            return np.full(len(rows), float(focus))
-        if not isinstance(focus, str):
-            return _depth(path, np.tile(focus, (len(rows), 1)))
-        if focus in nodes:
-            return _depth(path, take.positions[rows, nodes[focus]])
-        return _depth(path, follow(take, focus, rows).place)
-
-    if any(key.focus is not None for key in cut.keyframes):
-        times = rows / float(take.header.rate * take.header.samples)
-        focus = _focus_pull(cut, times, distance)
-    else:
-        focus = _depth(path, place) if cut.focus is None else distance(cut.focus)
-    radius = HALF_SENSOR / path.tangent / (2.0 * cut.aperture)
-    # To a micrometre, like the camera path.
-    return tuple(
-        Lens(round(r, 7), round(d, 6)) for r, d in zip(radius, focus.tolist(), strict=True)
-    )
+    header = take.header
+    clock = Clock(header.rate, header.frames, header.steps, header.samples)
+    ground = VisibleGround(take.terrain)
+    starts = [min(start, header.frames + 1) for start in first_frames(cameras, header.rate)]
+    ends = [*starts[1:], header.frames + 1]
+    poses: list[CameraPose] = []
+    mounts = mounts or [-1] * len(cameras)
+    for camera, mount, first, end in zip(cameras, mounts, starts, ends, strict=True):
+        rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
+        if not len(rows):
+            continue
+        seconds = float((end - 1) / header.rate) - camera.start
+        cut = _Cut(take, camera, rows, seconds, mount, nodes or {}, ground, aspect)
+        path, place = _path(cut)
+        poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
+    return tuple(poses)
 
 
-def _focus_pull(cut: Camera, times: Array, distance: Callable[[Focus], Array]) -> Array:
-    """Return the focus distance (F,) interpolated between keyframes.
-
-    Reciprocals are interpolated, because blur is proportional to the reciprocal of a distance.
-    """
-    keyed = [(key, key.focus) for key in cut.keyframes if key.focus is not None]
-    shares = np.eye(len(keyed))
-    weights = Track.of([(key.at, shares[k].tolist(), key.ease) for k, (key, _) in enumerate(keyed)])
-    near = np.stack([1.0 / distance(focus) for _, focus in keyed], axis=-1)
-    mixed = (weights(times) * near).sum(axis=-1)
-    return 1.0 / mixed.clip(1.0 / MAX_FOCUS, 1.0 / MIN_FOCUS)
-
-
-def _depth(path: CameraPath, places: Array) -> Array:
-    """Return the depth (F,) of points (F, 3) along the viewing direction [m]."""
-    ahead, _, _ = path.axes
-    depth: Array = np.einsum("fk,fk->f", places - path.eye, ahead)
-    return depth.clip(MIN_FOCUS, MAX_FOCUS)
-
-
-# --- Pose interpolation: the camera between two frames, while the shutter is open -
-
-Triple = tuple[float, float, float]
-
-
-class PoseInterpolator:
-    """Interpolates camera poses linearly between the frames of a cut.
-
-    Args:
-        poses: by frame.
-        cuts: first frame of each cut.
-    """
-
-    def __init__(self, poses: Sequence[CameraPose], cuts: Sequence[int]) -> None:
-        self._poses, self._cuts = poses, frozenset(cuts)
-
-    def at(self, frame: int, part: float) -> CameraPose:
-        """Return the pose a fraction of a frame after the start of the 1-based `frame`."""
-        now = self._poses[frame - 1]
-        if part == 0.0:
-            return now
-        if self._continues(frame):
-            return _between(now, self._poses[frame], part)
-        # The last frame of a cut extrapolates the motion before it.
-        if frame > 1 and self._continues(frame - 1):
-            return _between(self._poses[frame - 2], now, 1.0 + part)
-        return now
-
-    def _continues(self, frame: int) -> bool:
-        """Return whether the next frame after a 1-based `frame` belongs to the same cut."""
-        return frame < len(self._poses) and frame + 1 not in self._cuts
-
-
-def _between(a: CameraPose, b: CameraPose, part: float) -> CameraPose:
-    if a == b:
-        return a
-    return CameraPose(
-        p_WC=_mixed(a.p_WC, b.p_WC, part),
-        p_WT=_mixed(a.p_WT, b.p_WT, part),
-        up=_mixed(a.up, b.up, part),
-        fov_deg=a.fov_deg + part * (b.fov_deg - a.fov_deg),
-        lens=_between_lenses(a.lens, b.lens, part),
-    )
-
-
-def _between_lenses(a: Lens | None, b: Lens | None, part: float) -> Lens | None:
-    if a is None or b is None:
-        return a
-    # Extrapolated values must stay positive.
-    radius = max(a.radius + part * (b.radius - a.radius), 0.5 * b.radius)
-    focus = max(a.focus + part * (b.focus - a.focus), 0.5 * b.focus)
-    return Lens(radius, focus)
-
-
-def _mixed(a: Triple, b: Triple, part: float) -> Triple:
-    x, y, z = (p + part * (q - p) for p, q in zip(a, b, strict=True))
-    return x, y, z
+def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
+    """Return the first frame of each cut, which may lie after the last frame of the film."""
+    # The decimal number as written, so that a time on a frame is exact.
+    return [1 + math.ceil(Fraction(repr(camera.start)) * rate) for camera in cameras]
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,46 +106,6 @@ class _Cut:
     def follow(self) -> CameraTarget:
         """Return the performers that the cut follows."""
         return follow(self.take, self.camera.follow, self.rows)
-
-
-def camera_poses(
-    take: Take,
-    cameras: Sequence[Camera],
-    aspect: float,
-    mounts: Sequence[int] | None = None,
-    nodes: Mapping[str, int] | None = None,
-) -> tuple[CameraPose, ...]:
-    """Return the camera pose of every frame.
-
-    Args:
-        take: that is filmed.
-        cameras: one for each cut in order of time, the first from the start.
-        aspect: width by height of the frame.
-        mounts: node that carries the camera of each cut, -1 for none.
-        nodes: number of each node that a focus names.
-    """
-    header = take.header
-    clock = Clock(header.rate, header.frames, header.steps, header.samples)
-    ground = VisibleGround(take.terrain)
-    starts = [min(start, header.frames + 1) for start in first_frames(cameras, header.rate)]
-    ends = [*starts[1:], header.frames + 1]
-    poses: list[CameraPose] = []
-    mounts = mounts or [-1] * len(cameras)
-    for camera, mount, first, end in zip(cameras, mounts, starts, ends, strict=True):
-        rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
-        if not len(rows):
-            continue
-        seconds = float((end - 1) / header.rate) - camera.start
-        cut = _Cut(take, camera, rows, seconds, mount, nodes or {}, ground, aspect)
-        path, place = _path(cut)
-        poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
-    return tuple(poses)
-
-
-def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
-    """Return the first frame of each cut, which may lie after the last frame of the film."""
-    # The decimal number as written, so that a time on a frame is exact.
-    return [1 + math.ceil(Fraction(repr(camera.start)) * rate) for camera in cameras]
 
 
 def _path(cut: _Cut) -> tuple[CameraPath, Array]:

@@ -11,81 +11,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import Any, ClassVar
 
 from pjrpc.server import Dispatcher, JsonRpcError, MethodRegistry
-from pjrpc.server.exceptions import (
-    InvalidParamsError,
-    InvalidRequestError,
-    ParseError,
-    TypedError,
-)
+from pjrpc.server.exceptions import InvalidParamsError, InvalidRequestError, ParseError, TypedError
 from pjrpc.server.validators.base import (
     BaseValidator,
     BaseValidatorFactory,
     MethodType,
     ValidationError,
 )
-from pydantic import Field
 
 from pipeline.errors import PronkError, SceneError
 from pipeline.production.direct.transport import MAX_MESSAGE_BYTES, OversizedMessage
-from pipeline.spec.model_base import ConfigModel, Integer, Number
-from pipeline.spec.source_tree import tree_of
-from pipeline.spec.validation import check
-
-# --- Requests: typed parameters of the methods, validated as scenes are -----------
-
-ParamsModel = TypeVar("ParamsModel", bound=ConfigModel)
-
-Count = Annotated[Integer, Field(ge=1, le=10**9)]
-Names = Annotated[tuple[str, ...], Field(max_length=1000)]
-Topic = Literal["time", "performers", "places", "poses", "channels", "notes"]
-
-
-class StepParams(ConfigModel):
-    """Limits of a step; the first that is reached ends it."""
-
-    steps: Count | None = Field(None, description="Number of world steps.")
-    frames: Count | None = Field(None, description="Number of frames of the film.")
-    until: Annotated[Number, Field(ge=0, le=1e6)] | None = Field(
-        None, description="Time of the scene [s]."
-    )
-    event: Names = Field((), description="Kinds of events that end the step.")
-    who: Names = Field((), description="Performers of these events; any if left out.")
-
-
-class QueryParams(ConfigModel):
-    """Topics and performers of a query."""
-
-    what: tuple[Topic, ...] = Field(("time", "places"), description="Topics.")
-    who: Names = Field((), description="Performers; all if left out.")
-
-
-class SubscribeParams(ConfigModel):
-    """Events of a subscription, which replaces the one before."""
-
-    events: Names = Field(description="Kinds of events; [] for none, ['*'] for all.")
-    who: Names = Field((), description="Performers; any if left out.")
-
-
-class EndParams(ConfigModel):
-    """End of the film."""
-
-    at: Literal["end", "now"] = Field("end", description="At the scene's end, or at this frame.")
-
-
-def read_params(model: type[ParamsModel], params: Mapping[str, Any]) -> ParamsModel:
-    """Return the validated parameters of a request.
-
-    Raises:
-        SceneError: with every problem found.
-    """
-    values, problems = check(model, tree_of(params))
-    if values is None:
-        raise SceneError(problems)
-    return values
-
 
 MAX_DEPTH = 48
 """Deepest nesting of lists and mappings in a message."""

@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from pipeline.errors import Problem, PronkError, SceneError, SimulationError
-from pipeline.production.direct.protocol import (
-    EndParams,
-    Method,
-    OutOfOrder,
-    Protocol,
-    QueryParams,
-    StepParams,
-    SubscribeParams,
-    notification,
-    read_params,
-)
-from pipeline.production.direct.queries import (
+from pipeline.production.direct.notification_queue import (
     EVENT_KINDS,
     Notification,
     NotificationQueue,
-    StateQueries,
 )
-from pipeline.production.direct.recording import RecordedScene, SceneRecorder
-from pipeline.production.direct.transport import Disconnected, MessageStream, Transport
-from pipeline.production.run.interrupts import answered, held_back
-from pipeline.simulation.casting import makes_machine_code
+from pipeline.production.direct.protocol import Method, OutOfOrder
+from pipeline.production.direct.request_params import (
+    EndParams,
+    QueryParams,
+    StepParams,
+    SubscribeParams,
+    read_params,
+)
+from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder
+from pipeline.production.direct.state_queries import StateQueries
+from pipeline.production.run.interrupts import held_back
 from pipeline.simulation.simulate import COMMAND, Simulation
 from pipeline.spec import Scene
 from pipeline.spec.rpc_instruction import instruction_of
@@ -188,7 +182,7 @@ class Session:
     def _kinds(self, kinds: Collection[str], path: str) -> frozenset[str]:
         if ALL_EVENTS in kinds:
             return frozenset(EVENT_KINDS)
-        _refuse_unknown_names(kinds, EVENT_KINDS, path, "nothing that happens is called")
+        _refuse_unknown_names(kinds, EVENT_KINDS, path, "no kind of event is called")
         return frozenset(kinds)
 
     def _names(self, names: Collection[str]) -> frozenset[str]:
@@ -215,50 +209,3 @@ def _refuse_unknown_names(
     ]
     if problems:
         raise SceneError(problems)
-
-
-# --- Server: answers messages, sends notifications, and records the scene at its end
-
-NOTIFICATION_METHOD = "happened"
-"""Method of notifications."""
-
-
-def direct(scene: Scene, recorder: SceneRecorder, transport: Transport) -> RecordedScene:
-    """Serve another program that directs a scene.
-
-    When it disconnects before the end of the scene, or Ctrl-C is pressed, the scene goes on to its
-    end without it.
-
-    Raises:
-        PronkError: the scene cannot start, fails, or cannot be written.
-    """
-    recorder.check()
-    if makes_machine_code(scene):
-        recorder.reporter.note("making machine code; that takes a minute, once")
-    session = Session(scene, recorder)
-    try:
-        with transport(recorder.reporter.note) as stream:
-            serve(session, stream)
-        # The same Ctrl-C can have stopped the other program a moment earlier.
-        return session.recorded or session.finish()
-    except KeyboardInterrupt:
-        answered()
-        recorder.reporter.note("stopped; the scene goes to its end, unless it is stopped again")
-    return session.recorded or session.finish()
-
-
-def serve(session: Session, stream: MessageStream) -> None:
-    """Answer messages until the other program disconnects."""
-
-    def notify(event: Notification) -> None:
-        # A lost connection is noticed when the answer is sent.
-        with contextlib.suppress(Disconnected):
-            stream.send(notification(NOTIFICATION_METHOD, event))
-
-    session.notify = notify
-    protocol = Protocol(session.methods)
-    with contextlib.suppress(Disconnected):
-        for message in stream.messages():
-            answer = protocol.answer(message)
-            if answer is not None:
-                stream.send(answer)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -15,117 +15,17 @@ from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, StoreError
 from pipeline.production.goldens.golden_card import RESTORE_HINT
-
-_BITS: Final = 20
-"""Bits of the frame numbers of the longest film."""
-
-_WIDTH: Final = 8
-"""Of a stripe, wide enough for any encoder [pixels]."""
-
-_HEIGHT: Final = 32
-
-
-def slate(number: int) -> NDArray[np.uint8]:
-    """Return a picture (H, W, 3) whose stripes are the bits of a frame number, the lowest first."""
-    bits = (number >> np.arange(_BITS)) & 1
-    row = np.repeat(bits * 255, _WIDTH).astype(np.uint8)
-    return np.broadcast_to(row[None, :, None], (_HEIGHT, row.size, 3)).copy()
-
-
-def slate_number(grey: NDArray[Any]) -> int:
-    """Return the frame number of a decoded slate (H, W)."""
-    bits = grey.reshape(len(grey), _BITS, _WIDTH).mean(axis=(0, 2)) > 128
-    return int((bits * (1 << np.arange(_BITS))).sum())
-
-
-_HOP: Final = 0.005
-"""Time step of the envelope [s]."""
-
-_RISE_HOPS: Final = 4
-"""Hops over which a rise is measured."""
-
-_SILENCE: Final = -70.0
-"""Level of silence [dBFS]."""
-
-MIN_RISE: Final = 4.0
-"""Least rise of an onset [dB]."""
-
-CLEAR_RISE: Final = 9.0
-"""Least rise of an onset that must be found again [dB]."""
+from pipeline.production.goldens.slate import slate_number
+from pipeline.production.goldens.sound_onsets import (
+    RATE,
+    Onset,
+    best_shift,
+    onsets_of,
+    unmatched_onsets,
+)
 
 _MAX_LISTED: Final = 6
 """Onsets that are listed one by one."""
-
-_MAX_SHIFT: Final = 6
-"""Largest shift of a whole track that is detected [frames]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Onset:
-    """The start of a sound: its time [s] and its rise in level [dB]."""
-
-    time: float
-    rise: float
-
-
-def onsets_of(heard: NDArray[np.float64], rate: int) -> tuple[Onset, ...]:
-    """Return the onsets in a sound (N,) of `rate` samples a second."""
-    hop = round(_HOP * rate)
-    count = len(heard) // hop
-    power = np.mean(heard[: count * hop].reshape(count, hop) ** 2, axis=1)
-    level = np.maximum(10.0 * np.log10(np.maximum(power, 1e-12)), _SILENCE)
-    before = np.concatenate([np.full(_RISE_HOPS, _SILENCE), level])
-    # The loudest of the hops before, because the tremolo of a lasting sound is no onset.
-    quiet = np.max([before[k : k + count] for k in range(_RISE_HOPS)], axis=0)
-    rise = level - quiet
-    found = []
-    for k in np.flatnonzero(rise >= MIN_RISE).tolist():
-        if k and rise[k - 1] >= MIN_RISE:
-            continue  # Still the same onset.
-        top = float(level[k : k + 3].max() - quiet[k])
-        found.append(Onset(round(k * _HOP, 3), round(top, 1)))
-    return tuple(found)
-
-
-def unmatched_onsets(
-    then: Sequence[Onset], now: Sequence[Onset], tolerance: float
-) -> tuple[list[Onset], list[Onset]]:
-    """Return the clear onsets that are gone, and those that are new.
-
-    Args:
-        then: of the golden.
-        now: of the film.
-        tolerance: of the time of an onset [s].
-    """
-    return _without_match(then, now, tolerance), _without_match(now, then, tolerance)
-
-
-def _without_match(
-    onsets: Sequence[Onset], others: Sequence[Onset], tolerance: float
-) -> list[Onset]:
-    times = np.array([onset.time for onset in others])
-    # Times are multiples of a hop.
-    bound = max(tolerance, _HOP) + 1e-9
-    return [
-        onset
-        for onset in onsets
-        if onset.rise >= CLEAR_RISE and not (np.abs(times - onset.time) < bound).any()
-    ]
-
-
-def best_shift(then: Sequence[Onset], now: Sequence[Onset], frame: float) -> int:
-    """Return the delay of the sound in frames if it explains nearly all differences, else 0."""
-
-    def mismatches(late: int) -> int:
-        moved = [Onset(onset.time + late * frame, onset.rise) for onset in then]
-        gone, new = unmatched_onsets(moved, now, 2 * _HOP)
-        return len(gone) + len(new)
-
-    best = min(range(-_MAX_SHIFT, _MAX_SHIFT + 1), key=lambda late: (mismatches(late), abs(late)))
-    return best if mismatches(best) < mismatches(0) / 4 else 0
-
-
-RATE: Final = 48_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +68,7 @@ def facts_of_film(path: Path) -> FilmFacts:
             )
         facts["pictures decoded"] = str(len(shown))
         heard = _decoded_sound(path) if "sound" in facts else np.zeros(0)
-        return FilmFacts(facts, shown, onsets_of(heard, RATE))
+        return FilmFacts(facts, shown, onsets_of(heard))
     except (OSError, ValueError, av.FFmpegError) as error:
         raise FilmingError(f"{path.name}: could not be decoded: {error}") from error
 

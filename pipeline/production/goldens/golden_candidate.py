@@ -16,8 +16,9 @@ from audio.score import Score
 from audio.time_grid import tick_grid
 from audio.wav_file import write_wav
 from pipeline.production.goldens.cue_facts import Cues, cues_of
-from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film, slate
+from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film
 from pipeline.production.goldens.golden_card import Framing
+from pipeline.production.goldens.slate import slate
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.production import translated_errors

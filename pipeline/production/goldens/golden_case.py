@@ -15,7 +15,7 @@ from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.production import translated_errors
 from pipeline.spec import Scene, find_scene, library, load_scene
-from pipeline.spec.library_search import SUFFIX
+from pipeline.spec.scene_library import SUFFIX
 from pipeline.spec.suggestions import hint
 from render.backend import Choice, choose
 from render.renderer import Renderer

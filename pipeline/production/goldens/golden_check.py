@@ -17,12 +17,7 @@ from pipeline.production.goldens.golden_case import CHECK_FOLDER, Case, GoldenRe
 from pipeline.production.goldens.golden_content import Content, read_content, write_content
 from pipeline.production.goldens.judges import judge_film, judge_frames, judge_motion
 from pipeline.production.goldens.motion_golden import golden_of
-from pipeline.production.goldens.report import (
-    encoded,
-    html_report,
-    junit_report,
-    verdict_facts,
-)
+from pipeline.production.goldens.report import encoded, html_report, junit_report, verdict_facts
 from pipeline.production.goldens.verdict import (
     LAYERS,
     Layer,
@@ -118,13 +113,13 @@ def _check_layer(
         if layer == "film":
             made = replace(made, film=candidate.film)
             return judge_film(golden, candidate.film, float(1 / case.scene.rate)), made
-        return _check_frames(case, golden, candidate, renderer, made)
+        return _check_frames(golden, candidate, renderer, made)
     except PronkError as error:
         return LayerVerdict(layer, Outcome.FAILED, str(error)), made
 
 
 def _check_frames(
-    case: Case, golden: Content, candidate: Candidate, renderer: GoldenRenderer, made: Content
+    golden: Content, candidate: Candidate, renderer: GoldenRenderer, made: Content
 ) -> tuple[LayerVerdict, Content]:
     framing = golden.framing
     assert framing is not None

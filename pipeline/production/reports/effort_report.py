@@ -22,7 +22,7 @@ from pipeline.spec import Scene
 HEADS = ("", "mass", "way", "mean power", "energy", "cost", "largest torque", "unbalanced")
 
 
-def report_effort(order: Order, reporter: Reporter, with_csv: bool = False) -> Report:
+def report_effort(order: Order, reporter: Reporter, with_csv: bool) -> Report:
     """Return the efforts of a scene's creatures.
 
     Args:

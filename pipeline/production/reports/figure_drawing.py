@@ -13,15 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.production.reports.canvas import (
-    BODY_COLOR,
-    FAINT,
-    INK,
-    PANEL,
-    Canvas,
-    Panel,
-    rgb,
-)
+from pipeline.production.reports.canvas import Canvas, Panel
+from pipeline.production.reports.plot_colors import BODY_COLOR, FAINT, INK, PANEL, rgb
 from pipeline.production.shots.solid_preview import PreviewSolid, render_preview
 from pipeline.simulation.figure_analysis import BODY, LEG, Figure, JointTree
 from pipeline.simulation.spatial import Array

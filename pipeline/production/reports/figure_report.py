@@ -8,172 +8,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import asdict
 from typing import Any
 
-import drawsvg
 import numpy as np
 
-from pipeline.errors import SceneError, StoreError
-from pipeline.production.reports.canvas import (
-    BODY_COLOR,
-    FAINT,
-    INK,
-    MARGIN,
-    WARNING,
-    Canvas,
-    Panel,
-    limb_colors,
-    write_pictures,
-)
-from pipeline.production.reports.figure_drawing import (
-    FRONT,
-    SIDE,
-    StandingFigure,
-    draw_drawing,
-    draw_view,
-    scale_of,
-)
 from pipeline.simulation.figure_analysis import (
     BODY,
     DenavitRow,
     Figure,
     FigureMass,
     MassProperties,
-    build_figure,
     denavit_table,
     to_denavit,
 )
-from pipeline.spec import load_figures
-
-# --- Figure sheet: text, facts and picture of a figure, before any scene needs it -
-
-WIDTH, TOP, GAP = 1600, 92, 20
-"""Of the page, above its panels and between them [pixels]."""
-
-HEIGHT, DRAWING = 660, 620
-"""Height of the panels, and width of the drawing's [pixels]."""
-
-COLUMNS = 4
-MAX_REMARKS, MAX_REMARK_LENGTH = 6, 190
-
-
-@dataclass(frozen=True, slots=True)
-class Sheet:
-    """Report on one figure.
-
-    Attributes:
-        text: for people.
-        facts: the same and more, as plain values.
-        files: the pictures.
-    """
-
-    text: str
-    facts: dict[str, Any]
-    files: tuple[Path, ...]
-
-
-def figures_of(name: str) -> list[Figure]:
-    """Return the figures of a name, at the size they are drawn in.
-
-    Args:
-        name: of a figure file, a shipped figure, a scene, or `scene:figure`.
-
-    Raises:
-        UsageError: no such figure.
-        SceneError: a figure is wrong.
-    """
-    scene, names = load_figures(name)
-    try:
-        return [build_figure(figure, scene.figures[figure], 1.0) for figure in names]
-    except SceneError as error:
-        raise scene.source_map.with_locations(error) from None
-
-
-def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:
-    """Write the pictures of a figure into a folder and return the report on it.
-
-    Args:
-        figure: any.
-        out: the folder.
-        denavit: whether to report its Denavit-Hartenberg parameters.
-
-    Raises:
-        StoreError: the pictures cannot be written.
-    """
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        files = write_pictures(out / figure.name.replace(" ", "_"), figure_svg(figure))
-    except OSError as error:
-        raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
-    inertia = FigureMass(figure)
-    text, plain = report(figure, inertia), facts(figure, inertia)
-    if denavit:
-        text, plain = f"{text}\n{denavit_text(figure)}", {**plain, "denavit": denavit_facts(figure)}
-    return Sheet(text, plain, files)
-
-
-def figure_svg(figure: Figure) -> str:
-    """Return the picture of a figure as SVG."""
-    standing = StandingFigure(figure)
-    colors = limb_colors([(limb.kind, limb.side) for limb in figure.skeleton.limbs])
-    remarks = figure.anatomy.warnings[:MAX_REMARKS]
-    rows = -(-(len(figure.skeleton.limbs) + 1) // COLUMNS)
-    height = TOP + HEIGHT + 32 + 24 * rows + 22 * len(remarks) + MARGIN // 2
-    canvas = Canvas.page(WIDTH, height, figure.name)
-    canvas.text(headline(figure), (MARGIN, 74), 15, FAINT)
-    draw_drawing(canvas, Panel(MARGIN, TOP, DRAWING, HEIGHT), figure, colors)
-    side, front = _panels(standing)
-    scale = min(scale_of(standing, SIDE, side), scale_of(standing, FRONT, front))
-    draw_view(canvas, side, "from the side", standing, SIDE, scale, colors)
-    draw_view(canvas, front, "from the front", standing, FRONT, scale, colors)
-    y = TOP + HEIGHT + 34
-    _legend(canvas, figure, colors, y)
-    for i, remark in enumerate(remarks):
-        text = str(remark)
-        short = text if len(text) < MAX_REMARK_LENGTH else f"{text[: MAX_REMARK_LENGTH - 3]}..."
-        canvas.text(short, (MARGIN, y + 24 * rows + 22 * i), 13, WARNING)
-    return canvas.svg
-
-
-def _panels(standing: StandingFigure) -> tuple[Panel, Panel]:
-    """Return the panels of both views, side by side or stacked, whichever is larger.
-
-    Both views have one scale, so that lengths can be compared.
-    """
-    x = MARGIN + DRAWING + GAP
-    room = WIDTH - MARGIN - x
-    (low_s, high_s), (low_f, high_f) = standing.bounds(SIDE), standing.bounds(FRONT)
-    shares = np.maximum([high_s[0] - low_s[0], high_f[0] - low_f[0]], 1e-9)
-    width = round(float(np.clip(shares[0] / shares.sum(), 0.3, 0.7)) * (room - GAP))
-    half = (HEIGHT - GAP) / 2
-    beside = (
-        Panel(x, TOP, width, HEIGHT),
-        Panel(x + width + GAP, TOP, room - GAP - width, HEIGHT),
-    )
-    stacked = Panel(x, TOP, room, half), Panel(x, TOP + half + GAP, room, half)
-    return max(
-        (beside, stacked),
-        key=lambda two: min(
-            scale_of(standing, view, one) for one, view in zip(two, (SIDE, FRONT), strict=True)
-        ),
-    )
-
-
-def _legend(canvas: Canvas, figure: Figure, colors: Sequence[str], top: float) -> None:
-    """List the parts, several in a row."""
-    texts = [("body", f"one solid, {counted(len(figure.anatomy.body), 'node')}", BODY_COLOR)]
-    for limb, color in zip(figure.skeleton.limbs, colors, strict=True):
-        links, joints = counted(len(limb.links), "link"), counted(len(limb.joints), "joint")
-        texts.append((limb.name, f"{limb.kind}, {links}, {joints}, {limb.length:.3g} m", color))
-    column = (WIDTH - 2 * MARGIN) / COLUMNS
-    for i, (name, text, color) in enumerate(texts):
-        x, y = MARGIN + column * (i % COLUMNS), top + 24 * (i // COLUMNS)
-        canvas.draw(drawsvg.Circle(x + 6, y - 5, 6, fill=color))
-        canvas.text(name, (x + 20, y), 14, INK, bold=True)
-        canvas.text(text, (x + 112, y), 13, FAINT)
-
 
 DENAVIT_HEAD = "  {:<16} {:<18} {:<9} {:>10} {:>10} {:>10} {:>10}"
 DENAVIT_ROW = "  {:<16} {:<18} {:<9} {:>10.4f} {:>10.6f} {:>10.6f} {:>10.4f}"

@@ -17,18 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import UsageError
-from pipeline.production.reports.canvas import (
-    FAINT,
-    INK,
-    MARGIN,
-    Axis,
-    Canvas,
-    Panel,
-    draw_frames,
-    draw_seconds,
-    limb_colors,
-    write_plot,
-)
+from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
+from pipeline.production.reports.plot_colors import FAINT, INK, limb_colors
+from pipeline.production.reports.plot_files import write_plot
+from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter

@@ -13,20 +13,10 @@ import drawsvg
 import numpy as np
 
 from pipeline.errors import UsageError
-from pipeline.production.reports.canvas import (
-    GRID,
-    INK,
-    LEG_COLORS,
-    MARGIN,
-    PAPER,
-    WARNING,
-    Axis,
-    Canvas,
-    Panel,
-    draw_frames,
-    draw_seconds,
-    write_plot,
-)
+from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
+from pipeline.production.reports.plot_colors import GRID, INK, LEG_COLORS, PAPER, WARNING
+from pipeline.production.reports.plot_files import write_plot
+from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter

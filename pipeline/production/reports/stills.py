@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pipeline.errors import FilmingError, UsageError
+from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.order import Order, counted
+from pipeline.production.run.order import Order
 from pipeline.production.run.production import Production, take_of, working
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.workers import with_gpu_fallback

@@ -31,7 +31,7 @@ class Finding:
     needed: bool = True
 
 
-def examine(fresh: bool = False) -> list[Finding]:
+def examine(fresh: bool) -> list[Finding]:
     """Return the findings of all checks.
 
     Args:

@@ -18,15 +18,17 @@ from audio.score import Score
 from audio.wav_file import write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.order import Order, contiguous, counted, described, parse_frames
+from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
 from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
 from pipeline.production.shots.shot_builder import ShotBuilder
-from pipeline.production.sound.event_files import write_cues, write_events
+from pipeline.production.sound.cue_files import write_cues
+from pipeline.production.sound.event_files import write_events
 from pipeline.production.sound.score_builder import build_score
 from pipeline.production.sound.sound_report import (
     loudness_summary,

@@ -34,6 +34,6 @@ def figure_remarks(scene: Scene) -> Iterator[Problem]:
     for name in dict.fromkeys(member.figure for _, member in scene.creatures):
         config = scene.figures[name]
         drawing = draw(config)
-        for remark in analyse(drawing, config.parts).warnings:
+        for remark in analyse(drawing, config.parts, config.style, config.pitch_deg).warnings:
             path = f"figures.{name}.{drawing.path_of(remark.node)}"
             yield scene.source_map.with_location(Problem(path, str(remark)))

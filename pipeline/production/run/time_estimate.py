@@ -11,7 +11,7 @@ import json
 from dataclasses import dataclass, field
 
 from pipeline.atomic_file import write_if_changed
-from pipeline.production.run.order import counted
+from pipeline.production.run.frame_ranges import counted
 from render.backend import Backend, cache_folder
 from render.config import FullFilm
 

@@ -3,73 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from pipeline.production.camera.cuts import PoseInterpolator, camera_poses, first_frames
-from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes, resolve_parents
-from pipeline.production.shots.ground_mesh import footprint_timeline, ground_meshes
-from pipeline.production.shots.skinning import (
-    Skin,
-    interpolated_poses,
-    pattern_coordinates,
-    visible_parts,
-)
+from pipeline.production.camera.cuts import camera_poses, first_frames
+from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
+from pipeline.production.camera.pose_interpolator import PoseInterpolator
+from pipeline.production.shots.carried_lamps import CarriedLamps
+from pipeline.production.shots.footprint_timeline import footprint_timeline
+from pipeline.production.shots.ground_mesh import ground_meshes
+from pipeline.production.shots.pattern_coordinates import pattern_coordinates
+from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
-from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
-from render.config import MATERIALS, Lamp, Material
-from render.shot import LampPlace, Mesh, Moment, Shot
-
-# --- Lamp placement: positions of the lamps of a scene at any row of its take -----
-
-Triple = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class CarriedLamps:
-    """Lamps with the nodes that carry them.
-
-    Attributes:
-        lamps: their configuration.
-        nodes: that carry each lamp, -1 for the world.
-    """
-
-    lamps: tuple[Lamp, ...]
-    nodes: tuple[int, ...]
-
-    @staticmethod
-    def of(scene: Scene, take: Take) -> CarriedLamps:
-        """Return the lamps of a scene with their nodes.
-
-        Raises:
-            SceneError: the parent of a lamp does not exist.
-        """
-        lamps = scene.light.lamps
-        parents = {f"light.lamps[{i}]": lamp.parent for i, lamp in enumerate(lamps)}
-        return CarriedLamps(lamps, tuple(resolve_parents(scene, NodeNames.of(take), parents)))
-
-    def placed(self, take: Take, at: float) -> tuple[LampPlace, ...]:
-        """Return the places of the lamps at a row of a take or between two."""
-        if not self.lamps:
-            return ()
-        q, p, _ = interpolated_poses(take, at)
-        places = []
-        for lamp, node in zip(self.lamps, self.nodes, strict=True):
-            R, origin = np.eye(3), np.zeros(3)
-            if node >= 0:
-                R, origin = matrix(q[node]), p[node]
-            aim = None if lamp.spot is None else _transformed(R, origin, lamp.spot.toward)
-            places.append(LampPlace(_transformed(R, origin, lamp.at), aim))
-        return tuple(places)
-
-
-def _transformed(R: Array, origin: Array, point: Triple) -> Triple:
-    x, y, z = (float(c) for c in origin + (R * np.array(point)).sum(axis=-1))
-    return x, y, z
+from render.config import MATERIALS, Material
+from render.shot import Mesh, Moment, Shot
 
 
 class ShotBuilder:

@@ -18,7 +18,7 @@ from pipeline.simulation.bodies.arrangements import Placements, arrange
 from pipeline.simulation.bodies.body_meshes import visible_solids
 from pipeline.simulation.bodies.body_model import build_body
 from pipeline.simulation.dynamics.mujoco_bodies import Collider
-from pipeline.simulation.dynamics.rigid_body import BodyModel, State, unrotate
+from pipeline.simulation.dynamics.rigid_body import BodyModel, State, rotate_inverse
 from pipeline.simulation.inventory import Inventory, rigid_mesh
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.seeds import generator
@@ -207,7 +207,7 @@ def initial_state(instances: Sequence[BodyInstance]) -> State:
         np.array([instance.p for instance in instances]),
         quaternion(R),
         np.array([instance.v for instance in instances]),
-        unrotate(R, np.array([instance.w for instance in instances])),
+        rotate_inverse(R, np.array([instance.w for instance in instances])),
     )
 
 

@@ -22,9 +22,10 @@ from pipeline.simulation.bodies.sliding_tracker import ROLLING_SLIP_RATIO, Slidi
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
 from pipeline.simulation.obstacles import Obstacle, ObstacleMass, SolidMotion, directions
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows, World, WriteStage
+from pipeline.simulation.troupe import World, WriteStage
 from pipeline.spec.body import Body, Many
 
 BISECTIONS = 48

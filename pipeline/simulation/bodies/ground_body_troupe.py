@@ -16,9 +16,10 @@ from pipeline.simulation.bodies.body_troupe import MAX_START_DEPTH, BodyTroupe, 
 from pipeline.simulation.bodies.sliding_tracker import ROLLING_SLIP_RATIO, SlidingInterval
 from pipeline.simulation.dynamics.rigid_body import Bodies, dot
 from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows, World
+from pipeline.simulation.troupe import World
 from pipeline.spec.body import Body
 
 BISECTIONS = 60

@@ -16,9 +16,10 @@ import numpy as np
 from pipeline.simulation.bodies.prop_paths import prop_path, prop_scale
 from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
 from pipeline.simulation.inventory import Inventory, rigid_mesh
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
-from pipeline.simulation.troupe import Rows, Troupe, World
+from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.prop import Prop
 
 

@@ -111,7 +111,7 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
 def _is_closed(person: Record) -> bool:
     """Tell whether both feet of a stopping person stand well enough, side by side.
 
-    A person who waited until the pelvis rests over the feet would mark time.
+    Without the tolerance, people would mark time until the pelvis rests over the feet.
     """
     leg, yaw_factor = leg_length(person), CLOSED_TOLERANCE / STEP_TOLERANCE
     x = 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0])

@@ -25,10 +25,7 @@ from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import persons_of
-from pipeline.simulation.characters.pose_output import (
-    BallRotations,
-    frame_poser,
-)
+from pipeline.simulation.characters.pose_output import BallRotations, frame_poser
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.characters.step_report import ContactReporter, SignalDetector, footfalls
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -38,9 +35,10 @@ from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.character import Character
 
 SUB_STEP_RATE = 240.0

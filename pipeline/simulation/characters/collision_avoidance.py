@@ -1,13 +1,13 @@
 """Collision avoidance: walkers step aside for people, and stop before solids.
 
 Each walker predicts the closest approach to others if both go on as they do, and turns away from
-it: the sooner it is the more, and to the right of those who come straight on. A person too near
+it: the sooner the approach, the more, and to the right of people straight ahead. A person too near
 is kept off at once. Others are visited in order along x, so that a crowd costs little more than
 a few.
 
-Near a solid of another room a person goes on no faster towards it than the solid does, but past
-it as before. Light solids are walked into and pushed; the heavier they are, the more slowly. Feet
-that stand where a solid has come are moved out of it, and slide where something presses the leg.
+Near a solid of another room the speed of a person towards it is at most that of the solid; the
+speed past it is unchanged. Light solids are walked into and pushed; the heavier they are, the more
+slowly. Feet inside a solid are moved out of it, and slide where something presses the leg.
 Solids below the ankle or above the head are ignored.
 
 Source: Horswill 2008, "Object approach" (repulsion with a curl, so that nobody is stuck head on;

@@ -258,7 +258,7 @@ class LoosenHug:
 
 @dataclass
 class ReturnHug:
-    """Put both hands on the back of a partner who has come, without a step and without bowing.
+    """Put both hands on the back of an approaching partner, without a step and without bowing.
 
     Attributes:
         owner: number of the partner.

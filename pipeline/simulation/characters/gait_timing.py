@@ -107,7 +107,7 @@ def gait_pace(person: Record) -> tuple[float, float]:
     """Return cycles per second and the stance fraction of a cycle."""
     leg = leg_length(person)
     speed = ground_speed(person)
-    # A person who turns or is pushed steps as briskly as a slow walker.
+    # In turns and after pushes, steps are as brisk as in a slow walk.
     return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty_factor(speed, leg)
 
 

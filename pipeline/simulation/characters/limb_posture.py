@@ -1,8 +1,9 @@
 """Limb posture: targets of elbows, hands, knees and feet.
 
-Arms swing along, are held out, close around somebody, or reach for a place. The place of a hand
-is kept in the frame of the chest and moves to its target as a critically damped spring. Elbows
-hang below and behind the line from shoulder to hand; knees bend forward between hip and foot.
+Arms swing with the gait, are held out, embrace a partner, or reach for a place. The position of a
+hand is stored in the frame of the chest and follows its target as a critically damped spring.
+Elbows hang below and behind the line from shoulder to hand; knees bend forward between hip and
+foot.
 
 Source: Horswill 2008, "Limb control" and "Hugging".
 """
@@ -219,8 +220,8 @@ def two_link_joint(root: Vector, tip: Vector, upper: float, lower: float, pole: 
 
 # Legs.
 MAX_LEG_STRETCH = 0.995  # of a swinging leg, in the sum of its links
-KNEE_OUTWARD = 0.06  # of bent knees, as a tangent; more for a person who sits
-SQUAT_OUTWARD = 0.8  # more for one who crouches, so that arms reach down between the knees
+KNEE_OUTWARD = 0.06  # of bent knees, as a tangent; more in sitting
+SQUAT_OUTWARD = 0.8  # in a crouch, so that arms reach down between the knees
 MAX_KNEE_INWARD = 0.1  # [rad], so that knees do not strike one another
 KNEE_CLEARANCE = 0.094  # of knees that pass one another, in heights: two thighs side by side
 KNEE_RANGE = 3.0  # distance ahead within which knees part, in knee clearances

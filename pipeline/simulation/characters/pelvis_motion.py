@@ -1,8 +1,7 @@
 """Pelvis motion: the path along which the pelvis is led over the ground, and sitting down.
 
-The led place has a velocity of its own, which follows the walk vector as quickly as legs can
-push, and gives way to what happens to the body: a shoved person is carried along and walks it
-off.
+The led place has its own velocity. It follows the walk vector as quickly as legs can push, and
+yields to impulses on the body: a shoved person is carried along and walks it off.
 
 Source: Horswill 2008, "Gait Control" and "Low-level character control".
 """

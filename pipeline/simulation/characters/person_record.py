@@ -158,7 +158,7 @@ def persons_of(
     headings: Array,
     ground: Array,
 ) -> Records:
-    """Return records of n people who stand with hanging arms.
+    """Return records of n standing people with hanging arms.
 
     Args:
         proportions: of each person.
@@ -192,7 +192,7 @@ def persons_of(
 def standing_nodes(
     proportions: Proportions, at: NDArray[np.float64], heading: float, ground: float
 ) -> Array:
-    """Return (16, 3) the nodes of a person who stands at x and z [m]."""
+    """Return the nodes (16, 3) of a person standing at x and z [m]."""
     c, s = np.cos(heading), np.sin(heading)
     x, y, z = hanging_arms_pose(proportions).T
     return np.stack([at[0] + c * x + s * z, ground + y, at[1] - s * x + c * z], axis=1)

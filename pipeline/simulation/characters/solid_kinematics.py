@@ -12,6 +12,7 @@ from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
     dot,
+    inverse_turned,
     length,
     minus,
     plus,
@@ -21,7 +22,6 @@ from pipeline.simulation.dynamics.vectors import (
     times,
     triple,
     turned,
-    unturned,
 )
 
 
@@ -102,7 +102,7 @@ def signed_distance(solids: Solids, s: int, at: Vector, reach: float) -> tuple[f
     """
     solid = solids.bodies[s]
     R = rows_of(solid.R)
-    local = unturned(R, minus(at, triple(solid.p)))
+    local = inverse_turned(R, minus(at, triple(solid.p)))
     if solid.radius > 0.0:
         offset = minus(local, triple(solid.middle))
         distance = length(offset)

@@ -101,7 +101,7 @@ class TaskDispatcher:
         self._begin(k, task, keeps_arms=True)
 
     def end(self, k: int) -> None:
-        """End the task of a person, who keeps what hangs from the hands."""
+        """End the task of a person; held objects stay in the hands."""
         controller = self.controllers[k]
         controller.stop()
         person = controller.record

@@ -3,9 +3,9 @@
 - The pelvis stands at standing height over the feet (`pelvis_motion`). In walking it rises over
   each standing leg and sinks between them, sways over the stance foot, and turns its forward hip
   with the forward leg; in running it is lowest where the leg bears most.
-- The shoulders shift until the centre of mass is over the feet; a person who runs or gains speed
-  leans into it.
-- The pelvis turns with the way, the shoulders towards what is looked at, at most 90 degrees more.
+- The shoulders shift until the centre of mass is over the feet; running and
+  acceleration lean it forward.
+- The pelvis turns with the path, the shoulders towards the gaze target, at most 90 degrees more.
 
 Rotations are yaw about Y, then lean; letters as in `spatial`.
 

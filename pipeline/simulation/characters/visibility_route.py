@@ -113,7 +113,7 @@ class ObstacleCircles:
         self.things = self._solids["thing"][indices[row]]
 
 
-CLEARANCES = (0.32, 0.16, 0.04)  # to pass things at; the widest with which there is a way [m]
+CLEARANCES = (0.32, 0.16, 0.04)  # to obstacles; the widest that leaves a path is used [m]
 
 RING_PLACES = 8  # around each thing
 

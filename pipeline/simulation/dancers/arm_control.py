@@ -8,12 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.dancers.dance_goals import Goal
-from pipeline.simulation.dancers.force_fields import (
-    HandField,
-    Point,
-    as_point,
-    desired_velocity,
-)
+from pipeline.simulation.dancers.force_fields import HandField, Point, as_point, desired_velocity
 from pipeline.simulation.dancers.posture_sequence import PostureSpline
 from pipeline.simulation.dancers.stall_recovery import RETREAT_POSTURES, StallDetector
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
@@ -115,34 +110,34 @@ class ArmController:
         """Sends the hand to a goal by force fields."""
         held = np.concatenate([goal.held[: len(ARM)], FIELD_WRIST])
         if goal.subtask.trace is not None:
-            self.trace(self.moving.places[list(goal.spots)], held, now, land)
+            self.trace(self.moving.places[list(goal.sites)], held, now, land)
         else:
-            self.reach(goal.spots, held, now, land, goal.surface is not None, goal.press)
+            self.reach(goal.sites, held, now, land, goal.surface is not None, goal.press)
 
     def reach(
         self,
-        spots: Sequence[int],
+        sites: Sequence[int],
         held: Array,
         now: float,
         land: float,
         touches: bool = False,
         press: float = 0.0,
     ) -> None:
-        """Sends the hand through spots by force fields.
+        """Sends the hand through sites by force fields.
 
         Args:
-            spots: numbers of the spots; none to turn the wrist alone.
+            sites: numbers of the sites; none to turn the wrist alone.
             held: (7,) preferred angles [rad].
             now: start [s].
             land: arrival [s].
             touches: whether the hand touches a surface, which stops it.
-            press: depth of the last spot below a surface [m].
+            press: depth of the last site below a surface [m].
         """
         self._set_out(held, now, land)
         self._stalls = StallDetector(0 if touches else len(RETREAT_POSTURES))
         self.traced = None
-        if spots:
-            self.fields.go(spots, now, land, self.moving.places, press)
+        if sites:
+            self.fields.go(sites, now, land, self.moving.places, press)
 
     def trace(self, places: Array, held: Array, now: float, land: float) -> None:
         """Moves the hand along a curve through fixed positions (m, 3) [m]."""
@@ -260,7 +255,7 @@ class ArmController:
     def _retry(self, now: float) -> None:
         """Starts a new approach after a retreat."""
         wrist = self.desired(now)[len(ARM) :]
-        spots, traced, point = self.fields.spots, self.traced, self.fields.point
+        sites, traced, point = self.fields.sites, self.traced, self.fields.point
         self.drive(True)
         self.turn_wrist(wrist, now, now)
         self.retry_until = (
@@ -269,7 +264,7 @@ class ArmController:
         if traced is not None:
             self.traced = PostureSpline([self._hand.copy(), traced.keys[-1]], now, self.retry_until)
         else:
-            self.fields.go(spots[-1:], now, self.retry_until, self.moving.places)
+            self.fields.go(sites[-1:], now, self.retry_until, self.moving.places)
 
     def turn_wrist(self, angles: Array, now: float, land: float) -> None:
         """Turns the wrist to angles (3,) while a field pulls the hand [rad]."""

@@ -1,6 +1,6 @@
 """Dance goals: each subtask of a dance on one person, for both controllers.
 
-Places become spots on links of the torso; angles become postures. Angles of the arm give a field a
+Places become sites on links of the torso; angles become postures. Angles of the arm give a field a
 place too, by forward kinematics; a field has no effect on angles of the wrist alone.
 """
 
@@ -20,11 +20,7 @@ from pipeline.simulation.dancers.body_surfaces import (
     link_number,
     scaled_position,
 )
-from pipeline.simulation.dancers.reach_limits import (
-    beyond_limits,
-    inside_body,
-    out_of_reach,
-)
+from pipeline.simulation.dancers.reach_limits import beyond_limits, inside_body, out_of_reach
 from pipeline.simulation.dancers.torso import (
     ARM,
     HAND_RADIUS,
@@ -34,7 +30,7 @@ from pipeline.simulation.dancers.torso import (
     build_torso,
     joint_name,
 )
-from pipeline.simulation.dynamics.linkage import Disc, Spot
+from pipeline.simulation.dynamics.linkage import Disc, Site
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.spatial import Array
@@ -61,17 +57,17 @@ class Goal:
 
     Attributes:
         subtask: the subtask in the dance.
-        spots: numbers of the spots on the way, the last one included; empty for turns alone.
-        position_keys: scene key of each spot given as a position; empty for named places.
+        sites: numbers of the sites on the way, the last one included; empty for turns alone.
+        position_keys: scene key of each site given as a position; empty for named places.
         held: (7,) preferred angles of arm and wrist [rad].
         given: (7,) whether the author gave the angle.
         trunk: joint -> given angle of waist and neck [rad].
         surface: surface that the hand touches.
-        press: depth of the last spot below the surface [m].
+        press: depth of the last site below the surface [m].
     """
 
     subtask: Subtask
-    spots: tuple[int, ...]
+    sites: tuple[int, ...]
     position_keys: tuple[str, ...]
     held: Array
     given: Array
@@ -103,9 +99,9 @@ class Choreography:
     """All subtasks of a dancer on one person.
 
     Attributes:
-        torso: torso with all spots.
+        torso: torso with all sites.
         goals: one per subtask.
-        ready: side -> number of the spot where its hand starts.
+        ready: side -> number of the site where its hand starts.
     """
 
     torso: Torso
@@ -169,19 +165,19 @@ def build_choreography(
     surfaces = body_surfaces(person)
     surfaces |= {name: drum_surface(person, drum) for name, drum in drums.items()}
     plain = LinkageSimulation(build_torso(person).linkage, 1e-3)
-    spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
+    sites, rows, problems = list[Site](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
-        placed = list(_spots(person, part, i, surfaces, plain))
+        placed = list(_sites(person, part, i, surfaces, plain))
         positions = _positions(part.subtask, placed)
-        rows.append([(spot.name, key if (spot, key) in positions else "") for spot, key in placed])
+        rows.append([(site.name, key if (site, key) in positions else "") for site, key in placed])
         problems += out_of_reach(person, part.subtask.hand, placed, part.path, part.place_path)
         problems += inside_body(plain.linkage.links, positions, part.path, part.place_path)
         if not part.is_fixed:
             problems += beyond_limits(part.subtask.joints, part.path)
-        spots += [spot for spot, _ in placed]
+        sites += [site for site, _ in placed]
     for side, place in ready.places.items():
-        spots.append(_spot(person, f"ready.{side}", place, surfaces))
-        placed = [(spots[-1], f"ready.{side}")]
+        sites.append(_site(person, f"ready.{side}", place, surfaces))
+        placed = [(sites[-1], f"ready.{side}")]
         problems += out_of_reach(person, side, placed, ready.path)
         problems += inside_body(plain.linkage.links, placed, ready.path)
     if problems:
@@ -190,12 +186,12 @@ def build_choreography(
         Disc(name, np.array(drum.at) - [0.0, 0.5 * drum.height, 0.0], drum.radius, drum.height)
         for name, drum in drums.items()
     )
-    torso = build_torso(person, tuple(spots), discs, compensated)
+    torso = build_torso(person, tuple(sites), discs, compensated)
     goals = tuple(
-        _goal(person, part.subtask, [(torso.spot(spot), key) for spot, key in row], surfaces)
+        _goal(person, part.subtask, [(torso.site(site), key) for site, key in row], surfaces)
         for part, row in zip(parts, rows, strict=True)
     )
-    return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in ready.places})
+    return Choreography(torso, goals, {side: torso.site(f"ready.{side}") for side in ready.places})
 
 
 def hanging_posture() -> Array:
@@ -226,52 +222,52 @@ def _goal(
     press = (
         0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
     )
-    spots, keys = tuple(spot for spot, _ in row), tuple(key for _, key in row)
-    return Goal(subtask, spots, keys, held, given, trunk, surface, press)
+    sites, keys = tuple(site for site, _ in row), tuple(key for _, key in row)
+    return Goal(subtask, sites, keys, held, given, trunk, surface, press)
 
 
-def _spots(
+def _sites(
     person: Proportions,
     part: PlacedSubtask,
     i: int,
     surfaces: dict[str, Surface],
     plain: LinkageSimulation,
-) -> Iterator[tuple[Spot, str]]:
-    """Yields the spots of a subtask with their keys in the scene."""
+) -> Iterator[tuple[Site, str]]:
+    """Yields the sites of a subtask with their keys in the scene."""
     subtask = part.subtask
     if part.is_fixed and subtask.reach is not None:
-        yield Spot(f"{i}.reach", -1, np.array(subtask.reach)), "reach"
+        yield Site(f"{i}.reach", -1, np.array(subtask.reach)), "reach"
         return
     for k, place in enumerate(subtask.via):
-        yield _spot(person, f"{i}.via.{k}", place, surfaces), f"via[{k}]"
+        yield _site(person, f"{i}.via.{k}", place, surfaces), f"via[{k}]"
     if subtask.touch is not None:
         surface = surfaces[subtask.touch]
         link = link_number(surface)
         if subtask.lift:
             lifted = surface.aim + subtask.lift * surface.normal
-            yield Spot(f"{i}.lift", link, lifted), "lift"
-        yield Spot(f"{i}.touch", link, surface.aim), "touch"
+            yield Site(f"{i}.lift", link, lifted), "lift"
+        yield Site(f"{i}.touch", link, surface.aim), "touch"
     elif subtask.reach is not None:
-        yield _spot(person, f"{i}.reach", subtask.reach, surfaces), "reach"
+        yield _site(person, f"{i}.reach", subtask.reach, surfaces), "reach"
     elif subtask.trace is not None:
         for k, position in enumerate(subtask.trace):
-            yield _spot(person, f"{i}.trace.{k}", position, surfaces), f"trace[{k}]"
+            yield _site(person, f"{i}.trace.{k}", position, surfaces), f"trace[{k}]"
     elif any(f"{joint}_deg" in subtask.joints for joint in ARM):
-        yield Spot(f"{i}.joints", CHEST, _forward_kinematics(subtask, plain)), "joints"
+        yield Site(f"{i}.joints", CHEST, _forward_kinematics(subtask, plain)), "joints"
 
 
-def _spot(person: Proportions, name: str, place: Where, surfaces: dict[str, Surface]) -> Spot:
+def _site(person: Proportions, name: str, place: Where, surfaces: dict[str, Surface]) -> Site:
     if isinstance(place, str):
         surface = surfaces[place]
-        return Spot(name, link_number(surface), surface.aim)
-    return Spot(name, CHEST, scaled_position(person, place))
+        return Site(name, link_number(surface), surface.aim)
+    return Site(name, CHEST, scaled_position(person, place))
 
 
-def _positions(subtask: Subtask, placed: Sequence[tuple[Spot, str]]) -> list[tuple[Spot, str]]:
-    """Returns the spots of a subtask that are given as positions."""
+def _positions(subtask: Subtask, placed: Sequence[tuple[Site, str]]) -> list[tuple[Site, str]]:
+    """Returns the sites of a subtask that are given as positions."""
     named = {"touch", "lift", "joints"}
     named |= {f"via[{k}]" for k, place in enumerate(subtask.via) if isinstance(place, str)}
-    return [(spot, key) for spot, key in placed if key not in named]
+    return [(site, key) for site, key in placed if key not in named]
 
 
 def _forward_kinematics(subtask: Subtask, plain: LinkageSimulation) -> Array:
@@ -282,5 +278,5 @@ def _forward_kinematics(subtask: Subtask, plain: LinkageSimulation) -> Array:
         angle = subtask.joints.get(f"{joint}_deg", HANGING_ANGLES.get(joint, 0.0))
         plain.q[names.index(joint_name(joint, subtask.hand))] = math.radians(angle)
     plain.settle()
-    spots = [spot.name for spot in plain.linkage.spots]
-    return plain.places[spots.index(f"palm_{subtask.hand}")].copy()
+    sites = [site.name for site in plain.linkage.sites]
+    return plain.places[sites.index(f"palm_{subtask.hand}")].copy()

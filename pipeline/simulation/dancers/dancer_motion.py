@@ -63,7 +63,7 @@ class DancerMotion:
     Attributes:
         late: lateness learnt so far [s].
         timing_errors: time of the last touch minus its target time, by position in the bar [s].
-        gaze_spot: number of the spot that the head follows; None at the start.
+        gaze_site: number of the site that the head follows; None at the start.
         gaze_place: (3,) place that the head faces instead [m]; None for none.
     """
 
@@ -109,7 +109,7 @@ class DancerMotion:
             arm.drive(self._controller(arm.side, None) == "force-field")
             if not arm.by_fields:
                 self.moving.targets[arm.all] = self.moving.q[arm.all]
-        self.gaze_spot: int | None = None
+        self.gaze_site: int | None = None
         self.gaze_place: Array | None = None
         self._eyes, self._chest = self.moving.place_of(HEAD), self.moving.turned(CHEST)
         self._trunk_targets = self.moving.targets[: len(TRUNK_JOINTS)]
@@ -169,8 +169,8 @@ class DancerMotion:
         found, places = list[float](), self.moving.places
         for arm, k in zip(self.arms, self._next, strict=True):
             rows = self.moves[HANDS.index(arm.side)]
-            spots = self.goals[rows[k - 1].subtask].spots if k else ()
-            away = places[arm.palm] - places[spots[-1]] if spots else np.zeros(3)
+            sites = self.goals[rows[k - 1].subtask].sites if k else ()
+            away = places[arm.palm] - places[sites[-1]] if sites else np.zeros(3)
             found.append(float(np.sqrt((away * away).sum())))
         return found
 
@@ -178,8 +178,8 @@ class DancerMotion:
         for arm in self.arms:
             arm.control(now)
         target = self.gaze_place
-        if target is None and self.gaze_spot is not None:
-            target = self.moving.places[self.gaze_spot]
+        if target is None and self.gaze_site is not None:
+            target = self.moving.places[self.gaze_site]
         self._trunk_targets[:] = self.trunk.control(
             now, self.control_time, self._eyes, self._chest, target
         )
@@ -278,10 +278,10 @@ class DancerMotion:
         land = move.land - self.late.get(move.place, 0.0)
         by_fields = self._controller(arm.side, goal.subtask.controller) == "force-field"
         arm.drive(by_fields)
-        self.gaze_spot = arm.palm
+        self.gaze_site = arm.palm
         self.trunk.base_angles.update(goal.trunk | self._trunk_pose)
         if by_fields:
-            if goal.spots:
+            if goal.sites:
                 arm.pull(goal, now, land)
             return
         if goal.subtask.is_of_joints:

@@ -14,11 +14,7 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.dance_schedule import DanceSchedule
-from pipeline.simulation.dancers.dancer_mesh import (
-    DancerAppearance,
-    dancer_inventory,
-    frame_links,
-)
+from pipeline.simulation.dancers.dancer_mesh import DancerAppearance, dancer_inventory, frame_links
 from pipeline.simulation.dancers.dancer_motion import TOUCH_TOLERANCE, DancerMotion
 from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.dancer_script import ScriptedDancer
@@ -28,16 +24,17 @@ from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions, is_child
 from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.dance import Dance, Drum
 from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Instruction, Perform, Reach
 
 
-class Dancers(Troupe):
+class DancerTroupe(Troupe):
     """All dancers of a scene.
 
     Raises:

@@ -109,12 +109,12 @@ class Leg:
     """Transfer of the weight to one sub-goal.
 
     Attributes:
-        spot: number of the sub-goal's spot.
+        site: number of the sub-goal's site.
         start: start [s].
         duration: duration [s].
     """
 
-    spot: int
+    site: int
     start: float
     duration: float
 
@@ -129,7 +129,7 @@ class HandField:
 
     Attributes:
         point: equilibrium point at the last call of `desired` [m].
-        spots: numbers of the sub-goals of the move.
+        sites: numbers of the sub-goals of the move.
         legs: legs started so far.
         land: arrival at the last sub-goal [s].
         press: depth of the last sub-goal below a surface [m].
@@ -137,7 +137,7 @@ class HandField:
 
     def __init__(self, anchor: Array, rate: float, winner_takes_all: bool) -> None:
         self.rate, self.winner_takes_all = rate, winner_takes_all
-        self.spots: list[int] = []
+        self.sites: list[int] = []
         self.legs: list[Leg] = []
         self.land = self.press = 0.0
         self._end = math.inf
@@ -148,22 +148,22 @@ class HandField:
     def stay(self, anchor: Array) -> None:
         """Sets the equilibrium point to a fixed position (3,) [m]."""
         self.point = self.anchor = as_point(anchor)
-        self.spots, self.legs, self._end = [], [], math.inf
+        self.sites, self.legs, self._end = [], [], math.inf
 
     def go(
-        self, spots: Sequence[int], now: float, land: float, places: Array, press: float = 0.0
+        self, sites: Sequence[int], now: float, land: float, places: Array, press: float = 0.0
     ) -> None:
-        """Starts a move of the equilibrium point through `spots`.
+        """Starts a move of the equilibrium point through `sites`.
 
         Args:
-            spots: numbers of the sub-goals.
+            sites: numbers of the sub-goals.
             now: start [s].
             land: arrival at the last sub-goal, or at the surface above it [s].
-            places: (S, 3) positions of all spots [m].
+            places: (S, 3) positions of all sites [m].
             press: depth of the last sub-goal below a surface [m].
         """
         self.anchor = self.point
-        self.spots, self.land, self.legs = list(spots), land, []
+        self.sites, self.land, self.legs = list(sites), land, []
         self.press, self._end = press, math.inf
         self._start_leg(now, places)
 
@@ -174,9 +174,9 @@ class HandField:
     def desired(self, x: Point, now: float, places: Array) -> Point:
         """Returns the desired velocity of the hand at `x` [m/s]."""
         if now >= self._end:
-            self.point = as_point(places[self.spots[-1]])
+            self.point = as_point(places[self.sites[-1]])
             return desired_velocity(self.point, x, self.rate)
-        if len(self.legs) < len(self.spots):
+        if len(self.legs) < len(self.sites):
             self._start_next_leg(x, now, places)
         weights, points, before, last = [1.0], [self.anchor], self.anchor, 1.0
         u = v = w = 0.0
@@ -185,7 +185,7 @@ class HandField:
             if s > last:
                 # Weights stay non-negative.
                 s, slope = last, 0.0
-            here = as_point(places[leg.spot])
+            here = as_point(places[leg.site])
             slope /= leg.duration
             u += slope * (here[0] - before[0])
             v += slope * (here[1] - before[1])
@@ -204,8 +204,8 @@ class HandField:
     def _start_next_leg(self, x: Point, now: float, places: Array) -> None:
         """Starts the next leg once the hand approaches, at a time between two controls."""
         leg = self.legs[-1]
-        goal = as_point(places[leg.spot])
-        before = as_point(places[self.legs[-2].spot]) if len(self.legs) > 1 else self.anchor
+        goal = as_point(places[leg.site])
+        before = as_point(places[self.legs[-2].site]) if len(self.legs) > 1 else self.anchor
         remaining = math.dist(x, goal) - APPROACH_FRACTION * math.dist(before, goal)
         last_time, last_remaining = self._last_distance
         if remaining < 0.0 and math.isinf(self._approach_time):
@@ -225,18 +225,18 @@ class HandField:
     def _start_leg(self, start: float, places: Array) -> None:
         """Starts a leg; the remaining legs divide the time by the square roots of their lengths."""
         done = len(self.legs)
-        points = [self.point if not done else as_point(places[self.spots[done - 1]])]
-        points += [as_point(places[spot]) for spot in self.spots[done:]]
+        points = [self.point if not done else as_point(places[self.sites[done - 1]])]
+        points += [as_point(places[site]) for site in self.sites[done:]]
         shares = [math.sqrt(max(math.dist(a, b), 1e-4)) for a, b in pairwise(points)]
         total = OVERLAP_FRACTION * sum(shares[:-1]) + shares[-1]
         duration = max((self.land - start) * shares[0] / total, MIN_LEG_DURATION)
-        if done == len(self.spots) - 1 and self.press:
+        if done == len(self.sites) - 1 and self.press:
             # The hand meets the surface before the equilibrium point below it.
             below = min(self.press / max(math.dist(*points), self.press), SURFACE_FRACTION_LIMIT)
             duration /= minimum_jerk_phase(1.0 - below)
-        self.legs.append(Leg(self.spots[done], start, duration))
+        self.legs.append(Leg(self.sites[done], start, duration))
         self._last_distance, self._approach_time = (start, math.inf), math.inf
-        if len(self.legs) == len(self.spots):
+        if len(self.legs) == len(self.sites):
             self._end = max(leg.start + leg.duration for leg in self.legs)
 
 

@@ -105,6 +105,25 @@ def low_passed(p: Array, rate: float = SAMPLE_RATE) -> Array:
     return (smooth + line)[pad : pad + len(p)]
 
 
+def filtered_movement(
+    times: Array, p: Array, start: float, end: float
+) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Returns a record at 60 Hz after the low-pass, and the rows of the movement within it.
+
+    Args:
+        times: (K,) equally spaced times [s].
+        p: (K, 3) positions of the hand [m].
+        start: start of the movement [s].
+        end: end of the movement [s].
+
+    Returns:
+        Times (n,) [s], positions (n, 3) [m], and numbers of the rows from `start` to `end`.
+    """
+    t, x = resampled(times, p)
+    x = low_passed(x)
+    return t, x, np.flatnonzero((t >= start - 1e-9) & (t <= end + 1e-9))
+
+
 def third_derivative(p: Array, rate: float = SAMPLE_RATE) -> Array:
     """Returns the third derivatives (n, 3) by central differences; the two at each end repeat."""
     inner = (p[4:] - 2.0 * p[3:-1] + 2.0 * p[1:-3] - p[:-4]) * (0.5 * rate**3)
@@ -120,9 +139,7 @@ def measure_jerk(times: Array, p: Array, start: float, end: float) -> Jerk:
         start: start of the movement [s].
         end: end of the movement [s].
     """
-    t, x = resampled(times, p)
-    x = low_passed(x)
-    rows = np.flatnonzero((t >= start - 1e-9) & (t <= end + 1e-9))
+    t, x, rows = filtered_movement(times, p, start, end)
     integral = total_square_jerk(x, rows)
     ends = [np.array([np.interp(when, t, axis) for axis in x.T]) for when in (start, end)]
     return Jerk(integral, end - start, float(np.linalg.norm(ends[1] - ends[0])))
@@ -138,8 +155,7 @@ def minimum_jerk_between(times: Array, p: Array, start: float, end: float) -> fl
 
     The quintic between the positions, velocities and accelerations of both ends attains it.
     """
-    t, x = resampled(times, p)
-    x = low_passed(x)
+    t, x, _ = filtered_movement(times, p, start, end)
     v = np.gradient(x, 1.0 / SAMPLE_RATE, axis=0)
     a = np.gradient(v, 1.0 / SAMPLE_RATE, axis=0)
     time, total = end - start, 0.0

@@ -67,8 +67,8 @@ def key_postures(choreography: Choreography) -> tuple[KeyPostures, ...]:
             found.append(_assume_angles(arm, moving, goal))
             continue
         keys, met = list[Array](), moving.q[arm.all]
-        for spot in goal.spots:
-            now = _visit(arm, moving, goal, spot, now)
+        for site in goal.sites:
+            now = _visit(arm, moving, goal, site, now)
             met = moving.q[arm.all].copy()
             beyond = moving.given()[arm.all] / arm.stiffness
             keys.append(met + np.clip(beyond, -PRESS_ANGLE_LIMIT, PRESS_ANGLE_LIMIT))
@@ -84,35 +84,35 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
     linkage = replace(choreography.torso.linkage, discs=())
     torso = replace(choreography.torso, linkage=linkage)
     moving, found = LinkageSimulation(linkage, STEP), dict[str, Array]()
-    for side, spot in choreography.ready.items():
+    for side, site in choreography.ready.items():
         arm = ArmController(side, torso, moving, FIELD_RATE, False)
-        pull_to_spot(arm, moving, reaching_posture(), spot, 0.0)
+        pull_to_site(arm, moving, reaching_posture(), site, 0.0)
         found[side] = moving.q[arm.all].copy()
     return found
 
 
-def pull_to_spot(
+def pull_to_site(
     arm: ArmController,
     moving: LinkageSimulation,
     held: Array,
-    spot: int,
+    site: int,
     now: float,
     touches: bool = False,
 ) -> float:
-    """Pulls a hand to a spot by a force field until it rests there.
+    """Pulls a hand to a site by a force field until it rests there.
 
     Args:
         arm: arm of the hand.
         moving: state of its torso, with steps of `STEP`.
         held: (7,) preferred angles [rad].
-        spot: number of the spot.
+        site: number of the site.
         now: start [s].
         touches: whether the hand touches a surface there.
 
     Returns:
         The end [s].
     """
-    arm.reach([spot], held, now, now + TRAVEL_TIME, touches)
+    arm.reach([site], held, now, now + TRAVEL_TIME, touches)
     end = now + TRAVEL_TIME + SETTLE_TIME
     while now < end - 0.5 * STEP:
         arm.control(now)
@@ -136,7 +136,7 @@ def _assume_angles(arm: ArmController, moving: LinkageSimulation, goal: Goal) ->
 
 
 def _visit(
-    arm: ArmController, moving: LinkageSimulation, goal: Goal, spot: int, now: float
+    arm: ArmController, moving: LinkageSimulation, goal: Goal, site: int, now: float
 ) -> float:
-    """Pulls the hand to one spot of a subtask; returns the end [s]."""
-    return pull_to_spot(arm, moving, goal.held, spot, now, goal.surface is not None)
+    """Pulls the hand to one site of a subtask; returns the end [s]."""
+    return pull_to_site(arm, moving, goal.held, site, now, goal.surface is not None)

@@ -31,8 +31,7 @@ from pipeline.simulation.curves import ease
 from pipeline.simulation.dancers.jerk import (
     CUTOFF_FREQUENCY,
     SAMPLE_RATE,
-    low_passed,
-    resampled,
+    filtered_movement,
     third_derivative,
     total_square_jerk,
 )
@@ -88,9 +87,7 @@ def retime_for_minimum_jerk(times: Array, p: Array, start: float, end: float) ->
         start: start of the movement [s].
         end: end of the movement [s].
     """
-    t, x = resampled(times, p)
-    x = low_passed(x)
-    rows = np.flatnonzero((t >= start - 1e-9) & (t <= end + 1e-9))
+    t, x, rows = filtered_movement(times, p, start, end)
     if len(rows) < 2:
         return RetimedPath(0.0, 0.0, t[rows], x[rows])
     danced = total_square_jerk(x, rows)

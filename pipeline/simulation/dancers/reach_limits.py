@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.errors import Problem
 from pipeline.simulation.dancers.torso import JOINT_LIMITS, PALM_FRACTION
-from pipeline.simulation.dynamics.linkage import Capsule, Link, Spot
+from pipeline.simulation.dynamics.linkage import Capsule, Link, Site
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
@@ -22,24 +22,24 @@ BODY = ("pelvis", "chest", "head")
 def out_of_reach(
     proportions: Proportions,
     side: str,
-    spots: Sequence[tuple[Spot, str]],
+    sites: Sequence[tuple[Site, str]],
     path: str,
     place_path: str = "",
 ) -> Iterator[Problem]:
-    """Yields a problem for each spot farther from the shoulder than the arm is long.
+    """Yields a problem for each site farther from the shoulder than the arm is long.
 
     Args:
         proportions: of the person.
         side: of the hand.
-        spots: spots, each with its key in the scene.
+        sites: sites, each with its key in the scene.
         path: path of the subtask in the scene.
         place_path: path of the place instead, where it is outside the subtask.
     """
     shoulder = proportions.rest()[JOINTS.index(f"shoulder_{side}")]
     length = proportions.upper_arm + proportions.forearm + PALM_FRACTION * proportions.hand
     length *= proportions.height
-    for spot, key in spots:
-        distance = float(np.linalg.norm(spot.place - shoulder))
+    for site, key in sites:
+        distance = float(np.linalg.norm(site.place - shoulder))
         if distance > (1.0 + OVERREACH) * length and key != "joints":
             message = (
                 f"is {distance:.2f} m from the shoulder, but the arm reaches {length:.2f} m; "
@@ -49,19 +49,19 @@ def out_of_reach(
 
 
 def inside_body(
-    links: Sequence[Link], spots: Sequence[tuple[Spot, str]], path: str, place_path: str = ""
+    links: Sequence[Link], sites: Sequence[tuple[Site, str]], path: str, place_path: str = ""
 ) -> Iterator[Problem]:
-    """Yields a problem for each spot inside the body at rest.
+    """Yields a problem for each site inside the body at rest.
 
     Args:
         links: links of the torso.
-        spots: spots given as positions, each with its key in the scene.
+        sites: sites given as positions, each with its key in the scene.
         path: path of the subtask in the scene.
         place_path: path of the place instead, where it is outside the subtask.
     """
     solids = [solid for link in links if link.name in BODY for solid in link.solids]
-    for spot, key in spots:
-        depth, name = max((_depth(solid, spot.place), solid.name) for solid in solids)
+    for site, key in sites:
+        depth, name = max((_depth(solid, site.place), solid.name) for solid in solids)
         if depth > 0.0:
             message = (
                 f"is inside the body, {100.0 * depth:.0f} cm deep in the {name.split('_')[0]}; "

@@ -20,7 +20,7 @@ from pipeline.simulation.dancers.dance_goals import (
     reaching_posture,
 )
 from pipeline.simulation.dancers.force_fields import FIELD_RATE
-from pipeline.simulation.dancers.key_postures import STEP, pull_to_spot
+from pipeline.simulation.dancers.key_postures import STEP, pull_to_site
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
@@ -41,12 +41,12 @@ def unreachable_places(
     """
     trial = _Trial(choreography)
     for part, goal in zip(parts, choreography.goals, strict=True):
-        for spot, key in zip(goal.spots, goal.position_keys, strict=True):
+        for site, key in zip(goal.sites, goal.position_keys, strict=True):
             if key:
                 path = part.place_path or f"{part.path}.{key}"
-                yield from trial.problem(goal.subtask.hand, spot, goal.held, path)
-    for side, spot in choreography.ready.items():
-        yield from trial.problem(side, spot, reaching_posture(), f"{ready}.ready.{side}")
+                yield from trial.problem(goal.subtask.hand, site, goal.held, path)
+    for side, site in choreography.ready.items():
+        yield from trial.problem(side, site, reaching_posture(), f"{ready}.ready.{side}")
 
 
 class _Trial:
@@ -64,18 +64,18 @@ class _Trial:
             self._home[arm.all] = hanging_posture()
         self._tried = set[tuple[str, bytes]]()
 
-    def problem(self, side: str, spot: int, held: Array, path: str) -> Iterator[Problem]:
-        """Yields a problem if the hand stays away from a spot, the arm held near `held` (7,)."""
+    def problem(self, side: str, site: int, held: Array, path: str) -> Iterator[Problem]:
+        """Yields a problem if the hand stays away from a site, the arm held near `held` (7,)."""
         moving, arm = self._moving, self._arms[side]
         moving.q[:], moving.v[:], moving.targets[:] = self._home, 0.0, self._home
         moving.q[arm.all] = reaching_posture()
         moving.settle()
-        place = moving.places[spot].copy()
+        place = moving.places[site].copy()
         key = side, place.tobytes()
         if key in self._tried:
             return
         self._tried.add(key)
-        pull_to_spot(arm, moving, held, spot, 0.0)
+        pull_to_site(arm, moving, held, site, 0.0)
         distance = float(np.linalg.norm(moving.places[arm.palm] - place))
         arm.drive(False)
         if distance > TRIAL_TOLERANCE:

@@ -1,6 +1,6 @@
 """Repertoire: everything a dancer does in a scene: its dance, requested dances, reaches and poses.
 
-One torso holds all the spots. Subtasks are numbered in one sequence, starting with the dancer's own
+One torso holds all the sites. Subtasks are numbered in one sequence, starting with the dancer's own
 dance.
 """
 

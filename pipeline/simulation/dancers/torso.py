@@ -21,7 +21,7 @@ from pipeline.simulation.dynamics.linkage import (
     Hinge,
     Link,
     Linkage,
-    Spot,
+    Site,
 )
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENT_MASSES, Proportions
 from pipeline.simulation.spatial import Array
@@ -97,7 +97,7 @@ REFERENCE_MASS = 68.0
 
 @dataclass(frozen=True, eq=False)
 class Torso:
-    """Linkage of a dancer, with lookups of its joints and spots.
+    """Linkage of a dancer, with lookups of its joints and sites.
 
     Attributes:
         proportions: proportions of the dancer.
@@ -122,9 +122,9 @@ class Torso:
         first = self.names.index(f"wrist_{side}_pronation")
         return slice(first, first + len(WRIST))
 
-    def spot(self, name: str) -> int:
-        """Returns the number of a spot."""
-        return [spot.name for spot in self.linkage.spots].index(name)
+    def site(self, name: str) -> int:
+        """Returns the number of a site."""
+        return [site.name for site in self.linkage.sites].index(name)
 
 
 def joint_name(joint: str, side: str) -> str:
@@ -135,7 +135,7 @@ def joint_name(joint: str, side: str) -> str:
 
 def build_torso(
     proportions: Proportions,
-    spots: tuple[Spot, ...] = (),
+    sites: tuple[Site, ...] = (),
     discs: tuple[Disc, ...] = (),
     compensated: bool = True,
 ) -> Torso:
@@ -143,7 +143,7 @@ def build_torso(
 
     Args:
         proportions: proportions of the person.
-        spots: tracked points in addition to the palms, with links as in `LINKS`.
+        sites: tracked points in addition to the palms, with links as in `LINKS`.
         discs: static drums around the torso.
         compensated: whether gravity of the arms is compensated.
     """
@@ -151,7 +151,7 @@ def build_torso(
     numbers = {link.name: i for i, link in enumerate(links)}
     rest, hand = _rest(proportions), proportions.hand * proportions.height
     palms = tuple(
-        Spot(
+        Site(
             f"palm_{side}",
             numbers[f"hand_{side}"],
             rest[f"hand_{side}"] - [0, PALM_FRACTION * hand, 0],
@@ -166,7 +166,7 @@ def build_torso(
     scale = proportions.mass / REFERENCE_MASS
     linkage = Linkage(
         links,
-        tuple(sorted((*palms, *spots), key=lambda spot: spot.link)),
+        tuple(sorted((*palms, *sites), key=lambda site: site.link)),
         tuple(palm.name for palm in palms),
         FIELD_GAIN * scale,
         FIELD_FORCE_LIMIT * scale,

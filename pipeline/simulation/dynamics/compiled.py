@@ -58,7 +58,7 @@ def is_cached(room: str) -> bool:
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that other compiled functions call."""
+    """Compiles a function that other compiled functions call; plain Python cannot call it."""
     return numba.njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
 
 

@@ -1,4 +1,4 @@
-"""Gravity: one number that all who fall share."""
+"""Gravity: the acceleration that all rooms share."""
 
 GRAVITY = 9.81
 """Of the earth, downward along Y [m/s²]."""

@@ -28,6 +28,7 @@ from pipeline.simulation.dynamics.vectors import (
     carried,
     cross,
     dot,
+    inverse_turned,
     length,
     minus,
     plus,
@@ -36,7 +37,6 @@ from pipeline.simulation.dynamics.vectors import (
     rows_of,
     times,
     turned,
-    unturned,
 )
 
 REST_SPEED = 0.05
@@ -128,7 +128,7 @@ def resolve_impact(body: Record, now: Motion, parts: Records) -> Impact:
         total += impulse
         energy += 0.5 * impulse * max(-u, 0.0) / (1.0 + body.bounciness if u < -REST_SPEED else 1.0)
     normal = times(1.0 / max(length(normal), 1e-300), normal)
-    return Impact(v, unturned(R, turn), -fastest, energy, times(1.0 / total, place), normal)
+    return Impact(v, inverse_turned(R, turn), -fastest, energy, times(1.0 / total, place), normal)
 
 
 @compiled

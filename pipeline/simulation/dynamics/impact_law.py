@@ -108,7 +108,7 @@ def set_springs(t: ContactSet, law: ImpactLaw, time: float) -> None:
         if now.uneven and a == 0 and other.radius > 0.0 and end - first > 1:
             _disable_rim_contacts(t, first, end, other.radius)
     if not ordered:
-        _sort_pairs(pairs, count)
+        sort_pairs(pairs, count)
     now.half, now.known = 1 - now.half, count
 
 
@@ -171,7 +171,7 @@ def _bounce_duration(b: float, h: float) -> float:
 
 
 @compiled
-def _sort_pairs(pairs: Records, count: int) -> None:
+def sort_pairs(pairs: Records, count: int) -> None:
     """Sorts pairs, which are nearly sorted, by insertion."""
     for i in range(1, count):
         k, key, onset = i, pairs[i].key, pairs[i].onset

@@ -1,4 +1,4 @@
-"""Linkage: rigid links connected by hinges with servos, and spots pulled through space.
+"""Linkage: rigid links connected by hinges with servos, and sites pulled through space.
 
 A description; `mujoco_linkage` simulates it.
 """
@@ -95,7 +95,7 @@ class Link:
 
 
 @dataclass(frozen=True, eq=False)
-class Spot:
+class Site:
     """A point on a link, -1 for the fixed base; `place` (3,) at rest [m]."""
 
     name: str
@@ -105,12 +105,12 @@ class Spot:
 
 @dataclass(frozen=True, eq=False)
 class Linkage:
-    """Links, spots and discs.
+    """Links, sites and discs.
 
     Attributes:
         links: parents first.
-        spots: points of interest, in the order of their links.
-        pulled: names of the spots that a force can pull.
+        sites: points of interest, in the order of their links.
+        pulled: names of the sites that a force can pull.
         drag: c of these forces, c (v_desired - v) [N s/m].
         most_force: greatest force along each axis [N].
         apart: pairs of names of links that never collide.
@@ -118,7 +118,7 @@ class Linkage:
     """
 
     links: tuple[Link, ...]
-    spots: tuple[Spot, ...]
+    sites: tuple[Site, ...]
     pulled: tuple[str, ...]
     drag: float
     most_force: float

@@ -1,6 +1,6 @@
-"""Linkage simulation: hinges, limits, servos, pulled spots and contacts, solved by MuJoCo.
+"""Linkage simulation: hinges, limits, servos, pulled sites and contacts, solved by MuJoCo.
 
-Every hinge has a position servo, T = k (θ_d - θ) + k_d (θ'_d - θ'), and every pulled spot a force
+Every hinge has a position servo, T = k (θ_d - θ) + k_d (θ'_d - θ'), and every pulled site a force
 F = c (v_desired - v) along each axis of the world. Both are actuators whose damping is integrated
 implicitly, which keeps stiff gains stable at a film's steps. `mujoco` is imported when the first
 linkage is built.
@@ -75,11 +75,11 @@ class LinkageSimulation:
     Attributes:
         q: (n,) hinge angles, a view [rad].
         v: (n,) hinge speeds, a view [rad/s].
-        places: (S, 3) of the spots, a view [m].
+        places: (S, 3) of the sites, a view [m].
         targets: (n,) target angles of the servos, a writable view [rad].
-        velocities: (P, 3) desired velocities of the pulled spots, a writable view [m/s].
+        velocities: (P, 3) desired velocities of the pulled sites, a writable view [m/s].
         push: (n,) additional torques, a writable view [N m].
-        pulled: number of the spot that each force pulls.
+        pulled: number of the site that each force pulls.
     """
 
     def __init__(self, linkage: Linkage, step: float) -> None:
@@ -92,8 +92,8 @@ class LinkageSimulation:
         self.velocities = data.ctrl[n:].reshape(pulled, 3)
         self.push = data.qfrc_applied
         self._bodies = [model.body(link.name).id for link in linkage.links]
-        spots = [spot.name for spot in linkage.spots]
-        self.pulled = [spots.index(name) for name in linkage.pulled]
+        sites = [site.name for site in linkage.sites]
+        self.pulled = [sites.index(name) for name in linkage.pulled]
         self.solids = [model.geom(i).name for i in range(model.ngeom)]
         self._gain, self._bias = model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
         self._jacobian = np.zeros((3, n))
@@ -133,7 +133,7 @@ class LinkageSimulation:
         Args:
             first: number of the first hinge.
             last: number of the hinge after the last.
-            pulled: number of the pulled spot that they carry.
+            pulled: number of the pulled site that they carry.
             servo: weight of the servos, 0 to 1; the force has the rest.
             calm: least damping of the hinges [N m s/rad].
         """
@@ -146,9 +146,9 @@ class LinkageSimulation:
         hinges[:] = np.minimum(hinges, -calm)
 
     def jacobian(self, pulled: int) -> Array:
-        """Returns the velocity of a pulled spot by each hinge (3, n), a reused array."""
-        spot = self.pulled[pulled] + 1
-        self._mujoco.mj_jacSite(self.model, self.data, self._jacobian, None, spot)
+        """Returns the velocity of a pulled site by each hinge (3, n), a reused array."""
+        site = self.pulled[pulled] + 1
+        self._mujoco.mj_jacSite(self.model, self.data, self._jacobian, None, site)
         return self._jacobian
 
     def place_of(self, link: int) -> Array:
@@ -213,11 +213,11 @@ def _build(linkage: Linkage, step: float) -> tuple[Any, Any, Any]:
     made = list[Any]()
     for link in linkage.links:
         made.append(_add_link(spec, mujoco, link, linkage.links, made))
-    for spot in linkage.spots:
+    for site in linkage.sites:
         body, origin = spec.worldbody, np.zeros(3)
-        if spot.link >= 0:
-            body, origin = made[spot.link], linkage.links[spot.link].place
-        body.add_site(name=spot.name, pos=spot.place - origin)
+        if site.link >= 0:
+            body, origin = made[site.link], linkage.links[site.link].place
+        body.add_site(name=site.name, pos=site.place - origin)
     for disc in linkage.discs:
         # Cylinders stand on their local Z.
         spec.worldbody.add_geom(
@@ -289,7 +289,7 @@ def _volume(solid: Capsule) -> float:
 
 
 def _add_servos(spec: Any, mujoco: Any, linkage: Linkage) -> None:
-    """Adds the actuators: hinge by hinge, then x, y and z of each pulled spot."""
+    """Adds the actuators: hinge by hinge, then x, y and z of each pulled site."""
     fixed, affine = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
     for hinge in linkage.hinges:
         spec.add_actuator(
@@ -325,10 +325,10 @@ def _padded(values: Sequence[float]) -> list[float]:
 
 
 def _check_order(model: Any, linkage: Linkage) -> None:
-    """Checks that MuJoCo numbers hinges and spots as the linkage does: depth first."""
+    """Checks that MuJoCo numbers hinges and sites as the linkage does: depth first."""
     names = [model.joint(i).name for i in range(model.njnt)]
     if names != [hinge.name for hinge in linkage.hinges]:
         raise AssertionError("links have to stand depth first")
     names = [model.site(i).name for i in range(1, model.nsite)]
-    if names != [spot.name for spot in linkage.spots]:
-        raise AssertionError("spots have to stand in the order of their links")
+    if names != [site.name for site in linkage.sites]:
+        raise AssertionError("sites have to stand in the order of their links")

@@ -14,11 +14,7 @@ import math
 
 from pipeline.simulation.dynamics.body_record import Motion
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
-from pipeline.simulation.dynamics.contact_solver import (
-    add_contact,
-    contact_speed,
-    solve_contacts,
-)
+from pipeline.simulation.dynamics.contact_solver import add_contact, contact_speed, solve_contacts
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact import REST_SPEED, TOUCH_GAP
 from pipeline.simulation.dynamics.vectors import (
@@ -27,6 +23,7 @@ from pipeline.simulation.dynamics.vectors import (
     carried,
     cross,
     dot,
+    inverse_turned,
     length,
     minus,
     plus,
@@ -36,7 +33,6 @@ from pipeline.simulation.dynamics.vectors import (
     times,
     triple,
     turned,
-    unturned,
 )
 
 HOLD_GAP = 2e-4
@@ -104,11 +100,11 @@ def held_velocity(
     body.held = n
     for k in range(n):
         total += parts[k].impulse[0]
-        force = times(1.0 / h, unturned(rows_of(parts[k].axes), triple(parts[k].impulse)))
+        force = times(1.0 / h, inverse_turned(rows_of(parts[k].axes), triple(parts[k].impulse)))
         put(body.force, k, force)
         put(body.force_lever, k, row(body.lever, parts[k].which))
     # The moment of rolling resistance is lever times force.
-    momentum = length(turned(rows_of(body.inertia), unturned(R, turn)))
+    momentum = length(turned(rows_of(body.inertia), inverse_turned(R, turn)))
     lost = body.rolling * total / max(momentum, 1e-300)
     if lost < 1.0:
         return v, times(1.0 - lost, turn)

@@ -153,6 +153,6 @@ def rotate(R: Array, v: Array) -> Array:
     ]
 
 
-def unrotate(R: Array, v: Array) -> Array:
+def rotate_inverse(R: Array, v: Array) -> Array:
     """Returns Rᵀ v (..., 3), summed like `rotate`."""
     return rotate(np.swapaxes(R, -1, -2), v)

@@ -35,14 +35,12 @@ from pipeline.simulation.dynamics.resting_contact import (
     holding_contacts,
     limit_energy,
 )
-from pipeline.simulation.dynamics.terrain_contacts import (
-    find_body_contacts,
-    is_under_ground,
-)
+from pipeline.simulation.dynamics.terrain_contacts import find_body_contacts, is_under_ground
 from pipeline.simulation.dynamics.terrain_grid import Grid, highest_around
 from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
+    inverse_turned,
     length,
     minus,
     plus,
@@ -51,7 +49,6 @@ from pipeline.simulation.dynamics.vectors import (
     times,
     triple,
     turned,
-    unturned,
 )
 from pipeline.simulation.spatial import Array
 
@@ -370,7 +367,7 @@ def motion_at(path: SubstepPath, t: float) -> Motion:
     v = plus(start.v, times(t, path.a))
     if path.driven:
         q = rotate_by_vector(start.q, times(t, plus(path.turn, times(0.5 * t, path.turn_rate))))
-        w = unturned(rotation(q), plus(path.turn, times(t, path.turn_rate)))
+        w = inverse_turned(rotation(q), plus(path.turn, times(t, path.turn_rate)))
     else:
         q, w = evaluate_rotation(path.series, path.order, t)
     return Motion(p, q, v, w)

@@ -1,9 +1,9 @@
 """Sub-steps: how finely a step is divided so that no body sinks too deep into another.
 
 A body that hits something at speed v sinks in by v/ω, and ω h is given: a higher speed needs
-shorter sub-steps and stiffer springs. So nothing sinks in by more than `MAX_DEPTH` of its own
-half thickness, and within a sub-step nothing moves by more than ω h times that: nothing passes
-through anything.
+shorter sub-steps and stiffer springs. So no body sinks in by more than `MAX_DEPTH` of its
+half thickness, and within a sub-step none moves by more than ω h times that: no body passes
+through another.
 """
 
 from __future__ import annotations

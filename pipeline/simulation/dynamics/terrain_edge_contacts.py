@@ -33,13 +33,13 @@ from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
     dot,
+    inverse_turned,
     length,
     minus,
     plus,
     row,
     times,
     turned,
-    unturned,
 )
 from pipeline.simulation.spatial import Array
 
@@ -144,7 +144,7 @@ def _add_vertex_on_facet(
     has got below a vertex from the side.
     """
     lever = minus(peak, p)
-    place = unturned(R, lever)
+    place = inverse_turned(R, lever)
     most, which, beside = -np.inf, -1, -np.inf
     # Where the vertical line through it enters and leaves the body.
     low, high = -np.inf, np.inf

@@ -1,4 +1,9 @@
-"""Vectors in compiled code: triples, quaternions, and rotations as three rows."""
+"""Vectors in compiled code: triples, quaternions, and rotations as three rows.
+
+Use it within compiled functions alone, where tuples stay in registers: these functions have no
+Python wrapper and crash when plain Python calls them. Plain Python uses `spatial` for arrays and
+`scalar_rotation` for a single body.
+"""
 
 from __future__ import annotations
 
@@ -79,7 +84,7 @@ def turned(R: Rows, a: Vector) -> Vector:
 
 
 @compiled
-def unturned(R: Rows, a: Vector) -> Vector:
+def inverse_turned(R: Rows, a: Vector) -> Vector:
     """Returns Rᵀ a."""
     x, y, z = R
     return (

@@ -124,7 +124,7 @@ def displacement_at(tree: JointTree, X_BJ: Array, joint: int) -> Array:
 
 
 def base_pose(skeleton: Skeleton, link: int, q: Array, X_WB: Array) -> Array:
-    """Return the pose X_WN (..., 4, 4) of the new base with which no link moves.
+    """Return the pose X_WN (..., 4, 4) of the new base that leaves all links in place.
 
     Args:
         skeleton: before the change.

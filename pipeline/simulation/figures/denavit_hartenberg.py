@@ -9,7 +9,7 @@ it. That is
 where Z_p is the motion of joint p about or along its own z: its value is added to θ_j where it
 turns and to r_j where it slides. The row of a joint thus stands for the link before it; its x lies
 along the common normal of the two axes. As every child has its own θ and r on its parent's axis,
-links may branch, for which the notation has no rule of its own.
+links may branch, which the notation does not cover.
 
 The body's frame is the creation frame, and stands for a joint of value zero. Four numbers cannot
 hold where along its axis, and how turned about it, a joint's frame stands: each joint has a tool,

@@ -89,7 +89,7 @@ def build_figure(name: str, config: FigureConfig, scale: float) -> Figure:
     """
     drawing = draw(config)
     try:
-        anatomy = analyse(drawing, config.parts)
+        anatomy = analyse(drawing, config.parts, config.style, config.pitch_deg)
         points = lay_out_nodes(config, drawing, anatomy, scale)
         skeleton = build_skeleton(config, drawing, anatomy, points, scale)
     except SceneError as error:

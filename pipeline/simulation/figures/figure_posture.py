@@ -32,7 +32,7 @@ from pipeline.simulation.figures.pose_plan import JointRun, PointRun, PosePlan
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.keyframe_track import rotation_from_angles
-from pipeline.simulation.spatial import Array, normalized, rotation, turn, unturn
+from pipeline.simulation.spatial import Array, normalized, rotation, turn, turn_inverse
 from pipeline.spec.keyframes import Frame
 
 REST_PULL = 0.08
@@ -98,9 +98,9 @@ def point_targets(point_run: PointRun, frames: FigureFrames, R_BP: Array, p_BP: 
     R_WP = frames.R_WB @ R_BP
     if point_run.goal == "reach":
         p_WP = frames.p_WB + turn(frames.R_WB, p_BP)
-        return unturn(R_WP, p_WG + turn(R_WG, values) - p_WP)
+        return turn_inverse(R_WP, p_WG + turn(R_WG, values) - p_WP)
     if point_run.goal == "aim":
-        return normalized(unturn(R_WP, turn(R_WG, values)))
+        return normalized(turn_inverse(R_WP, turn(R_WG, values)))
     return R_WP.transpose(0, 2, 1) @ R_WG @ rotation_from_angles(values)
 
 

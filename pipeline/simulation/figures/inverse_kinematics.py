@@ -33,51 +33,67 @@ from pipeline.simulation.figures.kinematics import IDENTITY, LimbBatch, LimbPose
 from pipeline.simulation.figures.task_priority import Task, bounded_priority_step
 from pipeline.simulation.spatial import Array
 
-SEGMENT = 0.15
-"""Longest step of a tip in one iteration, in lengths of the limb."""
 
-DAMPING = 1e-4
-"""λ in lengths of the limb: bounds joint speeds near singularities. As the tip is corrected in
-the next iteration, it leaves no error."""
+@dataclass(frozen=True, slots=True)
+class TipIteration:
+    """Constants of the pseudo-inverse iterations, distances in lengths of the limb.
 
-REST_GAIN = 0.25
-"""Gain of the secondary goal (α in eq. B.7): fraction of the way to the preferred values in one
-iteration."""
+    Attributes:
+        segment: longest step of a tip in one iteration.
+        damping: λ, which bounds joint speeds near singularities. As the tip is corrected in the
+            next iteration, it leaves no error.
+        rest_gain: gain of the secondary goal (α in eq. B.7), the fraction of the way to the
+            preferred values in one iteration.
+        redundancy_cutoff: distance of tip from goal below which redundancy is left alone after the
+            first iteration: its disturbance would have to be corrected again.
+        tolerance: accepted distance of tip from goal.
+    """
 
-REDUNDANCY_CUTOFF = 1e-2
-"""Distance of tip from goal, in lengths of the limb, below which redundancy is left alone after
-the first iteration: its disturbance would have to be corrected again."""
+    segment: float = 0.15
+    damping: float = 1e-4
+    rest_gain: float = 0.25
+    redundancy_cutoff: float = 1e-2
+    tolerance: float = 1e-6
 
-TOLERANCE = 1e-6
-"""Accepted distance of tip from goal, in lengths of the limb."""
+
+@dataclass(frozen=True, slots=True)
+class NewtonSearch:
+    """Constants of the search for the closest pose.
+
+    Attributes:
+        flat_slope: slope of half the squared error, per radian, that counts as flat.
+        min_curvature: least curvature assumed by a step.
+        max_move: longest movement of a joint in one step [rad or m].
+        halvings: of a step that leads farther away, in a line search.
+    """
+
+    flat_slope: float = 1e-9
+    min_curvature: float = 1e-6
+    max_move: float = 0.3
+    halvings: int = 12
 
 
-FLAT_SLOPE = 1e-9
-"""Slope of half the squared error, per radian, that counts as flat."""
+@dataclass(frozen=True, slots=True)
+class GoalPursuit:
+    """Constants of the steps that follow goals through time.
 
-MIN_CURVATURE = 1e-6
-"""Least curvature assumed by a step."""
+    Attributes:
+        stiffness: λ as a fraction of the error, λ² = |e|²/2 (Sugihara 2011): it calms joints of
+            limbs out of reach, and vanishes where the goal is reached.
+        damping: least λ, which bounds a joint's speed near full extension.
+        max_move: greatest movement of a joint in one step [rad or m].
+        tolerance: accepted error of the first goals, in lengths of the limb and radians.
+        stall_fraction: fraction of the error that a step must remove to be worth another one.
+    """
 
-MAX_NEWTON_MOVE = 0.3
-"""Longest movement of a joint in one step [rad or m]."""
+    stiffness: float = 0.7
+    damping: float = 1e-3
+    max_move: float = 0.25
+    tolerance: float = 1e-5
+    stall_fraction: float = 1e-3
 
-LINE_SEARCH_HALVINGS = 12
 
-PURSUIT_STIFFNESS = 0.7
-"""λ as a fraction of the error, λ² = |e|²/2 (Sugihara 2011): it calms joints of limbs out of
-reach, and vanishes where the goal is reached."""
-
-PURSUIT_DAMPING = 1e-3
-"""Least λ: bounds a joint's speed near full extension."""
-
-MAX_JOINT_MOVE = 0.25
-"""Greatest movement of a joint in one step [rad or m]."""
-
-PURSUIT_TOLERANCE = 1e-5
-"""Accepted error of the first goals, in lengths of the limb and radians."""
-
-STALL_FRACTION = 1e-3
-"""Fraction of the error that a step must remove to be worth another one."""
+TIP_ITERATION, NEWTON_SEARCH, GOAL_PURSUIT = TipIteration(), NewtonSearch(), GoalPursuit()
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,13 +135,14 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int =
     """
     pose, error = start, goals - start.tips
     distance = _norm(error)
-    enough, near = TOLERANCE * batch.lengths, REDUNDANCY_CUTOFF * batch.lengths
-    longest, damping = batch.lengths * SEGMENT, damping_matrix(batch)
+    enough = TIP_ITERATION.tolerance * batch.lengths
+    near = TIP_ITERATION.redundancy_cutoff * batch.lengths
+    longest, damping = batch.lengths * TIP_ITERATION.segment, damping_matrix(batch)
     iteration = 0
     while iteration < max_iterations and (far := distance > enough).any():
         # A limb that has arrived stays: its result must not depend on other limbs.
         part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
-        gain = np.where(far if iteration == 0 else distance > near, REST_GAIN, 0.0)
+        gain = np.where(far if iteration == 0 else distance > near, TIP_ITERATION.rest_gain, 0.0)
         candidate = batch.pose(damped_step(batch, pose, error * part[:, None], gain, damping))
         error_then = goals - candidate.tips
         distance_then = _norm(error_then)
@@ -145,7 +162,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int =
 
 def damping_matrix(batch: LimbBatch) -> Array:
     """Return λ² I (L, 3, 3) [m²], shared by all iterations of these limbs."""
-    return ((DAMPING * batch.lengths) ** 2)[:, None, None] * IDENTITY
+    return ((TIP_ITERATION.damping * batch.lengths) ** 2)[:, None, None] * IDENTITY
 
 
 def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, damping: Array) -> Array:
@@ -212,7 +229,7 @@ def closest_pose(
         stopped = (pose.q <= batch.lower) & (down < 0.0) | (pose.q >= batch.upper) & (down > 0.0)
         free = batch.is_joint & ~stopped
         down = down * free
-        if (np.abs(down).max(axis=1, initial=0.0) < FLAT_SLOPE).all():
+        if (np.abs(down).max(axis=1, initial=0.0) < NEWTON_SEARCH.flat_slope).all():
             break
         step = _newton_step(batch, pose, aim, down, free)
         after = _downhill(batch, pose, aim, step)
@@ -236,10 +253,11 @@ def _newton_step(
     both = free[:, :, None] & free[:, None, :]
     H = np.where(both, H, 0.0) + (~free)[:, :, None] * np.eye(free.shape[1])
     w, V = np.linalg.eigh(H)
-    model = (V.transpose(0, 2, 1) @ down[..., None])[..., 0] / np.maximum(np.abs(w), MIN_CURVATURE)
+    curvature = np.maximum(np.abs(w), NEWTON_SEARCH.min_curvature)
+    model = (V.transpose(0, 2, 1) @ down[..., None])[..., 0] / curvature
     step: Array = (V @ model[..., None])[..., 0] * free
     largest = np.abs(step).max(axis=1, keepdims=True, initial=0.0)
-    step *= MAX_NEWTON_MOVE / np.maximum(largest, MAX_NEWTON_MOVE)
+    step *= NEWTON_SEARCH.max_move / np.maximum(largest, NEWTON_SEARCH.max_move)
     return step
 
 
@@ -248,7 +266,7 @@ def _downhill(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, step: Array) 
     before = np.linalg.norm(aim.task(batch, pose).velocity, axis=-1)
     moved = np.zeros(len(before), dtype=bool)
     result = pose
-    for _ in range(LINE_SEARCH_HALVINGS):
+    for _ in range(NEWTON_SEARCH.halvings):
         q = np.clip(pose.q + step, batch.lower, batch.upper)
         candidate = batch.pose(q)
         nearer = np.linalg.norm(aim.task(batch, candidate).velocity, axis=-1) < before
@@ -303,16 +321,18 @@ def track_goals(
 
 
 def _is_converged(error: Array, before: Array) -> bool:
-    return bool(((error < PURSUIT_TOLERANCE) | (error > (1.0 - STALL_FRACTION) * before)).all())
+    is_small = error < GOAL_PURSUIT.tolerance
+    is_stalled = error > (1.0 - GOAL_PURSUIT.stall_fraction) * before
+    return bool((is_small | is_stalled).all())
 
 
 def _pursuit_step(
     batch: LimbBatch, pose: LimbPose, tasks: Sequence[Task], error: Array
 ) -> LimbPose:
     q, _ = bounded_priority_step(
-        batch, pose.q, tasks, PURSUIT_DAMPING + PURSUIT_STIFFNESS * np.minimum(error, 1.0)
+        batch, pose.q, tasks, GOAL_PURSUIT.damping + GOAL_PURSUIT.stiffness * np.minimum(error, 1.0)
     )
     largest = np.abs(q - pose.q).max(axis=1, keepdims=True, initial=0.0)
     return batch.pose(
-        pose.q + (q - pose.q) * (MAX_JOINT_MOVE / np.maximum(largest, MAX_JOINT_MOVE))
+        pose.q + (q - pose.q) * (GOAL_PURSUIT.max_move / np.maximum(largest, GOAL_PURSUIT.max_move))
     )

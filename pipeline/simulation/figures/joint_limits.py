@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import JointSettings
 
@@ -38,6 +38,15 @@ REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
 
 MAX_BEND_DEG = {LEG: 160.0, ARM: 150.0}
 """Greatest bend of knees and elbows from straight: calf on thigh, forearm on upper arm."""
+
+NECK_PITCH_DEG = (-50.0, 85.0, 50.0)
+"""Lowest, highest and rest elevation of the neck of a mammal whose body is level."""
+
+NOD_DEG = (-115.0, 30.0, -68.0)
+"""Limits and rest of the bend between that neck and the last link of its head."""
+
+HORN_RISE_DEG, HORN_TILT_DEG = 60.0, 40.0
+"""Rest pitch of a horn that was drawn to the side, and how much more of one drawn backward."""
 
 SHOULDER_ROLL_DEG = (-35.0, 150.0, 6.0)
 """A mammal's shoulder inward, outward, and at rest, clear of the body."""
@@ -85,6 +94,16 @@ ROOT_RANGES = {
         range_in_degrees(-30, 80, 34),
         range_in_degrees(-40, 40, 0),
     ),
+    HORN: (
+        range_in_degrees(-90, 90, 0),
+        range_in_degrees(-120, 160, 60),
+        range_in_degrees(-90, 90, 0),
+    ),
+    WING: (
+        range_in_degrees(-60, 60, 0),
+        range_in_degrees(-80, 85, 16),
+        range_in_degrees(-60, 60, 0),
+    ),
     ARM: (
         range_in_degrees(-80, 80, 0),
         range_in_degrees(-80, 80, 20),
@@ -97,6 +116,8 @@ BEND_RANGES = {
     HEAD: range_in_degrees(-50, 50, 0),
     TAIL: range_in_degrees(-60, 60, 4),
     FEELER: range_in_degrees(-70, 40, -24),
+    HORN: range_in_degrees(-60, 60, 0),
+    WING: range_in_degrees(-120, 40, -14),
     ARM: range_in_degrees(-150, 0, -35),
 }
 """Inner joints of appendages other than legs."""
@@ -111,7 +132,7 @@ def insect_joint_ranges(kind: str, links: int) -> list[dict[str, JointRange]]:
     """Return the joints at each node of an insect's appendage but its tip, in order.
 
     Args:
-        kind: leg, arm, head, tail or feeler.
+        kind: leg, arm, head, tail, feeler, horn or wing.
         links: number of links of the appendage.
     """
     if kind != LEG:
@@ -146,14 +167,32 @@ def insect_leg_elevations(links: int) -> list[float]:
     return [LEG_RISE_DEG] + [second + step * i for i in range(links - 1)]
 
 
-def mammal_joint_ranges(kind: str, side: str, steps: Array) -> list[dict[str, JointRange]]:
+def raised_neck(ranges: list[dict[str, JointRange]]) -> list[dict[str, JointRange]]:
+    """Return the joints of a mammal's neck, held up, with its head nodding.
+
+    A neck has two links or more; a head of one link stays as it is.
+    """
+    if len(ranges) < 2:
+        return ranges
+    lower, upper, rest = NECK_PITCH_DEG
+    base = {**ranges[0], "pitch": range_in_degrees(lower, upper, rest)}
+    lower, upper, rest = NOD_DEG
+    return [base, *ranges[1:-1], {"bend": range_in_degrees(lower, upper, rest)}]
+
+
+def mammal_joint_ranges(
+    kind: str, side: str, steps: Array, splay: float = 0.0
+) -> list[dict[str, JointRange]]:
     """Return the joints at each node of a mammal's appendage but its tip, in order.
 
     Args:
-        kind: leg, arm, head, tail or feeler.
+        kind: leg, arm, head, tail, feeler, horn or wing.
         side: l, m or r.
         steps: (n, 3) its links in the creation frame, from base to tip [m].
+        splay: how far to the side a leg's foot stands, because its base is on the midline [m].
     """
+    if kind == HORN:
+        return _standing_twig(steps)
     if kind not in REST_BEND_DEG:
         return _root_and_bends(kind, len(steps))
     # In the plane in which the limb swings: forward, and down.
@@ -171,8 +210,25 @@ def mammal_joint_ranges(kind: str, side: str, steps: Array) -> list[dict[str, Jo
         # The foot of a leg drawn back over its own hip cannot come under it.
         under = math.degrees(_hip_pitch(steps, angles, inner))
         base = {"pitch": range_in_degrees(-85, 85, min(max(under, -85.0), 85.0))}
-        base |= {"roll": range_in_degrees(-40, 40, 0), "yaw": range_in_degrees(-45, 45, 0)}
+        roll = _splay_deg(side, splay, steps) if splay else 0.0
+        base |= {"roll": range_in_degrees(-40, 40, roll), "yaw": range_in_degrees(-45, 45, 0)}
     return [base, *({"bend": stance} for stance in inner)]
+
+
+def _splay_deg(side: str, splay: float, steps: Array) -> float:
+    """Return the roll of a hip whose foot stands `splay` [m] to the side, positive on the left."""
+    length = float(np.linalg.norm(steps, axis=-1).sum())
+    return {"l": 1.0, "r": -1.0}.get(side, 0.0) * math.degrees(math.asin(min(splay / length, 0.5)))
+
+
+def _standing_twig(steps: Array) -> list[dict[str, JointRange]]:
+    """Return the joints of a horn, which stands on its head wherever it was drawn to."""
+    ranges = _root_and_bends(HORN, len(steps))
+    ahead = float(steps[0, 0] / max(np.linalg.norm(steps[0]), 1e-12))
+    pitch = replace(
+        ranges[0]["pitch"], preferred=math.radians(HORN_RISE_DEG - HORN_TILT_DEG * ahead)
+    )
+    return [{**ranges[0], "pitch": pitch}, *ranges[1:]]
 
 
 def _shoulder_roll(side: str) -> JointRange:

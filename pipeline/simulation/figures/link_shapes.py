@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.drawing import Drawing
-from pipeline.simulation.figures.network import FEELER, HEAD, LEG, Anatomy
+from pipeline.simulation.figures.network import FEELER, HEAD, HORN, LEG, Anatomy
 from pipeline.simulation.figures.skeleton import Link, Skeleton
 from pipeline.simulation.figures.solids import Solid, ball_solid, loft, revolve
 from pipeline.simulation.spatial import UP, Array, from_directions, normalized
@@ -47,7 +47,7 @@ EYE_MATERIAL = "eye"
 EYE_SIZES = (0.20, 0.34)
 """Radius of eyes at the side of a long head and on a round one, in its girth."""
 
-SWELLING = {LEG: 0.22, FEELER: 0.0}
+SWELLING = {LEG: 0.22, FEELER: 0.0, HORN: 0.0}
 """Swelling of links by kind; other kinds swell a little."""
 
 

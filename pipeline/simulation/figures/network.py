@@ -5,9 +5,9 @@ a node with more than two connections, its base (the thesis says "more than one"
 every appendage at its second node). Nodes of no appendage are the body, one solid: so are loops,
 and bridges between loops.
 
-Feelers, which an author names, are followed and removed first: what carries them is classified
-without them, so a head with antennae is a head. A single chain without a branch has no base: its
-middle is the body.
+Feelers and horns, named by the author or guessed (`limb_guesses`), are followed and removed first:
+what carries them is classified without them, so a head with antennae is a head. A single chain
+without a branch has no base: its middle is the body.
 
 The front-most base on the midline may carry a head, the rear-most a tail. Where several appendages
 share that base, or it is not on the midline, their direction decides: a head points forward and a
@@ -19,7 +19,7 @@ Source: Sims 1987, 4.2: "depending on the position of their base nodes".
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,19 +33,46 @@ from pipeline.simulation.figures.connection_graph import (
     loop_groups,
 )
 from pipeline.simulation.figures.drawing import Drawing
+from pipeline.simulation.figures.limb_guesses import (
+    ARM,
+    FEELER,
+    HEAD,
+    HORN,
+    LEG,
+    TAIL,
+    TWIGS,
+    WING,
+    Chain,
+    LimbGuesses,
+    Style,
+    guess_limbs,
+    midline,
+)
 from pipeline.spec.suggestions import hint
 
-LEG, ARM, HEAD, TAIL, FEELER = "leg", "arm", "head", "tail", "feeler"
 BODY = "body"
-KIND_ORDER = (LEG, ARM, HEAD, TAIL, FEELER)
+KIND_ORDER = (LEG, ARM, HEAD, TAIL, FEELER, HORN, WING)
 
-Chain = tuple[int, ...]
+CLOSE_NODES = 1e-3
+"""Distance of nodes on top of one another, in the drawing's size."""
 
 MIDLINE_TOLERANCE = 0.3
 """Greatest sideways offset of a head or tail from the midline, in its length."""
 
 
-__all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
+__all__ = [
+    "ARM",
+    "FEELER",
+    "HEAD",
+    "HORN",
+    "LEG",
+    "TAIL",
+    "WING",
+    "Anatomy",
+    "Appendage",
+    "Remark",
+    "analyse",
+]
 
 
 def classify_appendages(
@@ -117,12 +144,6 @@ def appendage_side(drawing: Drawing, chain: Chain) -> str:
     return "l" if lateral < 0 else "r"
 
 
-def midline(drawing: Drawing) -> float:
-    """Return x of the midline: 0, or the middle of a drawing beside it [m]."""
-    low, high = float(drawing.places[:, 0].min()), float(drawing.places[:, 0].max())
-    return 0.0 if low <= 0.0 <= high else (low + high) / 2
-
-
 def _is_lengthwise(drawing: Drawing, chain: Chain, middle: float) -> bool:
     """Return whether an appendage lies along the midline."""
     base, tip = drawing.places[chain[0]], drawing.places[chain[-1]]
@@ -138,15 +159,17 @@ class Appendage:
     """A chain of nodes from its base to its tip.
 
     Attributes:
-        kind: leg, arm, head, tail or feeler.
+        kind: leg, arm, head, tail, feeler, horn or wing.
         nodes: node numbers; the first is the base, a node of the body or of the carrying
             appendage.
         side: "l", "r" or "m", as drawn.
+        reason: why it is of this kind.
     """
 
     kind: str
     nodes: Chain
     side: str = "m"
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,10 +179,12 @@ class Remark:
     Attributes:
         node: name of the node.
         text: of the hint.
+        is_fault: whether it is likely a mistake, which the films of the figure show.
     """
 
     node: str
     text: str
+    is_fault: bool = False
 
     def __str__(self) -> str:
         return self.text
@@ -172,8 +197,9 @@ class Anatomy:
     Attributes:
         body: node numbers of the body.
         bones: connections within the body.
-        appendages: legs (left and right, each front to back), arms, head, tail, feelers.
-        ignored: nodes outside the largest connected group.
+        appendages: legs (left and right, each front to back), arms, head, tail, feelers, horns,
+            wings; one that carries others comes before them.
+        ignored: nodes outside the largest connected group, and toes.
         warnings: hints to the author.
     """
 
@@ -188,12 +214,19 @@ class Anatomy:
         return tuple(a for a in self.appendages if a.kind == kind)
 
 
-def analyse(drawing: Drawing, overrides: Mapping[str, str]) -> Anatomy:
+def analyse(
+    drawing: Drawing,
+    overrides: Mapping[str, str],
+    style: Style = "insect",
+    pitch_deg: float = 0.0,
+) -> Anatomy:
     """Return the anatomy of a drawing.
 
     Args:
         drawing: the flat network.
         overrides: kind by name of a tip, or "body" by name of any node, given by the author.
+        style: of the figure.
+        pitch_deg: how far a mammal's body is raised at its front.
 
     Raises:
         SceneError: the drawing has no connection, or an override does not suit its node. Its paths
@@ -211,29 +244,79 @@ def analyse(drawing: Drawing, overrides: Mapping[str, str]) -> Anatomy:
     full_adjacency = dict(adjacency)
     # All are followed before any is removed: two of them turn their common node into a base.
     stops = _find_stops(adjacency, fixed)
-    feelers = [
-        _follow_inward(adjacency, n, stops) for n in adjacency if given_kinds.get(n) == FEELER
-    ]
-    gone = {node for chain in feelers for node in chain[1:]}
-    adjacency = {n: others - gone for n, others in adjacency.items() if n not in gone}
+    twigs = {
+        _follow_inward(adjacency, n, stops): given_kinds[n]
+        for n in adjacency
+        if given_kinds.get(n) in TWIGS
+    }
+    adjacency = _without(adjacency, twigs)
+    guesses = LimbGuesses()
+    if not _is_chain(adjacency):
+        guesses = guess_limbs(drawing, adjacency, given_kinds, style, pitch_deg)
+        twigs |= {chain: guesses.kinds[chain[-1]] for chain in guesses.twigs}
+        adjacency = _without(adjacency, [*guesses.twigs, *guesses.toes])
+    toes = {n for chain in guesses.toes for n in chain[1:]}
     stops = _find_stops(adjacency, fixed)
     tips = [n for n in adjacency if len(adjacency[n]) == 1 and n not in fixed]
     chains = [chain for tip in tips if len(chain := _follow_inward(adjacency, tip, stops)) > 1]
-    has_branches = not _is_chain(adjacency)
-    kinds = classify_appendages(drawing, chains, given_kinds, has_branches) | dict.fromkeys(
-        feelers, FEELER
-    )
+    known_kinds = guesses.kinds | given_kinds
+    kinds = classify_appendages(drawing, chains, known_kinds, not _is_chain(adjacency)) | twigs
     body = set(adjacency) - {n for chain in chains for n in chain[1:]}
+    appendages = [
+        Appendage(
+            kinds[chain],
+            chain,
+            appendage_side(drawing, chain),
+            _reason(drawing, chain, kinds[chain], given_kinds, guesses),
+        )
+        for chain in sort_appendages(drawing, kinds)
+    ]
+    remarks = _find_remarks(drawing, full_adjacency, body, kinds, guesses.toes)
     return Anatomy(
         body=tuple(sorted(body)),
         bones=tuple((a, b) for a, b in drawing.connections if a in body and b in body),
-        appendages=tuple(
-            Appendage(kinds[c], c, appendage_side(drawing, c))
-            for c in sort_appendages(drawing, kinds)
-        ),
-        ignored=tuple(n for n in range(len(drawing.names)) if n not in group),
-        warnings=tuple(_find_remarks(drawing, full_adjacency, body, kinds)),
+        appendages=tuple(_carriers_first(appendages)),
+        ignored=tuple(n for n in range(len(drawing.names)) if n not in group or n in toes),
+        warnings=tuple(remarks),
     )
+
+
+def _without(adjacency: Adjacency, chains: Iterable[Chain]) -> dict[int, set[int]]:
+    """Return a network without chains, but with their bases."""
+    gone = {node for chain in chains for node in chain[1:]}
+    return {n: others - gone for n, others in adjacency.items() if n not in gone}
+
+
+def _carriers_first(appendages: Sequence[Appendage]) -> Iterator[Appendage]:
+    """Yield appendages in their order, but those that carry others before these."""
+    waiting = list(appendages)
+    while waiting:
+        ends = {n for appendage in waiting for n in appendage.nodes[1:]}
+        ready = next(appendage for appendage in waiting if appendage.nodes[0] not in ends)
+        waiting.remove(ready)
+        yield ready
+
+
+def _reason(
+    drawing: Drawing,
+    chain: Chain,
+    kind: str,
+    given_kinds: Mapping[int, str],
+    guesses: LimbGuesses,
+) -> str:
+    """Return why an appendage is of its kind."""
+    tip = chain[-1]
+    if tip in given_kinds:
+        return f"parts says so of '{drawing.names[tip]}'"
+    if tip in guesses.reasons:
+        return guesses.reasons[tip]
+    if kind == HEAD:
+        return "points ahead along the midline, from the foremost base"
+    if kind == TAIL:
+        return "points back along the midline, from the rearmost base"
+    if appendage_side(drawing, chain) == "m":
+        return "in the middle, neither head nor tail"
+    return "a limb at the side that can stand beside the others"
 
 
 def _find_stops(adjacency: Adjacency, fixed: set[int]) -> set[int]:
@@ -304,14 +387,21 @@ def list_names(drawing: Drawing, nodes: set[int], limit: int = 6) -> str:
 
 
 def _find_remarks(
-    drawing: Drawing, adjacency: Adjacency, body: set[int], kinds: Mapping[Chain, str]
+    drawing: Drawing,
+    adjacency: Adjacency,
+    body: set[int],
+    kinds: Mapping[Chain, str],
+    toes: Sequence[Chain],
 ) -> Iterator[Remark]:
     """Yield hints to the author."""
     ignored = set(range(len(drawing.names))) - set(adjacency)
     if ignored:
         are = "are" if len(ignored) > 1 else "is"
         text = f"{list_names(drawing, ignored)} {are} not connected to the rest and ignored"
-        yield Remark(drawing.names[min(ignored)], text)
+        yield Remark(drawing.names[min(ignored)], text, True)
+    for toe in toes:
+        text = f"'{drawing.names[toe[-1]]}' is a toe or a finger of its limb and left out; write "
+        yield Remark(drawing.names[toe[-1]], f"{text}`feet: toes` for toes that are seen")
     yield from _joined_loops(drawing, adjacency)
     chain = _is_chain(adjacency)
     if LEG not in kinds.values() and not chain:
@@ -323,18 +413,41 @@ def _find_remarks(
             "say otherwise with parts: {node: body}. Drawn straight it walks as an inchworm"
         )
         yield Remark(drawing.names[min(body)], text)
-    ends = {n for chain in kinds for n in chain[1:]}
+    ends = {n for chain in (*kinds, *toes) for n in chain[1:]}
     for n in sorted(set(adjacency) - ends):
         if drawing.shapes[n] != "round":
             text = f"no link ends at '{drawing.names[n]}', so its shape is not used"
             yield Remark(drawing.names[n], text)
-    first: dict[tuple[float, float], int] = {}
-    for n in sorted(adjacency):
-        x, y = drawing.places[n]
-        other = first.setdefault((float(x), float(y)), n)
-        if other != n:
-            text = f"'{drawing.names[other]}' and '{drawing.names[n]}' are at the same place"
-            yield Remark(drawing.names[n], f"{text} and not connected")
+    yield from _side_loops(drawing, adjacency)
+    yield from _close_nodes(drawing, adjacency)
+
+
+def _close_nodes(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
+    """Yield hints about nodes on top of one another."""
+    nodes = sorted(adjacency)
+    places = drawing.places[nodes]
+    gaps = np.linalg.norm(places[:, None] - places[None], axis=-1)
+    close = np.triu(gaps <= CLOSE_NODES * float(np.ptp(drawing.places, axis=0).max()), 1)
+    for i, j in np.argwhere(close).tolist():
+        a, b = nodes[i], nodes[j]
+        one, other = drawing.names[a], drawing.names[b]
+        if b in adjacency[a]:
+            text = f"'{one}' and '{other}' are joined and only {gaps[i, j]:.1g} m apart"
+        else:
+            where = "at the same place" if gaps[i, j] == 0.0 else f"{gaps[i, j]:.1g} m apart"
+            text = f"'{one}' and '{other}' are {where} and not connected"
+        yield Remark(other, f"{text}; one node is enough", True)
+
+
+def _side_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
+    """Yield hints about loops beside the midline, which make a limb a part of the body."""
+    middle = midline(drawing)
+    for loop in loop_groups(adjacency):
+        x = drawing.places[sorted(loop), 0] - middle
+        if (x > 0.0).all() or (x < 0.0).all():
+            around = list_names(drawing, loop)
+            text = f"the loop of {around} lies beside the midline: it and its limb are body and "
+            yield Remark(drawing.names[min(loop)], f"{text}do not bend; open the loop", True)
 
 
 def _joined_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:

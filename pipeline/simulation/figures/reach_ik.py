@@ -28,14 +28,7 @@ from pipeline.simulation.figures.ball_joint_ik import (
     solve_extended,
 )
 from pipeline.simulation.figures.ik_goals import Goal, TipPlacement
-from pipeline.simulation.figures.inverse_kinematics import (
-    REDUNDANCY_CUTOFF,
-    REST_GAIN,
-    SEGMENT,
-    TOLERANCE,
-    IKSolution,
-    closest_pose,
-)
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, IKSolution, closest_pose
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.task_priority import Task, bounded_priority_step
 from pipeline.simulation.spatial import Array
@@ -102,8 +95,7 @@ def reach(
         start: within the limits; along a motion the pose of the step before.
         goals: (L, 3) places of the tips relative to their bases [m]. One out of reach gives the
             closest pose that is found, with its residual. A tip less than a segment from its goal
-            stays on its
-            branch: along a motion a knee never flips.
+            stays on its branch: along a motion a knee never flips.
         orientation: (L, 3, 3) R_BF of the tips; free by default.
         secondary: goals of lower priority, in order.
         restarts: number of restarts, from random values, of limbs that fell short. None along a
@@ -126,7 +118,7 @@ def reach(
             raise ValueError("restarts need a generator of random numbers")
         # Drawn for all limbs, so that a limb's values do not depend on the success of others.
         share = rng.random((RESTART_DRAWS, *batch.lower.shape))
-        rows = np.flatnonzero(state.error > TOLERANCE)
+        rows = np.flatnonzero(state.error > TIP_ITERATION.tolerance)
         if len(rows):
             own = batch.rows(rows)
             draws = own.lower + share[:, rows] * (own.upper - own.lower)
@@ -154,14 +146,16 @@ def _first_approach(
 ) -> tuple[_ReachState, int]:
     """Approach from `start`; near full extension by its own method where that succeeds."""
     state = _ReachState(start, _error(batch, start, aim))
-    stretched = is_near_extension(batch, start, aim.places) & (state.error > TOLERANCE)
+    stretched = is_near_extension(batch, start, aim.places) & (
+        state.error > TIP_ITERATION.tolerance
+    )
     if aim.orientations is None and stretched.any():
         rows = np.flatnonzero(stretched)
         own, there = batch.rows(rows), aim.rows(rows)
         pose = solve_extended(own, start.rows(rows), there.places)
         left = _error(own, pose, there)
         beyond = np.linalg.norm(there.places - own.places[:, 0], axis=-1) - full_reach(own)
-        done = left <= np.maximum(beyond / own.lengths, 0.0) + TOLERANCE
+        done = left <= np.maximum(beyond / own.lengths, 0.0) + TIP_ITERATION.tolerance
         state = _replace_rows(state, rows[done], _ReachState(pose, left), done)
         if done.all() and len(rows) == len(state.error):
             return state, 1
@@ -182,7 +176,10 @@ def _try_branches(
     begun = _error(batch, start, aim)
     beyond = np.linalg.norm(aim.places - batch.places[:, 0], axis=-1) > full_reach(batch)
     stuck = (
-        (state.error > TOLERANCE) & (begun > SEGMENT) & ~beyond & base_ball_joint(batch).any(axis=1)
+        (state.error > TIP_ITERATION.tolerance)
+        & (begun > TIP_ITERATION.segment)
+        & ~beyond
+        & base_ball_joint(batch).any(axis=1)
     )
     rows = np.flatnonzero(stuck)
     if not len(rows):
@@ -193,7 +190,7 @@ def _try_branches(
     apart = np.abs(ways - own.preferred).max(axis=-1)
     q = ways[(left + REST_PREFERENCE * apart).argmin(axis=0), np.arange(len(rows))]
     found, count = _retry(batch, state, aim, rows, q, most)
-    return found.where(found.error <= TOLERANCE, state), count
+    return found.where(found.error <= TIP_ITERATION.tolerance, state), count
 
 
 def _retry(
@@ -237,19 +234,21 @@ def _approach(
     batch: LimbBatch, state: _ReachState, aim: TipPlacement, most: int
 ) -> tuple[_ReachState, int]:
     """Go towards the goals segment by segment, until they are reached or progress ends."""
-    longest = np.full(len(state.error), SEGMENT)
+    longest = np.full(len(state.error), TIP_ITERATION.segment)
     calm = np.zeros(len(state.error), dtype=bool)
     count = 0
     rows = np.arange(0)
     for count in range(most):
-        active = np.flatnonzero((state.error > TOLERANCE) & (longest > MIN_SEGMENT))
+        active = np.flatnonzero((state.error > TIP_ITERATION.tolerance) & (longest > MIN_SEGMENT))
         if not len(active):
             break
         if not np.array_equal(active, rows):
             rows, own, there = active, batch.rows(active), aim.rows(active)
         here = _ReachState(state.pose.rows(rows), state.error[rows])
         gain = np.where(
-            ~calm[rows] & ((count == 0) | (here.error > REDUNDANCY_CUTOFF)), REST_GAIN, 0.0
+            ~calm[rows] & ((count == 0) | (here.error > TIP_ITERATION.redundancy_cutoff)),
+            TIP_ITERATION.rest_gain,
+            0.0,
         )
         after, off = _segment(own, here, there, longest[rows], gain, calm[rows])
         good = after.error < here.error
@@ -259,7 +258,7 @@ def _approach(
         longest[rows] = np.minimum(longest[rows] * factor, 1.0)
         calm[rows] = ~good
         state = _replace_rows(state, rows[good], after, good)
-    short = np.flatnonzero(state.error > TOLERANCE)
+    short = np.flatnonzero(state.error > TIP_ITERATION.tolerance)
     if len(short):
         own, there = batch.rows(short), aim.rows(short)
         pose = closest_pose(own, state.pose.rows(short), there)
@@ -282,7 +281,7 @@ def _segment(
     # On a long way the middle of the limits attracts: a knee that starts straight would else be
     # driven into the limit that it does not bend towards.
     middle = 0.5 * (batch.lower + batch.upper)
-    share = np.where(state.error > SEGMENT, 0.5, 0.0)[:, None]
+    share = np.where(state.error > TIP_ITERATION.segment, 0.5, 0.0)[:, None]
     z = gain[:, None] * (batch.preferred + share * (middle - batch.preferred) - state.pose.q)
     velocity = part * task.velocity
     arc = _arc_step(batch, state.pose.tips, aim.places, part)
@@ -338,7 +337,7 @@ def _serve_secondary(
     stirred = _ReachState(pose, _error(batch, pose, aim))
     settled = stirred
     for _ in range(SETTLE_ITERATIONS):
-        if (settled.error <= np.maximum(TOLERANCE, state.error)).all():
+        if (settled.error <= np.maximum(TIP_ITERATION.tolerance, state.error)).all():
             break
         q, _ = bounded_priority_step(
             batch, settled.pose.q, [aim.task(batch, settled.pose)], MIN_DAMPING
@@ -347,7 +346,7 @@ def _serve_secondary(
         settled = _ReachState(pose, _error(batch, pose, aim)).better(settled)
         count += 1
     # A lower goal never costs a higher one: where the tip is worse off, revert.
-    kept = settled.error <= np.maximum(TOLERANCE, state.error * (1.0 + 1e-9))
+    kept = settled.error <= np.maximum(TIP_ITERATION.tolerance, state.error * (1.0 + 1e-9))
     return settled.where(kept, state), count
 
 

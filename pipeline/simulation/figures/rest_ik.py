@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.inverse_kinematics import DAMPING, TOLERANCE, IKSolution, solve
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, IKSolution, solve
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
 from pipeline.simulation.figures.limb_chains import ChainGroup
 from pipeline.simulation.spatial import Array
@@ -76,7 +76,7 @@ def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array
                 X[when, :, j, :3, 3][:, chain.rows] = p.transpose(2, 1, 0)
         residual[at] = _norm(goal - p).T
         q[when, :, :k][:, chain.rows] = values.transpose(2, 1, 0)
-    moment, far = np.nonzero(residual > TOLERANCE * batch.lengths)
+    moment, far = np.nonzero(residual > TIP_ITERATION.tolerance * batch.lengths)
     if len(far):
         found = _continue_solving(batch, far, q[moment, far], goals[moment, far])
         q[moment, far], X[moment, far] = found.pose.q, found.pose.X_BJ
@@ -112,7 +112,7 @@ def solve_each_near_rest(
         *_, (_, _, _, p) = some.frames(values)
         residual[mine] = _norm(goal - p)[:, 0]
         q[mine, : len(values)] = values[..., 0].T
-        far = mine[residual[mine] > TOLERANCE * batch.lengths[rows[mine]]]
+        far = mine[residual[mine] > TIP_ITERATION.tolerance * batch.lengths[rows[mine]]]
         if len(far):
             found = _continue_solving(batch, rows[far], q[far], goals[far])
             q[far], residual[far] = found.pose.q, found.residual
@@ -145,7 +145,9 @@ def _solve_block(chain: ChainGroup, goal: Array) -> Array:
         for bound in (chain.lower, chain.upper, chain.preferred)
     )
     longest = np.broadcast_to(SEGMENT * chain.lengths, (limbs, moments))
-    damping = np.broadcast_to((DAMPING * chain.lengths) ** 2, (limbs, moments)).ravel()
+    damping = np.broadcast_to(
+        (TIP_ITERATION.damping * chain.lengths) ** 2, (limbs, moments)
+    ).ravel()
     # At the preferred values, where all start, moments do not differ yet.
     tip, J = _jacobian(chain, chain.preferred)
     J, q = np.broadcast_to(J, (3, *shape)), preferred

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,8 +29,17 @@ from pipeline.simulation.figures.joint_limits import (
     apply_joint_overrides,
     insect_joint_ranges,
     mammal_joint_ranges,
+    raised_neck,
 )
-from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, Anatomy, Appendage
+from pipeline.simulation.figures.network import (
+    ARM,
+    HEAD,
+    LEG,
+    TAIL,
+    Anatomy,
+    Appendage,
+    midline,
+)
 from pipeline.simulation.spatial import UP, Array, normalized, rotation
 from pipeline.spec.figure import Figure as FigureConfig
 from pipeline.spec.figure import LinkShape
@@ -46,6 +56,15 @@ FORWARD = np.array([1.0, 0.0, 0.0])
 UPRIGHT_SINE = 0.9
 """Sine of the elevation beyond which a limb stands or hangs: no axis in the drawing plane is
 across it."""
+
+SPLAY = 0.7
+"""How far from the midline feet stand whose legs hang on it, in the body's radius there."""
+
+LEVEL = 30.0
+"""Greatest pitch of a body whose neck has to be raised for its head to be up [degrees]."""
+
+ON_MIDLINE = 1e-9
+"""Distance from the midline of what is drawn on it, beside rounding [m]."""
 
 MIN_RADIUS_RATIO = 1e-6
 """Least radius of a link, in its length."""
@@ -104,7 +123,7 @@ class Link:
 
     Attributes:
         name: such as "l1.2", the second link of the first left leg.
-        kind: body, leg, arm, head, tail or feeler.
+        kind: body, leg, arm, head, tail, feeler, horn or wing.
         joint: that moves it; `BODY` for the body.
         ends: (2, 3) its nodes in the creation frame [m].
         radii: of the solid at both ends [m].
@@ -131,7 +150,7 @@ class Limb:
 
     Attributes:
         name: "l1", "r2", "head", ...
-        kind: leg, arm, head, tail or feeler.
+        kind: leg, arm, head, tail, feeler, horn or wing.
         side: "l", "r" or "m".
         joints: joint numbers from base to tip.
         links: link numbers from base to tip.
@@ -238,9 +257,13 @@ def build_skeleton(
     builder.links.append(
         Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
     )
+    splays = _splays(drawing, anatomy, radii)
     for name, side, appendage in _name_appendages(anatomy):
         normal = drawing_normal(config, appendage.kind)
-        _add_limb(builder, name, side, appendage, points, radii, drawing, normal)
+        steps = np.diff(points[list(appendage.nodes)], axis=0)
+        splay = splays.get(appendage.nodes[0], 0.0)
+        ranges = _joint_ranges(config, name, side, appendage.kind, steps, splay)
+        _add_limb(builder, name, side, appendage, points, radii, drawing, normal, ranges)
     joints = apply_joint_overrides(config.joints, builder.names, builder.ranges, scale)
     ranges = joints.ranges
     axes = np.array(builder.axes).reshape(-1, 3)
@@ -263,6 +286,20 @@ def build_skeleton(
     )
 
 
+def _splays(drawing: Drawing, anatomy: Anatomy, radii: Array) -> dict[int, float]:
+    """Return by base how far its feet stand from the midline, for several legs that hang on it [m].
+
+    Both legs of such a pair would stand in one place.
+    """
+    bases = Counter(leg.nodes[0] for leg in anatomy.of_kind(LEG))
+    middle = midline(drawing)
+    return {
+        base: SPLAY * float(radii[base])
+        for base, count in bases.items()
+        if count > 1 and abs(float(drawing.places[base, 0]) - middle) <= ON_MIDLINE
+    }
+
+
 def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
     """Return each appendage with name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
     counts: dict[tuple[str, str], int] = {}
@@ -274,12 +311,24 @@ def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
         counts[key] = number = counts.get(key, 0) + 1
         if kind == LEG:
             name = f"{side}{number}"
-        elif kind in (ARM, FEELER):
-            name = f"{kind}_{side}{number}"
-        else:
+        elif kind in (HEAD, TAIL):
             name = kind if number == 1 else f"{kind}{number}"
+        else:
+            name = f"{kind}_{side}{number}"
         named.append((name, side, appendage))
     return named
+
+
+def _joint_ranges(
+    config: FigureConfig, name: str, side: str, kind: str, steps: Array, splay: float
+) -> list[dict[str, JointRange]]:
+    """Return the joints at each node of a limb but its tip, before the author's settings."""
+    if config.style == "insect":
+        return insect_joint_ranges(kind, len(steps))
+    ranges = mammal_joint_ranges(kind, side, steps, splay)
+    # An author who writes down the joints of a neck poses it.
+    raised = kind == HEAD and config.pitch_deg < LEVEL and name not in config.joints
+    return raised_neck(ranges) if raised else ranges
 
 
 def _add_limb(
@@ -291,6 +340,7 @@ def _add_limb(
     radii: Array,
     drawing: Drawing,
     normal: Array,
+    ranges: list[dict[str, JointRange]],
 ) -> None:
     """Add the joints and links of one appendage, from its base outward."""
     nodes, materials = appendage.nodes, drawing.materials
@@ -300,9 +350,6 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     mammal = builder.style == "mammal"
     kind = appendage.kind
-    ranges = (
-        mammal_joint_ranges(kind, side, steps) if mammal else insect_joint_ranges(kind, len(steps))
-    )
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis is across the mean direction of its two links.
         along = directions[i] if i == 0 else _mean_direction(directions[i - 1], directions[i])

@@ -20,7 +20,7 @@ class FootState:
 
     Attributes:
         start, end: (L, 3) tips at the ends of each leg's swing; a standing leg stands at `end` [m].
-        arch: (L,) height of the swing's arch [m].
+        swing_height: (L,) of each leg [m].
         bend: (L, m, 3) deviation of the swings from plain arches, None if all are plain [m].
         lowering: (2, L) of the body for each leg's foothold before `end`, and for that at `end`
             [m].
@@ -36,7 +36,7 @@ class FootState:
 
     start: Array
     end: Array
-    arch: Array
+    swing_height: Array
     bend: Array | None
     lowering: Array
     held_up: Array
@@ -54,7 +54,7 @@ class FootState:
         return FootState(
             start=np.zeros((legs, 3)),
             end=np.zeros((legs, 3)),
-            arch=np.zeros(legs),
+            swing_height=np.zeros(legs),
             bend=bend,
             lowering=np.zeros((2, legs)),
             held_up=np.zeros((2, legs)),
@@ -89,7 +89,7 @@ class FootState:
 SWING_STATE = (
     "start",
     "end",
-    "arch",
+    "swing_height",
     "lowering",
     "held_up",
     "lift_phase",
@@ -101,7 +101,7 @@ SWING_STATE = (
 def place_foot(feet: FootState, leg: int, hold: Foothold) -> None:
     """Let a foot stand on a foothold, wherever it has been."""
     feet.start[leg] = feet.end[leg] = hold.tip
-    feet.lowering[:, leg], feet.arch[leg] = hold.lowering, 0.0
+    feet.lowering[:, leg], feet.swing_height[leg] = hold.lowering, 0.0
     feet.footholds[leg], feet.swinging[leg] = hold, False
     if feet.bend is not None:
         feet.bend[leg] = 0.0
@@ -113,13 +113,13 @@ def start_swing(feet: FootState, leg: int, hold: Foothold) -> None:
     feet.lowering[:, leg] = feet.lowering[1, leg], hold.lowering
     feet.held_up[:, leg] = 0.0
     feet.footholds[leg] = hold
-    feet.arch[leg] = hold.arch
+    feet.swing_height[leg] = hold.swing_height
 
 
 def hold_up(feet: FootState, leg: int, phase: float) -> None:
     """Hold a foot up from `phase` on."""
     feet.start[leg] = feet.end[leg]
-    feet.arch[leg] = 0.0
+    feet.swing_height[leg] = 0.0
     if feet.bend is not None:
         feet.bend[leg] = 0.0
     feet.lowering[:, leg] = feet.lowering[1, leg], 0.0

@@ -30,7 +30,7 @@ class Herd:
         headings: (C,) at the start [rad].
         leg_layouts: legs of the creatures at rest.
         neutral_paces, paces: at the start, without and with their moods.
-        cycle, stride, body_height, bounciness, aside: (C,) of `paces`, see `Pace`.
+        cycle, stride, body_height, bounciness, lateral_offset: (C,) of `paces`, see `Pace`.
         beats: (C,) different foot-down phases in a cycle.
         belly: (C,) depth of the bodies below their frames [m].
         walks: (C,) whether the creature walks at all.
@@ -39,7 +39,7 @@ class Herd:
         leg_names, legs: names and joints of the legs.
         rest: (L, 2) x and z of the feet at rest, relative to the body [m].
         up, down: (L,) foot-up and foot-down phases.
-        step_height, sole: (L,) height of a swing, and radius of the foot [m].
+        step_height, foot_radius: (L,) height of a swing, and radius of the foot [m].
     """
 
     names: tuple[str, ...]
@@ -53,7 +53,7 @@ class Herd:
     stride: Array
     body_height: Array
     bounciness: Array
-    aside: Array
+    lateral_offset: Array
     beats: Array
     belly: Array
     walks: NDArray[np.bool_]
@@ -65,7 +65,7 @@ class Herd:
     up: Array
     down: Array
     step_height: Array
-    sole: Array
+    foot_radius: Array
 
     @cached_property
     def swings(self) -> Array:
@@ -135,7 +135,7 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         stride=np.array([p.stride for p in paces]),
         body_height=np.array([p.body_height for p in paces]),
         bounciness=np.array([p.bounciness for p in paces]),
-        aside=np.array([p.aside for p in paces]),
+        lateral_offset=np.array([p.lateral_offset for p in paces]),
         beats=np.array([p.carrying.beats for p in paces], dtype=float),
         belly=np.array([figure.belly for _, _, figure in cast]),
         walks=np.array([member.walk is not None for _, member, _ in cast]),
@@ -147,5 +147,5 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         up=np.concatenate([p.gait.up for p in paces]),
         down=np.concatenate([p.gait.down for p in paces]),
         step_height=np.array([paces[c].step_height for c in owner]),
-        sole=np.array([limb.tip_radius for _, limb in limbs]),
+        foot_radius=np.array([limb.tip_radius for _, limb in limbs]),
     )

@@ -12,23 +12,23 @@ from pipeline.simulation.locomotion.foot_state import hold_up, place_foot
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.route_progress import set_initial_speed, stand_still
-from pipeline.simulation.locomotion.stepping import (
-    Stepping,
+from pipeline.simulation.locomotion.step_sequencer import (
+    StepSequencer,
     end_route_before,
     lift_foot,
     predict_footholds,
 )
 
 
-def place_feet(stepping: Stepping) -> None:
+def place_feet(sequencer: StepSequencer) -> None:
     """Place every foot where it would be if its creature had come walking.
 
     Raises:
         SimulationError: if a foot has no foothold.
     """
-    herd, feet, progress = stepping.herd, stepping.feet, stepping.progress
+    herd, feet, progress = sequencer.herd, sequencer.feet, sequencer.progress
     walks = herd.walks[herd.owner]
-    _look_ahead_from_start(stepping, np.flatnonzero(walks).tolist())
+    _look_ahead_from_start(sequencer, np.flatnonzero(walks).tolist())
     into = np.mod(-herd.up, 1.0)  # cycles since the last foot-up
     in_air = walks & (into < herd.swings)
     # Foot-down phases of the present stance, or of the one before the present swing.
@@ -36,33 +36,33 @@ def place_feet(stepping: Stepping) -> None:
         walks, -into + herd.swings - np.where(in_air, 1.0, 0.0), -0.5 * (1.0 - herd.swings)
     )
     requests = [_initial_request(herd, leg, float(at)) for leg, at in enumerate(down)]
-    stepping.planner.predict(requests)
+    sequencer.planner.predict(requests)
     for leg, request in enumerate(requests):
-        hold = stepping.planner.predicted(leg) or stepping.planner.search.find_initial(request)
+        hold = sequencer.planner.predicted(leg) or sequencer.planner.search.find_initial(request)
         if hold is None:
             raise SimulationError(_no_start(herd, leg))
         feet.start[leg] = feet.end[leg] = hold.tip
         feet.lowering[:, leg] = hold.lowering
         feet.footholds.append(hold)
     predict_footholds(
-        stepping, [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()]
+        sequencer, [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()]
     )
     for leg in range(len(herd.owner)):
         if progress.paces.is_held_up(leg, 0.0):
             hold_up(feet, leg, 0.0)
             feet.held_up[0, leg] = 1.0
         elif in_air[leg]:
-            lift_foot(stepping, 0, leg, -float(into[leg]))
+            lift_foot(sequencer, 0, leg, -float(into[leg]))
     for c in np.flatnonzero((progress.blocked_at == 0.0) | progress.halted).tolist():
-        _stand_from_start(stepping, c)
+        _stand_from_start(sequencer, c)
 
 
-def _look_ahead_from_start(stepping: Stepping, legs: Sequence[int]) -> None:
+def _look_ahead_from_start(sequencer: StepSequencer, legs: Sequence[int]) -> None:
     """End routes before barriers, and slow creatures down that start near one."""
-    progress = stepping.progress
-    stepping.lookahead.predict_initial(legs)
+    progress = sequencer.progress
+    sequencer.lookahead.predict_initial(legs)
     for leg in legs:
-        end_route_before(stepping, 0, leg, stepping.lookahead.initial_barrier(leg))
+        end_route_before(sequencer, 0, leg, sequencer.lookahead.initial_barrier(leg))
     braking = np.maximum(progress.braking_distance, 1e-9)
     set_initial_speed(progress, np.fmin(np.sqrt(progress.blocked_at / braking), 1.0))
 
@@ -73,15 +73,15 @@ def _initial_request(herd: Herd, leg: int, down: float, speed_fraction: float = 
     return StepRequest(leg, 0.0, 0.0, StepTiming(down - swing, swing, 1.0 - swing), speed_fraction)
 
 
-def _stand_from_start(stepping: Stepping, c: int) -> None:
+def _stand_from_start(sequencer: StepSequencer, c: int) -> None:
     """Let a creature that cannot set out stand on all its feet."""
-    herd = stepping.herd
-    stand_still(stepping.progress, c)
+    herd = sequencer.herd
+    stand_still(sequencer.progress, c)
     for leg in np.flatnonzero(herd.owner == c).tolist():
         request = _initial_request(herd, leg, -0.5 * (1.0 - float(herd.swings[leg])), 0.0)
-        hold = stepping.planner.search.find_initial(request)
+        hold = sequencer.planner.search.find_initial(request)
         if hold is not None:
-            place_foot(stepping.feet, leg, hold)
+            place_foot(sequencer.feet, leg, hold)
 
 
 def _no_start(herd: Herd, leg: int) -> str:

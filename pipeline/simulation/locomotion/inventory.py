@@ -270,7 +270,7 @@ def legs_of(herd: Herd, paces: PaceSchedule, phase: Array) -> list[Leg]:
                 limb.joints[-1],
                 _frozen(end - start),
                 float(herd.legs.lengths[k]),
-                float(herd.sole[k]),
+                float(herd.foot_radius[k]),
                 _frozen(stances),
             )
         )

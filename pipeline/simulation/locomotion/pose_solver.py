@@ -33,15 +33,15 @@ from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.leaping.jump_handover import JumpHandover, JumpingBody
-from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, RouteSet
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
+from pipeline.simulation.locomotion.swing.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,
 )
-from pipeline.simulation.spatial import Array, heading, turn, unturn
+from pipeline.simulation.spatial import Array, heading, turn, turn_inverse
 from pipeline.simulation.take import TakeNote
 
 # Distance between foot and foothold that is noted [m].
@@ -141,7 +141,7 @@ class PoseSolver:
         tips = self._tips(feet, s, tall, motion, times, R_WB, p_WB)
         jumps.bodies(R_WB, p_WB)
         tips = jumps.feet(tips)
-        goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
+        goals = turn_inverse(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         legs = self._solve_legs(goals, R_WB, p_WB, jumps)
         residual = np.where(jumps.down, legs.residual, 0.0)
         routes, targets = [m.routes for m in moments], [m.look_targets for m in moments]
@@ -225,7 +225,9 @@ class PoseSolver:
         """
         ends = feet.start.reshape(-1, 3), feet.end.reshape(-1, 3)
         bend = None if feet.bend is None else feet.bend.reshape(-1, *feet.bend.shape[2:])
-        tips = swing_positions(*ends, feet.arch.ravel(), s.ravel(), bend).reshape(feet.start.shape)
+        tips = swing_positions(*ends, feet.swing_height.ravel(), s.ravel(), bend).reshape(
+            feet.start.shape
+        )
         free = self.authored.free_fraction(times)
         if feet.held_up.any():
             up = _between(feet.held_up, s)
@@ -266,8 +268,11 @@ class PoseSolver:
         down = result[..., 1] < tips[..., 1]
         if down.any():
             # A folded leg must not press its foot into the ground, away from its hip.
-            (x, y, z), soles = result[down].T, np.broadcast_to(herd.sole, down.shape)[down]
-            least = lowest_center_height(self.trajectory.ground, x, z, soles)
+            (x, y, z), foot_radii = (
+                result[down].T,
+                np.broadcast_to(herd.foot_radius, down.shape)[down],
+            )
+            least = lowest_center_height(self.trajectory.ground, x, z, foot_radii)
             result[down, 1] = np.maximum(y, np.minimum(least, tips[down, 1]))
         return result
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.people.proportions import JOINTS, Proportions
-from pipeline.simulation.spatial import UP, Array, cross, normalized, turn, unturn
+from pipeline.simulation.spatial import UP, Array, cross, normalized, turn, turn_inverse
 
 FRAMES = (
     "pelvis",
@@ -35,24 +35,8 @@ FRAMES = (
 PARENTS = (-1, 0, 1, 1, 1, 3, 4, 5, 6, 0, 0, 9, 10, 11, 12)
 """Parent frames, -1 for none."""
 
-ORIGINS = (
-    "pelvis",
-    "spine",
-    "shoulders",
-    "shoulder_l",
-    "shoulder_r",
-    "elbow_l",
-    "elbow_r",
-    "hand_l",
-    "hand_r",
-    "hip_l",
-    "hip_r",
-    "knee_l",
-    "knee_r",
-    "foot_l",
-    "foot_r",
-)
-"""The joint at which each frame starts."""
+ORIGINS = tuple(name for name in JOINTS if name != "head")
+"""The joint at which each frame starts; that of the head is the neck, "shoulders"."""
 
 HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
 LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend
@@ -171,7 +155,7 @@ def _limb_frames(
     hinge = way * cross(upper, lower)
     bend = np.sqrt(_dot(hinge, hinge))
     weight = LEAST_TWIST_WEIGHT * (1.0 - _smoothstep(bend / HINGE_BEND))
-    straight_hinge = turn(parent, _least_twist_hinge(unturn(parent, upper), spread))
+    straight_hinge = turn(parent, _least_twist_hinge(turn_inverse(parent, upper), spread))
     hinge = hinge + weight[..., None] * straight_hinge
     return _hanging_frames(upper, hinge), _hanging_frames(lower, hinge)
 
@@ -209,7 +193,7 @@ def _foot_frames(shin: Array, sole: Array) -> Array:
 
     Where it would turn too far, as in lying, the ankle lets go.
     """
-    up = unturn(shin, np.broadcast_to(sole, shin.shape[:-1]))
+    up = turn_inverse(shin, np.broadcast_to(sole, shin.shape[:-1]))
     angle = np.arctan2(-up[..., 0], up[..., 1])
     limited = np.minimum(np.abs(angle), MAX_ANKLE_PITCH)
     kept = np.clip(

@@ -15,18 +15,11 @@ import numpy as np
 
 from audio.acoustic_materials import family_name
 from audio.names import matches_pattern
-from pipeline.simulation.sound_detection.active_intervals import (
-    ActiveInterval,
-    IntervalTracker,
-)
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval, IntervalTracker
 from pipeline.simulation.sound_detection.motion_sounds import detects
 from pipeline.simulation.sound_detection.sound_events import interval_event
-from pipeline.simulation.sound_detection.sound_sources import (
-    RigidPart,
-    RowBatch,
-    SoundSources,
-)
-from pipeline.simulation.spatial import Array, unturn
+from pipeline.simulation.sound_detection.sound_sources import RigidPart, RowBatch, SoundSources
+from pipeline.simulation.spatial import Array, turn_inverse
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.sound_thresholds import Detect, JointMotionCause
 
@@ -93,7 +86,7 @@ class JointDetector:
         """Return the rates of joints at the new rows (m, N) [rad/s]."""
         R_WP, R_WC = rows.R[:, self._parents], rows.R[:, self._nodes]
         R_PC = np.swapaxes(R_WP, -1, -2) @ R_WC
-        p_PC = unturn(R_WP, rows.p[:, self._nodes] - rows.p[:, self._parents])
+        p_PC = turn_inverse(R_WP, rows.p[:, self._nodes] - rows.p[:, self._parents])
         dR, dp = R_PC[1:] - R_PC[:-1], p_PC[1:] - p_PC[:-1]
         # The difference of two rotations θ apart has a Frobenius norm of 2√2 sin(θ / 2).
         chord = np.sqrt((dR * dR).sum(axis=(-1, -2)))

@@ -19,7 +19,11 @@ from numpy.typing import NDArray
 from pipeline.errors import SceneError
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain import constructed, height_files, natural  # noqa: F401 - register
+from pipeline.simulation.terrain import (  # noqa: F401 - register
+    constructed_terrain,
+    height_files,
+    natural_terrain,
+)
 from pipeline.simulation.terrain.generators import GENERATORS, below
 from pipeline.simulation.terrain.heightfield import HeightField, surface_of
 from pipeline.spec.model_base import WORLD_LIMIT

@@ -166,19 +166,27 @@ def written_out(value: Any, without: Collection[str] = ()) -> Any:
         PydanticCustomError: no terrain has this name.
     """
     if isinstance(value, str):
-        if value not in TERRAIN_PRESETS:
-            raise fault_error(f"no terrain is called '{value}', {hint(value, TERRAIN_PRESETS)}")
+        _require_preset(value)
         return _preset(value, without)
     if not isinstance(value, Mapping) or "preset" not in value:
         return value
     preset = value["preset"]
-    if not isinstance(preset, str) or preset not in TERRAIN_PRESETS:
-        close = hint(str(preset), TERRAIN_PRESETS)
-        raise fault_error(f"no terrain is called '{preset}', {close}", "preset")
+    _require_preset(preset, "preset")
     if "kind" in value:
         raise fault_error("give either preset or kind, not both", "kind", at_key=True)
     changes = {key: change for key, change in value.items() if key != "preset"}
     return {**_preset(preset, without), **changes}
+
+
+def _require_preset(name: object, *path: str) -> None:
+    if isinstance(name, str) and name in TERRAIN_PRESETS:
+        return
+    if isinstance(name, str) and name in TERRAIN_KINDS:
+        message = f"a terrain of the kind '{name}' needs more keys; write {{kind: {name}, ...}}"
+    else:
+        close = hint(str(name), {*TERRAIN_PRESETS, *TERRAIN_KINDS}, "terrains")
+        message = f"no terrain is called '{name}', {close}"
+    raise fault_error(message, *path)
 
 
 def _preset(name: str, without: Collection[str]) -> dict[str, Any]:

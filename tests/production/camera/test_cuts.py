@@ -62,13 +62,13 @@ def test_performers_fit_into_every_frame(hills: tuple[Scene, Take], view: str, f
     widest = 0.0
     for frame, pose in enumerate(poses, start=1):
         row = (frame - 1) * take.header.samples
-        # All that is seen of them, not their joints alone.
+        # All visible vertices, not only joints.
         x, y, depth = picture(pose, skin.posed(take, row)).T
         assert depth.min() > 0
         assert np.abs(x).max() <= 1
         assert np.abs(y).max() <= 1
         widest = max(widest, np.abs(x).max(), np.abs(y).max())
-    # Nor are they lost in it: at one frame at least they fill most of one direction.
+    # Performers are not too small: in one frame at least they fill most of one direction.
     assert widest > 0.6
 
 
@@ -78,8 +78,8 @@ def test_a_camera_is_never_below_the_ground_and_sees_over_hills(
     hills: tuple[Scene, Take], view: str, elevation: float | None
 ) -> None:
     _, take = hills
-    words = {"view": view, "elevation_deg": elevation, "distance": 6.0}
-    poses = camera_poses(take, cuts(words), ASPECT)
+    config = {"view": view, "elevation_deg": elevation, "distance": 6.0}
+    poses = camera_poses(take, cuts(config), ASPECT)
     surface = ground(take)
     for part in (0.0, 0.2, 0.4, 0.6):
         p = eyes(poses) + part * (targets(poses) - eyes(poses))
@@ -97,7 +97,7 @@ def test_a_camera_moves_smoothly_with_a_bouncing_performer(take: Take) -> None:
 
 
 def test_a_steady_walk_is_followed_without_lag(take: Take) -> None:
-    """A gaussian in both directions of time leaves a straight, even path as it is."""
+    """A Gaussian in both directions of time keeps a straight, even path."""
     rows = np.arange(len(take.positions))[:, None, None]
     steady = replace(
         take,
@@ -120,7 +120,7 @@ def test_a_view_looks_from_its_side(take: Take, view: str) -> None:
     elevation = math.asin(offset[1] / np.linalg.norm(offset))
     if view == "top":
         assert elevation == pytest.approx(math.pi / 2)
-        # What is ahead is at the top of the picture.
+        # Ahead is at the top of the picture.
         assert np.dot(pose.up, ahead) > 0.99
         return
     azimuth, least = (math.radians(angle) for angle in VIEW_ANGLES[view])  # type: ignore[index]

@@ -76,7 +76,7 @@ def test_an_aperture_is_a_fraction_of_the_focal_length(
     ],
 )
 def test_the_focus_may_be_a_point_or_a_distance(take: Take, word: str, expected: Array) -> None:
-    """The plane that is sharp stands across the sight: a distance is along it."""
+    """The focal plane is perpendicular to the line of sight; distances are along that line."""
     poses = filmed(take, f"{{{STANDS}, aperture: 1.4, {word}}}")
     np.testing.assert_allclose(focus(poses), expected, atol=2e-6)
 

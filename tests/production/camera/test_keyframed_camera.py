@@ -56,7 +56,7 @@ def test_a_changed_camera_does_not_simulate() -> None:
     assert simulation_key(one) == simulation_key(other)
 
 
-def test_it_follows_keyframes(take: Take) -> None:
+def test_a_camera_follows_keyframes(take: Take) -> None:
     keys = (
         "[{at: 0, position: [0, 1, 0], target: [5, 0, 0], fov_deg: 20},"
         " {at: 1, position: [0, 3, 0], target: [5, 0, 4], fov_deg: 60, ease: linear}]"
@@ -77,7 +77,7 @@ def test_a_tangent_is_its_speed(take: Take) -> None:
     np.testing.assert_allclose(height, 1 + 2 * TIMES[:25], atol=1e-6)
 
 
-def test_it_moves_and_turns_by_velocity(take: Take) -> None:
+def test_a_camera_moves_and_turns_by_velocity(take: Take) -> None:
     camera = (
         "{at: [0, 2, 1], velocity: [0.5, 0, 1], rotation_deg: [0, 90, 0], spin_deg: [0, 45, 0]}"
     )
@@ -90,7 +90,7 @@ def test_it_moves_and_turns_by_velocity(take: Take) -> None:
 
 
 @pytest.mark.parametrize("parent", ["cart", "arm.hand", "arm"])
-def test_it_moves_with_a_prop_and_a_link(take: Take, parent: str) -> None:
+def test_a_camera_moves_with_a_prop_and_a_link(take: Take, parent: str) -> None:
     scene = scene_of(f"{{parent: {parent}, at: [0.5, 0.2, 0], rotation_deg: [0, 0, 30]}}")
     (node,) = camera_parents(scene, NodeNames.of(take))
     rows = np.arange(48) * take.header.samples
@@ -103,7 +103,7 @@ def test_it_moves_with_a_prop_and_a_link(take: Take, parent: str) -> None:
     assert (np.abs(np.einsum("fk,fk->f", column(poses, "up"), ahead)) < 1e-5).all()
 
 
-def test_on_a_parent_it_may_look_at_another_performer(take: Take) -> None:
+def test_a_carried_camera_may_look_at_another_performer(take: Take) -> None:
     poses = poses_of(take, "{parent: cart, at: [0, 1, 0], look_at: [7, 0, 7]}")
     np.testing.assert_allclose(column(poses, "p_WT"), np.tile([7, 0, 7], (48, 1)))
     np.testing.assert_allclose(column(poses, "p_WC")[:, 1], 2.0)
@@ -111,14 +111,14 @@ def test_on_a_parent_it_may_look_at_another_performer(take: Take) -> None:
 
 def test_steady_smooths_the_motion_of_the_parent(take: Take) -> None:
     def shaking(steady: float) -> float:
-        words = f"{{parent: cart, at: [2, 0, 0], look_at: [0, 0, 0], steady: {steady}}}"
-        eye = column(poses_of(take, words), "p_WC")
+        config = f"{{parent: cart, at: [2, 0, 0], look_at: [0, 0, 0], steady: {steady}}}"
+        eye = column(poses_of(take, config), "p_WC")
         return float(np.abs(np.diff(eye, n=2, axis=0))[12:-12].max())
 
     assert shaking(0.6) < 0.8 * shaking(0.0)
 
 
-def test_looking_straight_down_up_is_defined(take: Take) -> None:
+def test_up_is_defined_when_looking_straight_down(take: Take) -> None:
     keys = "[{at: 0, position: [0, 5, 0], target: [0, 0, 0]}, {at: 1, target: [0.1, 0, 0]}]"
     for pose in poses_of(take, f"{{keyframes: {keys}}}"):
         ahead = np.subtract(pose.p_WT, pose.p_WC)
@@ -127,8 +127,8 @@ def test_looking_straight_down_up_is_defined(take: Take) -> None:
 
 
 def test_a_group_fits_into_the_frame() -> None:
-    words = "{name: they, group: {rule: swarm, count: 30, size: 0.2}, at: [2, 3, 1]}"
-    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{words}]\ncamera: {{view: side}}\n")
+    config = "{name: group, group: {rule: swarm, count: 30, size: 0.2}, at: [2, 3, 1]}"
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{config}]\ncamera: {{view: side}}\n")
     take = simulate(scene)
     skin = Skin.of(take)
     for frame, pose in enumerate(camera_poses(take, scene.camera, 1.5), start=1):
@@ -142,15 +142,15 @@ def test_a_group_fits_into_the_frame() -> None:
         assert (np.abs(offset @ right) <= 1.5 * wide).all()
 
 
-def test_a_bird_may_carry_the_camera() -> None:
-    words = "{name: they, group: {rule: flock, count: 3}, at: [0, 5, 0]}"
-    text = f"pronk: 1\nduration: 1\ncast: [{words}]\ncamera: {{parent: PART, at: [0, 0.2, 0]}}\n"
+def test_a_member_of_a_flock_may_carry_the_camera() -> None:
+    config = "{name: group, group: {rule: flock, count: 3}, at: [0, 5, 0]}"
+    text = f"pronk: 1\nduration: 1\ncast: [{config}]\ncamera: {{parent: PART, at: [0, 0.2, 0]}}\n"
     scene = read_scene(text.replace("PART", "they.1"))
     take = simulate(scene)
     (node,) = camera_parents(scene, NodeNames.of(take))
     assert take.nodes[node].name == "they.1"
     with pytest.raises(SceneError, match=r"name a member, such as they.0"):
-        camera_parents(read_scene(text.replace("PART", "they")), NodeNames.of(take))
+        camera_parents(read_scene(text.replace("PART", "group")), NodeNames.of(take))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.production.camera.cuts import PoseInterpolator
+from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.shots.skinning import TELEPORT_SPEED, Skin
 from pipeline.simulation.take import Take
@@ -28,7 +28,7 @@ def test_poses_are_linear_between_frames() -> None:
 
 @pytest.mark.parametrize("cuts", [[1, 4], [1]])
 def test_poses_are_not_interpolated_over_a_cut(cuts: list[int]) -> None:
-    """It goes on as it came; of a shot of one frame nothing else is known."""
+    """The last frame extrapolates its velocity; a shot of one frame stands still."""
     panning = PoseInterpolator(POSES, cuts)
     last = 3 if 4 in cuts else 6
     a, b = POSES[last - 2], POSES[last - 1]
@@ -72,13 +72,13 @@ def test_teleported_nodes_are_not_interpolated(take: Take) -> None:
 def test_a_shot_has_the_moments_of_its_film_and_the_last_frame_too(unmade, take: Take) -> None:
     sharp = ShotBuilder(unmade.load(), take)
     assert sharp.shot(3).later == ()
-    words = ("film.shutter_deg=360", "film.moments=4", "film.samples=4")
-    blurred = ShotBuilder(unmade.load(*words), take)
+    overrides = ("film.shutter_deg=360", "film.moments=4", "film.samples=4")
+    blurred = ShotBuilder(unmade.load(*overrides), take)
     for frame in (1, take.header.frames):
         shot = blurred.shot(frame)
         assert len(shot.moments) == 4
         digests = [[mesh.digest for mesh in moment.meshes] for moment in shot.moments]
-        # The ground is the same object in all of them: it is not moved again.
+        # The ground is one object in all moments, so it is not updated again.
         assert len({id(moment.meshes[0]) for moment in shot.moments}) == 1
         assert len({tuple(one) for one in digests}) > 1
 

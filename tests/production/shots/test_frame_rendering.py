@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from tests.production.conftest import Studio
 
 SLOW = pytest.mark.slow
-"""Further cases of one kind."""
+"""Nightly cases."""
 
 ALL = {f"frames/{f:04d}.png" for f in range(1, 9)}
 FILM = {"tiny.mp4", "manifest.json"}
@@ -61,7 +61,7 @@ def test_scoring_and_simulating_again_change_nothing(studio: Studio) -> None:
         # The steps of the scale are for the score alone.
         ("sound.scale=A dorian", {"tiny.mid", "manifest.json"}),
         ("sound.volume_db=-12", {"tiny.mid", "tiny.wav", *FILM}),
-        # The listener goes with the camera, so the score is another one too.
+        # The listener moves with the camera, so the score changes too.
         ("camera.distance=9", {*ALL, "tiny.mid", "tiny.wav", *FILM}),
         ("materials.ground.color='#804020'", {*ALL, *FILM}),
         pytest.param("light.preset=noon", {*ALL, *FILM}, marks=SLOW),
@@ -91,7 +91,7 @@ def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
     changes = studio.changes(before)
     assert {"take.zarr", "events.jsonl", "events.csv", "tiny.mid", "tiny.wav"} <= changes
     assert {"tiny.edl", "tiny_labels.txt"} <= changes
-    # The first frame may be the same: nobody has moved in it yet.
+    # The first frame may be equal: no performer has moved yet.
     assert {f"frames/{f:04d}.png" for f in range(2, 9)} <= changes
 
 
@@ -112,7 +112,7 @@ def test_a_frames_key_follows_its_shot(unmade: Studio, take: Take) -> None:
     own = keys()
     assert len(set(own)) == 8
     assert keys("sound.volume_db=3", "title=Other") == own
-    # A material that nobody wears is not seen.
+    # An unused material is invisible.
     assert keys("materials.unused={preset: brass}") == own
     for other in (
         keys("camera.fov_deg=36"),
@@ -167,7 +167,7 @@ def test_an_unreadable_manifest_is_rewritten(studio: Studio, text: str) -> None:
     (studio.made / "manifest.json").write_text(text, encoding="utf-8")
     studio.render()
     after = json.loads((studio.made / "manifest.json").read_text(encoding="utf-8"))
-    # Nothing had to be made, so nothing took any time.
+    # Nothing was made, so all durations are 0.
     assert {**before, "seconds": {}} == after
 
 
@@ -193,18 +193,18 @@ def _delete_array(take: Path) -> None:
 
 
 def _change_attribute(take: Path) -> None:
-    words = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
-    words["attributes"]["tables"]["events"].pop()
-    (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
+    metadata = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
+    metadata["attributes"]["tables"]["events"].pop()
+    (take / "zarr.json").write_text(json.dumps(metadata), encoding="utf-8")
 
 
 def _attributes(value: object) -> Callable[[Path], None]:
     def harm(take: Path) -> None:
-        words = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
-        for name in words["attributes"]:
+        metadata = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
+        for name in metadata["attributes"]:
             if name != "header":
-                words["attributes"][name] = value
-        (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
+                metadata["attributes"][name] = value
+        (take / "zarr.json").write_text(json.dumps(metadata), encoding="utf-8")
 
     return harm
 
@@ -249,11 +249,11 @@ def _no_json(take: Path) -> None:
     (take / "zarr.json").write_text("\x00\xff{", encoding="utf-8")
 
 
-def _words(text: str) -> Callable[[Path], None]:
+def _header(text: str) -> Callable[[Path], None]:
     def harm(take: Path) -> None:
-        words = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
-        words["attributes"]["header"] = json.loads(text)
-        (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
+        metadata = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
+        metadata["attributes"]["header"] = json.loads(text)
+        (take / "zarr.json").write_text(json.dumps(metadata), encoding="utf-8")
 
     return harm
 
@@ -264,8 +264,8 @@ def _words(text: str) -> Callable[[Path], None]:
         _file_for_folder,
         pytest.param(_empty, marks=SLOW),
         pytest.param(_no_json, marks=SLOW),
-        _words("null"),
-        *(pytest.param(_words(t), marks=SLOW) for t in ("3", '"x"', "[1]", '{"rate": 0}')),
+        _header("null"),
+        *(pytest.param(_header(t), marks=SLOW) for t in ("3", '"x"', "[1]", '{"rate": 0}')),
     ],
 )
 def test_a_file_that_is_no_take_is_replaced(

@@ -85,7 +85,7 @@ def test_the_far_field_is_no_higher_than_the_ground(hills: tuple[object, Take]) 
 def test_the_far_field_moves_with_the_terrain() -> None:
     home = HillsTerrain(size=(20, 9), cells=(40, 18), height=2.0)
     away = home.model_copy(update={"at": (30.0, -4.0), "heading_deg": 90.0})
-    here, there = (ground_meshes(record(words))[1].vertices for words in (home, away))
+    here, there = (ground_meshes(record(config))[1].vertices for config in (home, away))
     x, y, z = here.astype(float).T
     # A quarter turn about +Y takes x to -z and z to x.
     expected = np.stack([z + 30.0, y, -x - 4.0], axis=-1)
@@ -107,17 +107,17 @@ def test_only_forbidden_zones_are_warned(terrain: Terrain) -> None:
 
 
 @pytest.mark.parametrize(
-    "words",
+    "config",
     [
         {"kind": "stairs", "cells": (600, 6)},
         {"kind": "stones", "size": (8, 6), "cells": (200, 150), "at": (2, 1), "heading_deg": 40},
         {"kind": "boulders", "size": (8, 8), "cells": (128, 128), "heading_deg": -100},
         {"kind": "fractal", "size": (8, 8), "cells": (40, 40), "height": 3, "polygons": "quads"},
     ],
-    ids=lambda words: words["kind"],
+    ids=lambda config: config["kind"],
 )
-def test_rays_hit_the_drawn_ground_where_feet_stand(words: dict[str, object]) -> None:
-    """Mitsuba's own rays, from above, on the mesh that it is given."""
+def test_rays_hit_the_mesh_at_the_height_of_the_ground(config: dict[str, object]) -> None:
+    """Mitsuba traces rays from above against its mesh of the ground."""
     from render.backend import choose
     from render.config import MATERIALS
 
@@ -127,7 +127,7 @@ def test_rays_hit_the_drawn_ground_where_feet_stand(words: dict[str, object]) ->
 
     from render.meshes import build_mesh, group_meshes
 
-    made = TypeAdapter(Terrain).validate_python(words)
+    made = TypeAdapter(Terrain).validate_python(config)
     ground = build_ground(made, seed=5)
     (near, _) = ground_meshes(record(made), show_forbidden=True)
     (group,) = group_meshes([near], MATERIALS)

@@ -85,11 +85,11 @@ def test_vertices_match_a_slow_evaluation(take: Take, shared: bool) -> None:
 
 def test_a_hinge_keeps_its_volume(take: Take) -> None:
     """Two nodes that meet in one place: whatever its weights, what is between keeps its radius."""
-    chance = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     one = blended(take)
     positions = take.positions.copy()
     positions[3] = [0.4, 1.0, -0.2]
-    rotations = chance.normal(size=take.rotations.shape)
+    rotations = rng.normal(size=take.rotations.shape)
     rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
     nodes = tuple(replace(node, rest=(0.0, 0.0, 0.0)) for node in take.nodes)
     one = replace(one, nodes=nodes, positions=positions, rotations=rotations)

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from pipeline.production.sound.score_builder import Listener
+from pipeline.production.sound.listener import Listener
 from pipeline.simulation.clock import Clock
 from render.config import Camera
 from render.shot import CameraPose

@@ -21,15 +21,14 @@ from audio.score import Marker, Score, ScoreEvent
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
-from pipeline.production.sound.event_files import (
+from pipeline.production.sound.cue_files import (
     audacity_labels,
     edit_list,
-    events_csv,
-    events_jsonl,
     timecode,
     timecode_base,
     write_cues,
 )
+from pipeline.production.sound.event_files import events_csv, events_jsonl
 from pipeline.production.sound.score_builder import film_markers
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take, Told
@@ -59,9 +58,9 @@ def scored(events: tuple[ScoreEvent, ...] = (), **fields: object) -> Score:
 
 def test_csv_and_json_lines_agree(take: Take) -> None:
     named = tuple(replace(e, who='Käfer "甲", 1') for e in take.events)
-    told = replace(take, events=named)
-    lines = [json.dumps(json.loads(line)) for line in events_jsonl(told).splitlines()]
-    rows = list(csv.DictReader(io.StringIO(events_csv(told).decode(), newline="")))
+    renamed = replace(take, events=named)
+    lines = [json.dumps(json.loads(line)) for line in events_jsonl(renamed).splitlines()]
+    rows = list(csv.DictReader(io.StringIO(events_csv(renamed).decode(), newline="")))
     assert len(rows) == len(lines) > 0
     for line, row in zip(lines, rows, strict=True):
         record = json.loads(line)
@@ -215,7 +214,7 @@ def onsets(studio: Studio) -> list[Fraction]:
     return sorted(note.time * tick for track in score.tracks for note in track.notes)
 
 
-def test_below_frames_notes_and_sounds_stand_at_their_times_and_come_back(
+def test_subframe_notes_and_sounds_have_the_times_of_their_causes(
     studio: Studio, film: Studio, pronk: Callable[..., tuple[int, str, str]]
 ) -> None:
     code, _, _ = pronk("midi", studio.scene, "--out", studio.made.parent, "--subframe")
@@ -234,7 +233,7 @@ def test_below_frames_notes_and_sounds_stand_at_their_times_and_come_back(
 
 
 @pytest.mark.parametrize("fps", ["24", '"30000/1001"', "60"])
-def test_a_scene_in_which_nothing_sounds_has_a_silent_score(
+def test_a_scene_without_sounds_has_a_silent_score(
     unmade: Studio, tmp_path: Path, fps: str
 ) -> None:
     studio = unmade.copied(tmp_path / "studio")
@@ -245,7 +244,7 @@ def test_a_scene_in_which_nothing_sounds_has_a_silent_score(
     assert b"00:00:00:08" in (studio.made / "tiny.edl").read_bytes()
 
 
-def test_a_rate_without_timecode_is_said_once(
+def test_a_rate_without_timecode_is_noted_once(
     unmade: Studio, tmp_path: Path, pronk: Callable[..., tuple[int, str, str]]
 ) -> None:
     studio = unmade.copied(tmp_path / "studio")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.production.sound.score_builder import StrikePositions
+from pipeline.production.sound.strike_positions import StrikePositions
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene, read_scene
-from pipeline.spec.library_search import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 
 PLANK = """\
 pronk: 1

@@ -78,9 +78,9 @@ class Yard:
             )
 
 
-def attitude(chance: np.random.Generator) -> Array:
+def attitude(rng: np.random.Generator) -> Array:
     """Return a uniformly random rotation."""
-    q = chance.normal(size=4)
+    q = rng.normal(size=4)
     return matrix(q / np.linalg.norm(q))
 
 
@@ -109,18 +109,18 @@ def random_crowd(seed: int) -> Yard:
 
     One box or bench at most; for more of them see `pile`.
     """
-    chance = np.random.default_rng(seed)
-    plans = [PLANS[int(chance.integers(4))] for _ in range(int(chance.integers(2, 7)))]
-    if chance.random() < 0.5:
-        plans[0] = PLANS[int(chance.integers(4, 6))]
+    rng = np.random.default_rng(seed)
+    plans = [PLANS[int(rng.integers(4))] for _ in range(int(rng.integers(2, 7)))]
+    if rng.random() < 0.5:
+        plans[0] = PLANS[int(rng.integers(4, 6))]
     places, velocities = [], []
     for plan in plans:
-        p = plan.rest @ attitude(chance).T
+        p = plan.rest @ attitude(rng).T
         p -= p.mean(axis=0)
-        way = chance.normal(size=3)
-        v = way * chance.uniform(0.0, 20.0) / np.linalg.norm(way)
-        velocities.append(v + np.cross(chance.normal(size=3) * chance.uniform(0.0, 6.0), p))
-        places.append(p + chance.uniform([-0.8, 0.9, -0.8], [0.8, 2.2, 0.8]))
+        way = rng.normal(size=3)
+        v = way * rng.uniform(0.0, 20.0) / np.linalg.norm(way)
+        velocities.append(v + np.cross(rng.normal(size=3) * rng.uniform(0.0, 6.0), p))
+        places.append(p + rng.uniform([-0.8, 0.9, -0.8], [0.8, 2.2, 0.8]))
     yard = yard_of(plans, places)
     yard.throw(np.concatenate(velocities))
     return yard
@@ -128,17 +128,17 @@ def random_crowd(seed: int) -> Yard:
 
 def pile(seed: int) -> Yard:
     """Return one or two people under two to four thrown boxes and benches."""
-    chance = np.random.default_rng(seed + 5000)
-    plans = [PLANS[int(chance.integers(3))] for _ in range(int(chance.integers(1, 3)))]
-    plans += [PLANS[int(chance.integers(4, 6))] for _ in range(int(chance.integers(2, 5)))]
+    rng = np.random.default_rng(seed + 5000)
+    plans = [PLANS[int(rng.integers(3))] for _ in range(int(rng.integers(1, 3)))]
+    plans += [PLANS[int(rng.integers(4, 6))] for _ in range(int(rng.integers(2, 5)))]
     places, velocities = [], []
     for k, plan in enumerate(plans):
-        p = plan.rest @ attitude(chance).T
+        p = plan.rest @ attitude(rng).T
         p -= p.mean(axis=0)
-        way = chance.normal(size=3)
-        v = way * chance.uniform(0.0, 6.0) / np.linalg.norm(way)
-        velocities.append(v + np.cross(chance.normal(size=3) * chance.uniform(0.0, 4.0), p))
-        above = chance.uniform([-0.6, 0.9, -0.6], [0.6, 1.2, 0.6])
+        way = rng.normal(size=3)
+        v = way * rng.uniform(0.0, 6.0) / np.linalg.norm(way)
+        velocities.append(v + np.cross(rng.normal(size=3) * rng.uniform(0.0, 4.0), p))
+        above = rng.uniform([-0.6, 0.9, -0.6], [0.6, 1.2, 0.6])
         places.append(p + above + [0.0, 0.55 * k, 0.0])
     yard = yard_of(plans, places)
     yard.throw(np.concatenate(velocities))

@@ -16,9 +16,15 @@ from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
-
-from .character_yard import least_bend, legs_depth
-from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_scene
+from tests.simulation.characters.character_yard import least_bend, legs_depth
+from tests.simulation.characters.scripted_people import (
+    STEPS,
+    Play,
+    play_scene,
+    spells,
+    walk,
+    walk_scene,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -165,7 +171,7 @@ def test_a_far_landing_place_in_a_turn_does_not_throw_the_body(kind: str, speed:
 
 
 def test_joints_never_bend_backwards() -> None:
-    from .scripted_people import play_scene
+    from tests.simulation.characters.scripted_people import play_scene
 
     seen = []
     play_scene(

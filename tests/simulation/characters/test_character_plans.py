@@ -11,9 +11,8 @@ from pipeline.simulation.characters.playthings import merry_go_round_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-
-from .character_yard import attitude, least_bend, yard_of
-from .scripted_people import STEPS, troupe_of
+from tests.simulation.characters.character_yard import attitude, least_bend, yard_of
+from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
 
@@ -39,9 +38,9 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
 @pytest.mark.parametrize("body", [ADULT, CHILD])
 @pytest.mark.parametrize("seed", range(4))
 def test_reversed_knees_and_elbows_recover(body: Proportions, seed: int) -> None:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     plan = person_plan(body)
-    turn = attitude(chance)
+    turn = attitude(rng)
     rest = plan.rest.copy()
     # Knees back and elbows forward by a hand's breadth: the wrong way round.
     for name, way in (("knee", -0.1), ("elbow", 0.1)):

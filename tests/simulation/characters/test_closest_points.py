@@ -24,10 +24,10 @@ def all_closest(p: Array, u: Array, q: Array, v: Array) -> Array:
 
 
 def pairs(kind: str) -> tuple[Array, Array, Array, Array]:
-    chance = np.random.default_rng(11)
-    p, u, q, v = chance.normal(size=(4, 3000, 3))
+    rng = np.random.default_rng(11)
+    p, u, q, v = rng.normal(size=(4, 3000, 3))
     if kind == "parallel":
-        v = u * chance.normal(size=(3000, 1))
+        v = u * rng.normal(size=(3000, 1))
     if kind == "nearly parallel":
         v = u + 1e-7 * v
     if kind == "points":

@@ -23,8 +23,7 @@ from pipeline.simulation.characters.step_report import CRY, loudness
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec import Scene, read_scene
-
-from .mind_scenes import troupe
+from tests.simulation.characters.mind_scenes import troupe
 
 pytestmark = pytest.mark.slow
 

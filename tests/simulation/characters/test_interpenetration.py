@@ -11,9 +11,8 @@ from pipeline.simulation.characters.character_plans import LINK_NAMES
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.playthings import CORNERS
 from pipeline.simulation.spatial import Array
-
-from .character_yard import depth
-from .mind_scenes import simulation, steps, troupe
+from tests.simulation.characters.character_yard import depth
+from tests.simulation.characters.mind_scenes import simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 

@@ -13,8 +13,7 @@ from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, 
 from pipeline.simulation.characters.playthings import ball_plan, box_plan, merry_go_round_plan
 from pipeline.simulation.characters.verlet_step import PAIN_DECAY
 from pipeline.simulation.people.proportions import ADULT, CHILD
-
-from .character_yard import DT, depth, lengths_off, yard_of
+from tests.simulation.characters.character_yard import DT, depth, lengths_off, yard_of
 
 pytestmark = pytest.mark.slow
 

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.body_plan import character_arrays
-
-from .character_yard import DT, depth, least_bend, lengths_off, pile, random_crowd
+from tests.simulation.characters.character_yard import (
+    DT,
+    depth,
+    least_bend,
+    lengths_off,
+    pile,
+    random_crowd,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -23,12 +29,12 @@ LONGEST = 40.0
 
 
 def holds(seed: int) -> None:
-    yard, chance = random_crowd(seed), np.random.default_rng(seed + 10**6)
+    yard, rng = random_crowd(seed), np.random.default_rng(seed + 10**6)
     arrays, off, reversed_by = yard.arrays, 0.0, 0.0
     for step in range(round(LONGEST / DT)):
         if step in (60, 120):
             # Pushed at 20 m/s, any one node in any direction.
-            node, way = int(chance.integers(len(arrays.nodes))), chance.normal(size=3)
+            node, way = int(rng.integers(len(arrays.nodes))), rng.normal(size=3)
             before = arrays.p[node] - yard.h * 20.0 * way / np.linalg.norm(way)
             arrays.nodes["previous"][node] = before
         yard.step()
@@ -100,7 +106,7 @@ def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
 
 def test_motion_is_bitwise_independent_of_distant_characters() -> None:
 
-    from .character_yard import PLANS, Yard
+    from tests.simulation.characters.character_yard import PLANS, Yard
 
     plans = PLANS[:5]
     places = [plan.rest + np.array([0.4 * k, 0.3 * k, 0.2]) for k, plan in enumerate(plans)]

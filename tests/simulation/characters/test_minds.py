@@ -24,7 +24,7 @@ from pipeline.simulation.characters.mind.perception import (
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import read_scene
 from pipeline.spec.behaviour import FORMS, NAMES, Urge
-from pipeline.spec.library_search import library
+from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
 from tests.simulation.characters.mind_scenes import channel, doing, simulation, steps, troupe
 

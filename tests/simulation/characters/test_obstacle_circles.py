@@ -60,8 +60,8 @@ def test_circles_cover_the_shadow_of_a_box(half, angles) -> None:
     p, R = np.array([1.0, 0.9, -2.0]), turned(angles)
     circles = circles_of((p, R, np.array(half)))
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    chance = np.random.default_rng(1).uniform(-1, 1, (200, 3))
-    shadow = (p + (np.concatenate([corners, chance]) * half) @ R.T)[:, [0, 2]]
+    rng = np.random.default_rng(1).uniform(-1, 1, (200, 3))
+    shadow = (p + (np.concatenate([corners, rng]) * half) @ R.T)[:, [0, 2]]
     off = np.linalg.norm(shadow[:, None] - circles.middles, axis=2) - circles.radii
     assert off.min(axis=1).max() <= 1e-9
     assert len(circles.radii) <= MAX_CIRCLES

@@ -12,11 +12,10 @@ from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.library_search import library
+from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
-
-from .character_yard import least_bend
-from .scripted_people import STEPS, J, play_scene, troupe_of
+from tests.simulation.characters.character_yard import least_bend
+from tests.simulation.characters.scripted_people import STEPS, J, play_scene, troupe_of
 
 pytestmark = pytest.mark.slow
 

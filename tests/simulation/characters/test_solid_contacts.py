@@ -15,9 +15,8 @@ from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
-
-from .character_yard import attitude, lengths_off
-from .scripted_people import STEPS, troupe_of
+from tests.simulation.characters.character_yard import attitude, lengths_off
+from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
 
@@ -76,20 +75,20 @@ def gaps(solids: Solids, places: Array, out: Array) -> None:
             out[k, 1 + c] = way[c]
 
 
-def _solid(corners: Array, chance: np.random.Generator) -> tuple[Solids, Array, Array]:
+def _solid(corners: Array, rng: np.random.Generator) -> tuple[Solids, Array, Array]:
     solids, which = solids_of([Obstacle(0, "it", "it", "wood", corners)], 1)
     assert which == [0]
-    p, R = chance.normal(size=3), attitude(chance)
+    p, R = rng.normal(size=3), attitude(rng)
     solids.bodies["p"], solids.bodies["R"], solids.bodies["is_present"] = p, R, True
     return solids, p, R
 
 
 def test_signed_distance_leads_to_the_surface_of_a_polyhedron() -> None:
-    chance = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     for _ in range(8):
-        corners = chance.normal(size=(12, 3)) * [0.5, 0.3, 1.0]
-        solids, p, R = _solid(corners, chance)
-        places = p + chance.normal(size=(200, 3))
+        corners = rng.normal(size=(12, 3)) * [0.5, 0.3, 1.0]
+        solids, p, R = _solid(corners, rng)
+        places = p + rng.normal(size=(200, 3))
         out = np.zeros((200, 4))
         gaps(solids, places, out)
         normals, offsets = solids.planes[:, :3], solids.planes[:, 3]
@@ -102,7 +101,7 @@ def test_signed_distance_leads_to_the_surface_of_a_polyhedron() -> None:
         assert ((out[:, 0] < 0.0) == (inside < 0.0)).all()
         assert out[inside < 0.0, 0] == pytest.approx(inside[inside < 0.0], abs=1e-12)
         # No corner, and no mean of corners, is nearer.
-        some = chance.dirichlet(np.full(len(corners), 0.3), size=2000) @ corners
+        some = rng.dirichlet(np.full(len(corners), 0.3), size=2000) @ corners
         some = np.concatenate([corners, some])
         nearest = np.linalg.norm(local[:, None] - some, axis=2).min(axis=1)
         outside = inside > 0.0
@@ -346,30 +345,30 @@ def test_links_sense_the_solids_they_touch() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_nothing_explodes_among_props_and_bodies(seed: int) -> None:
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     lines = list[str]()
     for k in range(3):
-        kind = ("ragdoll", "ball", "box", "adult")[int(chance.integers(4))]
+        kind = ("ragdoll", "ball", "box", "adult")[int(rng.integers(4))]
         limp = ", limp: true" if kind == "adult" else ""
-        x, y, z = chance.uniform([-0.8, 1.2, -0.8], [0.8, 2.2, 0.8])
-        v = chance.uniform(-6.0, 6.0, 3)
+        x, y, z = rng.uniform([-0.8, 1.2, -0.8], [0.8, 2.2, 0.8])
+        v = rng.uniform(-6.0, 6.0, 3)
         lines.append(
             f"- {{name: c{k}, character: {kind}{limp}, at: [{x:.3f}, {y:.3f}, {z:.3f}], "
             f"velocity: [{v[0]:.2f}, {v[1]:.2f}, {v[2]:.2f}]}}"
         )
     for k in range(3):
-        x, z = chance.uniform(-1.0, 1.0, 2)
-        a, b, c = chance.uniform(0.1, 0.8, 3)
-        spin = f", spin_deg: [0, {chance.uniform(-90, 90):.0f}, 0]" if k == 0 else ""
+        x, z = rng.uniform(-1.0, 1.0, 2)
+        a, b, c = rng.uniform(0.1, 0.8, 3)
+        spin = f", spin_deg: [0, {rng.uniform(-90, 90):.0f}, 0]" if k == 0 else ""
         lines.append(
             f"- {{name: p{k}, prop: {{shape: box, size: [{a:.2f}, {b:.2f}, {c:.2f}]}}, "
             f"at: [{x:.3f}, {z:.3f}]{spin}}}"
         )
     for k in range(3):
-        v = chance.uniform(-8.0, 8.0, 3)
+        v = rng.uniform(-8.0, 8.0, 3)
         lines.append(
             f"- {{name: b{k}, body: {{shape: {('sphere', 'cube')[k % 2]}, collide: all, "
-            f"density: {chance.uniform(30, 2000):.0f}}}, "
+            f"density: {rng.uniform(30, 2000):.0f}}}, "
             f"at: [{2.0 * k - 2.0}, 3.0, 0], velocity: [{v[0]:.2f}, {v[1]:.2f}, {v[2]:.2f}]}}"
         )
     scene = read_scene("pronk: 1\nduration: 2.5\ncast:\n" + "\n".join(lines))

@@ -11,8 +11,7 @@ from pipeline.simulation.characters.body_arrays import FREE, LANDING, LOCKED
 from pipeline.simulation.characters.character_plans import person_plan
 from pipeline.simulation.characters.playthings import ball_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD
-
-from .character_yard import DT, attitude, free, yard_of
+from tests.simulation.characters.character_yard import DT, attitude, free, yard_of
 
 HIGH = np.array([0.0, 50.0, 0.0])
 
@@ -48,10 +47,10 @@ def momentum(yard) -> np.ndarray:  # type: ignore[no-untyped-def, type-arg]
 
 
 def test_a_free_person_keeps_its_momentum() -> None:
-    chance = np.random.default_rng(3)
+    rng = np.random.default_rng(3)
     plan = free(person_plan(ADULT))
-    yard = yard_of([plan], [plan.rest @ attitude(chance).T + HIGH], gravity=0.0)
-    yard.throw(chance.normal(scale=4.0, size=plan.rest.shape))
+    yard = yard_of([plan], [plan.rest @ attitude(rng).T + HIGH], gravity=0.0)
+    yard.throw(rng.normal(scale=4.0, size=plan.rest.shape))
     before, size = momentum(yard), ADULT.mass * 4.0
     for _ in range(200):
         yard.step()
@@ -74,9 +73,9 @@ def test_colliding_people_keep_their_momentum() -> None:
 
 
 def test_motion_converges_across_step_rates() -> None:
-    chance = np.random.default_rng(8)
+    rng = np.random.default_rng(8)
     plan, turn = person_plan(CHILD), attitude(np.random.default_rng(2))
-    v, w = np.array([2.0, 3.0, 1.0]), chance.normal(size=3)
+    v, w = np.array([2.0, 3.0, 1.0]), rng.normal(size=3)
     ends = []
     for count in (3, 6, 12):
         yard = yard_of([plan], [plan.rest @ turn.T + HIGH], count=count)

@@ -19,9 +19,9 @@ from pipeline.simulation.bodies.groups.group_rule import (
     GroupContext,
     GroupRule,
 )
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import UP, Array, rotation
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Fire
 
 SWAY_AMPLITUDE = 0.12

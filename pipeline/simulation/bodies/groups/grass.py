@@ -24,9 +24,9 @@ from pipeline.simulation.bodies.groups.group_rule import (
 )
 from pipeline.simulation.figures.solids import Solid, join_solids, loft
 from pipeline.simulation.inventory import Inventory
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import UP, Array, heading, rotation
 from pipeline.simulation.take import Contact, Mesh, Node, Part
-from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Grass
 
 RING_HEIGHTS = np.array([0.0, 0.3, 0.6, 0.85])

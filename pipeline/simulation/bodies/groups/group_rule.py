@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Rows, World
+from pipeline.simulation.troupe import World
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,10 +28,11 @@ from pipeline.simulation.bodies.groups.school import SchoolRule
 from pipeline.simulation.bodies.groups.swarm import SwarmRule
 from pipeline.simulation.inventory import join_inventories
 from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Rows, Troupe, World, WriteStage
+from pipeline.simulation.troupe import Troupe, World, WriteStage
 from pipeline.spec.group import Fire, Flock, Grass, Group, Rain, School, Swarm
 from pipeline.spec.script import GoTo
 

@@ -21,9 +21,9 @@ from pipeline.simulation.bodies.groups.group_rule import (
     GroupContext,
     GroupRule,
 )
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.spatial import Array, from_directions
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Rain
 
 SPLASH_DURATION = 0.12

@@ -19,10 +19,10 @@ from pipeline.simulation.bodies.groups.group_rule import (
     Outline,
 )
 from pipeline.simulation.bodies.groups.steering import GoalSelector, Steering
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import UP, Array, from_directions, rotation, turn
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import School
 
 MAX_CLIMB = 0.35

@@ -21,10 +21,10 @@ from pipeline.simulation.bodies.groups.group_rule import (
     GroupContext,
     GroupRule,
 )
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import UP, Array, from_directions
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Swarm
 
 DAMPING = 1.2

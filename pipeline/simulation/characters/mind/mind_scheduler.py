@@ -1,4 +1,4 @@
-"""Mind scheduler: all minds of a troupe, each of which thinks in its turn.
+"""Mind scheduler: updates the minds of a troupe in turn.
 
 Source: Horswill 2008, "High-level Control".
 """

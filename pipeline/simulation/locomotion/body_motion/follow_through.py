@@ -20,18 +20,18 @@ from numpy.typing import NDArray
 from pipeline.simulation.curves import bounded
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.kinematics import JointTree
-from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, TAIL, WING
 from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
 from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
-from pipeline.simulation.spatial import Array, cross, turn, unturn
+from pipeline.simulation.spatial import Array, cross, turn, turn_inverse
 
 # Least room of a joint that rests at its limit [rad or m].
 MIN_JOINT_ROOM = 1e-6
 
 # Frequencies of the springs, in that of a hanging rod as long as the limb, and damping ratios:
-# muscles hold heads, and hardly tails.
-FREQUENCY = {TAIL: 1.6, FEELER: 2.2, ARM: 2.0, HEAD: 4.5}
-DAMPING = {TAIL: 0.30, FEELER: 0.25, ARM: 0.45, HEAD: 0.60}
+# muscles hold heads, and hardly tails; horns are stiff.
+FREQUENCY = {TAIL: 1.6, FEELER: 2.2, ARM: 2.0, HEAD: 4.5, HORN: 40.0, WING: 2.0}
+DAMPING = {TAIL: 0.30, FEELER: 0.25, ARM: 0.45, HEAD: 0.60, HORN: 1.0, WING: 0.60}
 
 # Frequency of a joint's spring, in that of the joint before.
 FREQUENCY_RATIO = 0.85
@@ -73,7 +73,7 @@ class FreeLimb:
     """A limb that carries nothing.
 
     Attributes:
-        kind: head, tail, feeler or arm.
+        kind: any but leg.
         joints: numbers of its joints in the tree, from base to tip.
         turns: yaw, pitch, roll or bend, of each joint.
         tip: (3,) in the creation frame [m].
@@ -192,7 +192,7 @@ class FollowThrough:
         frames = self._carrier_frames(wishes, R_WB, p_WB)
         for follower, (tier, R, p) in zip(self._followers, frames, strict=True):
             late = follower.follow(p + turn(R, self._tip[tier]))
-            turned = (unturn(R, late) * self._lever[tier]).sum(axis=-1)
+            turned = (turn_inverse(R, late) * self._lever[tier]).sum(axis=-1)
             wishes[:, tier] += looseness[:, self.owner[tier]] * turned
         return wishes
 

@@ -255,7 +255,7 @@ class Necks:
     Attributes:
         owner: (H,) creature of each.
         numbers: (H, k) its joints, by their numbers among the herd's free joints.
-        yaw, raises: (H, k) which of them turn the head, and which raise the neck, by how much.
+        yaw, raises: (H, k) weights of the joints in turning the head and in raising the neck.
         limits: (H, k) of the joints.
         most: (H,) greatest turn [rad].
         rest: (H, 3, 3) orientation of the head at rest in the body's frame.
@@ -312,7 +312,7 @@ class Necks:
         Args:
             gazes: (n, H, 2) azimuth from the body's heading, and elevation [rad].
             tilt: pitch and roll (n, H) of the bodies [rad].
-            start: (n, H, k) wishes that the neck has of its own [rad].
+            start: (n, H, k) angles that the neck has without a target [rad].
         """
         n, count, k = start.shape
         if not count:

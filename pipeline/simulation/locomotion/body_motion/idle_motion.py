@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.kinematics import JointTree
-from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, WING
 from pipeline.simulation.figures.skeleton import BODY, Limb
 from pipeline.simulation.locomotion.body_motion.follow_through import (
     FreeLimb,
@@ -39,6 +39,7 @@ WANDER = {
     (FEELER, "yaw"): 0.20,
     (FEELER, "pitch"): 0.16,
     (FEELER, "bend"): 0.10,
+    (WING, "pitch"): 0.05,
 }
 
 # Range of the frequencies of idle motion [1/s].

@@ -16,17 +16,13 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.foot_placement.foothold_search import (
     EASY_LENGTH,
-    MAX_ARCH,
+    MAX_SWING_HEIGHT,
     SWING_FRACTIONS,
     Foothold,
     FootholdSearch,
 )
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import EASY_ARCH
-from pipeline.simulation.locomotion.foot_placement.step_batch import (
-    Stances,
-    StepBatch,
-    StepRequest,
-)
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import EASY_SWING_HEIGHT
+from pipeline.simulation.locomotion.foot_placement.step_batch import Stances, StepBatch, StepRequest
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
@@ -36,7 +32,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,
 )
-from pipeline.simulation.spatial import Array, unturn
+from pipeline.simulation.spatial import Array, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 
@@ -132,19 +128,21 @@ class FootholdPlanner:
         xz, good = self._first_in_reach(requests, batch, stances)
         heights, normals = self.ground.surface(xz[:, 0], xz[:, 1])
         places = np.stack([xz[:, 0], heights, xz[:, 1]], axis=-1)
-        tips = places + herd.sole[legs, None] * normals
+        tips = places + herd.foot_radius[legs, None] * normals
         rows = np.flatnonzero(good)
-        goals = unturn(stances.R[rows], tips[rows, None] - stances.p[rows])
+        goals = turn_inverse(stances.R[rows], tips[rows, None] - stances.p[rows])
         good[rows] = search.reachability.reaches(legs[rows], goals).all(axis=-1)
-        lowest = lowest_center_height(self.ground, tips[:, 0], tips[:, 2], herd.sole[legs])
+        lowest = lowest_center_height(self.ground, tips[:, 0], tips[:, 2], herd.foot_radius[legs])
         tips[:, 1] = np.maximum(tips[:, 1], lowest)
-        arch = np.zeros(len(requests))
+        swing_height = np.zeros(len(requests))
         rows = np.flatnonzero(good & [r.present is not None for r in requests])
         if len(rows):
             start = np.array([requests[i].present for i in rows.tolist()])
-            arch[rows], good[rows] = self._swings(batch, rows, stances, start, tips[rows])
+            swing_height[rows], good[rows] = self._swings(batch, rows, stances, start, tips[rows])
         return [
-            Foothold(places[i], normals[i], tips[i], 0.0, float(arch[i])) if good[i] else None
+            Foothold(places[i], normals[i], tips[i], 0.0, float(swing_height[i]))
+            if good[i]
+            else None
             for i in range(len(requests))
         ]
 
@@ -201,7 +199,7 @@ class FootholdPlanner:
         start: Array,
         end: Array,
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Return how high the swings of some rows arch (n,) [m], and which legs can swing so.
+        """Return the heights (n,) of the swings of some rows [m], and which legs can swing so.
 
         Args:
             batch: all steps.
@@ -213,14 +211,18 @@ class FootholdPlanner:
         herd, search, batch = self.herd, self.search, batch.rows(rows)
         legs, reachability = batch.legs, search.reachability
         step_height, stride = herd.step_height[legs], herd.stride[batch.owner]
-        arch = clearance_heights(self.ground, start, end, herd.sole[legs], step_height)
-        good = arch <= MAX_ARCH * herd.legs.lengths[legs]
+        swing_height = clearance_heights(
+            self.ground, start, end, herd.foot_radius[legs], step_height
+        )
+        good = swing_height <= MAX_SWING_HEIGHT * herd.legs.lengths[legs]
         across = end - start
-        easy = (arch < EASY_ARCH * step_height) & (np.abs(across[:, 1]) < step_height)
+        easy = (swing_height < EASY_SWING_HEIGHT * step_height) & (
+            np.abs(across[:, 1]) < step_height
+        )
         easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_LENGTH * stride
         easy &= reachability.can_lift_usual[legs]
-        lift = unturn(stances.lift_R[rows], start - stances.lift_p[rows])
-        landing = unturn(stances.R[rows, 0], end - stances.p[rows, 0])
+        lift = turn_inverse(stances.lift_R[rows], start - stances.lift_p[rows])
+        landing = turn_inverse(stances.R[rows, 0], end - stances.p[rows, 0])
         easy &= reachability.near_neutral(legs, lift) & reachability.near_neutral(legs, landing)
         asked = np.flatnonzero(good & ~easy)
         if len(asked):
@@ -228,7 +230,11 @@ class FootholdPlanner:
             phases = some.up[:, None] + some.swing[:, None] * SWING_FRACTIONS
             R, p = some.body_poses(self.trajectory, phases)
             n = len(SWING_FRACTIONS)
-            first, last, height = (np.repeat(f[asked], n, axis=0) for f in (start, end, arch))
+            first, last, height = (
+                np.repeat(f[asked], n, axis=0) for f in (start, end, swing_height)
+            )
             path = swing_positions(first, last, height, np.tile(SWING_FRACTIONS, len(asked)))
-            good[asked] = reachability.follows(some.legs, unturn(R, path.reshape(p.shape) - p))
-        return arch, good
+            good[asked] = reachability.follows(
+                some.legs, turn_inverse(R, path.reshape(p.shape) - p)
+            )
+        return swing_height, good

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import (
-    EASY_ARCH,
+    EASY_SWING_HEIGHT,
     LegReachability,
 )
 from pipeline.simulation.locomotion.foot_placement.step_batch import (
@@ -41,7 +41,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,
 )
-from pipeline.simulation.spatial import UP, Array, unturn
+from pipeline.simulation.spatial import UP, Array, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 # Candidates between the neutral and the present place: fractions of the way back.
@@ -61,8 +61,8 @@ IK_CHUNKS, MAX_IK_CANDIDATES = np.array([1, 9]), 41
 # Fractions of a swing at which reach is checked.
 SWING_FRACTIONS = np.linspace(0.08, 0.92, 12)
 
-# Highest arch of a swing, in leg lengths: a leg that clears more folds up.
-MAX_ARCH = 0.4
+# Greatest height of a swing, in leg lengths: a leg that clears more folds up.
+MAX_SWING_HEIGHT = 0.4
 
 # Step heights tried in turn where a leg cannot lift its foot higher, as fractions of the usual one.
 STEP_HEIGHT_FRACTIONS = 1.0, 0.6, 0.3
@@ -80,14 +80,14 @@ class Foothold:
         normal: (3,) of the ground.
         tip: (3,) centre of the leg's tip [m].
         lowering: how far the body has to be lowered for it [m].
-        arch: height of the swing's arch that leads to it [m].
+        swing_height: of the swing that leads to it [m].
     """
 
     place: Array
     normal: Array
     tip: Array
     lowering: float
-    arch: float = 0.0
+    swing_height: float = 0.0
 
 
 class FootholdSearch:
@@ -105,7 +105,7 @@ class FootholdSearch:
         leg, present = np.array([request.leg]), request.present
         batch, stance = self._stance(request)
         R, p = stance.R[0], stance.p[0]
-        lift = unturn(stance.lift_R, present - stance.lift_p)
+        lift = turn_inverse(stance.lift_R, present - stance.lift_p)
         starts_near = bool(self.reachability.near_neutral(leg, lift).all())
 
         @cache
@@ -119,7 +119,7 @@ class FootholdSearch:
         for limit in (EASY_LENGTH, np.inf) if is_level else (EASY_LENGTH,):
 
             def with_swing(hold: Foothold, limit: float = limit) -> Foothold | None:
-                landing = unturn(R[:1], hold.tip - p[:1])
+                landing = turn_inverse(R[:1], hold.tip - p[:1])
                 near = starts_near and bool(self.reachability.near_neutral(leg, landing).all())
                 easy = limit if near or limit == np.inf else 0.0
                 return self._with_swing(request, hold, swing_bodies, easy)
@@ -170,7 +170,7 @@ class FootholdSearch:
         """Return the tips (N, k, 3) of legs (N,) with their soles on the ground at (N, k, 2)."""
         x, z = xz[..., 0], xz[..., 1]
         heights, normals = self.ground.surface(x, z)
-        radii = self.herd.sole[legs, None, None]
+        radii = self.herd.foot_radius[legs, None, None]
         return np.stack([x, heights, z], axis=-1) + radii * normals
 
     def _stance(self, request: StepRequest) -> tuple[StepBatch, Stances]:
@@ -256,7 +256,7 @@ class FootholdSearch:
         for chunk in np.split(numbers, IK_CHUNKS[IK_CHUNKS < len(numbers)]):
             if len(chunk):
                 lowered = p - np.multiply.outer(lowering[chunk], UP)[:, None]
-                goals = unturn(R, tips[chunk, None] - lowered)
+                goals = turn_inverse(R, tips[chunk, None] - lowered)
                 reached = self.reachability.reaches(np.full(len(chunk), leg), goals)
                 yield from chunk[reached.all(axis=-1)].tolist()
 
@@ -265,9 +265,11 @@ class FootholdSearch:
         x, z = xz
         height, normal = self.ground.surface(x, z)
         place = np.array([float(x), float(height), float(z)])
-        sole = float(self.herd.sole[leg])
-        tip = place + sole * normal
-        tip[1] = max(tip[1], float(lowest_center_height(self.ground, tip[:1], tip[2:], sole)[0]))
+        foot_radius = float(self.herd.foot_radius[leg])
+        tip = place + foot_radius * normal
+        tip[1] = max(
+            tip[1], float(lowest_center_height(self.ground, tip[:1], tip[2:], foot_radius)[0])
+        )
         return Foothold(place, normal, tip, lowering)
 
     # --- the swing to a foothold ----------------------------------------------------
@@ -279,7 +281,7 @@ class FootholdSearch:
         bodies: Callable[[], tuple[Array, Array]],
         easy_length: float,
     ) -> Foothold | None:
-        """Return a foothold with the arch that leads to it, None if the leg cannot swing there.
+        """Return a foothold with the height of the swing to it, None if the leg cannot swing there.
 
         Args:
             request: the step.
@@ -289,34 +291,34 @@ class FootholdSearch:
         """
         leg, present = request.leg, request.present
         assert present is not None
-        sole, owner = float(self.herd.sole[leg]), int(self.herd.owner[leg])
+        foot_radius, owner = float(self.herd.foot_radius[leg]), int(self.herd.owner[leg])
         step_height, stride = (
             float(self.trajectory.paces.number(name, owner, np.array(request.timing.up)))
             for name in ("step_height", "stride")
         )
-        arch = clearance_height(self.ground, present, hold.tip, sole, step_height)
-        if arch > MAX_ARCH * float(self.herd.legs.lengths[leg]):
+        swing_height = clearance_height(self.ground, present, hold.tip, foot_radius, step_height)
+        if swing_height > MAX_SWING_HEIGHT * float(self.herd.legs.lengths[leg]):
             return None
         across = hold.tip - present
-        is_easy = arch < EASY_ARCH * step_height and abs(across[1]) < step_height
+        is_easy = swing_height < EASY_SWING_HEIGHT * step_height and abs(across[1]) < step_height
         is_easy = is_easy and self.reachability.can_lift(leg, step_height)
         if is_easy and np.hypot(across[0], across[2]) <= easy_length * stride:
-            return replace(hold, arch=arch)
+            return replace(hold, swing_height=swing_height)
         n, (R, p) = len(SWING_FRACTIONS), bodies()
         lowering = _swing_lowering(request.lowering, hold.lowering)
         ends = np.tile(present, (n, 1)), np.tile(hold.tip, (n, 1))
         for fraction in STEP_HEIGHT_FRACTIONS:
             if fraction < 1.0:
                 height = fraction * step_height
-                lower = clearance_height(self.ground, present, hold.tip, sole, height)
-                if lower > 0.99 * arch:
+                lower = clearance_height(self.ground, present, hold.tip, foot_radius, height)
+                if lower > 0.99 * swing_height:
                     break
-                arch = lower
-            path = swing_positions(*ends, np.full(n, arch), SWING_FRACTIONS)
-            paths = unturn(R, path - (p - np.multiply.outer(lowering, UP)))
+                swing_height = lower
+            path = swing_positions(*ends, np.full(n, swing_height), SWING_FRACTIONS)
+            paths = turn_inverse(R, path - (p - np.multiply.outer(lowering, UP)))
             if self.reachability.follows(np.full(len(paths), leg), paths).all():
-                return replace(hold, arch=arch)
-        return replace(hold, arch=arch) if easy_length == np.inf else None
+                return replace(hold, swing_height=swing_height)
+        return replace(hold, swing_height=swing_height) if easy_length == np.inf else None
 
 
 def _swing_lowering(present: tuple[float, float], following: float) -> Array:

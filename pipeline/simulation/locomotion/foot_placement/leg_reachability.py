@@ -36,8 +36,8 @@ MIN_HIP_HEIGHT = {"insect": -0.5, "mammal": 0.4}
 # Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
 PLANNED_REACH = 0.98 * MAX_REACH
 
-# Arch of a swing that a leg lifts its foot to without a check, in step heights.
-EASY_ARCH = 1.5
+# Height of a swing that a leg lifts its foot to without a check, in step heights.
+EASY_SWING_HEIGHT = 1.5
 
 # Hip-to-foot distances at which folding is tested, as fractions of the leg's length.
 FOLD_DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
@@ -53,7 +53,7 @@ class LegReachability:
         half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
         x, z = herd.rest.T
         margin = NEUTRAL_MARGIN * herd.legs.lengths[:, None]
-        floor = herd.sole - herd.body_height[herd.owner]
+        floor = herd.foot_radius - herd.body_height[herd.owner]
         self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - margin
         self._high = np.stack([x + half, floor, z], axis=-1) + margin
 
@@ -112,7 +112,7 @@ class LegReachability:
         """(L,) greatest height of a tip above its hip [m]."""
         herd, owner, surface = self.herd, self.herd.owner, self.surface
         fraction = np.array([MIN_HIP_HEIGHT[figure.style] for figure in herd.figures])[owner]
-        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.sole
+        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.foot_radius
         # On level ground bodies that crouch or bounce are as low as they were asked to be.
         level = np.array([surface.of(c).is_level for c in range(len(herd.names))])[owner]
         return np.where(level, np.inf, -fraction * tall)
@@ -132,7 +132,7 @@ class LegReachability:
     def _lifts(self, legs: NDArray[np.int64], height: Array) -> NDArray[np.bool_]:
         herd, owner = self.herd, self.herd.owner[legs]
         x, z = herd.rest[legs].T
-        top = herd.sole[legs] - herd.body_height[owner] + EASY_ARCH * height
+        top = herd.foot_radius[legs] - herd.body_height[owner] + EASY_SWING_HEIGHT * height
         ahead = 0.25 * herd.stride[owner]
         goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
         return np.asarray(self.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))

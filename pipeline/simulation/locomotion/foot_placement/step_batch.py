@@ -133,9 +133,11 @@ def neutral_positions(
 ) -> Array:
     """Return the neutral places (N, 2) [m] of feet below bodies at R (N, 3, 3), p (N, 3)."""
     herd, owner = trajectory.herd, trajectory.herd.owner[legs]
-    height, aside = (
-        trajectory.paces.value(name, owner, phase) for name in ("body_height", "aside")
+    height, lateral_offset = (
+        trajectory.paces.value(name, owner, phase) for name in ("body_height", "lateral_offset")
     )
     x, z = herd.rest[legs].T
-    rest = trajectory.without_rocking(owner, phase, np.stack([x, -height, z + aside], axis=-1))
+    rest = trajectory.without_rocking(
+        owner, phase, np.stack([x, -height, z + lateral_offset], axis=-1)
+    )
     return (p + turn(R, rest))[:, [0, 2]]

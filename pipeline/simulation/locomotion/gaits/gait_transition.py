@@ -106,7 +106,7 @@ class GaitTransition:
         return self._when(self._clock(up) + self._swing(up))
 
     def _clock(self, phase: Array) -> Array:
-        """Return the time of each leg's own clock (n,) at a phase of its own (n,)."""
+        """Return the time (n,) of each leg's clock at its phase (n,)."""
         return phase - self.before.up - self.done(phase) * self.shift
 
     def _swing(self, phase: Array) -> Array:

@@ -137,7 +137,7 @@ def apply_mood(pace: Pace, effect: MoodEffect, figure: Figure, legs: LegLayout) 
     if not pace.stride:
         return pace
     carrying = [leg for leg, held in enumerate(pace.held) if not held]
-    legs = legs.only(carrying, pace.aside)
+    legs = legs.only(carrying, pace.lateral_offset)
     lowest, tallest = MIN_BODY_HEIGHT * figure.belly, WALK_HEIGHT * legs.tallest()
     height = pace.body_height * effect.body_height
     # An author may have asked for more than the defaults allow.

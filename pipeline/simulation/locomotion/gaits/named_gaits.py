@@ -21,7 +21,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, gait_from_config
 from pipeline.spec.suggestions import hint
-from pipeline.spec.walk import GaitPhases, Manner
+from pipeline.spec.walk import LEG_REQUIREMENTS, GaitPhases, Manner
 
 # Fraction of its turn for which a foot is in the air: feet that come down are firm before the next
 # ones leave.
@@ -53,17 +53,6 @@ BIPEDAL = {
     "run": (0.36, 0.5),
     "hop": (0.40, 0.0),
     "skip": (0.42, 0.28),
-}
-
-# Legs that a gait needs, for error messages.
-LEG_REQUIREMENTS = {
-    "tripod": "6 legs",
-    "ripple": "more than 4 legs",
-    "walk": "one pair of legs or two",
-    "run": "one pair of legs",
-    "skip": "one pair of legs",
-    "hop": "one leg or one pair",
-    **dict.fromkeys(("amble", "pace", *ASYMMETRICAL), "two pairs of legs"),
 }
 
 

@@ -71,7 +71,7 @@ class Pace:
         longest: stride that the legs can do from that height [m].
         flight: bounce of its body if its gait has flights.
         held: (n,) legs that are held up and carry nothing.
-        aside: how far to the right of its rest position each foot is placed [m].
+        lateral_offset: distance of each foot to the right of its rest position [m].
     """
 
     gait: Gait
@@ -83,7 +83,7 @@ class Pace:
     longest: float
     flight: FlightBounce | None
     held: NDArray[np.bool_]
-    aside: float = 0.0
+    lateral_offset: float = 0.0
 
     @cached_property
     def carrying(self) -> Gait:
@@ -120,8 +120,8 @@ def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout
     walks, walk = walk is not None, walk or Walk()
     own = walking_legs(where, walk, figure)
     held = np.isin(np.arange(len(legs.lengths)), own, invert=True)
-    aside = -CENTERING * float(legs.feet[own, 2].mean()) if held.any() else 0.0
-    legs = legs.only(own, aside)
+    lateral_offset = -CENTERING * float(legs.feet[own, 2].mean()) if held.any() else 0.0
+    legs = legs.only(own, lateral_offset)
     leg = float(legs.lengths.mean())
     gait = choose_gait(where, walk, figure, own, legs.hips[:, 0].tolist())
     flight = FlightBounce.of(gait) if walks else None
@@ -140,7 +140,7 @@ def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout
         longest,
         flight,
         held,
-        aside,
+        lateral_offset,
     )
 
 

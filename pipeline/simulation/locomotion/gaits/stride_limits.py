@@ -35,9 +35,9 @@ class LegLayout:
     feet: Array
     lengths: Array
 
-    def only(self, legs: Sequence[int], aside: float = 0.0) -> LegLayout:
-        """Return some of the legs, their feet set `aside` to the right [m]."""
-        feet = self.feet[legs] + [0.0, 0.0, aside]
+    def only(self, legs: Sequence[int], lateral_offset: float = 0.0) -> LegLayout:
+        """Return some of the legs, their feet `lateral_offset` to the right [m]."""
+        feet = self.feet[legs] + [0.0, 0.0, lateral_offset]
         return LegLayout(self.hips[legs], feet, self.lengths[legs])
 
     def tallest(self) -> float:

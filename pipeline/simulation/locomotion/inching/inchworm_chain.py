@@ -49,7 +49,7 @@ NEWTON_STEPS = 12
 """Iterations; eight reach the last bit anywhere between the bounds."""
 
 END_FALLOFF = 3.0
-"""Exponent with which the inclination of a foot fades along the chain."""
+"""Exponent of the decay of a foot's inclination along the chain."""
 
 
 def is_inchworm(figure: Figure) -> bool:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.base_change import link_poses
 from pipeline.simulation.figures.ik_goals import TipPlacement
-from pipeline.simulation.figures.inverse_kinematics import TOLERANCE, damped_step
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, damped_step
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
@@ -32,7 +32,7 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import (
     InchwormChain,
     loop_bends,
 )
-from pipeline.simulation.spatial import Array, heading, rotation, turn, unturn
+from pipeline.simulation.spatial import Array, heading, rotation, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 CANDIDATE_FRACTIONS = np.linspace(0.0, 1.0, 41)
@@ -204,7 +204,7 @@ def solve_pose(
     R_WF, p_WF = zip(track.pose(rear), track.pose(front), strict=True)
     R_WB = R_WF[base]
     p_WB = p_WF[base] - turn(R_WB, chain.feet[base].middle)
-    goals = unturn(R_WB, p_WF[1 - base] - p_WB)
+    goals = turn_inverse(R_WB, p_WF[1 - base] - p_WB)
     turned = R_WB.transpose(0, 2, 1) @ R_WF[1 - base]
     pose, residual = _solve_joints(chain, base, rear, front, TipPlacement(goals, turned))
     q = np.zeros((len(rear), len(chain.figure.skeleton.parents)))
@@ -241,7 +241,7 @@ def _solve_joints(
 def _finish_reach(batch: LimbBatch, pose: LimbPose, goal: TipPlacement) -> tuple[LimbPose, Array]:
     """Solve limbs whose joints reached their limits with the full inverse kinematics."""
     error = np.linalg.norm(goal.task(batch, pose).velocity, axis=-1)
-    far = np.flatnonzero(error > TOLERANCE)
+    far = np.flatnonzero(error > TIP_ITERATION.tolerance)
     residual: Array = error * batch.lengths
     if len(far):
         solution = reach(

@@ -182,7 +182,7 @@ class Inchworm:
         return poses[best]
 
     def _arch_height(self, end: int, start: Array, finish: Array) -> float:
-        """Return the arch height with which a step clears the ground [m]."""
+        """Return the least arch height of a step that clears the ground [m]."""
         n, least = len(STEP_SAMPLES), self.pace.lifts[end]
         low = swing_poses(
             end, np.tile(start, (n, 1)), np.tile(finish, (n, 1)), np.zeros(n), STEP_SAMPLES

@@ -32,8 +32,9 @@ from pipeline.simulation.locomotion.inventory import (
     parent_links,
 )
 from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Part, TakeNote
-from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import Instruction
 

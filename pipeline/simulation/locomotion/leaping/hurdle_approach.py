@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.pronking.hurdle_jump import (
     plan_vault,
     shifted_state,
 )
-from pipeline.simulation.locomotion.pronking.initial_stance import crouched_state, standing_state
+from pipeline.simulation.locomotion.pronking.start_states import crouched_state, standing_state
 from pipeline.simulation.locomotion.routes.route import (
     Route,
     connecting_route,
@@ -90,7 +90,7 @@ def _plan_approach(
     base = float(ground.height(xz[0], xz[1]))
     origin = np.array([xz[0], base + hopper.standing_height, xz[1]])
     feet = hopper.rest_feet @ R.T + [xz[0], 0.0, xz[1]]
-    feet[:, 1] = base + hopper.sole_radii
+    feet[:, 1] = base + hopper.foot_radii
     state = crouched_state(hopper, standing_state(hopper, R, origin, feet, 0.0))
     # It cannot stop before its braking distance.
     braking = float(progress.braking_distance[c]) * float(progress.speed_fraction[c]) ** 2
@@ -171,16 +171,16 @@ def _meeting_point(
     return None
 
 
-def turn_towards(route: Route, spot: Array, near: float, radius: float) -> Route | None:
+def turn_towards(route: Route, target: Array, near: float, radius: float) -> Route | None:
     """Return a route with a turn towards a place appended; None if it needs none.
 
     Args:
         route: ends where the creature rests.
-        spot: (2,) the place [m].
+        target: (2,) the place [m].
         near: distance below which the creature does not turn [m].
         radius: of the feet around the middle of the body [m].
     """
-    offset = spot - route.xz[-1]
+    offset = target - route.xz[-1]
     bearing = math.atan2(-offset[1], offset[0]) - float(route.heading[-1])
     angle = math.remainder(bearing, 2.0 * math.pi)
     if abs(angle) <= TURN_TOLERANCE or np.linalg.norm(offset) <= near:

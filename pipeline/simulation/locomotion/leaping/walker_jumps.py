@@ -38,18 +38,22 @@ from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState, JumpOrder
 from pipeline.simulation.locomotion.pronking.hopper import Hopper, build_hopper
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState, RigidFall
-from pipeline.simulation.locomotion.pronking.initial_stance import standing_state
 from pipeline.simulation.locomotion.pronking.jump_orders import (
     HurdleJump,
     Solids,
     jump_once,
     scripted_jump,
 )
+from pipeline.simulation.locomotion.pronking.start_states import standing_state
 from pipeline.simulation.locomotion.routes.route import Route, straight_route
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, is_blocked, redirect
 from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
-from pipeline.simulation.locomotion.stepping import Stepping, is_astray, phase_before_lift
+from pipeline.simulation.locomotion.step_sequencer import (
+    StepSequencer,
+    is_astray,
+    phase_before_lift,
+)
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, TakeNote
@@ -106,11 +110,11 @@ class WalkerJumps:
         cast: Sequence[tuple[int, Creature, Figure]],
         world: World,
         progress: RouteProgress,
-        stepping: Stepping,
+        sequencer: StepSequencer,
         materials: Sequence[str],
     ) -> None:
         self.world, self.progress = world, progress
-        self.stepping, self.feet = stepping, stepping.feet
+        self.sequencer, self.feet = sequencer, sequencer.feet
         self.herd: Herd = progress.herd
         self.hoppers: dict[int, Hopper] = {}
         self._cast = cast
@@ -203,11 +207,11 @@ class WalkerJumps:
                 redirect(progress, c, approach)
         elif not reason:
             apply_order(progress, c, "stop")
-            spot = order.jump.land_at if isinstance(order, JumpOnce) else None
-            if spot is not None:
+            target = order.jump.land_at if isinstance(order, JumpOnce) else None
+            if target is not None:
                 radius = float(np.hypot(*self.herd.footprint[c]))
                 turned = turn_towards(
-                    progress.trajectory.routes[c], np.array(spot), 0.1 * hopper.leg_length, radius
+                    progress.trajectory.routes[c], np.array(target), 0.1 * hopper.leg_length, radius
                 )
                 if turned is not None:
                     redirect(progress, c, turned)
@@ -314,11 +318,11 @@ class WalkerJumps:
 
     def _set_down(self, c: int, simulation: HopSimulation) -> None:
         """Let a creature stand, as a walker, where it has landed."""
-        stepping, progress = self.stepping, self.progress
+        sequencer, progress = self.sequencer, self.progress
         body, tips = simulation.pose()
         for leg, tip in zip(np.flatnonzero(self.herd.owner == c).tolist(), tips, strict=True):
             normal = self.world.ground.normal(tip[0], tip[2])
-            hold = Foothold(tip - self.herd.sole[leg] * normal, normal, tip, 0.0)
+            hold = Foothold(tip - self.herd.foot_radius[leg] * normal, normal, tip, 0.0)
             place_foot(self.feet, leg, hold)
         route = progress.trajectory.routes[c].upto(float(progress.distance[c]))
         place = body.origin[[0, 2]]
@@ -326,11 +330,11 @@ class WalkerJumps:
         progress.distance = progress.distance.copy()
         progress.distance[c] = route.length
         redirect(progress, c, route)
-        stepping.lookahead.forget(c)
+        sequencer.lookahead.forget(c)
         own = np.flatnonzero(self.herd.owner == c)
-        astray = any(is_astray(stepping, leg) for leg in own.tolist())
+        astray = any(is_astray(sequencer, leg) for leg in own.tolist())
         progress.closing_phase[c] = phase_before_lift(
-            stepping, c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
+            sequencer, c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
         )
 
     def _resume_walking(self, step: int, c: int, trip: WalkerJump) -> None:

@@ -1,4 +1,11 @@
-"""Events of hoppers, and how a take records them as contacts and notes."""
+"""Events of a hop: feet and body meeting the ground, the margins until then, and their records.
+
+While the body falls, feet in the air are tested against the ground; while it rises they are
+lifted over obstacles. Legs of feet that are down are tested for their stretch and, while the body
+sinks, for their fold. A take records the events as contacts and notes.
+
+Source: Sims 1987, 9.4 and 11.1.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +14,40 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import foot_materials
-from pipeline.simulation.scalar_rotation import vector_tuple
+from pipeline.simulation.locomotion.pronking.hop_state import BodyState, HopState, SwingPath
+from pipeline.simulation.locomotion.pronking.hopper import STANCE_STRETCH, Hopper
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
+from pipeline.simulation.scalar_rotation import rotation_matrix, vector_tuple
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Contact, ContactKind, TakeNote
+from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import World
+
+TUCK_HEIGHT = 0.3
+"""How high feet are drawn up in mid-flight, in leg lengths."""
+
+TRAIL_SPEED = 0.35
+"""Speed with which feet trail after a lift-off, in body speeds."""
+
+WALL_HEIGHT = 0.06
+"""Sudden lift of a foot that counts as hitting a wall, in leg lengths."""
+
+SETTLE_DISTANCE = 0.16
+"""How far a body sinks after the first touch until its legs carry, in leg lengths."""
+
+FOLD_LIMIT = 1.01
+"""Nearest distance of a foot to its hip, in folded lengths."""
+
+RISING_SPEED = 1e-9
+"""Vertical speed above which a body rises [m/s]."""
 
 HopEventKind = Literal[
     "touch", "lift", "body", "toppled", "saturated", "stopped", "misplaced", "tripped", "dropped"
 ]
-
 
 CONTACT_KINDS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
 
@@ -66,6 +95,207 @@ class HopEvent:
 
 HopEvents = list[HopEvent]
 """Events in the order of time."""
+
+
+# --- feet ---------------------------------------------------------------------------
+
+
+def flight_swing(
+    hopper: Hopper,
+    start: Array,
+    landing_feet: Array,
+    begin: float,
+    time: float,
+    v: Array,
+    fold_legs: bool,
+) -> SwingPath:
+    """Return the paths of feet from lift-off to landing.
+
+    Args:
+        hopper: the creature.
+        start: (n, 3) feet at lift-off, in the frame of the body [m].
+        landing_feet: (n, 3) feet at the landing, in the frame of the body [m].
+        begin: time of lift-off [s].
+        time: duration of the flight [s].
+        v: (3,) velocity of the body, in its frame [m/s].
+        fold_legs: whether feet are drawn up as far as the legs fold.
+    """
+    n = len(start)
+    middle = 0.5 * (start + landing_feet)
+    low, highest = (
+        np.maximum(start[:, 1], landing_feet[:, 1]),
+        hopper.hips[:, 1] - 1.15 * hopper.folded_lengths,
+    )
+    top = (
+        highest
+        if fold_legs
+        else np.minimum(low + TUCK_HEIGHT * hopper.leg_length * min(1.0, time / 0.5), highest)
+    )
+    middle[:, 1] = np.maximum(top, low)
+    trail = np.tile([-TRAIL_SPEED * v[0], 0.0, -TRAIL_SPEED * v[2]], (n, 1))
+    return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, landing_feet, trail)
+
+
+def touch(
+    hopper: Hopper,
+    ground: Ground,
+    state: HopState,
+    legs: NDArray[np.int64],
+    met: NDArray[np.bool_],
+    events: HopEvents,
+) -> None:
+    """Plant feet where they are; these are their footholds until the next lift-off.
+
+    Args:
+        hopper: the creature.
+        ground: that they touch.
+        state: in flight or landing.
+        legs: numbers of the feet.
+        met: (n,) feet that reached the ground in this step; the others were lifted over it.
+        events: collects what happens.
+    """
+    now, own = state.body(hopper), state.swing.tips(state.time)
+    tips = now.to_world(own)
+    moves = now.R @ ((own - state.swing.tips(state.time - 1e-5)) / 1e-5).T
+    v = state.v + np.cross(state.attitude[1], tips - state.p) + moves.T
+    if not state.down.any():
+        state.first_touch_height = float(state.p[1])
+    caught, floors = (
+        list[int](),
+        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii),
+    )
+    for leg in legs.tolist():
+        (x, y, z), least = tips[leg].tolist(), float(floors[leg])
+        if met[leg] and least - y > WALL_HEIGHT * hopper.leg_length:
+            caught.append(leg)
+        else:
+            y = max(least, y)
+        state.tips[leg], state.down[leg] = (x, y, z), True
+        place, normal = np.array([x, y - hopper.foot_radii[leg], z]), ground.normal(x, z)
+        speed = max(-float(normal @ v[leg]), 0.0)
+        energy = 0.5 * hopper.mass.mass / len(hopper.hips) * speed * speed
+        events.append(HopEvent("touch", state.time, leg, place, normal, speed, energy))
+        if not bool(ground.steppable(x, z)):
+            text = f"a foot landed in a forbidden zone, at ({x:.2f}, {z:.2f})"
+            events.append(HopEvent.note("misplaced", state.time, text, leg))
+    if caught:
+        _catch_feet(hopper, state, np.array(caught), tips, v, events)
+
+
+def trip_on_wall(
+    hopper: Hopper, state: HopState, legs: NDArray[np.int64], tips: Array, events: HopEvents
+) -> None:
+    """Trip on a wall with feet (n, 3) that move with the body."""
+    v = np.broadcast_to(state.v, tips.shape)
+    _catch_feet(hopper, state, legs, tips, v, events)
+
+
+def _catch_feet(
+    hopper: Hopper,
+    state: HopState,
+    legs: NDArray[np.int64],
+    tips: Array,
+    v: Array,
+    events: HopEvents,
+) -> None:
+    """Apply the impulse of feet that a wall stops.
+
+    Source: Sims 1987, 9.4.
+    """
+    impulse = -hopper.leg_masses[legs, None] * v[legs] * [1.0, 0.0, 1.0]
+    state.v = state.v + impulse.sum(axis=0) / hopper.mass.mass
+    R = rotation_matrix(state.attitude[0])
+    inverse = R @ np.array(hopper.inertia.inverse) @ R.T
+    angular_impulse = np.cross(tips[legs] - state.p, impulse).sum(axis=0)
+    x, y, z = (state.attitude[1] + inverse @ angular_impulse).tolist()
+    state.attitude = state.attitude[0], (x, y, z)
+    for leg in legs.tolist():
+        events.append(HopEvent.note("tripped", state.time, "a foot caught on a wall", leg))
+
+
+@dataclass(frozen=True, eq=False)
+class EventMargins:
+    """Distances until events; infinite for those that cannot happen [m].
+
+    Attributes:
+        touch: (n,) of feet above the ground.
+        stretch, fold: (n,) of legs to their limits.
+        belly: (1,) of the body above the ground.
+        grace: (1,) that the body may sink until its legs carry.
+    """
+
+    touch: Array
+    stretch: Array
+    fold: Array
+    belly: Array
+    grace: Array
+
+    @property
+    def all(self) -> Array:
+        """All margins in one array."""
+        return np.concatenate([self.touch, self.stretch, self.fold, self.belly, self.grace])
+
+
+def event_margins(
+    hopper: Hopper, state: HopState, ground: Ground, body: BodyState, highest: float
+) -> EventMargins:
+    """Return the margins at a time of the phase.
+
+    Args:
+        hopper: the creature.
+        state: at the start of a sub-step.
+        ground: below it.
+        body: at the time.
+        highest: greatest height of the ground [m].
+    """
+    n = len(hopper.hips)
+    touch, stretch, fold, belly, grace = (np.full(k, np.inf) for k in (n, n, n, 1, 1))
+    falls = body.v[1] <= RISING_SPEED
+    if state.phase in ("flight", "landing") and falls and not state.down.all():
+        tips = body.to_world(state.swing.tips(body.time))
+        if float(tips[:, 1].min()) - float(hopper.foot_radii.max()) < highest + 0.05:
+            air = ~state.down & ~state.released
+            touch[air] = (
+                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii)
+            )[air]
+    if state.down.any() and state.phase not in ("standing",):
+        legs = body.to_world(hopper.hips) - state.tips
+        distance = np.sqrt((legs * legs).sum(axis=-1))
+        down = state.down
+        stretch[down] = (STANCE_STRETCH * hopper.leg_lengths - distance)[down]
+        if state.phase in ("flight", "landing"):
+            fold[down] = (distance - FOLD_LIMIT * hopper.folded_lengths)[down]
+    if state.body_armed and state.phase != "standing":
+        belly[0] = body_clearance(hopper, ground, body, highest)
+    if state.phase == "flight" and state.down.any():
+        grace[0] = body.p[1] - (state.first_touch_height - SETTLE_DISTANCE * hopper.leg_length)
+    return EventMargins(touch, stretch, fold, belly, grace)
+
+
+def body_clearance(
+    hopper: Hopper, ground: Ground, body: BodyState, highest: float = np.inf
+) -> float:
+    """Return the least height of the body above the ground [m]."""
+    points = body.to_world(hopper.belly_points)
+    if float(points[:, 1].min()) > highest + 0.5:
+        return float(points[:, 1].min()) - highest
+    return float((points[:, 1] - ground.height(points[:, 0], points[:, 2])).min())
+
+
+def lift_above_ground(hopper: Hopper, ground: Ground, tips: Array, highest: float) -> Array:
+    """Return feet (n, 3) lifted out of the ground [m]."""
+    if float(tips[:, 1].min()) - float(hopper.foot_radii.max()) > highest:
+        return tips
+    result = tips.copy()
+    np.maximum(
+        tips[:, 1],
+        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii),
+        out=result[:, 1],
+    )
+    return result
+
+
+# --- records of a take --------------------------------------------------------------
 
 
 class HopEventRecorder:

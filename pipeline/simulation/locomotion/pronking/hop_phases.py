@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.foot_contact import flight_swing
-from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents
+from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents, flight_swing
 from pipeline.simulation.locomotion.pronking.hop_state import (
     FREE_FALL,
     HopState,
@@ -92,7 +91,7 @@ def take_off(hopper: Hopper, ground: Ground, state: HopState, events: HopEvents)
     start = (tips - now.origin) @ now.R
     speed = float(np.linalg.norm(state.v))
     for leg in np.flatnonzero(down).tolist():
-        place = tips[leg] - [0.0, hopper.sole_radii[leg], 0.0]
+        place = tips[leg] - [0.0, hopper.foot_radii[leg], 0.0]
         normal = ground.normal(place[0], place[2])
         energy = 0.5 * float(hopper.leg_masses[leg]) * speed * speed
         events.append(HopEvent("lift", state.time, leg, place, normal, speed, energy))

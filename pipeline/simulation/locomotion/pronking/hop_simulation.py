@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.foot_contact import (
+from pipeline.simulation.locomotion.pronking.hop_events import (
     RISING_SPEED,
     WALL_HEIGHT,
     EventMargins,
+    HopEvent,
     body_clearance,
     event_margins,
     lift_above_ground,
     touch,
     trip_on_wall,
 )
-from pipeline.simulation.locomotion.pronking.hop_events import HopEvent
 from pipeline.simulation.locomotion.pronking.hop_phases import (
     begin_fall,
     begin_landing,
@@ -44,9 +44,9 @@ from pipeline.simulation.locomotion.pronking.hop_state import (
 )
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.hopper_fall import Fall, JointState
-from pipeline.simulation.locomotion.pronking.initial_stance import initial_state
 from pipeline.simulation.locomotion.pronking.jump_planner import find_crossing
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, moment
+from pipeline.simulation.locomotion.pronking.start_states import initial_state
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

@@ -267,7 +267,7 @@ class PlannedJump:
     Attributes:
         up: speed at lift-off [m/s].
         heading: of the body after landing [rad].
-        spot: (x, z) target of the middle of the feet [m]; None for straight on.
+        target: (x, z) that the middle of the feet lands at [m]; None for straight on.
         forward: horizontal speed of a jump straight on [m/s].
         is_last: whether it completes the order.
         fold_legs: whether the feet are drawn up as far as the legs fold.
@@ -275,7 +275,7 @@ class PlannedJump:
 
     up: float
     heading: float
-    spot: tuple[float, float] | None = None
+    target: tuple[float, float] | None = None
     forward: float = 0.0
     is_last: bool = True
     fold_legs: bool = False
@@ -371,7 +371,7 @@ def floor_height(hopper: Hopper, state: HopState) -> float:
     """Return the mean height of the footholds; 0 without any [m]."""
     if not state.down.any():
         return 0.0
-    return float((state.tips[:, 1] - hopper.sole_radii)[state.down].mean())
+    return float((state.tips[:, 1] - hopper.foot_radii)[state.down].mean())
 
 
 def available_force(hopper: Hopper, state: HopState) -> float:

@@ -90,7 +90,7 @@ class Hopper:
         rest_feet: (n, 3) feet at rest, in the frame of the body, at height 0 [m].
         leg_lengths: (n,) [m].
         folded_lengths: (n,) least distances from hip to foot [m].
-        sole_radii: (n,) [m].
+        foot_radii: (n,) [m].
         leg_masses: (n,) [kg].
         belly_points: (k, 3) points of the body that meet the ground first [m].
         standing_height: of the body above the ground [m].
@@ -115,7 +115,7 @@ class Hopper:
     rest_feet: Array
     leg_lengths: Array
     folded_lengths: Array
-    sole_radii: Array
+    foot_radii: Array
     leg_masses: Array
     belly_points: Array
     standing_height: float
@@ -151,7 +151,7 @@ class Hopper:
         """
         rest = self.rest_feet + np.array([ahead, 0.0, aside])
         return float(
-            _reach_heights(stretch * self.leg_lengths, self.hips, rest, self.sole_radii).min()
+            _reach_heights(stretch * self.leg_lengths, self.hips, rest, self.foot_radii).min()
         )
 
 
@@ -200,12 +200,12 @@ def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Arra
         raise SceneError([Problem(where, message)])
     masses = FigureMass(figure)
     mass = masses.at_rest
-    hips, lengths, soles = herd.hips[own], herd.legs.lengths[own], herd.sole[own]
+    hips, lengths, foot_radii = herd.hips[own], herd.legs.lengths[own], herd.foot_radius[own]
     rest = np.stack([herd.rest[own, 0], np.zeros(len(own)), herd.rest[own, 1]], axis=-1)
     leg_length = float(lengths.mean())
-    heights = _reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, soles)
+    heights = _reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, foot_radii)
     jump = resolve_jump(where, config, float(heights.min()))
-    lowest = _lowest_height(figure.belly, hips, rest, folds[own], soles)
+    lowest = _lowest_height(figure.belly, hips, rest, folds[own], foot_radii)
     standing = float(herd.body_height[c])
     crouch = _crouch_height(where, config, lowest, standing)
     weight = mass.mass * GRAVITY
@@ -224,7 +224,7 @@ def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Arra
         rest_feet=rest,
         leg_lengths=lengths,
         folded_lengths=folds[own],
-        sole_radii=soles,
+        foot_radii=foot_radii,
         leg_masses=np.array([masses.mass_of(limb.links) for limb in figure.skeleton.legs]),
         belly_points=extreme_points(figure.body.vertices, BELLY_DIRECTIONS),
         standing_height=standing,
@@ -274,16 +274,18 @@ def _crouch_height(where: str, config: Pronk, low: float, stand: float) -> float
     return config.crouch
 
 
-def _reach_heights(lengths: Array, hips: Array, rest: Array, soles: Array) -> Array:
+def _reach_heights(lengths: Array, hips: Array, rest: Array, foot_radii: Array) -> Array:
     """Return the heights (n,) from which legs of given lengths just reach the ground [m]."""
     across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
-    return np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + soles
+    return np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + foot_radii
 
 
-def _lowest_height(belly: float, hips: Array, rest: Array, folds: Array, soles: Array) -> float:
+def _lowest_height(
+    belly: float, hips: Array, rest: Array, folds: Array, foot_radii: Array
+) -> float:
     """Return the least body height with room for belly and knees [m]."""
     across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
-    folded = np.sqrt(np.maximum(folds**2 - across, 0.0)) - hips[:, 1] + soles
+    folded = np.sqrt(np.maximum(folds**2 - across, 0.0)) - hips[:, 1] + foot_radii
     return max(BELLY_CLEARANCE * belly, 1.03 * float(folded.max()))
 
 

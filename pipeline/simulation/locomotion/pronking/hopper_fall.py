@@ -23,7 +23,7 @@ from pipeline.simulation.locomotion.pronking.hopper import (
     Hopper,
     extreme_points,
 )
-from pipeline.simulation.spatial import Array, matrix, quaternion, turn, unturn
+from pipeline.simulation.spatial import Array, matrix, quaternion, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class RagdollFall:
             p=now.origin,
             q=np.array(state.attitude[0]),
             v=state.v + np.cross(w, now.origin - now.p),
-            w=unturn(now.R, w),
+            w=turn_inverse(now.R, w),
             joints=joints.q[bones.joints],
             speeds=self._calm(
                 joints.speeds, MAX_JOINT_SPEED * math.sqrt(GRAVITY / hopper.leg_length)
@@ -166,7 +166,7 @@ class RigidFall:
         """Start falling from the current state."""
         # Creatures that stay on their feet do not load the compiler of rigid bodies.
         from pipeline.simulation.dynamics.hull import hull_of
-        from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, unrotate
+        from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, rotate_inverse
         from pipeline.simulation.dynamics.rigid_body import State as Rigid
         from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 
@@ -174,7 +174,7 @@ class RigidFall:
         mass = replace(hopper.mass, centre=np.zeros(3))
         body = BodyModel(mass, hull, 0.0, BOUNCINESS, FRICTION, ROLLING)
         now = state.body(hopper)
-        w = unrotate(now.R, np.array(state.attitude[1]))
+        w = rotate_inverse(now.R, np.array(state.attitude[1]))
         q = quaternion(now.R[None])
         rigid = Rigid(now.p[None].copy(), q, state.v[None].copy(), w[None])
         self._bouncing = TerrainBodies(Bodies.of([body]), rigid, ground)

@@ -23,9 +23,9 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState
-from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.route import straight_route
-from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.locomotion.swing.swing_depenetration import LegSolver
+from pipeline.simulation.spatial import Array, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 MIN_ROW_FRACTION = 0.3
@@ -110,7 +110,7 @@ class HopperPoser:
         )
         down = np.stack([snapshot.down for snapshot in snapshots])
         limp = np.stack([snapshot.limp for snapshot in snapshots])
-        goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
+        goals = turn_inverse(R[:, herd.owner], tips - p[:, herd.owner])
         solution = self.leg_solver.solve(goals, R, p, down, limp[:, herd.owner])
         n, zeros = len(snapshots), np.zeros_like(phase)
         q = self.free_limb_motion.values(
@@ -142,7 +142,7 @@ class HopperPoser:
     def legs(self, snapshot: HopperSnapshot) -> Array:
         """Return the joint values (L, n) of the legs in a snapshot [rad or m]."""
         R, p, owner = snapshot.R[None], snapshot.p[None], self.herd.owner
-        goals = unturn(R[:, owner], snapshot.tips[None] - p[:, owner])
+        goals = turn_inverse(R[:, owner], snapshot.tips[None] - p[:, owner])
         limp = snapshot.limp[None][:, owner]
         return self.leg_solver.solve(goals, R, p, snapshot.down[None], limp).q[0]
 

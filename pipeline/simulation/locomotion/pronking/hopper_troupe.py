@@ -29,9 +29,10 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
     HopperSnapshot,
 )
 from pipeline.simulation.locomotion.pronking.jump_orders import Solids, apply_order, scripted_jump
+from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, TakeNote
-from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature, Pronk
 from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
 

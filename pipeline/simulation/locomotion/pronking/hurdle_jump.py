@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.foot_contact import flight_swing
+from pipeline.simulation.locomotion.pronking.hop_events import flight_swing
 from pipeline.simulation.locomotion.pronking.hop_state import HopState, PlannedJump, available_force
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.locomotion.pronking.jump_planner import (
@@ -32,30 +32,45 @@ from pipeline.simulation.terrain import Ground
 CLEARANCE = 0.08
 """Distance between a hurdle and all that passes over it, in leg lengths."""
 
-STANDOFFS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2)
-"""Extra distances before and behind a hurdle tried for take-off and landing, in leg lengths."""
 
-HEIGHT_HALVINGS, VAULT_ITERATIONS = 6, 4
-"""Halvings that find the lowest jump, and planning iterations of each."""
+@dataclass(frozen=True, slots=True)
+class VaultSearch:
+    """Constants of the search for the lowest jump over a hurdle, distances in leg lengths.
 
-MIN_HEIGHT, MAX_HEIGHT = 0.04, 3.0
-"""Range of jump heights that is searched, in leg lengths."""
+    Attributes:
+        standoffs: extra distances before and behind a hurdle tried for take-off and landing.
+        min_height, max_height: range of jump heights.
+        halvings: of that range.
+        plan_iterations: planning iterations of each jump.
+        phase_samples: points of each phase at which the clearance is checked.
+        max_overrun: how far a body may end up beyond its feet after a landing.
+    """
 
-MAX_OVERRUN = 0.12
-"""How far a body may end up beyond its feet after a landing, in leg lengths."""
+    standoffs: tuple[float, ...] = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2)
+    min_height: float = 0.04
+    max_height: float = 3.0
+    halvings: int = 6
+    plan_iterations: int = 4
+    phase_samples: int = 17
+    max_overrun: float = 0.12
 
-PHASE_SAMPLES = np.linspace(0.0, 1.0, 17)
-"""Fractions of each phase at which the clearance is checked."""
+
+@dataclass(frozen=True, slots=True)
+class ProfileSampling:
+    """Constants of the profile of a hurdle.
+
+    Attributes:
+        samples: number of samples along a profile.
+        decimals: of the distances along a profile: they keep upright sides upright.
+        empty_height: height outside of a solid [m].
+    """
+
+    samples: int = 49
+    decimals: int = 10
+    empty_height: float = -1e6
 
 
-PROFILE_SAMPLES = 49
-"""Number of samples along a profile."""
-
-PROFILE_DECIMALS = 10
-"""Decimals of the distances along a profile: they keep upright sides upright."""
-
-EMPTY_HEIGHT = -1e6
-"""Height outside of a solid [m]."""
+VAULT_SEARCH, PROFILE_SAMPLING = VaultSearch(), ProfileSampling()
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +103,7 @@ def plan_vault(
     ground: Ground,
     hurdle: HurdleProfile,
     heading: float,
-    landings: Sequence[float] = STANDOFFS,
+    landings: Sequence[float] = VAULT_SEARCH.standoffs,
 ) -> Vault | str:
     """Return the easiest jump over a hurdle, or the reason why there is none.
 
@@ -98,7 +113,7 @@ def plan_vault(
         ground: that it jumps from and to.
         hurdle: seen from the middle of the body.
         heading: of the jump [rad].
-        landings: extra distances behind the hurdle, see `STANDOFFS`.
+        landings: extra distances behind the hurdle, see `VaultSearch`.
     """
     middle = state.body(hopper).origin[[0, 2]]
     behind = hurdle.far + CLEARANCE * hopper.leg_length + _reach(hopper, -1.0)
@@ -128,7 +143,7 @@ def plan_take_off(
     """
     nearest = CLEARANCE * hopper.leg_length + front_reach(hopper)
     candidates, reason = list[tuple[float, Vault]](), "it is too high for its legs"
-    for extra in STANDOFFS:
+    for extra in VAULT_SEARCH.standoffs:
         distance = nearest + extra * hopper.leg_length
         state_there = shifted_state(
             hopper, state, ground, (hurdle.near - distance) * heading_vector(heading)
@@ -163,7 +178,7 @@ def _reach(hopper: Hopper, side: float) -> float:
 def _crouched_outline(hopper: Hopper) -> Array:
     """Return the outline points (k, 3) of the crouching creature, in its frame [m]."""
     feet = hopper.rest_feet.copy()
-    feet[:, 1] = hopper.sole_radii - hopper.crouch_height
+    feet[:, 1] = hopper.foot_radii - hopper.crouch_height
     return np.concatenate([hopper.outline.body, hopper.outline.legs(feet[None])[0]])
 
 
@@ -172,25 +187,27 @@ def _lowest_vault(
     state: HopState,
     ground: Ground,
     hurdle: HurdleProfile,
-    spot: tuple[float, float],
+    target: tuple[float, float],
     heading: float,
 ) -> Vault | str:
-    """Return the lowest jump to a spot that clears a hurdle, or the reason why there is none."""
+    """Return the lowest jump to a target that clears a hurdle, or the reason why there is none."""
 
     def jump(height: float) -> tuple[JumpPlan, PlannedJump]:
         up = math.sqrt(2.0 * GRAVITY * height)
-        planned = PlannedJump(up, heading, spot, fold_legs=True)
-        return plan_requested_jump(hopper, state, ground, planned, VAULT_ITERATIONS), planned
+        planned = PlannedJump(up, heading, target, fold_legs=True)
+        iterations = VAULT_SEARCH.plan_iterations
+        return plan_requested_jump(hopper, state, ground, planned, iterations), planned
 
     def clears(candidate: JumpPlan) -> bool:
         spare = _clearance(hopper, state, hurdle, candidate, heading)
         return spare >= 0.0 and not _is_overrunning(hopper, candidate)
 
-    low, high = MIN_HEIGHT * hopper.leg_length, MAX_HEIGHT * hopper.leg_length
+    low = VAULT_SEARCH.min_height * hopper.leg_length
+    high = VAULT_SEARCH.max_height * hopper.leg_length
     plan, planned = jump(high)
     if not clears(plan):
         return "it is too high or too long for its legs"
-    for _ in range(HEIGHT_HALVINGS):
+    for _ in range(VAULT_SEARCH.halvings):
         middle = math.sqrt(low * high)
         found = jump(middle)
         if not clears(found[0]):
@@ -216,16 +233,15 @@ def _clearance(
     now, R = state.body(hopper), rotation_matrix(plan.attitude)
     _, _, p1 = lift_off_point(hopper, state, plan.velocity)
     start, lift_off_origin = now.origin, p1 - R @ hopper.mass.centre
-    t = PHASE_SAMPLES[:, None] * plan.flight_time
+    moments = np.linspace(0.0, 1.0, VAULT_SEARCH.phase_samples)
+    t = moments[:, None] * plan.flight_time
     flight = lift_off_origin + t * plan.velocity
     flight[:, 1] -= 0.5 * GRAVITY * t[:, 0] ** 2
     landing_velocity = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
     # The constant accelerations of push and landing start and end at rest.
-    push_origins = start + PHASE_SAMPLES[:, None] ** 2 * (lift_off_origin - start)
+    push_origins = start + moments[:, None] ** 2 * (lift_off_origin - start)
     landing_travel = _landing_time(hopper, plan, landing_velocity) * landing_velocity
-    landing_origins = (
-        flight[-1] + (2.0 * PHASE_SAMPLES - PHASE_SAMPLES**2)[:, None] * 0.5 * landing_travel
-    )
+    landing_origins = flight[-1] + (2.0 * moments - moments**2)[:, None] * 0.5 * landing_travel
     origins = np.concatenate([push_origins, flight, landing_origins])
     planted_feet = np.where(state.down[:, None], state.tips, now.to_world(hopper.rest_feet))
     swing = flight_swing(
@@ -255,7 +271,7 @@ def _clearance(
 
 def _landing_time(hopper: Hopper, plan: JumpPlan, velocity: Array) -> float:
     """Return the duration of a landing [s]."""
-    height = float((hopper.sole_radii - plan.landing_feet[:, 1]).mean())
+    height = float((hopper.foot_radii - plan.landing_feet[:, 1]).mean())
     return (
         2.0
         * max(height - hopper.crouch_height, 0.05 * hopper.leg_length)
@@ -269,7 +285,7 @@ def _is_overrunning(hopper: Hopper, plan: JumpPlan) -> bool:
     v = plan.velocity[[0, 2]]
     ahead = np.linalg.norm((plan.landing_feet - hopper.rest_feet)[:, [0, 2]].mean(axis=0))
     travel = 0.5 * _landing_time(hopper, plan, landing_velocity) * float(np.hypot(*v))
-    return bool(travel - ahead > MAX_OVERRUN * hopper.leg_length)
+    return bool(travel - ahead > VAULT_SEARCH.max_overrun * hopper.leg_length)
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,7 +347,7 @@ def hurdle_profile(
         return None
     first = min(float(points[:, 0].min()) for points in outlines)
     last = max(float(points[:, 0].max()) for points in outlines)
-    along = np.linspace(first, last, PROFILE_SAMPLES)
+    along = np.linspace(first, last, PROFILE_SAMPLING.samples)
     tops = [_upper_hull(points, along) for points in outlines]
     return HurdleProfile(along, np.max(tops, axis=0))
 
@@ -351,7 +367,7 @@ def _clip_to_strip(corners: Array, place: Array, ahead: Array, right: Array, hal
         found.append(np.stack([s[a] + u * (s[b] - s[a]), y[a] + u * (y[b] - y[a])], axis=-1))
     result = np.concatenate(found)
     # Rounding must not tilt upright sides.
-    result[:, 0] = np.round(result[:, 0], PROFILE_DECIMALS)
+    result[:, 0] = np.round(result[:, 0], PROFILE_SAMPLING.decimals)
     return result
 
 
@@ -366,7 +382,8 @@ def _upper_hull(points: Array, along: Array) -> Array:
             upper.pop()
         upper.append(point)
     s, y = np.array(upper).T
-    return np.interp(along, s, y, left=EMPTY_HEIGHT, right=EMPTY_HEIGHT)
+    empty = PROFILE_SAMPLING.empty_height
+    return np.interp(along, s, y, left=empty, right=empty)
 
 
 def _turns_left(a: Array, b: Array, c: Array) -> bool:

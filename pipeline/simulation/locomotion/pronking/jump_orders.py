@@ -71,17 +71,17 @@ class JumpToPoint:
     """One jump to a place.
 
     Attributes:
-        spot: (x, z) [m].
+        target: (x, z) [m].
         jump: gives its height above the ground there.
     """
 
-    spot: tuple[float, float]
+    target: tuple[float, float]
     jump: Jump
 
     def next_jump(self, hopper: Hopper, state: HopState, ground: Ground) -> PlannedJump | str:
         """Return the jump."""
         return PlannedJump(
-            _upward_speed(state, ground, self.spot, self.jump), state.next_heading, self.spot
+            _upward_speed(state, ground, self.target, self.jump), state.next_heading, self.target
         )
 
 
@@ -111,17 +111,17 @@ class HopToPoint:
     """Jumps to a place; the last one lands on it.
 
     Attributes:
-        spot: (x, z) [m].
+        target: (x, z) [m].
         is_last: whether the order ends there.
     """
 
-    spot: tuple[float, float]
+    target: tuple[float, float]
     is_last: bool = True
 
     def next_jump(self, hopper: Hopper, state: HopState, ground: Ground) -> PlannedJump | str:
         """Return the next jump."""
         here = _feet_centre(hopper, state)
-        offset = np.array(self.spot) - here
+        offset = np.array(self.target) - here
         distance = float(np.hypot(*offset))
         if distance < ARRIVAL_DISTANCE * hopper.leg_length:
             return ""
@@ -225,9 +225,12 @@ def _feet_centre(hopper: Hopper, state: HopState) -> Array:
     return tips[:, [0, 2]].mean(axis=0) if len(tips) else state.body(hopper).origin[[0, 2]]
 
 
-def _upward_speed(state: HopState, ground: Ground, spot: tuple[float, float], jump: Jump) -> float:
+def _upward_speed(
+    state: HopState, ground: Ground, target: tuple[float, float], jump: Jump
+) -> float:
     """Return the speed of a jump that rises as high above its landing as above its start [m/s]."""
-    rise = max(float(ground.height(np.array(spot[0]), np.array(spot[1]))) - state.floor_height, 0.0)
+    height = float(ground.height(np.array(target[0]), np.array(target[1])))
+    rise = max(height - state.floor_height, 0.0)
     return Jump(0.0, jump.height + rise).up
 
 

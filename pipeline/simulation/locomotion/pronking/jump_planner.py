@@ -69,7 +69,7 @@ class JumpPlan:
         flight_time: [s].
         landing_feet: (n, 3) feet as held for the landing, in the frame of the body [m].
         attitude: of the body at the landing.
-        spot: (x, z) mean of the feet at the landing [m].
+        landing: (x, z) mean of the feet at the landing [m].
     """
 
     velocity: Array
@@ -77,7 +77,7 @@ class JumpPlan:
     flight_time: float
     landing_feet: Array
     attitude: Quaternion
-    spot: Array
+    landing: Array
 
 
 def plan_jump(hopper: Hopper, state: HopState, ground: Ground) -> tuple[JumpPlan, bool]:
@@ -87,10 +87,10 @@ def plan_jump(hopper: Hopper, state: HopState, ground: Ground) -> tuple[JumpPlan
         return plan_requested_jump(hopper, state, ground, queue.planned), True
     if config.land_at:
         k = min(queue.jumps_made, len(config.land_at) - 1)
-        spot = np.array(config.land_at[k], dtype=float)
-        up = _upward_speed(hopper, state, ground, spot)
-        return _jump_to_spot(
-            hopper, state, ground, spot, up, _landing_heading(hopper, state, spot)
+        target = np.array(config.land_at[k], dtype=float)
+        up = _upward_speed(hopper, state, ground, target)
+        return _jump_to_target(
+            hopper, state, ground, target, up, _landing_heading(hopper, state, target)
         ), True
     speed = queue.jump.forward
     plan = _jump_straight(hopper, state, ground, speed, state.travel_heading)
@@ -113,9 +113,11 @@ def plan_requested_jump(
     iterations: int = AIM_ITERATIONS,
 ) -> JumpPlan:
     """Return the plan of a scripted jump; few iterations give it approximately."""
-    if planned.spot is not None:
-        spot = np.array(planned.spot)
-        return _jump_to_spot(hopper, state, ground, spot, planned.up, planned.heading, iterations)
+    if planned.target is not None:
+        target = np.array(planned.target)
+        return _jump_to_target(
+            hopper, state, ground, target, planned.up, planned.heading, iterations
+        )
     x, z = planned.forward * np.array(
         [math.cos(state.travel_heading), -math.sin(state.travel_heading)]
     )
@@ -146,7 +148,7 @@ def _is_steppable(hopper: Hopper, ground: Ground, plan: JumpPlan) -> bool:
     """Return whether all feet land on steppable ground."""
     R = rotation_matrix(plan.attitude)
     feet = (plan.landing_feet - plan.landing_feet.mean(axis=0)) @ R.T
-    x, z = plan.spot[0] + feet[:, 0], plan.spot[1] + feet[:, 2]
+    x, z = plan.landing[0] + feet[:, 0], plan.landing[1] + feet[:, 2]
     around = LANDING_MARGIN * hopper.leg_length * LANDING_OFFSETS
     return bool(ground.steppable(x[:, None] + around[0], z[:, None] + around[1]).all())
 
@@ -159,50 +161,50 @@ def _jump_straight(
     return _jump_with_velocity(hopper, state, ground, v, state.next_heading)
 
 
-def _upward_speed(hopper: Hopper, state: HopState, ground: Ground, spot: Array) -> float:
-    """Return the upward speed of a jump to a spot (x, z) [m/s]."""
-    height = float(ground.height(spot[0], spot[1]))
+def _upward_speed(hopper: Hopper, state: HopState, ground: Ground, target: Array) -> float:
+    """Return the upward speed of a jump to a target (x, z) [m/s]."""
+    height = float(ground.height(target[0], target[1]))
     stands = state.p[1] - hopper.mass.centre[1] - hopper.crouch_height
-    # The apex is to be above the spot by the height of a jump.
+    # The apex is to be above the target by the height of a jump.
     return math.sqrt(2.0 * GRAVITY * (state.queue.jump.height + max(height - stands, 0.0)))
 
 
-def _jump_to_spot(
+def _jump_to_target(
     hopper: Hopper,
     state: HopState,
     ground: Ground,
-    spot: Array,
+    target: Array,
     up: float,
     heading: float,
     iterations: int = AIM_ITERATIONS,
 ) -> JumpPlan:
-    """Return the jump that lands at a spot (x, z)."""
-    height = float(ground.height(spot[0], spot[1]))
+    """Return the jump that lands at a target (x, z)."""
+    height = float(ground.height(target[0], target[1]))
     v = np.array([0.0, up, 0.0])
-    lean = leaning_attitude(hopper, ground, spot[0], spot[1], heading)
+    lean = leaning_attitude(hopper, ground, target[0], target[1], heading)
     R = rotation_matrix(lean)
     for _ in range(iterations):
         rise, _, p1 = lift_off_point(hopper, state, v)
         feet = landing_feet(
             hopper, R, v, up, _is_last_jump(hopper, state), _lift_off_height(hopper, state, rise)
         )
-        middle = R @ (feet - [0.0, 1.0, 0.0] * hopper.sole_radii[:, None]).mean(axis=0) - (
+        middle = R @ (feet - [0.0, 1.0, 0.0] * hopper.foot_radii[:, None]).mean(axis=0) - (
             R @ hopper.mass.centre
         )
         discriminant = up * up - 2.0 * GRAVITY * (height - middle[1] - p1[1])
         time = (up + math.sqrt(max(discriminant, 0.0))) / GRAVITY
         # A faster jump leaves later and lands farther ahead, which asks for a slower one: their
         # mean is closer than either.
-        x, z = (spot[0] - middle[0] - p1[0]) / time, (spot[1] - middle[2] - p1[2]) / time
+        x, z = (target[0] - middle[0] - p1[0]) / time, (target[1] - middle[2] - p1[2]) / time
         v = 0.5 * (v + np.array([x, up, z]))
-    return JumpPlan(v, rise, time, feet, lean, spot)
+    return JumpPlan(v, rise, time, feet, lean, target)
 
 
-def _landing_heading(hopper: Hopper, state: HopState, spot: Array) -> float:
-    """Return the heading after a landing: towards the next spot, or along the jump."""
-    spots, k = hopper.config.land_at, state.queue.jumps_made
-    here = spot if k + 1 < len(spots) else np.array([state.p[0], state.p[2]])
-    there = np.array(spots[k + 1], dtype=float) if k + 1 < len(spots) else spot
+def _landing_heading(hopper: Hopper, state: HopState, target: Array) -> float:
+    """Return the heading after a landing: towards the next target, or along the jump."""
+    targets, k = hopper.config.land_at, state.queue.jumps_made
+    here = target if k + 1 < len(targets) else np.array([state.p[0], state.p[2]])
+    there = np.array(targets[k + 1], dtype=float) if k + 1 < len(targets) else target
     step = there - here
     return (
         math.atan2(-step[1], step[0])
@@ -234,10 +236,11 @@ def _jump_with_velocity(
             _lift_off_height(hopper, state, rise),
         )
         feet = landing_feet(hopper, R, v, fall_speed, _is_last_jump(hopper, state), lift_height)
-        time, spot = _find_landing(hopper, ground, p1, v, R, feet)
+        time, landing = _find_landing(hopper, ground, p1, v, R, feet)
         # The last landing is computed with the attitude that its feet are held out for.
-        attitude = attitude if last else leaning_attitude(hopper, ground, spot[0], spot[1], heading)
-    return JumpPlan(v, rise, time, feet, attitude, spot)
+        if not last:
+            attitude = leaning_attitude(hopper, ground, landing[0], landing[1], heading)
+    return JumpPlan(v, rise, time, feet, attitude, landing)
 
 
 def _find_landing(
@@ -253,7 +256,7 @@ def _find_landing(
         t = times[:, None]
         x, z = tips[:, 0] + v[0] * t, tips[:, 2] + v[2] * t
         y = tips[:, 1] + v[1] * t - 0.5 * GRAVITY * t * t
-        return (y - hopper.sole_radii - ground.height(x, z)).mean(axis=-1)
+        return (y - hopper.foot_radii - ground.height(x, z)).mean(axis=-1)
 
     times = np.linspace(top, last, FALL_SAMPLES)
     below = gaps(times) <= 0.0
@@ -305,7 +308,7 @@ def landing_feet(
     )
     ahead, aside = time * x, time * z
     ends: Array = hopper.rest_feet + np.array([ahead, -height, aside])
-    ends[:, 1] += hopper.sole_radii
+    ends[:, 1] += hopper.foot_radii
     return ends
 
 

@@ -36,8 +36,8 @@ from pipeline.simulation.scalar_rotation import (
     quaternion_conjugate,
     quaternion_product,
     rotate,
+    rotate_inverse,
     to_rotation_vector,
-    unrotate,
 )
 from pipeline.simulation.spatial import Array
 
@@ -334,4 +334,4 @@ def _advanced(now: AttitudeState, rate: Quaternion, change: Vector, part: float)
 
 def _apply_tensor(R: Rows, tensor: Rows, v: Vector) -> Vector:
     """Return R I Rᵀ v."""
-    return rotate(R, rotate(tensor, unrotate(R, v)))
+    return rotate(R, rotate(tensor, rotate_inverse(R, v)))

@@ -24,7 +24,7 @@ from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.route import Route, heading_vector
-from pipeline.simulation.spatial import Array, heading, unturn
+from pipeline.simulation.spatial import Array, heading, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 # Fractions of the ground's slope along the route that a body takes on: one that lies between
@@ -177,7 +177,7 @@ class BodyTrajectory:
             phase: (N,) of their gaits.
             rest: (N, 3) relative to bodies that do not rock [m].
         """
-        return unturn(pitched_and_rolled(*self._rocking(creature, phase)), rest)
+        return turn_inverse(pitched_and_rolled(*self._rocking(creature, phase)), rest)
 
     def on_route(self, creature: NDArray[np.int64], distance: Array) -> tuple[Array, Array, Array]:
         """Return places (N, 2) [m], headings (N,) and banks on curves (N,) [rad].

@@ -262,7 +262,7 @@ def plan_route(member: Creature, footprint: Array, farthest: float) -> Route:
     points = [np.array(point) for point in walk.path if tuple(point) != tuple(start)]
     if not points:
         return straight_route(start, heading)
-    # Without a heading of its own a creature starts along its path.
+    # Without a given heading a creature starts along its path.
     first = heading if "heading_deg" in member.model_fields_set else None
     radius = float(np.hypot(*footprint))
     if walk.repeat == "once":

@@ -278,7 +278,7 @@ def update_limits(progress: RouteProgress) -> None:
     progress.limits = SpeedLimits(
         target=np.where(rests, 0.0, wanted),
         rise=dt / (RISE_CYCLES * cycle),
-        # A stop without foothold has a braking distance of its own.
+        # A stop without foothold has its own braking distance.
         fall=np.where(progress.halted, 1.0, dt / (FALL_CYCLES * cycle)),
         braking_distance=braking,
         curved=[c for c, route in enumerate(routes) if not route.goes_straight],

@@ -25,8 +25,8 @@ from pipeline.simulation.locomotion.routes.route_progress import (
 )
 from pipeline.simulation.spatial import Array
 
-# Speed fraction with which a creature sets out from rest, and cycles until it reaches all of it:
-# its feet are where they rest, not where they would be had it come walking.
+# Speed fraction at the start from rest, and cycles until full speed: the feet start from their
+# rest positions, not from those of a walk.
 START_SPEED_FRACTION, START_RAMP_CYCLES = 0.1, 2.0
 
 # Lag of the speed fraction that bodies show, applied twice, in cycles; and difference that does not
@@ -190,9 +190,9 @@ def _slope_fraction(progress: RouteProgress) -> Array:
 def braked_distance(distance: Array, left: float, braking: float) -> Array:
     """Return the distances (n,) of a body that brakes, from those of a steady body (n,) [m].
 
-    The speed fraction is the root of what is left over the braking distance, and a cycle's length
-    grows with the root of the speed fraction; so with w the steady distance since braking began
-    and b the braking distance,
+    The speed fraction is the root of the distance left over the braking distance, and a cycle's
+    length grows with the root of the speed fraction; so with w the steady distance since braking
+    began and b the braking distance,
 
         d left / dw = -(left / b)^(1/4),  left = b (1 - 3 w / 4 b)^(4/3).
 

@@ -48,8 +48,8 @@ TURN_RADIUS = 1.5
 # it.
 TURN_LEAD = 0.5
 
-# Least radius of an arc to a place, as a fraction of the turn radius: for what is nearer and to the
-# side, or behind, a creature comes to rest and turns in place.
+# Least radius of an arc to a place, as a fraction of the turn radius: for places that are
+# nearer and to the side, or behind, a creature comes to rest and turns in place.
 MIN_ARC = 0.65
 
 # Angle to the side within which a place counts as straight ahead.
@@ -226,5 +226,5 @@ def _angle_towards(way: Array, heading: float, radius: float) -> float:
     x, y, side = ahead, abs(left) - radius, math.copysign(1.0, left)
     beyond = math.sqrt(max(x * x + y * y - radius * radius, 0.0))
     on = math.atan2(y, x) + math.pi / 2.0 - math.atan2(beyond, radius)
-    # Rounding must not make a whole turn of what is straight ahead.
+    # Rounding must not make a whole turn towards a place straight ahead.
     return side * (max(on, 0.0) if on > -STRAIGHT_AHEAD else on + 2.0 * math.pi)

@@ -71,7 +71,7 @@ class Scuff:
 
 
 def scuff_in_swing(
-    ground: Ground, tips: Array, parts: Array, sole: float, low: float
+    ground: Ground, tips: Array, parts: Array, foot_radius: float, low: float
 ) -> Scuff | None:
     """Return where a foot scuffs the most, None if it stays clear of the ground.
 
@@ -79,12 +79,12 @@ def scuff_in_swing(
         ground: under the swing.
         tips: (n, 3) positions of its tip [m].
         parts: (n,) fractions of its swing.
-        sole: radius of the foot [m].
+        foot_radius: [m].
         low: distance from the ground within which it scuffs [m].
     """
     x, z = tips[:, 0], tips[:, 2]
     height, normals = ground.surface(x, z)
-    depth = low - ((tips[:, 1] - height) * normals[:, 1] - sole)
+    depth = low - ((tips[:, 1] - height) * normals[:, 1] - foot_radius)
     if (depth <= 0.0).all():
         return None
     slide = _tangential(np.gradient(tips, parts, axis=0), normals)
@@ -159,8 +159,8 @@ class ScuffDetector:
         if step_height >= MAX_SHUFFLE_HEIGHT * length:
             return
         tips = _path(start, end, height, MID_SWING, bend)
-        low, sole = SCUFF_DISTANCE * length, float(self.herd.sole[leg])
-        scuff = scuff_in_swing(self.ground, tips, MID_SWING, sole, low)
+        low, foot_radius = SCUFF_DISTANCE * length, float(self.herd.foot_radius[leg])
+        scuff = scuff_in_swing(self.ground, tips, MID_SWING, foot_radius, low)
         if scuff is not None:
             self._planned[leg] = scuff
             self.phase[leg] = timing.up + scuff.fraction * timing.swing

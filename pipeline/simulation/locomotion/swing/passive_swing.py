@@ -36,7 +36,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     clearance_height,
     fit_bend,
 )
-from pipeline.simulation.spatial import UP, Array, normalized, unturn
+from pipeline.simulation.spatial import UP, Array, normalized, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 # Part of the swing in which a leg may be free.
@@ -60,18 +60,18 @@ NUDGE, MAX_JUMP = 1e-3, 0.1
 
 
 def plan_passive_swing(
-    trial: SwingTrial, ground: Ground, sole: float, step_height: float
+    trial: SwingTrial, ground: Ground, foot_radius: float, step_height: float
 ) -> tuple[float, Array]:
     """Return height [m] and bend of a passive swing.
 
     Args:
         trial: the swing.
         ground: under it.
-        sole: radius of the foot [m].
+        foot_radius: [m].
         step_height: on level ground [m].
     """
     ends, plain = (trial.start, trial.end), np.zeros((POINTS, 3))
-    height = clearance_height(ground, *ends, sole, step_height)
+    height = clearance_height(ground, *ends, foot_radius, step_height)
     way = _level_way(trial)
     if np.linalg.norm(way) < MIN_WAY * float(trial.model.batch.lengths[0]):
         return height, plain
@@ -79,7 +79,7 @@ def plan_passive_swing(
     if not free:
         return height, plain
     bend = fit_bend((part[:: ROWS // PIECES] - ease(KNOTS))[:, None] * way)
-    higher = clearance_height(ground, *ends, sole, step_height, bend)
+    higher = clearance_height(ground, *ends, foot_radius, step_height, bend)
     # Legs that are spread wide fall over rather than swing: those are led.
     tips = np.stack([trial.tips(higher, bend), trial.tips(height, plain)], axis=1)
     by_itself, led = trial.powers(tips)[0][: free + 1].sum(axis=0)
@@ -161,7 +161,7 @@ def _near_row(trial: SwingTrial, height: float, row: int, σ: float) -> tuple[Ar
     across = normalized(ahead - (ahead @ leg) * leg)
     tips = tip + np.stack([0.0 * way, NUDGE * way, NUDGE * size * across])
     R = np.broadcast_to(trial.R_WB[row], (3, 3, 3))
-    q = trial.model.solve(unturn(R, tips - trial.p_WB[row]))[0]
+    q = trial.model.solve(turn_inverse(R, tips - trial.p_WB[row]))[0]
     return q[:2], (q[2] - q[0]) / NUDGE
 
 

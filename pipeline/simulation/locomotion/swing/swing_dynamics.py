@@ -26,7 +26,7 @@ from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.figures.rest_ik import solve_near_rest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import swing_positions
-from pipeline.simulation.spatial import Array, unturn
+from pipeline.simulation.spatial import Array, turn_inverse
 
 # Pieces of a swing.
 ROWS = 32
@@ -109,7 +109,7 @@ class SwingTrial:
         """
         R = np.broadcast_to(self.R_WB[:, None], (*tips.shape, 3))
         p = np.broadcast_to(self.p_WB[:, None], tips.shape)
-        q, missed = self.model.solve(unturn(R, tips - p))
+        q, missed = self.model.solve(turn_inverse(R, tips - p))
         return finite_difference_motion(q, R, p, self.dt), missed.max(axis=0)
 
     def load(self, motion: FigureMotion) -> JointLoad:

@@ -60,17 +60,17 @@ Planner = Callable[[SwingTrial, Ground, float, float], tuple[float, Array]]
 
 
 def plan_least_effort_swing(
-    trial: SwingTrial, ground: Ground, sole: float, step_height: float
+    trial: SwingTrial, ground: Ground, foot_radius: float, step_height: float
 ) -> tuple[float, Array]:
     """Return height [m] and bend of the swing that takes the least work.
 
     Args:
         trial: the swing.
         ground: under it.
-        sole: radius of the foot [m].
+        foot_radius: [m].
         step_height: of the plain swing on level ground [m].
     """
-    candidates = _Candidates(trial, ground, sole, step_height)
+    candidates = _Candidates(trial, ground, foot_radius, step_height)
     best, work = candidates.best([PLAIN, *(np.array(row) for row in itertools.product(*GRID))])
     step = FIRST_STEP
     for _ in range(REFINEMENTS):
@@ -89,7 +89,7 @@ class _Candidates:
 
     trial: SwingTrial
     ground: Ground
-    sole: float
+    foot_radius: float
     step_height: float
 
     def best(self, rows: list[Array]) -> tuple[tuple[Array, float, Array], float]:
@@ -113,15 +113,15 @@ class _Candidates:
         along = ease(_warped(KNOTS, hurry)) - ease(KNOTS)
         level = along[:, None] * (trial.end - trial.start)
         height = self._clearance(least, fit_bend(level))
-        arch = bump(_warped(KNOTS, early)) - bump(KNOTS)
-        bend = fit_bend(level + height * arch[:, None] * UP)
+        shift = bump(_warped(KNOTS, early)) - bump(KNOTS)
+        bend = fit_bend(level + height * shift[:, None] * UP)
         return max(height, self._clearance(least, bend)), bend
 
     def _clearance(self, least: float, bend: Array) -> float:
         ends = self.trial.start, self.trial.end
         # A lower arch clears the ground by no less than the plain one.
         margin = CLEARANCE * self.step_height
-        return clearance_height(self.ground, *ends, self.sole, least, bend, margin)
+        return clearance_height(self.ground, *ends, self.foot_radius, least, bend, margin)
 
 
 def _warped(s: Array, early: float) -> Array:
@@ -185,11 +185,14 @@ class SwingPlanner:
         """
         herd, owner = self.herd, int(self.herd.owner[request.leg])
         if owner not in self.kinds:
-            return hold.arch, np.zeros((POINTS, 3))
+            return hold.swing_height, np.zeros((POINTS, 3))
         # As in `pose_solver.total_lowering`, where each comes and goes.
         low = float((lowering[herd.owner == owner] ** 4).sum() ** 0.25)
-        trial, sole = self.trial(request, hold.tip, low), float(herd.sole[request.leg])
-        return PLANNERS[self.kinds[owner]](trial, self.ground, sole, step_height)
+        trial, foot_radius = (
+            self.trial(request, hold.tip, low),
+            float(herd.foot_radius[request.leg]),
+        )
+        return PLANNERS[self.kinds[owner]](trial, self.ground, foot_radius, step_height)
 
     def trial(self, request: StepRequest, end: Array, lowering: float) -> SwingTrial:
         """Return the trial of a swing to a tip (3,) below a body that is lowered [m]."""

@@ -97,8 +97,8 @@ def touchdown_speed(
 ) -> float:
     """Return the speed at which a foot comes down [m/s].
 
-    A planned foot comes to rest as it touches, as an animal's does; what is heard is the speed that
-    it loses within the last tenth of its swing.
+    A planned foot comes to rest as it touches, as an animal's does. The sound has the speed that
+    the foot loses within the last tenth of its swing.
 
     Args:
         start: (3,) tip at lift-off [m].
@@ -124,7 +124,7 @@ def clearance_height(
     ground: Ground,
     start: Array,
     end: Array,
-    sole: float,
+    foot_radius: float,
     least: float,
     bend: Array | None = None,
     margin: float | None = None,
@@ -135,22 +135,24 @@ def clearance_height(
         ground: under the swing.
         start: (3,) tip at lift-off [m].
         end: (3,) tip at touchdown [m].
-        sole: radius of the foot [m].
+        foot_radius: [m].
         least: step height on level ground [m].
         bend: of the swing (m, 3).
         margin: clearance under the top of the arch; `CLEARANCE` of `least` if None [m].
     """
     margin = CLEARANCE * least if margin is None else margin
-    rise, wall = _rise(ground, start, end, sole, bend, SAMPLES)
+    rise, wall = _rise(ground, start, end, foot_radius, bend, SAMPLES)
     highest = max(float((rise / bump(SAMPLES)).max()), wall)
     if wall > 0.0:
         # Between walls there may be more of them, and narrow ones.
-        rise, _ = _rise(ground, start, end, sole, bend, FINE_SAMPLES)
+        rise, _ = _rise(ground, start, end, foot_radius, bend, FINE_SAMPLES)
         highest = max(highest, float((rise / bump(FINE_SAMPLES)).max()))
     return max(highest + margin, least)
 
 
-def clearance_heights(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
+def clearance_heights(
+    ground: Ground, start: Array, end: Array, foot_radius: Array, least: Array
+) -> Array:
     """Return the heights of the arches (N,) with which plain swings clear the ground [m].
 
     Infinite where there are walls, which need `clearance_height`.
@@ -159,18 +161,21 @@ def clearance_heights(ground: Ground, start: Array, end: Array, sole: Array, lea
         ground: under the swings.
         start: (N, 3) tips at lift-off [m].
         end: (N, 3) tips at touchdown [m].
-        sole: (N,) radii of the feet [m].
+        foot_radius: (N,) [m].
         least: (N,) step heights on level ground [m].
     """
     path = start[:, None] + _EASE * (end - start)[:, None]
-    rise = lowest_center_height(ground, path[..., 0], path[..., 2], sole[:, None]) - path[..., 1]
-    arch = np.maximum((rise / _BUMP).max(axis=-1) + CLEARANCE * least, least)
-    has_walls = (np.abs(np.diff(rise, axis=1)) > sole[:, None]).any(axis=1)
-    return np.where(has_walls, np.inf, arch)
+    rise = (
+        lowest_center_height(ground, path[..., 0], path[..., 2], foot_radius[:, None])
+        - path[..., 1]
+    )
+    swing_height = np.maximum((rise / _BUMP).max(axis=-1) + CLEARANCE * least, least)
+    has_walls = (np.abs(np.diff(rise, axis=1)) > foot_radius[:, None]).any(axis=1)
+    return np.where(has_walls, np.inf, swing_height)
 
 
 def _rise(
-    ground: Ground, start: Array, end: Array, sole: float, bend: Array | None, s: Array
+    ground: Ground, start: Array, end: Array, foot_radius: float, bend: Array | None, s: Array
 ) -> tuple[Array, float]:
     """Return how far the ground rises above a path without arch, and the arch that clears walls.
 
@@ -184,23 +189,23 @@ def _rise(
     n = len(s)
     ends = np.tile(start, (n, 1)), np.tile(end, (n, 1))
     path = swing_positions(*ends, np.zeros(n), s, _repeated(bend, s))
-    rise = lowest_center_height(ground, path[:, 0], path[:, 2], sole) - path[:, 1]
-    walls = np.abs(rise[1:] - rise[:-1]) > sole
+    rise = lowest_center_height(ground, path[:, 0], path[:, 2], foot_radius) - path[:, 1]
+    walls = np.abs(rise[1:] - rise[:-1]) > foot_radius
     if not walls.any():
         return rise, 0.0
-    high, arch = np.maximum(rise[1:], rise[:-1]), bump(s)
-    return rise, max(float((high / np.minimum(arch[1:], arch[:-1]))[walls].max()), 0.0)
+    high, shape = np.maximum(rise[1:], rise[:-1]), bump(s)
+    return rise, max(float((high / np.minimum(shape[1:], shape[:-1]))[walls].max()), 0.0)
 
 
-def lowest_center_height(ground: Ground, x: Array, z: Array, sole: Array | float) -> Array:
+def lowest_center_height(ground: Ground, x: Array, z: Array, foot_radius: Array | float) -> Array:
     """Return the least heights (...) of a spherical foot's centre at x, z (...) [m].
 
     Args:
         ground: that the foot must not sink into.
         x: of the centre [m].
         z: of the centre [m].
-        sole: radius of the foot, or radii at all places [m].
+        foot_radius: of one foot, or at all places [m].
     """
-    radius = np.asarray(sole)[..., None]
+    radius = np.asarray(foot_radius)[..., None]
     around = ground.height(x[..., None] + radius * _OUT_X, z[..., None] + radius * _OUT_Z)
     return (around + radius * _DOWN).max(axis=-1)

@@ -1,0 +1,250 @@
+"""Walker troupe: the creatures that walk on legs.
+
+The phase of the gait grows, the body follows its route, and the feet step, see `step_sequencer`.
+The poses that join them are solved for many moments at once, when they are written, see
+`pose_solver`.
+
+Source: Sims 1987, ch. 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
+from pipeline.simulation.locomotion.body_motion.gaze import initial_look_targets
+from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
+from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
+from pipeline.simulation.locomotion.herd import build_herd
+from pipeline.simulation.locomotion.initial_stance import place_feet
+from pipeline.simulation.locomotion.inventory import (
+    NodeTable,
+    describe_herd,
+    legs_of,
+    mechanisms_of,
+)
+from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
+from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.route import plan_route
+from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
+from pipeline.simulation.locomotion.routes.speed_control import advance
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order
+from pipeline.simulation.locomotion.step_sequencer import (
+    StepSequencer,
+    phase_before_lift,
+    take_steps,
+)
+from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
+from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
+from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.row_slice import Rows
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import TakeNote
+from pipeline.simulation.troupe import Facts, Troupe, World
+from pipeline.spec.creature import Creature
+from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
+
+# Greatest factor on a creature's speed by a change of mood or speed, and by unknown orders.
+MAX_SPEEDUP, UNKNOWN_SPEEDUP = 2.0, 10.0
+
+
+class WalkerTroupe(Troupe):
+    """All creatures on legs: their state, and how it advances.
+
+    Attributes:
+        progress: on their routes.
+        sequencer: of their steps.
+        leaps: jumps of the creatures.
+    """
+
+    def __init__(
+        self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
+    ) -> None:
+        self.world = world
+        self.herd = herd = build_herd(cast, world.moods)
+        moods = MoodSchedule(cast, herd.neutral_paces, herd.leg_layouts, world.moods)
+        farthest = self._farthest(moods)
+        routes = [
+            plan_route(member, herd.footprint[c], float(farthest[c]))
+            for c, (_, member, _) in enumerate(cast)
+        ]
+        trajectory = BodyTrajectory(herd, world.ground, routes, PaceSchedule(herd))
+        trajectory.style = moods.style(0.0)
+        free_joints = collect_free_joints(herd, world.seed)
+        table = NodeTable.of(herd, free_joints)
+        self.authored_poses = AuthoredPoses(cast, herd, free_joints, world.seed)
+        self.pose_solver = PoseSolver(
+            herd, trajectory, free_joints, table, self.authored_poses, world.clock
+        )
+        self.inventory = describe_herd(herd, free_joints, table, materials, world.clock.rows)
+        self.step = 0
+        targets = initial_look_targets(herd, cast)
+        self.progress = start_progress(herd, trajectory, moods, world.clock.dt, targets)
+        swings = SwingPlanner.of(cast, self.progress, world.ground)
+        contacts = FootContacts(herd, world, self.authored_poses, materials)
+        self.sequencer = StepSequencer.of(world, self.progress, swings, contacts)
+        self.leaps = WalkerJumps(cast, world, self.progress, self.sequencer, materials)
+        self._order_notes: list[TakeNote] = []
+        self._pose_notes: list[TakeNote] = []
+        self._arrived: list[str] = []
+        self._buffered: list[HerdSnapshot] = []
+        place_feet(self.sequencer)
+        self._notes: list[TakeNote] = list(self.sequencer.notes)
+
+    @property
+    def travelled(self) -> Array:
+        """(C,) distance gone since the start [m]."""
+        return self.progress.distance
+
+    @property
+    def phase(self) -> Array:
+        """(C,) phases of the gaits, whole cycles counted."""
+        return self.progress.phase
+
+    @property
+    def halted(self) -> NDArray[np.bool_]:
+        """(C,) whether it found no foothold."""
+        return self.progress.halted
+
+    # --- the passes of the step -------------------------------------------------
+
+    def solids_needed(self, orders: Orders) -> Collection[str]:
+        """Return the names of performers that creatures are to jump over."""
+        return self.leaps.sought(orders)
+
+    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
+        """Take in the solids of these performers."""
+        self.leaps.see(solids)
+
+    def read(self, orders: Orders) -> None:
+        """Take in the orders from this step on."""
+        for name, given in orders.items():
+            if name not in self.herd.names:
+                continue
+            c = self.herd.names.index(name)
+            for order in given:
+                if self.leaps.take(self.step, c, order):
+                    continue
+                unable = apply_order(self.progress, c, order)
+                if c in self.progress.transition_ends:
+                    self.sequencer.feet.changing.add(c)
+                if unable is not None:
+                    self._order_notes.append(TakeNote("clamped", self.step, name, unable))
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        sequencer, progress = self.sequencer, self.progress
+        sequencer.contacts.contacts.clear()
+        sequencer.notes.clear()
+        phase_before = self.phase
+        progress.trajectory.style = progress.moods.style(progress.time)
+        arrived = self._advance_on_routes()
+        take_steps(sequencer, step, phase_before)
+        self.leaps.advance(step)
+        self._arrived = [name for name in arrived if not self.leaps.is_coming(name)]
+        self._arrived += self.leaps.arrived
+        self._notes = [*self._order_notes, *sequencer.notes, *self.leaps.notes]
+        self._order_notes = []
+        self.step = step + 1
+
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Refuse gaits that legs cannot do, and prepare jumps."""
+        if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
+            c = self.herd.names.index(instruction.who)
+            self.progress.moods.neutral_pace(c, instruction.do, f"{path}.do")
+        self.leaps.prepare(instruction, path)
+
+    def buffer_row(self) -> None:
+        """Keep the present state as the next row."""
+        progress, trajectory = self.progress, self.progress.trajectory
+        snapshot = HerdSnapshot(
+            self.step,
+            progress.sample,
+            progress.smoothed_fraction,
+            self.sequencer.feet.copied(),
+            trajectory.style,
+            trajectory.route_set,
+            self.leaps.routes(),
+            progress.look_targets,
+            self.leaps.aloft(self.step * self.world.clock.dt),
+        )
+        self._buffered.append(snapshot)
+
+    def write(self, rows: Rows) -> None:
+        """Write nodes and channels of all rows kept."""
+        trajectory, first = self.progress.trajectory, 0
+        present = trajectory.route_set
+        # With the routes of their time: a later one is the same so far but for the last bit, which
+        # may not depend on how many rows are written at once.
+        for trajectory.route_set, moments in groupby(self._buffered, key=lambda row: row.route_set):
+            poses = self.pose_solver.solve(list(moments))
+            here = slice(first, first + len(poses.positions))
+            rows.positions[here], rows.rotations[here] = poses.positions, poses.rotations
+            rows.values[here] = poses.values
+            self._pose_notes.extend(poses.notes)
+            first = here.stop
+        trajectory.route_set = present
+        rows.alive[:] = True
+        self._buffered.clear()
+
+    def facts(self) -> Facts:
+        """Return the contacts and notes of the last step."""
+        contacts = *self.sequencer.contacts.contacts, *self.leaps.contacts
+        # Rows may have been written before the step, too.
+        notes, self._pose_notes = (*self._notes, *self._pose_notes), []
+        return Facts(contacts, notes, tuple(self._arrived))
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Return the joints and masses of the creatures."""
+        return mechanisms_of(self.herd)
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of the creatures, with the stances planned so far."""
+        return legs_of(self.herd, self.progress.paces, self.phase)
+
+    # --- parts ------------------------------------------------------------------
+
+    def _farthest(self, moods: MoodSchedule) -> Array:
+        """Return bounds on the distances (C,) that creatures go in the film [m].
+
+        Raises:
+            SceneError: if the script asks for a gait that legs do not have.
+        """
+        herd, clock = self.herd, self.world.clock
+        stride, speed = herd.stride.copy(), herd.stride / herd.cycle
+        for i, instruction in enumerate(self.world.script):
+            if instruction.who not in herd.names:
+                continue
+            c, do = herd.names.index(instruction.who), instruction.do
+            if isinstance(do, ChangeGait):
+                pace = moods.neutral_pace(c, do, f"script[{i}].do")
+                stride[c] = max(stride[c], pace.stride)
+                speed[c] = max(speed[c], pace.stride / pace.cycle)
+            elif isinstance(do, SetSpeed | ChangeMood):
+                speed[c] *= MAX_SPEEDUP
+        if self.world.directed:
+            speed *= UNKNOWN_SPEEDUP
+        return speed * float(clock.time_of(clock.last_step)) + stride
+
+    def _advance_on_routes(self) -> list[str]:
+        """Advance on the routes; return the names of creatures that have come to their ends."""
+        progress, count = self.progress, len(self.herd.names)
+        if not progress.can_rest:
+            advance(progress, np.zeros(count, dtype=bool))
+            return []
+        before = progress.arrived
+        swinging = self.herd.owner[self.sequencer.feet.swinging]
+        advance(progress, np.bincount(swinging, minlength=count) > 0)
+        arrived = np.flatnonzero(progress.arrived & ~before).tolist()
+        for c in arrived:
+            closing = float(progress.closing_phase[c])
+            progress.closing_phase[c] = phase_before_lift(self.sequencer, c, closing)
+        return [self.herd.names[c] for c in arrived if not is_blocked(progress, c)]

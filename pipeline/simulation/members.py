@@ -1,0 +1,166 @@
+"""Members: where the members of the cast are, for whatever goes to, looks at or reaches for them.
+
+A member is known by its name, a part of it as `bug.head`, and a place of the scene by its name.
+States are those of the last row that was written, one row before the step that reads them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.obstacles import Obstacle
+from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.spatial import Array, matrix
+
+HEAD_PARTS = ("head",)
+"""Parts that are looked at, in the order of preference."""
+
+
+@dataclass(frozen=True, eq=False)
+class MemberState:
+    """Place and extent of a member, of a part of one, or of a place.
+
+    Attributes:
+        centre: (3,) middle of its bounding box [m].
+        face: (3,) where others look at it: its head, or else its centre [m].
+        v: (3,) velocity of its root [m/s].
+        low, high: (3,) corners of its bounding box [m].
+        radius: of the vertical cylinder around it [m].
+        solids: corners (n, 3) of its convex solids [m].
+        is_present: whether it exists now.
+    """
+
+    centre: Array
+    face: Array
+    v: Array
+    low: Array
+    high: Array
+    radius: float
+    solids: tuple[Array, ...] = ()
+    is_present: bool = True
+
+    @staticmethod
+    def of_place(place: Array) -> MemberState:
+        """Returns the state of a point (3,) that never moves [m]."""
+        return MemberState(place, place, np.zeros(3), place, place, 0.0)
+
+    def gap(self, other: MemberState) -> float:
+        """Returns the distance between the upright cylinders around two members [m]."""
+        dx, _, dz = self.centre - other.centre
+        level = max(float(np.hypot(dx, dz)) - self.radius - other.radius, 0.0)
+        rise = max(float(other.low[1] - self.high[1]), float(self.low[1] - other.high[1]), 0.0)
+        return float(np.hypot(level, rise))
+
+
+class Members:
+    """The states of all members in the last written row, computed where they are asked for.
+
+    Args:
+        recorder: the take under construction.
+        names: of all nodes and parts.
+        obstacles: computes the solids of all troupes.
+        places: named places (3,) of the scene [m].
+    """
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        names: NodeNames,
+        obstacles: Callable[[], Sequence[Obstacle]],
+        places: Mapping[str, Array],
+    ) -> None:
+        self._recorder, self._names, self._obstacles = recorder, names, obstacles
+        self._places = {name: MemberState.of_place(place) for name, place in places.items()}
+        self._row = 0
+        self._states: dict[str, MemberState] = {}
+        self._solids: dict[int, list[Obstacle]] | None = None
+        self._nodes: dict[str, list[int]] = {}
+
+    def update(self, row: int) -> None:
+        """Moves on to a written row."""
+        if row != self._row:
+            self._row = row
+            self._states.clear()
+
+    def state(self, name: str) -> MemberState:
+        """Returns the state of a member, a part of one as `bug.head`, or a place."""
+        if name in self._places:
+            return self._places[name]
+        if name not in self._states:
+            self._states[name] = self._measured(name)
+        return self._states[name]
+
+    def node(self, name: str) -> int:
+        """Returns the number of the root node of a member, or of the node of a part."""
+        found = self._names.find(name)
+        if isinstance(found, int):
+            return found
+        return self._nodes_of(name)[0]
+
+    def _measured(self, name: str) -> MemberState:
+        recorder, row, root = self._recorder, self._row, self.node(name)
+        nodes = self._nodes_of(name)
+        solids = tuple(
+            recorder.positions[row, node]
+            + self._scaled_corners(obstacle) @ matrix(recorder.quaternions[row, node]).T
+            for node in nodes
+            for obstacle in self._solids_by_node().get(node, ())
+            if recorder.alive[row, node]
+        )
+        points = np.concatenate(solids) if solids else recorder.positions[row, nodes]
+        low, high = points.min(axis=0), points.max(axis=0)
+        centre = 0.5 * (low + high)
+        offset = points[:, [0, 2]] - centre[[0, 2]]
+        return MemberState(
+            centre=centre,
+            face=self._face(name, centre),
+            v=self._velocity(root),
+            low=low,
+            high=high,
+            radius=float(np.hypot(offset[:, 0], offset[:, 1]).max()),
+            solids=solids,
+            is_present=bool(recorder.alive[row, root]),
+        )
+
+    def _face(self, name: str, centre: Array) -> Array:
+        for part in HEAD_PARTS:
+            found = self._names.find(f"{name}.{part}") if "." not in name else ""
+            if isinstance(found, int):
+                return self._recorder.positions[self._row, found]
+        return centre
+
+    def _velocity(self, node: int) -> Array:
+        recorder, row = self._recorder, self._row
+        if row == 0:
+            return np.zeros(3)
+        clock = recorder.clock
+        moved = recorder.positions[row, node] - recorder.positions[row - 1, node]
+        return moved / (clock.dt * (clock.steps // clock.samples))
+
+    def _nodes_of(self, name: str) -> list[int]:
+        """Returns the nodes of a member, or the one node of a part."""
+        if name not in self._nodes:
+            if "." in name:
+                self._nodes[name] = [self.node(name)]
+            else:
+                self._nodes[name] = [
+                    i for i, node in enumerate(self._recorder.nodes) if node.performer == name
+                ]
+        return self._nodes[name]
+
+    def _solids_by_node(self) -> dict[int, list[Obstacle]]:
+        if self._solids is None:
+            self._solids = {}
+            for obstacle in self._obstacles():
+                self._solids.setdefault(obstacle.node, []).append(obstacle)
+        return self._solids
+
+    def _scaled_corners(self, obstacle: Obstacle) -> Array:
+        recorder, node = self._recorder, obstacle.node
+        if node not in recorder.scaled:
+            return obstacle.corners
+        return obstacle.corners * recorder.scales[self._row, recorder.scaled.index(node)]

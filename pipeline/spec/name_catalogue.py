@@ -1,0 +1,249 @@
+"""Name catalogue: the names that authors may write, by kind, with a short description of each.
+
+All of it is read from registries, models, and the files of the library and of the author.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import get_args
+
+from audio.acoustic_materials import family_name
+from audio.config.sound import Room, RoomName
+from audio.general_midi import DRUMS, FAMILIES, FAMILY_SIZE, INSTRUMENTS, LOWEST_DRUM_KEY
+from audio.harmony import MODES
+from audio.room_acoustics import room_acoustics
+from pipeline.errors import UsageError
+from pipeline.spec import behaviour
+from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
+from pipeline.spec.mood import MOODS
+from pipeline.spec.order_support import orders_by_performer
+from pipeline.spec.scene_library import SUFFIX, files_beside, library, names_in, scenes_in
+from pipeline.spec.script import FORMS, PLAIN_ORDERS, flow_text
+from pipeline.spec.sound_thresholds import Detect
+from pipeline.spec.suggestions import hint
+from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS
+from pipeline.spec.walk import LEG_REQUIREMENTS, GaitName
+from render.config import LIGHTS, MATERIALS, Film, Light
+from render.config.film import Preset
+
+OWN_GROUP = "this folder"
+LIBRARY_GROUP = "library"
+
+HEAD_BYTES = 4096
+"""Of a file for its description: comments and title stand at the top."""
+
+SHOWN_OF_MATERIAL = ("metallic", "clearcoat", "sheen", "transmission", "glow")
+
+
+@dataclass(frozen=True, slots=True)
+class NameEntry:
+    """A name that authors may write.
+
+    Attributes:
+        name: as it is written.
+        text: short description.
+        group: of similar names, empty where the kind has no groups.
+    """
+
+    name: str
+    text: str
+    group: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NameKind:
+    """A kind of names.
+
+    Attributes:
+        text: where they are written.
+        entries: returns all of them, given the author's folder.
+    """
+
+    text: str
+    entries: Callable[[Path], Iterable[NameEntry]]
+
+
+def names_of(kind: str, folder: Path) -> list[NameEntry]:
+    """Return the names of a kind, those of a group together.
+
+    Args:
+        kind: a key of `NAME_KINDS`.
+        folder: of the author, whose own figures, dances and scenes are listed too.
+
+    Raises:
+        UsageError: there is no such kind.
+    """
+    if kind not in NAME_KINDS:
+        raise UsageError(f"nothing is listed as '{kind}', {hint(kind, NAME_KINDS)}")
+    entries = list(NAME_KINDS[kind].entries(folder))
+    groups = list(dict.fromkeys(entry.group for entry in entries))
+    return sorted(entries, key=lambda entry: groups.index(entry.group))
+
+
+def _figures(folder: Path) -> Iterator[NameEntry]:
+    return _entries(folder, FIGURE_BLOCK)
+
+
+def _dances(folder: Path) -> Iterator[NameEntry]:
+    return _entries(folder, DANCE_BLOCK)
+
+
+def _scenes(folder: Path) -> Iterator[NameEntry]:
+    shipped = {name: library() / (name + SUFFIX) for name in names_in(library())}
+    return _files({} if folder.resolve() == library() else scenes_in(folder), shipped)
+
+
+def _entries(folder: Path, block: LibraryBlock) -> Iterator[NameEntry]:
+    shelf = library() / block.block
+    shipped = {name: shelf / (name + SUFFIX) for name in names_in(shelf)}
+    return _files(files_beside(folder, block.block, block.key), shipped)
+
+
+def _files(own: Mapping[str, Path], shipped: Mapping[str, Path]) -> Iterator[NameEntry]:
+    """Yield the author's own files, and those of the library that they do not replace."""
+    known = {path.resolve() for path in shipped.values()}
+    for name, path in own.items():
+        if path.resolve() not in known:
+            yield NameEntry(name, _description(path), OWN_GROUP)
+    for name, path in shipped.items():
+        if name not in own or own[name].resolve() in known:
+            yield NameEntry(name, _description(path), LIBRARY_GROUP)
+
+
+def _description(path: Path) -> str:
+    """Return the first sentence of the comment at the top of a file, or else its title."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(HEAD_BYTES).decode("utf-8", "replace")
+    except OSError:
+        return ""
+    comment = re.match(r"\s*((?:#.*\n?)+)", head.removeprefix("\ufeff"))
+    if comment is not None:
+        text = " ".join(line.lstrip("# ").rstrip() for line in comment[1].splitlines())
+        return re.split(r"(?<=[.!?]) ", text.strip())[0]
+    title = re.search(r"^title:\s*(.+?)\s*$", head, re.MULTILINE)
+    return title[1].strip("'\"") if title else ""
+
+
+def _materials(_: Path) -> Iterator[NameEntry]:
+    for name, material in MATERIALS.items():
+        color = "#" + "".join(f"{round(255 * share):02x}" for share in material.color)
+        texture = [] if material.texture == "none" else [f"texture {material.texture}"]
+        shown = [
+            f"{key} {getattr(material, key):g}"
+            for key in SHOWN_OF_MATERIAL
+            if getattr(material, key)
+        ]
+        yield NameEntry(
+            name, ", ".join([color, *texture, *shown]), f"sounds like {family_name(name)}"
+        )
+
+
+def _terrains(_: Path) -> Iterator[NameEntry]:
+    for name, preset in TERRAIN_PRESETS.items():
+        kind = preset["kind"]
+        changes = _values({key: value for key, value in preset.items() if key != "kind"})
+        text = f"{kind} with {changes}" if changes else _sentence(TERRAIN_KINDS[kind])
+        yield NameEntry(name, text, "by name")
+    for kind, model in TERRAIN_KINDS.items():
+        if kind not in TERRAIN_PRESETS:
+            yield NameEntry(kind, _sentence(model), "as {kind: ..., and more keys}")
+
+
+def _lights(_: Path) -> Iterator[NameEntry]:
+    return (NameEntry(name, _values(Light.presets[name])) for name in LIGHTS)
+
+
+def _presets(_: Path) -> Iterator[NameEntry]:
+    for name in get_args(Preset):
+        film = Film(preset=name).resolved()
+        width, height = film.size
+        text = f"{width} x {height}, {film.samples} rays per pixel, {film.codec}"
+        yield NameEntry(name, text)
+
+
+def _gaits(_: Path) -> Iterator[NameEntry]:
+    for name in get_args(GaitName):
+        legs = LEG_REQUIREMENTS.get(name)
+        yield NameEntry(name, f"Needs {legs}." if legs else "For any legs.")
+
+
+def _moods(_: Path) -> Iterator[NameEntry]:
+    return (NameEntry(name, _values(mood)) for name, mood in MOODS.items())
+
+
+def _verbs(_: Path) -> Iterator[NameEntry]:
+    orders = orders_by_performer()
+    for name in dict.fromkeys((*PLAIN_ORDERS, *FORMS)):
+        texts = [_sentence(FORMS[name])] if name in FORMS else []
+        if name in PLAIN_ORDERS:
+            texts.append(f"Alone: {PLAIN_ORDERS[name]}" if texts else PLAIN_ORDERS[name])
+        performers = [performer for performer, can in orders.items() if name in can]
+        yield NameEntry(name, " ".join(texts), ", ".join(performers))
+
+
+def _behaviours(_: Path) -> Iterator[NameEntry]:
+    for name in behaviour.NAMES:
+        form = behaviour.FORMS.get(name)
+        yield NameEntry(name, _sentence(form) if form else behaviour.WITHDRAWAL_TEXT)
+
+
+def _instruments(_: Path) -> Iterator[NameEntry]:
+    for program, name in enumerate(INSTRUMENTS):
+        yield NameEntry(name, f"program {program + 1}", FAMILIES[program // FAMILY_SIZE])
+
+
+def _drums(_: Path) -> Iterator[NameEntry]:
+    return (NameEntry(name, f"key {key}") for key, name in enumerate(DRUMS, LOWEST_DRUM_KEY))
+
+
+def _scales(_: Path) -> Iterator[NameEntry]:
+    for name, steps in MODES.items():
+        yield NameEntry(name, f"{' '.join(map(str, steps))} semitones above the root")
+
+
+def _causes(_: Path) -> Iterator[NameEntry]:
+    for name, field in Detect.model_fields.items():
+        assert isinstance(field.annotation, type)
+        yield NameEntry(name, _sentence(field.annotation))
+
+
+def _rooms(_: Path) -> Iterator[NameEntry]:
+    for name in get_args(RoomName):
+        room = room_acoustics(Room(preset=name))
+        size = " x ".join(f"{length:g}" for length in room.size) + " m" if room.size else "outdoors"
+        yield NameEntry(name, f"{size}, reverberates for {room.seconds:g} s")
+
+
+def _sentence(model: type) -> str:
+    """Return the first line of the docstring of a model."""
+    return (model.__doc__ or "").strip().split("\n")[0]
+
+
+def _values(block: Mapping[str, object]) -> str:
+    return ", ".join(f"{key} {flow_text(value)}" for key, value in block.items())
+
+
+NAME_KINDS: Mapping[str, NameKind] = {
+    "figures": NameKind("`figure:` of the cast, and `pronk figure`", _figures),
+    "dances": NameKind("`dance:` of dancers and of their orders", _dances),
+    "scenes": NameKind("what commands take", _scenes),
+    "materials": NameKind("`material:`, by what they sound like", _materials),
+    "terrains": NameKind("`terrain:`", _terrains),
+    "lights": NameKind("`light:`", _lights),
+    "presets": NameKind("`film.preset`, and `--preset`", _presets),
+    "gaits": NameKind("`gait:` of walks and orders", _gaits),
+    "moods": NameKind("`mood:` of creatures and orders", _moods),
+    "verbs": NameKind("`do:` of the script, by who can", _verbs),
+    "behaviours": NameKind("`behaviours:` of characters, and `urge:`", _behaviours),
+    "instruments": NameKind("`instrument:` of voices, by family", _instruments),
+    "drums": NameKind("`drum:` of voices", _drums),
+    "scales": NameKind("`scale:` of the sound, after a root as in `C minor`", _scales),
+    "causes": NameKind("`cause:` of voices, and keys of `detect:`", _causes),
+    "rooms": NameKind("`room:` of the sound", _rooms),
+}
+"""Kinds of names, by what `pronk list` calls them."""

@@ -1,0 +1,229 @@
+"""Interrupted runs: resumed after any interruption they make the same film."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import random
+import shutil
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from pipeline.production.run.outputs import Outputs, opened
+
+if TYPE_CHECKING:
+    from tests.production.conftest import Running, Studio
+
+Start = Callable[..., "Running"]
+
+
+def _assert_complete(studio: Studio, film: Studio) -> None:
+    """Check that a film is there, byte for byte, and nothing else."""
+    assert studio.contents() == film.contents()
+
+
+def _copy_without_outputs(film: Studio, place: Path) -> Studio:
+    studio = film.copied(place)
+    shutil.rmtree(studio.made)
+    return studio
+
+
+def _wait_for(studio: Studio, wanted: Callable[[], bool], running: Running) -> None:
+    """Wait until a file exists or the run has ended."""
+    while running.process.poll() is None and not wanted():
+        time.sleep(0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.nightly)])
+def test_an_interrupted_run_can_be_resumed(
+    film: Studio, tmp_path: Path, start: Start, jobs: int
+) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
+    running = start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder)
+    _wait_for(studio, studio.frame(1).exists, running)
+    running.interrupt()
+    code, out, err = running.end()
+    assert (code, out) == (130, "")
+    assert "Traceback" not in err
+    assert err.rstrip().endswith("stopped; the same command goes on where it was")
+    assert not (studio.made / "tiny.mp4").exists()
+    assert start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder).end()[0] == 0
+    _assert_complete(studio, film)
+
+
+@pytest.mark.slow
+def test_an_interrupt_at_any_moment_gives_no_traceback(
+    film: Studio, tmp_path: Path, start: Start
+) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
+    for delay in (0.4, 0.8, 1.2, 1.6, 2.0, 2.6, 3.2):
+        running = start("render", "tiny", "--jobs", "2", cwd=studio.folder)
+        time.sleep(delay)
+        running.interrupt()
+        code, _, err = running.end()
+        assert "Traceback" not in err, delay
+        assert code in (0, 130), delay
+
+
+def _kill_repeatedly(
+    film: Studio, place: Path, start: Start, times: int, jobs: int, seed: int
+) -> None:
+    """Kill runs at random moments spread over the length of a run, then let one finish."""
+    studio = _copy_without_outputs(film, place)
+    began = time.monotonic()
+    arguments = ("render", "tiny", "--jobs", str(jobs))
+    assert start(*arguments, cwd=studio.folder).end()[0] == 0
+    length = time.monotonic() - began
+    _assert_complete(studio, film)
+    shutil.rmtree(studio.made)
+    delays = random.Random(seed)
+    killed = 0
+    for i in range(times):
+        running = start(*arguments, cwd=studio.folder)
+        time.sleep(length * (i + delays.random()) / times)
+        killed += running.process.poll() is None
+        running.kill()
+        running.end()
+        if i % 3 == 2:
+            # Else the later moments would find nothing left to do.
+            shutil.rmtree(studio.made / "frames", ignore_errors=True)
+            (studio.made / "tiny.mp4").unlink(missing_ok=True)
+    assert killed >= times // 2
+    code, _, err = start(*arguments, cwd=studio.folder).end()
+    assert (code, "Traceback" in err) == (0, False)
+    _assert_complete(studio, film)
+
+
+@pytest.mark.nightly
+def test_a_film_is_equal_after_three_killed_runs(
+    film: Studio, tmp_path: Path, start: Start
+) -> None:
+    _kill_repeatedly(film, tmp_path / "studio", start, 3, 1, seed=1)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("jobs", "seed"), [(1, 2), (2, 3)])
+def test_a_film_is_equal_after_ten_killed_runs(
+    film: Studio, tmp_path: Path, start: Start, jobs: int, seed: int
+) -> None:
+    _kill_repeatedly(film, tmp_path / "studio", start, 10, jobs, seed)
+
+
+@pytest.mark.nightly
+def test_workers_end_with_a_killed_run(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
+    sets = ("--set", "frames=200", "--jobs", "2")
+    running = start("render", "tiny", *sets, cwd=studio.folder)
+    _wait_for(studio, studio.frame(1).exists, running)
+    running.kill()
+    seen = len(list((studio.made / "frames").iterdir()))
+    # The pipes close when the last process that holds them has ended.
+    running.end()
+    # Each of the two may have been about to rename one and to write another.
+    assert len(list((studio.made / "frames").iterdir())) <= seen + 4
+    assert seen < 100
+
+
+@pytest.mark.nightly
+def test_a_killed_worker_ends_the_run(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
+    running = start("render", "tiny", "--set", "frames=200", "--jobs", "2", cwd=studio.folder)
+    _wait_for(studio, studio.frame(1).exists, running)
+    children = Path(f"/proc/{running.process.pid}/task/{running.process.pid}/children")
+    for child in children.read_text().split():
+        command = Path(f"/proc/{child}/cmdline").read_bytes()
+        if b"spawn_main" in command:
+            os.kill(int(child), signal.SIGKILL)
+            break
+    code, out, err = running.end()
+    assert (code, out) == (4, "")
+    assert err.splitlines()[-1] == (
+        "error: a process that rendered has died; if memory was short, try fewer --jobs"
+    )
+    assert "Traceback" not in err
+
+
+LEFT = [
+    "frames/.0003.4711.png",
+    ".tiny.4711.mp4",
+    ".tiny_1-3.4711.mp4",
+    ".tiny.mid.x4k2_9ab",
+    ".tiny.wav.x4k2_9ab",
+    ".events.jsonl.x4k2_9ab",
+    ".manifest.json.x4k2_9ab",
+    ".take.zarr.partial/zarr.json",
+    ".take.zarr.old.partial/positions/zarr.json",
+]
+
+
+def test_unfinished_files_of_a_killed_run_are_removed(studio: Studio, film: Studio) -> None:
+    for name in LEFT:
+        (studio.made / name).parent.mkdir(parents=True, exist_ok=True)
+        (studio.made / name).write_bytes(b"torn")
+    studio.render()
+    _assert_complete(studio, film)
+
+
+@pytest.mark.parametrize("name", ["l", "lock", "take", "x" * 80])
+def test_other_files_are_kept(tmp_path: Path, name: str) -> None:
+    outputs = Outputs(tmp_path / name, name)
+    kept = [".lock", ".git", ".notes.txt", "take.txt", f"{name}.mid", "frames/0001.png"]
+    outputs.frames.mkdir(parents=True)
+    for each in kept:
+        (outputs.folder / each).write_bytes(b"mine")
+    with opened(outputs):
+        pass
+    assert [(outputs.folder / each).read_bytes() for each in kept] == [b"mine"] * len(kept)
+
+
+@pytest.fixture
+def occupied(studio: Studio) -> Iterator[Studio]:
+    """Keep the folder of the outputs as a run at work does."""
+    with (studio.made / ".lock").open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield studio
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("render",), ("simulate",), ("midi",), ("frame", "2"), ("sheet",)],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_second_run_in_the_same_folder_is_refused(
+    occupied: Studio, pronk: Callable[..., tuple[int, str, str]], arguments: tuple[str, ...]
+) -> None:
+    before = occupied.state()
+    command, *more = arguments
+    code, out, err = pronk(command, "tiny", *more, "--set", "seed=9", cwd=occupied.folder)
+    assert (code, out) == (4, "")
+    assert err.splitlines() == ["error: out/tiny: another run is at work here; wait for its end"]
+    assert occupied.changes(before) == set()
+
+
+@pytest.mark.nightly
+def test_one_of_two_simultaneous_runs_makes_the_film(
+    film: Studio, tmp_path: Path, start: Start
+) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
+    both = [start("render", "tiny", cwd=studio.folder) for _ in range(2)]
+    ends = [running.end() for running in both]
+    assert sorted(code for code, _, _ in ends) == [0, 4]
+    refused = next(err for code, _, err in ends if code == 4)
+    assert refused.splitlines() == [
+        "error: out/tiny: another run is at work here; wait for its end"
+    ]
+    _assert_complete(studio, film)
+
+
+@pytest.mark.slow
+def test_two_processes_render_the_same_bytes_as_one(studio: Studio, film: Studio) -> None:
+    shutil.rmtree(studio.made / "frames")
+    (studio.made / "tiny.mp4").unlink()
+    studio.render(jobs=2)
+    _assert_complete(studio, film)

@@ -1,0 +1,244 @@
+"""Posed joints, limbs and bodies, over walking and standing."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.pose_plan import PartNames
+from pipeline.simulation.keyframe_track import rotation_from_angles
+from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array, heading, matrix, turn
+from pipeline.simulation.take import Take
+from tests.simulation.conftest import scene_of
+
+ROW = 1 / 96
+
+
+class Posed:
+    """A take of one creature with its parts by name."""
+
+    def __init__(self, member: str, duration: float = 2) -> None:
+        simulation = Simulation(scene_of(member, duration=duration))
+        while not simulation.finished:
+            simulation.step()
+        self.take: Take = simulation.take()
+        troupe = simulation.troupes[0]
+        assert isinstance(troupe, WalkerTroupe)
+        self.figure: Figure = troupe.herd.figures[0]
+        self.height = float(troupe.herd.body_height[0])
+        self.names = PartNames(self.figure)
+
+    def link(self, node: str) -> tuple[Array, Array, Array]:
+        """Return R_WB (K, 3, 3) of the link that ends at a node, its end (K, 3), and its ends."""
+        limb, number = self.names.nodes[node]
+        link = self.figure.skeleton.limbs[limb].links[number]
+        R, p = matrix(self.take.rotations[:, link]), self.take.positions[:, link]
+        ends = self.figure.skeleton.links[link].ends
+        return R, p + turn(R, ends[1] - ends[0]), ends
+
+    def place(self, node: str) -> Array:
+        """Return where a node is (K, 3) [m]."""
+        return self.link(node)[1]
+
+    def joint(self, name: str) -> Array:
+        """Return the values (K,) of a joint [degrees]."""
+        limb, column = self.names.joints[name]
+        joint = self.figure.skeleton.limbs[limb].joints[column]
+        channel = f"{self.take.parts[0].performer}.{self.figure.skeleton.joint_names[joint]}"
+        i = [c.name for c in self.take.channels].index(channel)
+        return np.degrees(self.take.values[:, i])
+
+    @property
+    def body(self) -> tuple[Array, Array]:
+        """R_WB (K, 3, 3) and p_WB (K, 3)."""
+        return matrix(self.take.rotations[:, 0]), self.take.positions[:, 0]
+
+    def fastest(self) -> float:
+        """Return the greatest speed of a joint [rad/s]."""
+        moves = [i for i, c in enumerate(self.take.channels) if c.unit == "rad"]
+        return float(np.abs(np.diff(self.take.values[:, moves], axis=0)).max() / ROW)
+
+
+@cache
+def person(pose: str, more: str = "at: [0, 0]") -> Posed:
+    return Posed(f"{{figure: person, name: p, {more}, pose: [{pose}]}}")
+
+
+@cache
+def plain(more: str = "at: [0, 0]") -> Posed:
+    return Posed(f"{{figure: person, name: p, {more}}}")
+
+
+WALKING = "at: [0.5, -1], heading_deg: 30, walk: {}"
+
+
+def test_joint_reaches_its_value_and_returns() -> None:
+    keys = (
+        "{at: 0.75, joints: {elbow_r_deg: 90}}, {at: 1, joints: {elbow_r_deg: 60}},"
+        " {at: 1.4, release: elbow_r_deg}"
+    )
+    posed, itself = person(keys, WALKING), plain(WALKING)
+    elbow, own = posed.joint("elbow_r_deg"), itself.joint("elbow_r_deg")
+    before, after = int(0.25 / ROW), int(np.ceil(1.9 / ROW))
+    np.testing.assert_array_equal(elbow[:before], own[:before])
+    np.testing.assert_allclose(elbow[after:], own[after:], atol=1e-12)
+    assert elbow[72] == pytest.approx(90, abs=1e-9)
+    assert elbow[96] == pytest.approx(60, abs=1e-9)
+    # Nothing else is touched: neither the other arm nor the walk.
+    np.testing.assert_array_equal(posed.joint("elbow_l_deg"), itself.joint("elbow_l_deg"))
+    np.testing.assert_allclose(posed.place("toe_r"), itself.place("toe_r"), rtol=0, atol=1e-12)
+
+
+FRAMES = {"feet": [0.3, 1.3, 0.35], "body": [0.3, 0.4, 0.35], "world": [1.0, 1.3, -1.5]}
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+def test_hand_reaches_its_place_in_every_frame(frame: str) -> None:
+    goal = np.array(FRAMES[frame])
+    asked = f"limb: arm_r, frame: {frame}, reach: {goal.tolist()}"
+    posed = person(f"{{at: 0.5, {asked}}}, {{at: 0.8, {asked}}}", WALKING)
+    R, p = posed.body
+    if frame == "body":
+        goal = p + turn(R, goal)
+    elif frame == "feet":
+        goal = p - [0, posed.height, 0] + heading(np.radians(30)) @ goal
+    first = round(0.5 / ROW)
+    last = first + 25 if frame == "world" else len(p)
+    gap = np.linalg.norm(posed.place("hand_r") - goal, axis=1)[first:last]
+    assert gap.max() < 1e-4
+    assert bool(posed.take.notes) == (frame == "world")
+    assert posed.fastest() < 14.001
+
+
+@pytest.mark.nightly
+def test_elbow_has_priority_over_hand() -> None:
+    # An elbow is as far from its shoulder as the arm is long.
+    itself = plain()
+    limb = itself.figure.skeleton.limbs[itself.names.limbs["arm_r"]]
+    shoulder = turn(itself.body[0][0], itself.figure.skeleton.places[limb.joints[0]])
+    upper = itself.figure.skeleton.links[limb.links[0]].ends
+    ahead = np.array([0.64, -0.6, 0.48]) * np.linalg.norm(upper[1] - upper[0])
+    goal = shoulder + np.array([0, itself.height, 0]) + ahead
+    elbow = f"{{at: 0, node: elbow_r, reach: {goal.tolist()}}}"
+    hand = "{at: 0, limb: arm_r, reach: [-0.2, 1.7, 0.3], priority: 2}"
+    both, alone = person(f"{elbow}, {hand}"), person(elbow)
+    origin = both.body[1] - [0, both.height, 0]
+    assert np.linalg.norm(both.place("elbow_r") - origin - goal, axis=1).max() < 1e-4
+    # The hand is nearer to its goal than without one, and points at it from the elbow.
+    wanted = origin + np.array([-0.2, 1.7, 0.3])
+    gap = [np.linalg.norm(one.place("hand_r") - wanted, axis=1)[-1] for one in (both, alone)]
+    assert gap[0] < gap[1] - 0.05
+
+
+def test_weights_share_the_error_within_a_priority() -> None:
+    near, far = "[0.1, 1.0, 0.4]", "[0.1, 1.6, 0.4]"
+    even = f"{{at: 0, limb: arm_r, reach: {near}}}, {{at: 0, node: wrist_r, reach: {far}}}"
+    heavy = even.replace(f"wrist_r, reach: {far}", f"wrist_r, reach: {far}, weight: 20")
+    gaps = []
+    for keys in (even, heavy):
+        posed = person(keys)
+        goal = posed.body[1] - [0, posed.height, 0] + [0.1, 1.6, 0.4]
+        gaps.append(np.linalg.norm(posed.place("wrist_r") - goal, axis=1)[-1])
+    assert gaps[1] < 0.5 * gaps[0]
+
+
+def test_aim_and_turn_orient_the_link() -> None:
+    keys = "{at: 0, limb: arm_m, reach: [0.8, 0.4, 0.5], aim: [0, -1, 0]}"
+    arm = Posed(f"{{figure: robot_arm, at: [0, 0], pose: [{keys}]}}")
+    R, place, ends = arm.link("hand")
+    along = turn(R, (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0]))
+    np.testing.assert_allclose(along[-1], [0, -1, 0], atol=1e-4)
+    np.testing.assert_allclose(
+        place[-1] - arm.body[1][-1] + [0, arm.height, 0], [0.8, 0.4, 0.5], atol=1e-4
+    )
+    turn_keys = "{at: 0, node: elbow_r, frame: body, turn_deg: [10, 20, 70]}"
+    R, _, _ = person(turn_keys).link("elbow_r")
+    R_WB, _ = person(turn_keys).body
+    asked = R_WB[-1] @ rotation_from_angles(np.radians([10.0, 20.0, 70.0]))
+    np.testing.assert_allclose(R[-1], asked, atol=1e-3)
+
+
+def test_moved_body_keeps_its_feet() -> None:
+    keys = "{at: 0.2, body: {move: [0, 0, 0]}}, {at: 1, body: {move: [-0.3, -0.38, 0]}}"
+    posed, itself = person(keys), plain()
+    down = posed.body[1] - itself.body[1]
+    np.testing.assert_allclose(down[96:], np.tile([-0.3, -0.38, 0.0], (97, 1)), atol=1e-6)
+    for toe in ("toe_l", "toe_r"):
+        assert np.linalg.norm(posed.place(toe) - itself.place(toe), axis=1).max() < 1e-4
+    assert posed.fastest() < 8
+
+
+def test_posed_foot_makes_no_footfall() -> None:
+    member = "{{figure: beetle, name: b, at: [0, 0], walk: {{}}, pose: [{}]}}"
+    lifted = Posed(member.format("{at: 0, limb: l1, frame: body, reach: [0.9, 0.2, -1.2]}"))
+    feet = {contact.part for contact in lifted.take.contacts}
+    assert "b.l1" not in feet
+    assert {"b.l2", "b.l3", "b.r1", "b.r2", "b.r3"} <= feet
+
+
+def test_limb_on_a_moving_limb_keeps_its_goal() -> None:
+    keys = (
+        "{at: 0, joints: {thorax_yaw_deg: -20}}, {at: 1.5, joints: {thorax_yaw_deg: 20}},"
+        " {at: 0, limb: feeler_l, frame: world, reach: [1.45, 0.60, -0.55]}"
+    )
+    posed = Posed(f"{{figure: beetle, name: b, at: [0, 0], pose: [{keys}]}}")
+    limb = posed.names.limbs["feeler_l"]
+    assert posed.figure.skeleton.parents[posed.figure.skeleton.limbs[limb].joints[0]] >= 0
+    tip = posed.figure.skeleton.limbs[limb].links[-1]
+    ends = posed.figure.skeleton.links[tip].ends
+    R, p = matrix(posed.take.rotations[:, tip]), posed.take.positions[:, tip]
+    place = p + turn(R, ends[1] - ends[0])
+    assert np.ptp(posed.joint("thorax_yaw_deg")) > 30
+    missed = [note for note in posed.take.notes if "feeler" in note.part]
+    gap = np.linalg.norm(place - [1.45, 0.60, -0.55], axis=1)
+    assert (gap.max() < 1e-3) != bool(missed)
+    assert not missed
+
+
+def test_unreachable_goal_is_approached_and_noted_once() -> None:
+    posed = person("{at: 0.5, limb: arm_r, reach: [3, 1.4, 0.2]}")
+    notes = [note for note in posed.take.notes if note.part == "p.arm_r1"]
+    assert [note.kind for note in notes] == ["clamped"]
+    limb = posed.figure.skeleton.limbs[posed.names.limbs["arm_r"]]
+    shoulder = posed.figure.skeleton.places[limb.joints[0]]
+    R, p = posed.body
+    stretched = np.linalg.norm(posed.place("hand_r") - p - turn(R, shoulder), axis=1)[-1]
+    assert stretched > 0.99 * limb.length
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("{at: 1, limb: arm_x, reach: [0, 0, 0]}", "no limb 'arm_x', did you mean"),
+        ("{at: 1, node: elbow, reach: [0, 0, 0]}", "no node 'elbow', did you mean"),
+        ("{at: 1, node: chest, reach: [0, 0, 0]}", "part of the body, which the word body moves"),
+        ("{at: 1, joints: {elbow_deg: 4}}", "no joint 'elbow_deg', did you mean"),
+        ("{at: 1, joints: {elbow_r_deg: 400}}", "goes from -2.29 to 148 degrees, not to 400"),
+        ("{at: 1, limb: arm_r}", "needs a goal: reach or aim or turn_deg"),
+        ("{at: 1, reach: [0, 0, 0]}", "needs limb or node"),
+        ("{at: 1, limb: arm_r, node: hand_r, reach: [0, 0, 0]}", "either limb or node"),
+        ("{at: 1, limb: arm_r, aim: [0, 0, 0]}", "has no direction"),
+        ("{at: 1}", "should have limb, node, joints, body or release"),
+        ("{at: 1, release: arm_r}", "nothing is asked of 'arm_r' at 1"),
+        ("{at: -1, release: arm_r}", "at least 0"),
+        (
+            "{at: 0, limb: arm_r, reach: [0, 1, 0]}, {at: 0, limb: arm_r, reach: [0, 1, 0]}",
+            "asked for twice at 0",
+        ),
+        (
+            "{at: 0, limb: arm_r, reach: [0, 1, 0]},"
+            " {at: 1, limb: arm_r, reach: [0, 1, 0], frame: world}",
+            "is feet for the keys before",
+        ),
+    ],
+)
+def test_invalid_poses_are_refused(key: str, message: str) -> None:
+    with pytest.raises(SceneError, match=message) as caught:
+        Simulation(scene_of(f"{{figure: person, pose: [{key}]}}"))
+    assert all(problem.line > 0 and "pose[" in problem.path for problem in caught.value.problems)

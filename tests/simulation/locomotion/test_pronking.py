@@ -1,0 +1,407 @@
+"""Hopping: closed forms of flight, landing and pushing, and invariants of every step."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.pronking import hop_phases, hop_simulation
+from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import find_scene, load_scene
+from tests.simulation.conftest import SHIPPED, scene_of
+from tests.simulation.locomotion.hop_recorder import HopRecording, hop_through
+
+G = np.array([0.0, -GRAVITY, 0.0])
+
+HOPPERS = {
+    "kangaroo": "{distance: 1.6, height: 0.8}",
+    "antelope": "{distance: 1.2, height: 0.5}",
+    "hopper": "{}",
+    "ostrich": "{speed: 4}",
+    "beetle": "{distance: 0.6, height: 0.4}",
+    "spider": "{}",
+    "person": "{}",
+}
+
+HILLS = "{preset: hills, size: [80, 80], cells: [320, 320]}"
+
+
+def member(figure: str, config: str, more: str = "") -> str:
+    return f"{{figure: {figure}, pronk: {config}{more}}}"
+
+
+@pytest.fixture(scope="module", params=HOPPERS)
+def level_hops(request) -> HopRecording:
+    return hop_through(scene_of(member(request.param, HOPPERS[request.param]), duration=4))
+
+
+# --- forces ---------------------------------------------------------------------------
+
+
+def test_phase_force_reaches_its_velocity_at_its_height():
+    v0, v1, rise = (1.0, -4.0, 0.2), (0.5, 0.0, -0.1), -0.6
+    one = phase_force(80.0, 1e6, v0, v1, rise)
+    a = np.array(one.acceleration)
+    np.testing.assert_allclose(np.array(v0) + one.time * a, v1, atol=1e-12)
+    assert -4.0 * one.time + 0.5 * a[1] * one.time**2 == pytest.approx(rise)
+    np.testing.assert_allclose(np.array(one.force), 80.0 * (a - G), rtol=1e-12)
+
+
+def test_saturated_phase_force_is_bounded_and_takes_longer():
+    free = phase_force(80.0, 1e6, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
+    held = phase_force(80.0, 2000.0, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
+    assert held.saturated
+    assert not free.saturated
+    assert math.hypot(*held.force) == pytest.approx(2000.0)
+    assert held.time > free.time
+
+
+def test_leg_forces_add_up_within_their_bound():
+    rng = np.random.default_rng(4)
+    for _ in range(100):
+        n = int(rng.integers(1, 7))
+        levers = rng.normal(size=(n, 3))
+        force = np.array([*rng.normal(size=2) * 50.0, 0.0])[[0, 2, 1]] + [0.0, 900.0 * n, 0.0]
+        moment = rng.normal(size=3) * 300.0
+        most = 1.3 * float(np.linalg.norm(force)) / n
+        shares = distribute_force(force, moment, levers, most)
+        np.testing.assert_allclose(shares.sum(axis=0), force, atol=1e-9)
+        assert (shares[:, 1] >= -1e-9).all()
+        assert (np.linalg.norm(shares, axis=-1) <= most * (1 + 1e-9)).all()
+
+
+def test_four_legs_give_the_whole_moment():
+    levers = np.array([[0.5, 0.1, -0.2], [-0.5, 0.1, -0.2], [0.5, 0.1, 0.2], [-0.5, 0.1, 0.2]])
+    shares = distribute_force(
+        np.array([0.0, 4000.0, 0.0]), np.array([60.0, 0.0, 200.0]), levers, 1e5
+    )
+    found = np.cross(levers, shares).sum(axis=0)
+    np.testing.assert_allclose(found[[0, 2]], [60.0, 200.0], atol=1e-9)
+
+
+# --- on level ground -----------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_apex_and_distance_are_as_requested(level_hops):
+    hopper, seen = level_hops.troupe.hoppers[0], level_hops.states[0]
+    flights = level_hops.lifts
+    assert len(flights) >= 3
+    for _, v in flights:
+        assert v[1] ** 2 / (2 * GRAVITY) == pytest.approx(hopper.jump.height, rel=0.01)
+        assert 2 * v[1] / GRAVITY * math.hypot(v[0], v[2]) == pytest.approx(
+            hopper.jump.distance, rel=0.01
+        )
+    # The flight lasts until it is back at the height of its lift-off.
+    for (_, a), (__, b) in itertools.pairwise(enumerate(seen)):
+        if a.phase == "flight" and b.phase == "landing":
+            p, _ = flights[b.jumps - 1]
+            assert b.p[1] <= p[1] + 0.02 * hopper.leg_length
+
+
+def test_flights_are_parabolas(level_hops):
+    states = [s for s in level_hops.states[0] if s.phase == "flight" and s.jumps]
+    flights = level_hops.lifts
+    times = level_hops.lift_times
+    for s in states:
+        (p, v), t = flights[s.jumps - 1], s.time - times[s.jumps - 1]
+        np.testing.assert_allclose(s.p, p + t * v + 0.5 * t * t * G, atol=1e-9)
+        np.testing.assert_allclose(s.v, v + t * G, atol=1e-9)
+
+
+LIBRARY = (
+    "antelope beetle camel centipede hopper horse kangaroo ostrich person scorpion spider tripod"
+).split()
+"""Shipped figures with legs."""
+
+
+def test_tested_figures_are_all_legged_ones_of_the_library(library):
+    legged = {name for name in SHIPPED if library(name).skeleton.legs}
+    assert legged == set(LIBRARY)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("figure", "config"), [(figure, "{}") for figure in LIBRARY] + list(HOPPERS.items())
+)
+def test_landings_end_at_rest_at_the_crouch(monkeypatch, figure, config):
+    ends, begins = [], []
+    begin, push = hop_phases.begin_landing, hop_phases.begin_push
+
+    def landing(hopper, ground, state, events):
+        # The crouch before the first jump starts from standing, not from a flight.
+        if state.jump_count:
+            begins.append((state.p[1], state.v[1]))
+        begin(hopper, ground, state, events)
+
+    def pushing(hopper, ground, state, events):
+        if state.jump_count:
+            ends.append((state.p[1] - hopper.mass.centre[1], hopper.crouch_height))
+        push(hopper, ground, state, events)
+
+    for module in (hop_phases, hop_simulation):
+        monkeypatch.setattr(module, "begin_landing", landing)
+        monkeypatch.setattr(module, "begin_push", pushing)
+    ended = hop_simulation.finish_phase
+    speeds = []
+
+    def recorded_end(hopper, ground, state, events):
+        if state.phase == "landing" and state.jump_count:
+            speeds.append(float(state.v[1]))
+        ended(hopper, ground, state, events)
+
+    monkeypatch.setattr(hop_simulation, "finish_phase", recorded_end)
+    hops = hop_through(scene_of(member(figure, config), duration=8), until=3)
+    centre = hops.troupe.hoppers[0].mass.centre[1]
+    assert len(ends) == len(begins) == len(speeds) >= 3
+    for (height, crouch), (top, fall), speed in zip(ends, begins, speeds, strict=True):
+        assert abs(height - crouch) < 0.01 * (top - centre - crouch)
+        assert abs(speed) < 0.01 * abs(fall)
+
+
+def test_leg_forces_accelerate_the_mass(level_hops):
+    hopper, seen = level_hops.troupe.hoppers[0], level_hops.states[0]
+    for a, b in itertools.pairwise(seen):
+        if a.phase == b.phase and a.phase in ("landing", "pushing") and a.jumps == b.jumps:
+            found = (b.v - a.v) / (b.time - a.time)
+            want = a.forces.sum(axis=0) / hopper.mass.mass + G
+            np.testing.assert_allclose(found, want, atol=1e-6)
+
+
+SMOOTH = "{kind: hills, size: [12, 12], cells: [1200, 1200], height: 0.12, spacing: 6}"
+"""Low hills whose triangles are 1 cm wide, a hundredth of a jump."""
+
+
+def landing_errors(figure: str, config: str, terrain: str) -> tuple[float, float]:
+    """Return the errors of the first landings at a time step and at half of it [m]."""
+    points = []
+    for steps in (4, 8, 64):
+        scene = scene_of(
+            member(figure, config),
+            terrain=terrain,
+            duration=5,
+            more=f"steps: {steps}\nrows_per_frame: 4",
+        )
+        points.append(landing_points(hop_through(scene, until=3))[:3])
+        assert len(points[-1]) == 3
+    return tuple(float(np.abs(p - points[-1]).max()) for p in points[:2])
+
+
+@pytest.mark.parametrize(
+    "config", [pytest.param("{}", marks=pytest.mark.nightly), "{turn_deg: 20}"]
+)
+@pytest.mark.parametrize(
+    "figure",
+    [
+        pytest.param("kangaroo", marks=pytest.mark.nightly),
+        pytest.param("antelope", marks=pytest.mark.nightly),
+        pytest.param("hopper", marks=pytest.mark.slow),
+    ],
+)
+@pytest.mark.nightly
+def test_landing_points_on_smooth_hills_converge_with_the_step(figure, config):
+    # The rest is the error of the attitude by Runge-Kutta of fourth order: 16 times smaller.
+    coarse, fine = landing_errors(figure, config, SMOOTH)
+    assert 1e-9 < coarse < 1e-4
+    assert coarse > 8.0 * fine
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "figure",
+    [
+        pytest.param("kangaroo", marks=pytest.mark.nightly),
+        pytest.param("antelope", marks=pytest.mark.nightly),
+        "hopper",
+    ],
+)
+@pytest.mark.nightly
+def test_landing_points_on_level_ground_do_not_depend_on_the_step(figure):
+    # Phases are closed forms and events are located in them, so only rounding is left.
+    coarse, fine = landing_errors(figure, "{}", "flat")
+    assert coarse < 1e-11
+    assert fine < 1e-11
+
+
+def landing_points(hops: HopRecording) -> np.ndarray:
+    """Return the centres of the feet (k, 3) at each landing [m]."""
+    n = len(hops.troupe.hoppers[0].hips)
+    places = [h.place for h in hops.events[0] if h.kind == "touch"]
+    count = len(places) // n * n
+    return np.array(places[:count]).reshape(-1, n, 3).mean(axis=1)
+
+
+# --- every terrain--------------------------------------------------------------------------
+
+OFTEN = ("kangaroo", "hopper")
+CASES = [
+    pytest.param(
+        (figure, terrain),
+        marks=pytest.mark.slow if figure in OFTEN else pytest.mark.nightly,
+        id=f"{figure}-{where}",
+    )
+    for figure in LIBRARY
+    for where, terrain in (("flat", "flat"), ("hills", HILLS))
+]
+
+
+@pytest.fixture(scope="module", params=CASES)
+def long_hops(request) -> HopRecording:
+    figure, terrain = request.param
+    at = ", at: [-30, 0]" if terrain != "flat" else ""
+    scene = scene_of(member(figure, "{}", at), terrain=terrain, duration=40)
+    return hop_through(scene, until=20)
+
+
+def test_twenty_jumps_without_toppling(long_hops):
+    assert long_hops.states[0][-1].jumps >= 20
+    assert all(s.phase != "fallen" for s in long_hops.states[0])
+    if np.ptp(long_hops.simulation.world.ground.field.heights) == 0.0:
+        assert max(s.tilt for s in long_hops.states[0]) < math.radians(15.0)
+
+
+def written_rows(hops: HopRecording) -> int:
+    """Return the number of rows that are written."""
+    return hops.simulation.scheduler.written
+
+
+def test_planted_feet_do_not_slip_or_sink(long_hops):
+    rows = written_rows(long_hops)
+    tips, herd = long_hops.tips()[:rows], long_hops.troupe.herd
+    down = np.array([s.down for s in long_hops.states[0]][:rows])
+    both = down[1:] & down[:-1]
+    same = np.array([a.jumps == b.jumps for a, b in itertools.pairwise(long_hops.states[0][:rows])])
+    moved = np.linalg.norm(np.diff(tips, axis=0), axis=-1)
+    assert moved[both & same[:, None]].max() < 1e-3
+    ground = long_hops.simulation.world.ground
+    over = tips[..., 1] - herd.foot_radius - ground.height(tips[..., 0], tips[..., 2])
+    assert over.min() > -1e-3
+
+
+def test_leg_joints_are_within_limits(long_hops):
+    rows = written_rows(long_hops)
+    skeleton = long_hops.troupe.herd.figures[0].skeleton
+    joints = [j for limb in skeleton.legs for j in limb.joints]
+    q = long_hops.simulation.recorder.values[:rows, 2 : 2 + len(joints)]
+    assert (q >= skeleton.lower[joints] - 1e-9).all()
+    assert (q <= skeleton.upper[joints] + 1e-9).all()
+
+
+# --- falling ------------------------------------------------------------------------------------
+
+
+def test_hopper_without_balance_topples():
+    scene = scene_of(member("kangaroo", "{balance: 0}"), duration=5)
+    hops = hop_through(scene)
+    assert hops.states[0][-1].phase == "fallen"
+    take = hops.take
+    assert [n.kind for n in take.notes].count("toppled") == 1
+    assert any(c.kind == "hit" for c in take.contacts)
+    assert any(e.cause == "collision" for e in take.events)
+
+
+@pytest.mark.slow
+def test_falls_are_reproducible():
+    scene = scene_of(member("kangaroo", "{balance: 0}"), duration=4)
+    one, two = (simulate(scene) for _ in range(2))
+    assert one.digest == two.digest
+
+
+@pytest.mark.slow
+def test_tripping_scene_is_reproducible():
+    scene = load_scene(find_scene("tripping"))
+    one, two = (simulate(scene) for _ in range(2))
+    assert one.digest == two.digest
+    steps = {kind: [n.step for n in one.notes if n.kind == kind] for kind in ("tripped", "toppled")}
+    assert steps["tripped"]
+    assert len(steps["toppled"]) == 1
+    assert steps["tripped"][0] <= steps["toppled"][0]
+
+
+def test_weak_legs_let_the_body_strike_the_ground():
+    scene = scene_of(
+        "{figure: antelope, at: [0, 4, 0], pronk: {max_force: 0.7, height: 0.2, distance: 0.4}}",
+        duration=3,
+    )
+    hops = hop_through(scene)
+    hopper = hops.troupe.hoppers[0]
+    assert any(h.kind == "body" for h in hops.events[0])
+    assert any(h.kind == "saturated" for h in hops.events[0])
+    sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.states[0]]
+    assert max(sizes) == pytest.approx(hopper.max_leg_force, rel=1e-9)
+
+
+# --- events -----------------------------------------------------------------------------------
+
+
+def test_sound_events_of_take_off_and_landing(level_hops):
+    take, n = level_hops.take, len(level_hops.troupe.hoppers[0].hips)
+    jumps = level_hops.states[0][-1].jumps
+    lifts = [c for c in take.contacts if c.kind == "lift"]
+    touches = [c for c in take.contacts if c.kind == "touch"]
+    assert len(lifts) == n * jumps
+    assert len(touches) in (n * jumps, n * (jumps - 1))
+    offs = [e for e in take.events if e.cause == "boing"]
+    falls = [e for e in take.events if e.cause == "footfall"]
+    assert len(offs) == jumps
+    assert len(falls) == len(touches)
+    # Joints may squeak besides.
+    assert {e.cause for e in take.events} <= {"boing", "footfall", "squeak", "squawk"}
+    rise = GRAVITY / (take.header.rate * take.header.samples)
+    for one, lift, (p, v) in zip(offs, lifts[::n], level_hops.lifts, strict=True):
+        # Measured between two rows, so less by the effect of gravity within one.
+        assert v[1] - float(rise) <= one.strength <= v[1] + 1e-3
+        assert one.step + one.fraction == pytest.approx(lift.step + lift.fraction)
+        assert np.hypot(one.place[0] - p[0], one.place[2] - p[2]) < p[1]
+    # Feet come down with the body, which falls no faster than it rose.
+    for one in falls:
+        assert 0.35 < one.strength / np.linalg.norm(level_hops.lifts[0][1]) < 1.5
+
+
+@pytest.mark.slow
+def test_impacts_of_a_fall_are_few_and_decay():
+    hops = hop_through(scene_of(member("kangaroo", "{balance: 0}"), duration=7))
+    take = hops.take
+    hits = [e for e in take.events if e.cause == "collision"]
+    fell = next(n.step for n in take.notes if n.kind == "toppled")
+    assert [n.kind for n in take.notes].count("toppled") == 1
+    assert 1 <= len(hits) <= 25
+    assert all(e.step >= fell - 1 for e in hits)
+    last = max(e.step for e in hits)
+    assert last < fell + 5 * 96
+    assert hits[-1].strength < 0.5 * max(e.strength for e in hits)
+
+
+# --- aiming --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("figure", ["hopper", "kangaroo", "antelope"])
+def test_jumps_land_on_their_targets(figure):
+    spots = [(1.3, 0.2), (2.4, -0.3), (3.2, 0.6), (3.3, 1.7)]
+    config = f"{{land_at: {[list(s) for s in spots]}}}"
+    hops = hop_through(scene_of(member(figure, config), duration=8))
+    found = landing_points(hops)[:, [0, 2]]
+    assert len(found) == len(spots)
+    assert np.abs(found - spots).max() < 0.015
+    assert hops.states[0][-1].phase == "standing"
+
+
+DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4, foot_radius: 0.05}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", ["hopper", "kangaroo"])
+def test_landings_avoid_forbidden_zones(figure):
+    at = ", at: [-9, 0], scale: 0.7"
+    heedless, careful = (
+        hop_through(scene_of(member(figure, config, at), terrain=DITCHES, duration=9))
+        for config in ("{}", "{avoid: true}")
+    )
+    assert any(n.kind == "misplaced" for n in heedless.take.notes)
+    assert all(n.kind != "misplaced" for n in careful.take.notes)
+    assert careful.seen[0][-1].p[0] > -9.0 + 5.0

@@ -1,0 +1,253 @@
+"""Person meshes: closed, symmetric, of the body's volume, and full at bent joints."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import get_args
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+from pipeline.production.shots.skinning import Skin
+from pipeline.simulation.people.body_frames import (
+    FRAMES,
+    PARENTS,
+    frame_origins,
+    frames_from_joints,
+)
+from pipeline.simulation.people.person_mesh import (
+    Clothes,
+    Hair,
+    MaterialLayer,
+    Stature,
+    layer_parts,
+    person_layers,
+    random_clothes,
+)
+from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, Proportions
+from pipeline.simulation.spatial import Array, quaternion, rotation
+from pipeline.simulation.take import Node
+from render.config import MATERIALS
+
+DENSITY = 985.0
+"""Density of a human body [kg/m³]."""
+
+Z = np.array([0.0, 0.0, 1.0])
+
+ALL = [
+    (proportions, Clothes(style=style, build=build, shorts=short, short_sleeves=short))
+    for proportions in (ADULT, CHILD)
+    for style, build, short in [
+        ("short", "medium", False),
+        ("bob", "sturdy", True),
+        ("bun", "slim", True),
+        ("long", "slim", False),
+        ("none", "sturdy", False),
+    ]
+]
+EVERYONE = pytest.mark.parametrize(("proportions", "clothes"), ALL)
+
+
+def trimesh_of(layer: MaterialLayer) -> trimesh.Trimesh:
+    mesh = layer.mesh
+    return trimesh.Trimesh(mesh.vertices.astype(float), mesh.faces.astype(int), process=False)
+
+
+def posed_vertices(
+    proportions: Proportions, layers: tuple[MaterialLayer, ...], joints: Array
+) -> list[Array]:
+    """Return the vertices of all layers in a pose of joints."""
+    R, p = frames_from_joints(joints)
+    origins = frame_origins(proportions)
+    nodes = [Node(n, "", -1, tuple(o)) for n, o in zip(FRAMES, origins.tolist(), strict=True)]
+    meshes, parts = layer_parts("", layers, 0, 0, 1)
+    take = SimpleNamespace(
+        nodes=nodes,
+        meshes=meshes,
+        parts=parts,
+        rotations=quaternion(R)[None],
+        positions=p[None],
+        scales=np.zeros((1, 0, 3)),
+        scaled=(),
+        alive=np.ones((1, len(FRAMES)), bool),
+        header=SimpleNamespace(rate=Fraction(24), samples=4),
+    )
+    skin = Skin.of(take)  # type: ignore[arg-type]
+    places = skin.posed(take, 0).astype(float)  # type: ignore[arg-type]
+    return [places[a:b] for a, b in zip(skin.starts[:-1], skin.starts[1:], strict=True)]
+
+
+def test_every_clothing_option_occurs() -> None:
+    tried = [clothes for _, clothes in ALL]
+    assert {c.style for c in tried} == set(get_args(Hair))
+    assert {c.build for c in tried} == set(get_args(Stature))
+
+
+@EVERYONE
+def test_all_layers_are_closed_and_face_outward(proportions: Proportions, clothes: Clothes) -> None:
+    for layer in person_layers(proportions, clothes):
+        edges = np.sort(layer.mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        _, counts = np.unique(edges, axis=0, return_counts=True)
+        assert (counts == 2).all(), layer.name
+        solid = trimesh_of(layer)
+        assert solid.is_winding_consistent
+        assert all(piece > 0 for piece in _volumes(solid)), layer.name
+        assert layer.material in MATERIALS
+
+
+def _volumes(solid: trimesh.Trimesh) -> list[float]:
+    """Return the volumes of the closed pieces of a surface."""
+    labels = trimesh.graph.connected_component_labels(solid.face_adjacency, len(solid.faces))
+    a, b, c = (solid.triangles[:, k] for k in range(3))
+    signed = (a * np.cross(b, c)).sum(axis=-1) / 6.0
+    return [float(v) for v in np.bincount(labels, signed)]
+
+
+@EVERYONE
+def test_meshes_are_small_and_follow_adjacent_frames(
+    proportions: Proportions, clothes: Clothes
+) -> None:
+    layers = person_layers(proportions, clothes)
+    assert sum(len(layer.mesh.vertices) for layer in layers) < 6300
+    beside = {(k, parent) for k, parent in enumerate(PARENTS)}
+    for layer in layers:
+        mesh = layer.mesh
+        np.testing.assert_allclose(mesh.weights.sum(axis=1), 1.0, atol=1e-6)
+        assert (mesh.weights >= 0).all()
+        assert mesh.nodes.shape == mesh.weights.shape == (len(mesh.vertices), 2)
+        for pair in {tuple(pair) for pair in mesh.nodes[mesh.weights[:, 1] > 0].tolist()}:
+            assert pair[0] == pair[1] or pair in beside or pair[::-1] in beside
+        # Vertices of a frame of one side lie on that side.
+        names = np.array([f"{name:_>12}"[-2:] for name in FRAMES])[mesh.nodes[:, 0]]
+        z = mesh.vertices[:, 2]
+        assert (z[names == "_r"] > -1e-6).all()
+        assert (z[names == "_l"] < 1e-6).all()
+
+
+@EVERYONE
+def test_meshes_are_symmetric(proportions: Proportions, clothes: Clothes) -> None:
+    for layer in person_layers(proportions, clothes):
+        places = layer.mesh.vertices.astype(float)
+        other, mirror = cKDTree(places).query(places * [1.0, 1.0, -1.0])
+        assert other.max() < 2e-6, layer.name
+        np.testing.assert_allclose(layer.mesh.weights[mirror], layer.mesh.weights, atol=1e-4)
+
+
+@EVERYONE
+def test_vertices_in_the_middle_follow_no_side(proportions: Proportions, clothes: Clothes) -> None:
+    sides = np.array([name[-2:] in ("_l", "_r") for name in FRAMES])
+    for layer in person_layers(proportions, clothes):
+        mesh = layer.mesh
+        middle = np.abs(mesh.vertices[:, 2]) < 1e-6
+        pulled = (sides[mesh.nodes] * mesh.weights).sum(axis=1)
+        np.testing.assert_allclose(pulled[middle], 0.0, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
+def test_volumes_match_the_body_mass(proportions: Proportions) -> None:
+    """The volume of body and clothes is that of the body within a tenth."""
+    layers = person_layers(proportions, Clothes(style="none"))
+    bodies = [
+        trimesh_of(layer) for layer in layers if layer.name not in ("whites", "pupils", "hair")
+    ]
+    low = np.min([b.bounds[0] for b in bodies], axis=0)
+    high = np.max([b.bounds[1] for b in bodies], axis=0)
+    rng = np.random.default_rng(6)
+    points = low + (high - low) * rng.random((2200, 3))
+    inside = np.zeros(len(points), bool)
+    for body in bodies:
+        inside |= _winding(body, points) > 0.5
+    volume = inside.mean() * float(np.prod(high - low))
+    assert volume * DENSITY == pytest.approx(proportions.mass, rel=0.1)
+
+
+def _winding(body: trimesh.Trimesh, points: Array) -> Array:
+    """Return how often a surface winds around points.
+
+    Source: van Oosterom and Strackee 1983.
+    """
+    total = np.zeros(len(points))
+    box = body.bounds
+    near = ((points >= box[0]) & (points <= box[1])).all(axis=1)
+    for chosen in np.array_split(np.flatnonzero(near), 40):
+        a, b, c = (body.triangles[None, :, k] - points[chosen, None] for k in range(3))
+        n_a, n_b, n_c = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
+        over = (a * np.cross(b, c)).sum(axis=-1)
+        under = n_a * n_b * n_c + (a * b).sum(-1) * n_c
+        under += (b * c).sum(-1) * n_a + (c * a).sum(-1) * n_b
+        total[chosen] = np.arctan2(over, under).sum(axis=1) / (2 * np.pi)
+    return total
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
+def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
+    for build in get_args(Stature):
+        layers = {layer.name: layer for layer in person_layers(proportions, Clothes(build=build))}
+        shirt, trousers = (
+            trimesh_of(layers["shirt"]),
+            layers["trousers"].mesh.vertices.astype(float),
+        )
+        hem = shirt.vertices[:, 1].min()
+        # Trousers emerge below the shirt, whose hem turns inward.
+        covered = trousers[trousers[:, 1] > hem + 0.02 * proportions.height]
+        assert len(covered) > 50
+        assert (_winding(shirt, covered) > 0.5).all()
+
+
+def test_equal_clothes_share_meshes() -> None:
+    one = person_layers(ADULT, Clothes(shirt="red cloth"))
+    other = person_layers(ADULT, Clothes(shirt="blue cloth"))
+    for a, b in zip(one, other, strict=True):
+        assert a.mesh is b.mesh
+        assert not a.mesh.vertices.flags.writeable
+    assert [layer.material for layer in one] != [layer.material for layer in other]
+
+
+def test_clothes_depend_on_the_name_alone() -> None:
+    looks = [random_clothes(f"p{k}", 1) for k in range(40)]
+    assert looks == [random_clothes(f"p{k}", 1) for k in range(40)]
+    assert random_clothes("p0", 1) != random_clothes("p0", 2) or random_clothes(
+        "p1", 1
+    ) != random_clothes("p1", 2)
+    for word in ("skin", "hair", "shirt", "trousers", "shoes", "style", "build", "shorts"):
+        assert len({getattr(look, word) for look in looks}) > 1
+    for look in looks:
+        assert {look.skin, look.hair, look.shirt, look.trousers, look.shoes} <= set(MATERIALS)
+
+
+@pytest.mark.parametrize(
+    ("layer", "joints", "way", "most"),
+    [
+        ("skin", ("shoulder", "elbow", "hand"), 1.0, 0.25),
+        ("shirt", ("shoulder", "elbow", "hand"), 1.0, 0.25),
+        ("trousers", ("hip", "knee", "foot"), -1.0, 0.25),
+    ],
+)
+def test_a_limb_bent_by_140_degrees_keeps_its_girth(
+    layer: str, joints: tuple[str, str, str], way: float, most: float
+) -> None:
+    """Behind the hinge the surface keeps its distance, and no vertex is inside."""
+    clothes = Clothes(short_sleeves=layer == "skin")
+    layers = person_layers(ADULT, clothes)
+    number = next(k for k, one in enumerate(layers) if one.name == layer)
+    rest = ADULT.rest()
+    bent = rest.copy()
+    _, hinge, tip = (JOINTS.index(f"{name}_r") for name in joints)
+    turn = rotation(Z, way * np.radians(140))
+    bent[tip] = rest[hinge] + turn @ (rest[tip] - rest[hinge])
+    before = posed_vertices(ADULT, layers, rest)[number]
+    after = posed_vertices(ADULT, layers, bent)[number]
+    near = (np.abs(before[:, 1] - rest[hinge, 1]) < 0.05) & (before[:, 2] > 0.02)
+    # The arm alone, without palm and other limbs.
+    assert near.sum() > 20
+    radius = np.linalg.norm((before - rest[hinge])[near][:, :2], axis=-1)
+    now = np.linalg.norm((after - rest[hinge])[near][:, :2], axis=-1)
+    np.testing.assert_allclose(now, radius, rtol=most, atol=0.004)
+    closed = layers[number].mesh.faces.astype(int)
+    volumes = [trimesh.Trimesh(places, closed, process=False).volume for places in (before, after)]
+    assert volumes[1] == pytest.approx(volumes[0], rel=0.1)

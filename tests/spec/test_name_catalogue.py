@@ -1,0 +1,119 @@
+"""The catalogue lists every name that the language accepts, and suggestions name the close ones."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from typer.testing import CliRunner
+
+from audio.general_midi import DRUMS, INSTRUMENTS
+from pipeline.cli import app
+from pipeline.errors import UsageError
+from pipeline.spec import library, shipped_scenes
+from pipeline.spec.behaviour import NAMES
+from pipeline.spec.mood import MOODS
+from pipeline.spec.name_catalogue import LIBRARY_GROUP, NAME_KINDS, OWN_GROUP, names_of
+from pipeline.spec.script import FORMS, Plain
+from pipeline.spec.sound_thresholds import Detect
+from pipeline.spec.suggestions import close_names, hint
+from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS
+from pipeline.spec.walk import GaitName
+from render.config import LIGHTS, MATERIALS
+
+NAMES_BY_KIND = {
+    "figures": [path.stem for path in (library() / "figures").glob("*.yaml")],
+    "dances": [path.stem for path in (library() / "dances").glob("*.yaml")],
+    "scenes": shipped_scenes(),
+    "materials": MATERIALS,
+    "terrains": {*TERRAIN_PRESETS, *TERRAIN_KINDS},
+    "lights": LIGHTS,
+    "gaits": get_args(GaitName),
+    "moods": MOODS,
+    "verbs": {*FORMS, *get_args(Plain)},
+    "behaviours": NAMES,
+    "instruments": INSTRUMENTS,
+    "drums": DRUMS,
+    "causes": Detect.model_fields,
+}
+
+
+@pytest.mark.parametrize("kind", NAMES_BY_KIND)
+def test_the_catalogue_has_the_names_of_the_registry(kind: str, tmp_path: Path) -> None:
+    assert sorted(entry.name for entry in names_of(kind, tmp_path)) == sorted(NAMES_BY_KIND[kind])
+
+
+@pytest.mark.parametrize("kind", NAME_KINDS)
+def test_every_name_is_described_and_groups_stay_together(kind: str, tmp_path: Path) -> None:
+    entries = names_of(kind, tmp_path)
+    assert entries
+    assert [entry.name for entry in entries if not entry.text] == []
+    groups = [entry.group for entry in entries]
+    changes = sum(a != b for a, b in pairwise(groups))
+    assert changes == len(set(groups)) - 1
+
+
+def test_own_files_are_listed_by_what_they_hold(tmp_path: Path) -> None:
+    (tmp_path / "figures").mkdir()
+    figure = (library() / "figures" / "tripod.yaml").read_text("utf-8")
+    (tmp_path / "stool.yaml").write_text("# A stool. It walks.\n" + figure)
+    (tmp_path / "figures" / "beetle.yaml").write_text(figure)
+    (tmp_path / "play.yaml").write_text("pronk: 1\ntitle: A play\ncast: []\n")
+    (tmp_path / "other.yaml").write_text("services: {}\n")
+    (tmp_path / "broken.yaml").write_text("figure: [")
+    figures = names_of("figures", tmp_path)
+    own = {entry.name: entry.text for entry in figures if entry.group == OWN_GROUP}
+    assert own["stool"] == "A stool."
+    assert own.keys() == {"stool", "beetle"}
+    assert "beetle" not in [entry.name for entry in figures if entry.group == LIBRARY_GROUP]
+    scenes = names_of("scenes", tmp_path)
+    assert [(entry.name, entry.text) for entry in scenes if entry.group == OWN_GROUP] == [
+        ("play", "A play")
+    ]
+
+
+def test_an_unknown_kind_is_refused_with_the_near_one() -> None:
+    with pytest.raises(UsageError, match="nothing is listed as 'figurs', did you mean 'figures'"):
+        names_of("figurs", Path())
+
+
+def test_list_prints_kinds_names_and_json() -> None:
+    runner = CliRunner()
+    kinds = [line.split()[0] for line in runner.invoke(app, ["list"]).stdout.splitlines()]
+    assert kinds == list(NAME_KINDS)
+    text = runner.invoke(app, ["list", "instruments"]).stdout
+    assert "piano:\n  acoustic grand piano   program 1\n" in text
+    lines = runner.invoke(app, ["list", "moods", "--json"]).stdout.splitlines()
+    assert [json.loads(line)["name"] for line in lines] == list(MOODS)
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "close"),
+    [
+        ("scorpoin", NAMES_BY_KIND["figures"], ["scorpion"]),
+        ("knee_m", ["knee_r", "knee_l", "hip"], ["knee_l", "knee_r"]),
+        ("Sax", INSTRUMENTS, ["alto sax", "tenor sax", "soprano sax", "baritone sax"]),
+        ("gren chitin", MATERIALS, ["green chitin"]),
+        ("at", ["bat", "horse"], ["bat"]),
+        ("zzz", MATERIALS, []),
+        ("", MATERIALS, []),
+    ],
+)
+def test_all_close_names_are_found(name: str, known: list[str], close: list[str]) -> None:
+    found = close_names(name, known)
+    assert sorted(found) == sorted(close)
+
+
+def test_a_hint_names_the_close_and_the_command_that_lists_the_rest() -> None:
+    assert hint("gallop", ["trot", "rotary gallop", "transverse gallop"], "gaits") == (
+        "did you mean 'rotary gallop' or 'transverse gallop'? `pronk list gaits` has all 3"
+    )
+    assert hint("zzz", ["trot"], "gaits", own=["mine"]) == (
+        "known here: mine; `pronk list gaits` has all 1"
+    )
+    assert hint("zzz", ["b", "a"]) == "known: a, b"
+    assert hint("zzz", []) == "there are none"
+    assert hint("zzz", [f"n{i:03}" for i in range(102)]).endswith("n099 and 2 more")

@@ -42,7 +42,7 @@ CONTACT_FIELDS = ("dist", "pos", "frame", "friction", "dim", "geom", "efc_addres
 COUNT_FIELDS = ("ncon", "nefc")
 """Fields of the data: numbers of contacts, and of their rows."""
 
-ARRAY_FIELDS = ("efc_KBIP", "efc_pos", "userdata")
+ARRAY_FIELDS = ("efc_KBIP", "userdata")
 """Fields of the data that hold addresses of arrays."""
 
 
@@ -161,9 +161,7 @@ def native_collision(function: Callable[[int, int, int, int, int, float], int]) 
         kinds = (number, address, address, address, number, number, ctypes.c_double)
         return ctypes.CFUNCTYPE(*kinds)(function)
     address, number = numba.types.intp, numba.types.intc
-    return _native(
-        function, number(address, address, address, number, number, numba.types.float64)
-    )
+    return _native(function, number(address, address, address, number, number, numba.types.float64))
 
 
 def _native(function: Callable[..., Any], signature: Any) -> Any:
@@ -201,9 +199,8 @@ class ImpactCallback:
     Args:
         things: (m,) constants of the things.
         bodies: number of bodies.
-        uneven: whether the ground is a height field.
         model: of MuJoCo.
-        data: its state, with room for one user value.
+        data: its state, with room for two user values.
         mujoco: the module.
 
     Attributes:
@@ -213,11 +210,9 @@ class ImpactCallback:
         callback: function for MuJoCo's passive-force callback.
     """
 
-    def __init__(
-        self, things: Records, bodies: int, uneven: bool, model: Any, data: Any, mujoco: Any
-    ) -> None:
+    def __init__(self, things: Records, bodies: int, model: Any, data: Any, mujoco: Any) -> None:
         now = np.zeros(1, dtype=LAW_STATE)
-        now["uneven"], now["bodies"] = uneven, bodies
+        now["bodies"] = bodies
         self.strikes = np.zeros(
             BASE_IMPACT_CAPACITY + IMPACT_CAPACITY_PER_BODY * len(things), dtype=STRIKE
         )
@@ -255,7 +250,6 @@ def _compile_callback(layout: Layout) -> Any:
             array_at(data.contact, data.ncon, contact_kind),
             array_at(at.owners, at.geoms, INT32),
             array_at(data.efc_KBIP, 4 * data.nefc, FLOAT64).reshape(-1, 4),
-            array_at(data.efc_pos, data.nefc, FLOAT64),
             array_at(at.velocity, 6 * at.kinds, FLOAT64).reshape(-1, 6),
             array_at(at.centre, 3 * at.kinds, FLOAT64).reshape(-1, 3),
             array_at(at.attitude, 9 * at.kinds, FLOAT64).reshape(-1, 9),

@@ -105,7 +105,7 @@ class MujocoWorld:
         moving = (self._qpos, self._qvel, self._awake)
         self.substeps = Substeps(builds, pushers, field, step, *moving)
         things, own = impact_things(builds, len(pushers)), (self.model, self.data, self._mujoco)
-        self.law = ImpactCallback(things, self.count, not is_level(field), *own)
+        self.law = ImpactCallback(things, self.count, *own)
         self._terrain = None if is_level(field) else TerrainCollision(builds, state, field, *own)
         self._any_gone = False
         self._cut = 0

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Reporting, SceneNames, SceneOptions, with_options
-from pipeline.errors import Problem, SceneError, UsageError
+from pipeline.commands.completion import completion
+from pipeline.commands.options import (
+    CheckOptions,
+    Reporting,
+    SceneNames,
+    StrictOption,
+    with_options,
+)
+
+if TYPE_CHECKING:
+    from pipeline.production.run.progress import Reporter
 
 
 def new(
@@ -24,27 +33,27 @@ def new(
 
 
 @with_options
-def check(scenes: SceneNames, options: SceneOptions) -> None:
-    """Check scenes: every mistake at once, with its line."""
+def check(
+    scenes: SceneNames,
+    options: CheckOptions,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate", help="Simulate as well: find what only motion shows, and list notes."
+        ),
+    ] = False,
+    strict: StrictOption = False,
+) -> None:
+    """Check scenes: every mistake of every scene, with its line."""
     from pipeline.production.run.scene_check import check_scene, figure_remarks
 
-    reporter = options.reporter()
-    problems: list[Problem] = []
-    missing: list[UsageError] = []
-    for name in scenes:
-        try:
-            scene = options.scene(name)
-            reporter.result(f"{name}: {check_scene(scene)}")
-            for remark in figure_remarks(scene):
-                reporter.note(f"note: {remark}", detail=True)
-        except SceneError as error:
-            problems.extend(error.problems)
-        except UsageError as error:
-            missing.append(error)
-    if problems:
-        raise SceneError([*problems, *(Problem("", str(error)) for error in missing)])
-    if missing:
-        raise missing[0]
+    def examine(name: str, reporter: Reporter) -> None:
+        scene = options.scene(name)
+        reporter.result(f"{name}: {check_scene(scene, reporter, name, simulate, strict)}")
+        for remark in figure_remarks(scene):
+            reporter.note(f"note: {remark}", detail=True)
+
+    options.run_each(scenes, examine)
 
 
 @with_options
@@ -54,6 +63,7 @@ def figure(
         typer.Argument(
             metavar="FIGURE...",
             help="Figure files, names of shipped figures, scenes, or SCENE:FIGURE.",
+            autocompletion=completion("figures", "scenes", with_files=True),
         ),
     ],
     options: Reporting,

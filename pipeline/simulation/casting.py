@@ -29,6 +29,9 @@ Performer = tuple[int, Creature, Figure]
 CREATURE_MATERIAL, PROP_MATERIAL = "brown chitin", "wood"
 """Default materials of creatures and of props."""
 
+MACHINE_CODE = "making machine code for bodies; that takes a minute, once"
+"""Note for the user while `makes_machine_code`."""
+
 
 def figures_of(scene: Scene) -> dict[str, Figure]:
     """Returns the figure of each creature by its name; equal ones are shared."""

@@ -3,31 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Traits
+from pipeline.spec.character_kinds import HANDS, PEOPLE, Kind
 from pipeline.spec.keyframes import PoseKey, Turn
 from pipeline.spec.model_base import Fault, Number, raise_faults
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
 from render.config.base import TURN_DESCRIPTION
-
-PEOPLE = ("child", "adult")
-"""Kinds that act."""
-
-PARTS = (
-    *("pelvis", "spine", "shoulders", "head"),
-    *(f"{joint}_{side}" for joint in ("shoulder", "elbow", "hand") for side in "lr"),
-    *(f"{joint}_{side}" for joint in ("hip", "knee", "foot") for side in "lr"),
-)
-"""Nodes that can be grabbed."""
-
-HANDS = {"arm_l": 0, "arm_r": 1, "hand_l": 0, "hand_r": 1}
-"""Limbs and nodes of people that are posed, and their side."""
-
-Kind = Literal["child", "adult", "ragdoll", "ball", "merry-go-round", "box", "bench"]
-"""Kinds of characters."""
 
 
 class Character(Performer):

@@ -14,6 +14,7 @@ from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
     ConfigModel,
     Coordinate,
+    DanceName,
     Fault,
     Integer,
     Name,
@@ -96,7 +97,7 @@ Durations = Annotated[
 class DanceSettings(ConfigModel):
     """Dance, controllers and tempo of a dancer; all its keys but the block `dancer`."""
 
-    dance: Name = Field(
+    dance: DanceName = Field(
         "macarena",
         description="What it dances: from this file, from a file of that name beside it or in "
         "dances/ beside it, or from the shipped library.",

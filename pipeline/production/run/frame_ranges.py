@@ -27,6 +27,19 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
     """
     if text is None:
         return tuple(range(1, last + 1))
+    frames = read_frames(text)
+    outside = [frame for frame in frames if not 1 <= frame <= last]
+    if outside:
+        raise UsageError(f"--frames '{text}': the scene has frames 1-{last}, no {outside[0]}")
+    return frames
+
+
+def read_frames(text: str) -> tuple[int, ...]:
+    """Return the frames of ranges, ascending, each once, of whatever scene.
+
+    Raises:
+        UsageError: they cannot be read.
+    """
     try:
         named = FrameSet(text)
     except (FileSeqException, ValueError):
@@ -35,11 +48,7 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
         raise UsageError(f"--frames '{text}': names no frame; write {ALLOWED}")
     if any(frame != int(frame) for frame in named):
         raise UsageError(f"--frames '{text}': frames are whole; write {ALLOWED}")
-    frames = sorted({int(frame) for frame in named})
-    outside = [frame for frame in frames if not 1 <= frame <= last]
-    if outside:
-        raise UsageError(f"--frames '{text}': the scene has frames 1-{last}, no {outside[0]}")
-    return tuple(frames)
+    return tuple(sorted({int(frame) for frame in named}))
 
 
 def described(frames: tuple[int, ...]) -> str:

@@ -18,8 +18,10 @@ from audio.score import Score
 from audio.wav_file import write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
+from pipeline.production.run.notes import Note, NotesRefused, clock_of, read_notes, take_notes
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
@@ -36,7 +38,7 @@ from pipeline.production.sound.sound_report import (
     quantisation_summary,
     wav_facts,
 )
-from pipeline.simulation.casting import makes_machine_code
+from pipeline.simulation.casting import MACHINE_CODE, makes_machine_code
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
@@ -59,6 +61,9 @@ class Production:
         outputs: files of the scene.
         reporter: of progress.
         manifest: of the run before, with the entries of this one.
+        notes: of the scene, the take and the frames that this run rendered.
+        frames: of the run.
+        rendered: frames that this run rendered.
         seconds: time of each stage that had something to do.
         changed: whether any output changed.
     """
@@ -67,6 +72,9 @@ class Production:
     outputs: Outputs
     reporter: Reporter
     manifest: Manifest
+    notes: list[Note] = field(default_factory=list)
+    frames: tuple[int, ...] = ()
+    rendered: tuple[int, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     changed: bool = False
 
@@ -74,6 +82,30 @@ class Production:
         """Record the time of a stage that had something to do."""
         self.seconds[name] = round(time.monotonic() - began, 3)
         self.changed = True
+
+    def kept_notes(self) -> list[Note]:
+        """Return the notes that earlier runs had on pictures which stay as they are."""
+        again = {None, *self.rendered}
+        last = self.order.scene.n_frames
+        return [
+            note
+            for note in read_notes(self.manifest.entries.get("notes"))
+            if note.source == "picture" and note.frame not in again and (note.frame or 0) <= last
+        ]
+
+    def shown_notes(self) -> list[Note]:
+        """Return the notes on all that this run shows."""
+        return [*self.notes, *(note for note in self.kept_notes() if note.frame in self.frames)]
+
+    def refuse_notes(self) -> None:
+        """Refuse to go on if there are notes and the order is strict.
+
+        Raises:
+            NotesRefused: there are some.
+        """
+        notes = self.shown_notes()
+        if self.order.strict and notes:
+            raise NotesRefused(notes)
 
 
 def render(order: Order, reporter: Reporter) -> Outputs:
@@ -84,11 +116,13 @@ def render(order: Order, reporter: Reporter) -> Outputs:
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
     with working(order, reporter) as run:
+        run.frames = frames
         take = take_of(run)
         shooting = ShotBuilder(order.scene, take)
         if order.sound:
             write_score(run, take, shooting)
         keys = _frames(run, shooting, frames)
+        run.refuse_notes()
         _film(run, frames, keys)
         _finish(run, take)
         return run.outputs
@@ -106,6 +140,7 @@ def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
 def store_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
     """Store a take that was made elsewhere, and its events."""
     with working(order, reporter) as run:
+        run.notes = [*notes_after_end(order.scene), *take_notes(take, clock_of(order.scene))]
         _store_take(run, take)
         write_events(run.outputs, take)
         _finish(run, take)
@@ -123,7 +158,7 @@ def score_only(order: Order, reporter: Reporter) -> Outputs:
 
 @contextmanager
 def working(order: Order, reporter: Reporter) -> Iterator[Production]:
-    """Open the outputs of `order` and translate errors inside the block.
+    """Open the outputs of `order`, translate errors inside the block and report its notes.
 
     Raises:
         PronkError: for any error inside.
@@ -132,11 +167,32 @@ def working(order: Order, reporter: Reporter) -> Iterator[Production]:
     with opened(outputs):
         run = Production(order, outputs, reporter, Manifest.read(outputs.manifest))
         try:
-            with translated_errors():
+            with translated_errors(), _reported_notes(run):
                 yield run
         except OSError as error:
             reason = error.strerror or str(error)
             raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
+
+
+@contextmanager
+def _reported_notes(run: Production) -> Iterator[None]:
+    """Report the notes of a run at its end, also where it fails: they may tell why."""
+    try:
+        yield
+    except NotesRefused:
+        # They are its message.
+        raise
+    except Exception:
+        _report_notes(run)
+        raise
+    _report_notes(run)
+
+
+def _report_notes(run: Production) -> None:
+    notes = run.shown_notes()
+    if notes:
+        manifest = run.outputs.manifest
+        run.reporter.notes(run.order.name, notes, manifest if manifest.is_file() else None)
 
 
 @contextmanager
@@ -164,25 +220,36 @@ def take_key(scene: Scene) -> str:
 
 
 def take_of(run: Production) -> Take:
-    """Return the take of the scene, simulating only if the stored one does not fit."""
+    """Return the take of the scene, simulating only if the stored one does not fit.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict; a new take is not stored.
+        SimulationError: the scene cannot be simulated.
+    """
     scene = run.order.scene
+    clock = clock_of(scene)
     key = take_key(scene)
+    run.notes = notes_after_end(scene)
     with stage(run.reporter, "simulate", scene.n_frames) as current:
         stored = _stored_take(run, key)
         if stored is not None:
+            current.keep(scene.n_frames)
             current.result = "take is up to date"
+            run.notes += take_notes(stored, clock)
+            run.refuse_notes()
             return stored
         if makes_machine_code(scene):
-            run.reporter.note("making machine code for bodies; that takes a minute, once")
+            run.reporter.note(MACHINE_CODE)
         began = time.monotonic()
         take = simulate(scene, key, lambda done, _: current.advance(done))
-        run.record_time("simulate", began)
-        _store_take(run, take)
+        current.done = scene.n_frames
         current.result = (
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
-    for note in take.notes:
-        run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
+        run.notes += take_notes(take, clock)
+        run.refuse_notes()
+        run.record_time("simulate", began)
+        _store_take(run, take)
     return take
 
 
@@ -270,7 +337,8 @@ def _rendered_on(
     keys, missing = outdated_frames(shooting, outputs, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
-    current.advance(kept)
+    run.rendered = tuple(missing)
+    current.keep(kept)
     if not missing:
         current.result = "frames are up to date"
         return keys
@@ -384,7 +452,7 @@ def _finish(run: Production, take: Take) -> None:
         "frames": header.frames,
         "versions": {**header.versions, **library_versions()},
         "digests": digests,
-        "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in take.notes],
+        "notes": [note.facts for note in (*run.notes, *run.kept_notes())],
     }
     seconds = {**run.manifest.seconds, **run.seconds}
     if run.changed or entries != run.manifest.entries:

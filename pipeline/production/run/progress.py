@@ -9,9 +9,10 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TextIO
 
 from rich.console import Console
@@ -24,6 +25,8 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+
+from pipeline.production.run.notes import Note, counted_notes, summary
 
 LOG_INTERVAL = 5.0
 """Time between two progress lines of a log [s]."""
@@ -38,6 +41,7 @@ class Stage:
         name: of the work, such as "render".
         total: number of things to do.
         done: number of things done.
+        kept: those of them that an earlier run had done.
         started: on the monotonic clock [s].
         result: summary, reported at the end; empty for a stage that was stopped.
     """
@@ -46,6 +50,7 @@ class Stage:
     name: str
     total: int
     done: int = 0
+    kept: int = 0
     started: float = field(default_factory=time.monotonic)
     result: str = ""
 
@@ -53,6 +58,11 @@ class Stage:
         """Report that `done` things are done."""
         self.done = done
         self.reporter.advance(self)
+
+    def keep(self, kept: int) -> None:
+        """Report that an earlier run has done `kept` things."""
+        self.kept = kept
+        self.advance(kept)
 
     @property
     def seconds(self) -> float:
@@ -65,8 +75,80 @@ class Stage:
         return self.seconds / self.done * (self.total - self.done) if self.done else None
 
 
+@dataclass(slots=True)
+class SceneRow:
+    """What became of one scene: a row of the table at the end of a run on several.
+
+    Attributes:
+        scene: as the command names it.
+        state: "not started", "stopped", "failed" or "done".
+        stage: the stage whose things are frames, None before it.
+        seconds: time that the scene took [s].
+        notes: number of its notes.
+        error: first line of its error, "" without one.
+        exit_code: that the scene alone ends with, None for one that is not started.
+    """
+
+    scene: str
+    state: str = "not started"
+    stage: Stage | None = None
+    seconds: float = 0.0
+    notes: int = 0
+    error: str = ""
+    exit_code: int | None = None
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """Its members for other programs."""
+        return {
+            "scene": self.scene,
+            "state": self.state,
+            "frames": self.stage.done if self.stage else None,
+            "of": self.stage.total if self.stage else None,
+            "cached": self.stage.kept if self.stage else None,
+            "seconds": round(self.seconds, 3),
+            "notes": self.notes,
+            "exit_code": self.exit_code,
+            "error": self.error,
+        }
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its cells: scene, frames, cached, seconds, state."""
+        frames, kept = "-", "-"
+        if self.stage is not None:
+            whole = self.stage.done >= self.stage.total
+            frames = str(self.stage.done) + ("" if whole else f" of {self.stage.total}")
+            kept = str(self.stage.kept)
+        notes = f", {counted_notes(self.notes)}" if self.notes else ""
+        error = f": {self.error}" if self.error else ""
+        seconds = "-" if self.state == "not started" else f"{self.seconds:.1f}"
+        return self.scene, frames, kept, seconds, f"{self.state}{notes}{error}"
+
+
+def table_lines(rows: Sequence[SceneRow]) -> list[str]:
+    """Return the table of several scenes, line by line."""
+    cells = [("scene", "frames", "cached", "seconds", "state"), *(row.cells for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return [
+        "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(widths[i]) for i in (1, 2, 3)), row[4]])
+        for row in cells
+    ]
+
+
 class Reporter:
     """Reports nothing; others override what they report."""
+
+    def scene(self, name: str, number: int, total: int) -> None:
+        """Report that the work on one of several scenes begins."""
+
+    def table(self, rows: Sequence[SceneRow], exit_code: int) -> None:
+        """Report what became of several scenes.
+
+        Args:
+            rows: one for each scene.
+            exit_code: of the command.
+        """
 
     def begin(self, stage: Stage) -> None:
         """Report the start of a stage."""
@@ -79,6 +161,15 @@ class Reporter:
 
     def note(self, text: str, detail: bool = False) -> None:
         """Report a note; a detail only in verbose mode."""
+
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Report the notes of a scene at the end of its run.
+
+        Args:
+            scene: its name.
+            notes: one or more.
+            manifest: file that lists them all, None without one.
+        """
 
     def result(self, text: str, **facts: object) -> None:
         """Report the result of the command.
@@ -109,6 +200,15 @@ class LogReporter(Reporter):
         self._verbose = verbose
         self._last = 0.0
 
+    def scene(self, name: str, number: int, total: int) -> None:
+        """Write a line."""
+        self._print(f"[{number}/{total}] {name}")
+
+    def table(self, rows: Sequence[SceneRow], exit_code: int) -> None:
+        """Write a line for each scene."""
+        for line in table_lines(rows):
+            self._print(line)
+
     def begin(self, stage: Stage) -> None:
         """Write a line if there is more than one thing to do."""
         self._last = time.monotonic()
@@ -131,6 +231,12 @@ class LogReporter(Reporter):
         """Write a line."""
         if self._verbose or not detail:
             self._print(text)
+
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Write a summary of a few lines."""
+        self._print(f"{scene}: {counted_notes(len(notes))}")
+        for line in summary(notes, str(manifest or "")):
+            self._print(f"  {line}")
 
     def result(self, text: str, **facts: object) -> None:
         """Write a line to standard output."""
@@ -180,7 +286,7 @@ class TerminalReporter(LogReporter):
         self._console.print(f"{mark} {text} [dim]{stage.seconds:.1f} s[/]")
 
     def _print(self, text: str) -> None:
-        self._console.print(text, markup=False)
+        self._console.print(text, markup=False, soft_wrap=True)
 
 
 class JsonReporter(Reporter):
@@ -188,6 +294,17 @@ class JsonReporter(Reporter):
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
+        self._scene: dict[str, object] = {}
+
+    def scene(self, name: str, number: int, total: int) -> None:
+        """Write a `scene` object; all that follow name the scene."""
+        self._scene = {"scene": name}
+        self._print(event="scene", number=number, total=total)
+
+    def table(self, rows: Sequence[SceneRow], exit_code: int) -> None:
+        """Write a `table` object."""
+        self._scene = {}
+        self._print(event="table", scenes=[row.facts for row in rows], exit_code=exit_code)
 
     def begin(self, stage: Stage) -> None:
         """Write a `begin` object."""
@@ -208,12 +325,18 @@ class JsonReporter(Reporter):
         """Write a `note` object."""
         self._print(event="note", text=text, detail=detail)
 
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Write a `note` object with a `kind` for each."""
+        for note in notes:
+            self._print(event="note", **{**note.facts, "scene": scene}, detail=False)
+
     def result(self, text: str, **facts: object) -> None:
         """Write a `result` object that holds the facts."""
         self._print(event="result", text=text, **facts)
 
-    def _print(self, **members: object) -> None:
-        print(json.dumps(members, ensure_ascii=False), file=self._stream, flush=True)
+    def _print(self, event: str, **members: object) -> None:
+        line = {"event": event, **self._scene, **members}
+        print(json.dumps(line, ensure_ascii=False), file=self._stream, flush=True)
 
 
 def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:

@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg parameters reproduce the poses that they were made from."""
+"""Denavit-Hartenberg parameters reproduce the poses of their skeleton."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ COLUMN = len("terrain: {kind: image, file: ") + 1
 def build_ground_of(folder: Path, config: str) -> Ground:
     path = folder / "scene.yaml"
     path.write_text(SCENE.format(config=config), encoding="utf-8")
-    return Simulation(load_scene(path)).build_ground_of.ground
+    return Simulation(load_scene(path)).world.ground
 
 
 def refusal_message(folder: Path, config: str) -> str:

@@ -71,7 +71,7 @@ class _NativeFunction(CFunc):  # type: ignore[misc]
             return super()._compile_uncached()
 
 
-def native(function: Callable[..., None], signature: Any) -> Any:
+def native(function: Callable[..., Any], signature: Any) -> Any:
     """Returns compiled code with the interface of C; its machine code is stored."""
     made = _NativeFunction(function, sigutils.normalize_signature(signature), {}, {})
     made._cache = StoredCode(function)

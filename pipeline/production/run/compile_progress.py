@@ -10,12 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pipeline.production.run.progress import Reporter, Stage
-from pipeline.simulation.compilation import (
-    CompilationObserver,
-    code_folder,
-    compile_all,
-    observed,
-)
+from pipeline.simulation.code_samples import code_folder, compile_all
+from pipeline.simulation.compilation import CompilationObserver, observed
 
 
 class CompileProgress(CompilationObserver):

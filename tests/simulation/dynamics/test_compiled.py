@@ -50,7 +50,8 @@ def test_compiled_code_matches_python() -> None:
 
 COMPILE_ONE = """
 import numpy as np
-from pipeline.simulation.compilation import CompilationObserver, code_folder, observed
+from pipeline.simulation.code_samples import code_folder
+from pipeline.simulation.compilation import CompilationObserver, observed
 from pipeline.simulation.dynamics.free_motion import rotate_freely
 
 class Printer(CompilationObserver):

@@ -116,3 +116,12 @@ def doctor(
             typer.echo(f"{mark} {finding.what:<13} {finding.text}")
     if any(not finding.ok and finding.needed for finding in findings):
         raise typer.Exit(1)
+
+
+@with_options
+def compile_code(options: Reporting) -> None:
+    """Compile the simulations of people and bodies for this machine ahead of their first scene."""
+    from pipeline.production.run.compile_progress import compile_ahead
+
+    reporter = options.reporter()
+    reporter.result(compile_ahead(reporter))

@@ -29,9 +29,6 @@ Performer = tuple[int, Creature, Figure]
 CREATURE_MATERIAL, PROP_MATERIAL = "brown chitin", "wood"
 """Default materials of creatures and of props."""
 
-MACHINE_CODE = "making machine code for bodies; that takes a minute, once"
-"""Note for the user while `makes_machine_code`."""
-
 
 def figures_of(scene: Scene) -> dict[str, Figure]:
     """Returns the figure of each creature by its name; equal ones are shared."""
@@ -79,19 +76,6 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     if groups:
         troupes.append(GroupTroupe(groups, world))
     return troupes
-
-
-def makes_machine_code(scene: Scene) -> bool:
-    """Returns whether the simulation has to compile machine code first, once per installation."""
-    rooms = {
-        "dynamics": any(isinstance(member, Body | Many) for member in scene.cast),
-        "characters": any(isinstance(member, Character) for member in scene.cast),
-    }
-    if not any(rooms.values()):
-        return False
-    from pipeline.simulation.dynamics.compiled import is_cached
-
-    return not all(is_cached(room) for room, needed in rooms.items() if needed)
 
 
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
-from pipeline.simulation.casting import MACHINE_CODE, makes_machine_code
 from pipeline.simulation.figure_analysis import analyse, draw
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
@@ -43,14 +43,13 @@ def check_scene(
         PronkError: a figure is wrong, a performer cannot start its part, or the simulation fails.
     """
     reporter = reporter or Reporter()
-    simulation = Simulation(scene)
+    with compile_progress(reporter):
+        simulation = Simulation(scene)
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)
     camera_parents(scene, names)
     focus_nodes(scene, names)
     notes = notes_after_end(scene)
     if simulated:
-        if makes_machine_code(scene):
-            reporter.note(MACHINE_CODE)
         take = _take_of(simulation, scene.n_frames, reporter)
         # What the renderer needs of a take can be wrong too.
         ShotBuilder(scene, take)
@@ -65,7 +64,10 @@ def check_scene(
 def _take_of(simulation: Simulation, frames: int, reporter: Reporter) -> Take:
     """Take all steps of a simulation and return its take."""
     clock = simulation.world.clock
-    with stage(reporter, "simulate", frames) as current:
+    with (
+        stage(reporter, "simulate", frames, "s", float(1 / clock.rate)) as current,
+        compile_progress(reporter, current),
+    ):
         while not simulation.finished:
             simulation.step()
             if simulation.step_number % (PROGRESS_FRAMES * clock.steps) == 0:

@@ -7,7 +7,14 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import Reporting, SceneNames, SceneOptions, with_options
+from pipeline.commands.options import (
+    BackendName,
+    BackendOption,
+    Reporting,
+    SceneNames,
+    SceneOptions,
+    with_options,
+)
 from pipeline.errors import Problem, SceneError, UsageError
 
 
@@ -61,15 +68,23 @@ def figure(
     denavit: Annotated[
         bool, typer.Option("--dh", help="Print the Denavit-Hartenberg parameters of all limbs.")
     ] = False,
+    walk: Annotated[
+        bool, typer.Option("--walk", help="Also render one cycle of its gait on level ground.")
+    ] = False,
+    backend: BackendOption = BackendName.auto,
 ) -> None:
-    """Report the parts and masses of a figure and draw it standing."""
-    from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
+    """Report the parts and masses of a figure, draw it standing, and warn of likely mistakes."""
+    from pipeline.production.reports.figure_sheet import drawn_figures, figure_sheet
+    from pipeline.production.reports.figure_walk import walk_sheet
 
     reporter = options.reporter()
-    for drawing in (drawing for name in names for drawing in figures_of(name)):
-        sheet = figure_sheet(drawing, out, denavit)
+    for drawn in (drawn for name in names for drawn in drawn_figures(name)):
+        sheet = figure_sheet(drawn, out, denavit)
         files = ", ".join(str(file) for file in sheet.files)
         reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}", figure=sheet.facts)
+        if walk:
+            walked = walk_sheet(drawn.figure, drawn.config, out, backend.value, reporter)
+            reporter.result(f"  {'walk':<11} {walked.file}: {walked.text}", walk=walked.facts)
 
 
 def schema(

@@ -245,7 +245,7 @@ class SoundEvent:
 
 @dataclass(frozen=True, slots=True)
 class TakeNote:
-    """A message to the author: stopped, toppled, dropped, clamped."""
+    """A message to the author: stopped, toppled, dropped, clamped, drawn (likely by mistake)."""
 
     kind: str
     step: int

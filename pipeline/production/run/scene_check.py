@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
-from pipeline.simulation.figure_analysis import analyse, draw
+from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene
@@ -30,10 +30,13 @@ def check_scene(scene: Scene) -> str:
 
 
 def figure_remarks(scene: Scene) -> Iterator[Problem]:
-    """Yield remarks on the drawings of a scene's figures, with their places."""
+    """Yield remarks on the figures of a scene's creatures, with their places."""
     for name in dict.fromkeys(member.figure for _, member in scene.creatures):
-        config = scene.figures[name]
-        drawing = draw(config)
-        for remark in analyse(drawing, config.parts, config.style, config.pitch_deg).warnings:
-            path = f"figures.{name}.{drawing.path_of(remark.node)}"
-            yield scene.source_map.with_location(Problem(path, str(remark)))
+        yield from remarks_on(scene, build_figure(name, scene.figures[name], 1.0))
+
+
+def remarks_on(scene: Scene, figure: Figure) -> Iterator[Problem]:
+    """Yield remarks on one figure of a scene, with their places."""
+    for remark in check_figure(figure):
+        path = f"figures.{figure.name}.{figure.drawing.path_of(remark.node)}"
+        yield scene.source_map.with_location(Problem(path, str(remark)))

@@ -39,7 +39,7 @@ TWIGS = (FEELER, HORN)
 Chain = tuple[int, ...]
 Style = Literal["insect", "mammal"]
 
-TRUNK_WIDTH = 0.02
+TRUNK_WIDTH = 0.01
 """Distance from the midline at which a node is on the trunk, and within which limbs hang in one
 row, in the drawing's size."""
 

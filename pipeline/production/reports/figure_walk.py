@@ -39,7 +39,7 @@ COUNT, COLUMNS = 8, 4
 
 VIEWS = ("side", "three-quarter")
 
-SIZE = (320, 240)
+SIZE = (240, 180)
 """Of a picture [pixels]."""
 
 MIN_GROUND, GROUND = 20.0, 40.0

@@ -307,7 +307,7 @@ def _reason(
     """Return why an appendage is of its kind."""
     tip = chain[-1]
     if tip in given_kinds:
-        return f"parts says so of '{drawing.names[tip]}'"
+        return "parts says so"
     if tip in guesses.reasons:
         return guesses.reasons[tip]
     if kind == HEAD:

@@ -43,7 +43,7 @@ def check(scenes: SceneNames, options: SceneOptions) -> None:
             scene = options.scene(name)
             reporter.result(f"{name}: {check_scene(scene)}")
             for remark in figure_remarks(scene):
-                reporter.note(f"note: {remark}", detail=True)
+                reporter.note(f"note: {remark.problem}", detail=not remark.is_fault)
         except SceneError as error:
             problems.extend(error.problems)
         except UsageError as error:
@@ -83,7 +83,7 @@ def figure(
         files = ", ".join(str(file) for file in sheet.files)
         reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}", figure=sheet.facts)
         if walk:
-            walked = walk_sheet(drawn.figure, drawn.config, out, backend.value, reporter)
+            walked = walk_sheet(drawn.figure, drawn.scene, out, backend.value, reporter)
             reporter.result(f"  {'walk':<11} {walked.file}: {walked.text}", walk=walked.facts)
 
 

@@ -36,8 +36,7 @@ from pipeline.simulation.figure_analysis import (
     FigureMass,
     build_figure,
 )
-from pipeline.spec import Figure as FigureConfig
-from pipeline.spec import load_figures
+from pipeline.spec import Scene, load_figures
 
 WIDTH, TOP, GAP = 1600, 92, 20
 """Of the page, above its panels and between them [pixels]."""
@@ -70,12 +69,12 @@ class DrawnFigure:
 
     Attributes:
         figure: at the size it is drawn in.
-        config: that it was built from.
+        scene: that holds it, under its name.
         remarks: on its drawing and on how it stands, at their lines.
     """
 
     figure: Figure
-    config: FigureConfig
+    scene: Scene
     remarks: tuple[Problem, ...]
 
 
@@ -93,9 +92,9 @@ def drawn_figures(name: str) -> list[DrawnFigure]:
     found = []
     try:
         for figure_name in names:
-            config = scene.figures[figure_name]
-            figure = build_figure(figure_name, config, 1.0)
-            found.append(DrawnFigure(figure, config, tuple(remarks_on(scene, figure))))
+            figure = build_figure(figure_name, scene.figures[figure_name], 1.0)
+            remarks = tuple(remark.problem for remark in remarks_on(scene, figure))
+            found.append(DrawnFigure(figure, scene, remarks))
     except SceneError as error:
         raise scene.source_map.with_locations(error) from None
     return found

@@ -21,7 +21,6 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.figure_analysis import Figure
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
-from pipeline.spec import Figure as FigureConfig
 from pipeline.spec import Scene
 from render.backend import Backend, Choice
 from render.errors import DeviceMemoryShort, RenderError
@@ -65,13 +64,13 @@ class WalkSheet:
 
 
 def walk_sheet(
-    figure: Figure, config: FigureConfig, out: Path, backend: Choice, reporter: Reporter
+    figure: Figure, home: Scene, out: Path, backend: Choice, reporter: Reporter
 ) -> WalkSheet:
     """Render a figure walking on level ground onto one sheet.
 
     Args:
         figure: as drawn.
-        config: that it was built from.
+        home: the scene that holds it, for its materials.
         out: folder of the sheet.
         backend: variant of Mitsuba.
         reporter: of progress.
@@ -79,7 +78,7 @@ def walk_sheet(
     Raises:
         PronkError: the sheet cannot be made.
     """
-    scene, take, text = _simulated(figure, config, reporter)
+    scene, take, text = _simulated(figure, home, reporter)
     frames, cycle = _cycle_frames(take)
     pictures = _rendered(scene, take, frames, backend, reporter)
     file = out / f"{figure.name.replace(' ', '_')}_walk.png"
@@ -94,15 +93,15 @@ def walk_sheet(
     return WalkSheet(file, f"{text}; {moments}")
 
 
-def _simulated(figure: Figure, config: FigureConfig, reporter: Reporter) -> tuple[Scene, Take, str]:
+def _simulated(figure: Figure, home: Scene, reporter: Reporter) -> tuple[Scene, Take, str]:
     """Return the scene and take of a figure that walks, or stands if it cannot, and which."""
     with stage(reporter, "simulate", 1) as current:
         try:
-            scene = _scene(figure, config, True)
+            scene = _scene(figure, home, True)
             take = simulate(scene)
             text = "walks" if figure.skeleton.legs else "crawls as an inchworm"
         except SceneError as error:
-            scene = _scene(figure, config, False)
+            scene = _scene(figure, home, False)
             take = simulate(scene)
             reason = "; ".join(problem.message for problem in error.problems)
             text = f"stands, because it cannot walk ({reason})"
@@ -110,7 +109,7 @@ def _simulated(figure: Figure, config: FigureConfig, reporter: Reporter) -> tupl
     return scene, take, text
 
 
-def _scene(figure: Figure, config: FigureConfig, walks: bool) -> Scene:
+def _scene(figure: Figure, home: Scene, walks: bool) -> Scene:
     """Return a scene of a figure alone on level ground."""
     size = max(MIN_GROUND, GROUND * float(np.ptp(figure.drawing.places, axis=0).max()))
     member = {"name": "it", "figure": "it"} | ({"walk": {}} if walks else {})
@@ -120,7 +119,8 @@ def _scene(figure: Figure, config: FigureConfig, walks: bool) -> Scene:
             "fps": FPS,
             "duration": SECONDS,
             "terrain": {"kind": "flat", "size": [size, size], "cells": [80, 80]},
-            "figures": {"it": config},
+            "figures": {"it": home.figures[figure.name]},
+            "materials": home.materials,
             "cast": [member],
             "film": {"preset": "draft", "size": SIZE},
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
@@ -29,14 +30,28 @@ def check_scene(scene: Scene) -> str:
     return f"right: {length}; {cast}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
 
 
-def figure_remarks(scene: Scene) -> Iterator[Problem]:
-    """Yield remarks on the figures of a scene's creatures, with their places."""
+@dataclass(frozen=True, slots=True)
+class FigureRemark:
+    """A remark on a figure.
+
+    Attributes:
+        problem: the remark at its place.
+        is_fault: whether it is likely a mistake.
+    """
+
+    problem: Problem
+    is_fault: bool
+
+
+def figure_remarks(scene: Scene) -> Iterator[FigureRemark]:
+    """Yield remarks on the figures of a scene's creatures."""
     for name in dict.fromkeys(member.figure for _, member in scene.creatures):
         yield from remarks_on(scene, build_figure(name, scene.figures[name], 1.0))
 
 
-def remarks_on(scene: Scene, figure: Figure) -> Iterator[Problem]:
-    """Yield remarks on one figure of a scene, with their places."""
+def remarks_on(scene: Scene, figure: Figure) -> Iterator[FigureRemark]:
+    """Yield remarks on one figure of a scene."""
     for remark in check_figure(figure):
         path = f"figures.{figure.name}.{figure.drawing.path_of(remark.node)}"
-        yield scene.source_map.with_location(Problem(path, str(remark)))
+        problem = scene.source_map.with_location(Problem(path, remark.text))
+        yield FigureRemark(problem, remark.is_fault)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import hypot, log10, sin
 
-from audio.config.notes import DEFAULT_FASTEST, DEFAULT_SLOWEST, Velocity
+from audio.config.velocity import DEFAULT_FASTEST, DEFAULT_SLOWEST, Velocity
 from audio.score import ScoreEvent
 
 # Peak of an impact of 1 m/s by half a kilogram at 4 m [dBFS]: a walk is then well above the noise

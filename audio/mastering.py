@@ -26,16 +26,49 @@ _CEILING_ONLY = Master(most_gain_db=0.0)
 _MARGIN = 0.3
 # Greatest saturation, inaudible on impacts; the rest is limited [dB].
 _MAX_SATURATION = 9.0
-# The search for the gain: rounds, tolerance [dB], and least change of loudness per gain.
-_MAX_ROUNDS, _TOLERANCE, _MIN_SLOPE = 6, 0.05, 0.25
-# Samples per step of the limiter's gain.
-_BLOCK = 48
-# The gain falls within 2 ms ahead of a peak, stays for 4 ms [blocks] and recovers by 300 dB a
-# second: soon enough to leave the ring after the peak.
-_LOOKAHEAD, _HOLD = 2, 4
-_RELEASE = 10 ** (300.0 / 20 * _BLOCK / SAMPLE_RATE)
 # Share of the ceiling up to which saturation is linear.
 _KNEE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class _GainSearch:
+    """Secant search of the gain that reaches the target loudness.
+
+    Attributes:
+        max_rounds: number of limited mixes that are measured.
+        tolerance: of the loudness [dB].
+        min_slope: least change of loudness per gain, which bounds the steps.
+    """
+
+    max_rounds: int = 6
+    tolerance: float = 0.05
+    min_slope: float = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class _Limiter:
+    """Envelope of the limiter's gain, in blocks of a millisecond.
+
+    Attributes:
+        block: samples per step of the gain.
+        lookahead: blocks within which the gain falls ahead of a peak.
+        hold: blocks for which it stays.
+        release_db: recovery [dB/s], soon enough to leave the ring after the peak.
+    """
+
+    block: int = 48
+    lookahead: int = 2
+    hold: int = 4
+    release_db: float = 300.0
+
+    @property
+    def release(self) -> float:
+        """Factor by which the gain recovers from block to block."""
+        return float(10 ** (self.release_db / 20 * self.block / SAMPLE_RATE))
+
+
+_SEARCH = _GainSearch()
+_LIMITER = _Limiter()
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,14 +114,14 @@ def master_mix(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Ma
     out = _limited(mix, gain_db, ceiling_db, peak_db)
     # Secant search: limiting makes loudness grow slower than the gain.
     slope, loudness = 1.0, integrated_loudness(out)
-    for _ in range(_MAX_ROUNDS if master else 0):
+    for _ in range(_SEARCH.max_rounds if master else 0):
         step = min((target - loudness) / slope, max_gain_db - gain_db)
-        if abs(step) < _TOLERANCE or target - loudness < _TOLERANCE:
+        if abs(step) < _SEARCH.tolerance or target - loudness < _SEARCH.tolerance:
             break
         gain_db += step
         out = _limited(mix, gain_db, ceiling_db, peak_db)
         previous, loudness = loudness, integrated_loudness(out)
-        slope = min(max((loudness - previous) / step, _MIN_SLOPE), 1.0)
+        slope = min(max((loudness - previous) / step, _SEARCH.min_slope), 1.0)
     return _measured(out, gain_db, peak_db + gain_db - ceiling_db)
 
 
@@ -144,23 +177,23 @@ def limit(stereo: Signal, ceiling: float) -> tuple[Signal, float]:
 
 def _limiter_gain(peaks: Signal, ceiling: float) -> Signal:
     """Return a gain that keeps peaks below the ceiling: (N,)."""
-    blocks = -(-peaks.size // _BLOCK)
-    padded = np.zeros(blocks * _BLOCK)
+    blocks = -(-peaks.size // _LIMITER.block)
+    padded = np.zeros(blocks * _LIMITER.block)
     padded[: peaks.size] = peaks
-    needed = ceiling / np.maximum(padded.reshape(blocks, _BLOCK).max(axis=1), ceiling)
+    needed = ceiling / np.maximum(padded.reshape(blocks, _LIMITER.block).max(axis=1), ceiling)
     # The window of the minimum is wider than that of the mean, so the mean reaches it in time.
-    wide = np.pad(needed, (_HOLD, 2 * _LOOKAHEAD), constant_values=1.0)
-    lowest = sliding_window_view(wide, _HOLD + 2 * _LOOKAHEAD + 1).min(axis=1)
-    smooth = np.pad(_with_release(lowest), (_LOOKAHEAD, _LOOKAHEAD), mode="edge")
-    mean = sliding_window_view(smooth, 2 * _LOOKAHEAD + 1).mean(axis=1)
-    centers = (np.arange(blocks) + 0.5) * _BLOCK
+    wide = np.pad(needed, (_LIMITER.hold, 2 * _LIMITER.lookahead), constant_values=1.0)
+    lowest = sliding_window_view(wide, _LIMITER.hold + 2 * _LIMITER.lookahead + 1).min(axis=1)
+    smooth = np.pad(_with_release(lowest), (_LIMITER.lookahead, _LIMITER.lookahead), mode="edge")
+    mean = sliding_window_view(smooth, 2 * _LIMITER.lookahead + 1).mean(axis=1)
+    centers = (np.arange(blocks) + 0.5) * _LIMITER.block
     return np.asarray(np.interp(np.arange(peaks.size), centers, mean))
 
 
 def _with_release(needed: Signal) -> Signal:
     """Return a gain that falls at once and recovers at the release rate: (B,)."""
-    gain, out = 1.0, needed.tolist()
+    gain, out, release = 1.0, needed.tolist(), _LIMITER.release
     for block, most in enumerate(out):
-        gain = min(most, gain * _RELEASE)
+        gain = min(most, gain * release)
         out[block] = gain
     return np.array(out)

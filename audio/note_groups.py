@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import log10
 
-from audio.config.notes import PhraseStep, StepTime
+from audio.config.phrase import PhraseStep, StepTime
 from audio.config.sound import Voice
 from audio.harmony import Scale, fold_pitch, parse_chord
 

@@ -19,8 +19,27 @@ from audio.quantisation import TimingShifts, quantise, timing_shifts
 from audio.score import Score, ScoreEvent
 from audio.time_grid import nearest_frame_time
 
-# Length of a note by the size of its body: base and bounds [s], growth [s/m].
-_BASE_LENGTH, _LENGTH_PER_METRE, _MAX_LENGTH = 0.25, 0.5, 1.5
+
+@dataclass(frozen=True, slots=True)
+class _LengthBySize:
+    """Default length of a note by the size of its body, because larger bodies ring longer.
+
+    Attributes:
+        shortest: of the smallest body [s].
+        per_metre: growth with the size [s/m].
+        longest: of any body [s].
+    """
+
+    shortest: float = 0.25
+    per_metre: float = 0.5
+    longest: float = 1.5
+
+    def seconds(self, size: float) -> float:
+        """Return the length of a body of this size [m]."""
+        return min(max(self.shortest + self.per_metre * size, self.shortest), self.longest)
+
+
+_DEFAULT_LENGTH = _LengthBySize()
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,8 +228,8 @@ def _default_instrument(event: ScoreEvent) -> str:
 
 
 def _default_length(event: ScoreEvent) -> float:
-    """Return the length of a note [s]: larger bodies ring longer, friction has its own."""
+    """Return the length of a note [s]: friction has its own, other sounds follow the size."""
     voice = cause_voice(event.cause)
     if isinstance(voice, FrictionVoice):
         return voice.seconds
-    return min(max(_BASE_LENGTH + _LENGTH_PER_METRE * event.size, _BASE_LENGTH), _MAX_LENGTH)
+    return _DEFAULT_LENGTH.seconds(event.size)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import log2
 
-from audio.config.notes import first_note_of_rule
+from audio.config.pitch import first_note_of_rule
 from audio.general_midi import usual_range
 from audio.harmony import Scale, fold_pitch
 from audio.names import normalized_name
@@ -16,11 +16,26 @@ from audio.score import ScoreEvent
 FOOT_CAUSES = ("footfall", "scuff")
 """Causes whose notes have a scale step for each foot by default."""
 
-# Pitch of a body of 0.1 m, and its slope. Real strings and bars rise an octave for half the
-# length; two thirds of it keep a brick and a beetle on one instrument.
-_REFERENCE_SIZE = 0.1
-_REFERENCE_PITCH = 67.0
-_SEMITONES_PER_HALVING = 8.0
+
+@dataclass(frozen=True, slots=True)
+class _PitchBySize:
+    """Pitch of a body by its size.
+
+    Real strings and bars rise an octave for half the length; two thirds of it keep a brick and a
+    beetle on one instrument.
+
+    Attributes:
+        size: of the reference body [m].
+        pitch: MIDI pitch of that body.
+        slope: semitones by which the pitch rises for half the size.
+    """
+
+    size: float = 0.1
+    pitch: float = 67.0
+    slope: float = 8.0
+
+
+_REFERENCE = _PitchBySize()
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,5 +119,5 @@ def pitch_by_rule(rule: str, event: ScoreEvent, rank: PartRank, scale: Scale, pr
 
 
 def _degree_of_size(size: float, scale: Scale, lowest: int, highest: int) -> int:
-    pitch = _REFERENCE_PITCH - _SEMITONES_PER_HALVING * log2(size / _REFERENCE_SIZE)
+    pitch = _REFERENCE.pitch - _REFERENCE.slope * log2(size / _REFERENCE.size)
     return scale.degree(min(max(pitch, lowest), highest))

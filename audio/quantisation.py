@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import floor
 
-from audio.config.notes import Quantisation, beats_of_grid
+from audio.config.quantisation import Quantisation, beats_of_grid
 from audio.score import Score
 from audio.time_grid import nearest_frame_time
 

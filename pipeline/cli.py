@@ -12,15 +12,12 @@ from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
 from pipeline.errors import PronkError
-from pipeline.production.run.interrupts import heard, ignore, listen
-
-INTERRUPTED = 130
+from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
 
 app = typer.Typer(
     name="pronk",
     help="One YAML scene in; a path-traced film and a frame-exact score out.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -45,6 +42,7 @@ for command in (
     direct,
 ):
     app.command()(command)
+app.command("compile")(scene_files.compile_code)
 app.command("list")(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")
@@ -96,19 +94,7 @@ def _ended() -> str | int | None:
         # Typer turns Ctrl-C into a code of its own and says nothing.
         return end.code
     except BaseException as error:
-        if not _is_interrupt(error):
+        if not is_interrupt(error):
             raise
         return INTERRUPTED
     raise AssertionError("typer ends every command by SystemExit")
-
-
-def _is_interrupt(error: BaseException | None) -> bool:
-    """Say whether Ctrl-C is behind an error.
-
-    Compiled modules wrap it in an error of their own, some of them as words alone.
-    """
-    if heard():
-        return True
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None

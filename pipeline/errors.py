@@ -1,6 +1,6 @@
 """What can go wrong, as one tree, with the exit code each branch ends in.
 
-    PronkError
+    PronkError              1    and its branches elsewhere: notes that --strict refuses
     ├── UsageError          2    the command was called in a way that cannot work
     ├── SceneError          3    the scene is wrong; holds every problem found
     ├── ProductionError     4    simulating, rendering or writing failed
@@ -19,7 +19,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 
@@ -27,6 +27,11 @@ class PronkError(Exception):
     """Root of all errors that pronk reports as one clear message."""
 
     exit_code: ClassVar[int] = 1
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """What other programs are told besides the message."""
+        return {}
 
 
 class UsageError(PronkError):
@@ -71,6 +76,21 @@ class SceneError(PronkError):
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """Its problems."""
+        return {"problems": [asdict(problem) for problem in self.problems]}
+
+
+def located(error: PronkError, file: object) -> str:
+    """Return the message of an error, with the file of its scene before all that has no line."""
+    if not isinstance(error, SceneError):
+        return f"{file}: {error}"
+    return "\n".join(
+        str(problem) if problem.line or problem.file == str(file) else f"{file}: {problem}"
+        for problem in error.problems
+    )
 
 
 class ProductionError(PronkError):

@@ -14,7 +14,7 @@ _MAX_HEADER_BYTES = 65536
 
 
 def panorama_fault(path: Path) -> str | None:
-    """Return what is wrong with a panorama file, None if it is usable."""
+    """Return the error of a panorama file, None if it is usable."""
     if path.suffix.lower() not in SUFFIXES:
         return f"'{path.name}' is no {' or '.join(SUFFIXES)} file"
     try:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 
 class AudioConfig(BaseModel):
@@ -21,3 +22,8 @@ def checked_by(parse: Callable[[str], object]) -> AfterValidator:
         return text
 
     return AfterValidator(check)
+
+
+def listed_in(kind: str) -> Any:
+    """Return the metadata of a name that the JSON Schema marks as one of a kind."""
+    return Field(json_schema_extra={"x-names": kind})

@@ -6,20 +6,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from audio.config import AudioConfig, checked_by
-from audio.config.notes import (
-    ChordName,
-    PhraseOrSteps,
-    Pitch,
-    Quantisation,
-    ScaleName,
-    Velocity,
-    VelocityOrNumber,
-)
+from audio.config import AudioConfig, checked_by, listed_in
+from audio.config.phrase import PhraseOrSteps
+from audio.config.pitch import ChordName, Pitch, ScaleName
+from audio.config.quantisation import Quantisation
+from audio.config.velocity import Velocity, VelocityOrNumber
 from audio.general_midi import drum_key, program_number
 
-Instrument = Annotated[str, checked_by(program_number)]
-Drum = Annotated[str, checked_by(drum_key)]
+Instrument = Annotated[str, checked_by(program_number), listed_in("instruments")]
+Drum = Annotated[str, checked_by(drum_key), listed_in("drums")]
 Pattern = Annotated[str, Field(min_length=1)]
 Share = Annotated[float, Field(ge=0, le=1)]
 
@@ -46,7 +41,9 @@ class Range(AudioConfig):
 class EventFilter(AudioConfig):
     """Selects events; every given condition must hold, `*` stands for any letters."""
 
-    cause: Pattern | None = Field(None, description="Cause, such as footfall or scuff.")
+    cause: Annotated[Pattern, listed_in("causes")] | None = Field(
+        None, description="Cause, such as footfall or scuff."
+    )
     who: Pattern | None = Field(None, description="Name of the performer that sounds.")
     part: Pattern | None = Field(None, description="Its part, such as foot_l1 or foot_*.")
     other: Pattern | None = Field(None, description="What it met, such as terrain or crate.")
@@ -127,7 +124,7 @@ Metres = Annotated[float, Field(gt=0, le=1000)]
 
 
 class Room(AudioConfig):
-    """Acoustics of the place; the preset supplies what is not given."""
+    """Acoustics of the place; the preset supplies the other keys."""
 
     preset: RoomName = Field(
         "open", description="open (the ground and little else), dry (nothing), room or hall."
@@ -157,7 +154,7 @@ class Master(AudioConfig):
         30.0,
         ge=0,
         le=60,
-        description="Greatest gain of a soft scene [dB]: what is nearly silent stays soft.",
+        description="Greatest gain of a soft scene [dB]: a nearly silent scene stays soft.",
     )
     most_limiting_db: float = Field(
         18.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,22 +11,29 @@ from pipeline.commands.options import (
     BackendOption,
     RunOptions,
     SceneName,
+    SceneNames,
     SceneOptions,
+    StrictOption,
     with_options,
 )
+
+if TYPE_CHECKING:
+    from pipeline.production.run.progress import Reporter
 
 plots = typer.Typer(no_args_is_help=True, help="Draw plots over time: gait, events, minds.")
 reports = typer.Typer(no_args_is_help=True, help="Print measurements of a scene.")
 
 
 @with_options
-def simulate(scene: SceneName, options: RunOptions) -> None:
-    """Simulate a scene and store its take without rendering."""
+def simulate(scenes: SceneNames, options: RunOptions, strict: StrictOption = False) -> None:
+    """Simulate scenes and store their takes without rendering."""
     from pipeline.production.run import production
 
-    reporter = options.reporter()
-    outputs, take = production.simulate_only(options.order(scene), reporter)
-    reporter.result(f"{outputs.take}: digest {take.digest}")
+    def make(name: str, reporter: Reporter) -> None:
+        outputs, take = production.simulate_only(options.order(name, strict=strict), reporter)
+        reporter.result(f"{outputs.take}: digest {take.digest}")
+
+    options.run_each(scenes, make)
 
 
 @with_options

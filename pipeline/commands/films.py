@@ -14,12 +14,14 @@ from pipeline.commands.options import (
     RunOptions,
     SceneName,
     SceneNames,
+    StrictOption,
     say,
     with_options,
 )
 
 if TYPE_CHECKING:
     from pipeline.production.run.order import Order
+    from pipeline.production.run.progress import Reporter
 
 
 @with_options
@@ -34,22 +36,25 @@ def render(
     no_sound: Annotated[
         bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
     ] = False,
+    strict: StrictOption = False,
 ) -> None:
     """Render films: simulate, write the score, render the frames, encode.
 
-    Outputs that are still right are kept; a run that was stopped goes on where it was.
+    Outputs that are still right are kept; a run that was stopped goes on where it was. Where one
+    of several scenes fails, the others are rendered all the same.
     """
     from pipeline.production.run import production
-    from pipeline.production.run.order import refuse_clashes
+    from pipeline.production.run.frame_ranges import read_frames
 
-    reporter = options.reporter()
-    orders = [
-        options.frame_order(name, preset, frames=frames, jobs=jobs, sound=not no_sound)
-        for name in scenes
-    ]
-    refuse_clashes(orders)
-    for order in orders:
+    if frames is not None:
+        read_frames(frames)
+
+    def make(name: str, reporter: Reporter) -> None:
+        settings = {"frames": frames, "jobs": jobs, "sound": not no_sound, "strict": strict}
+        order = options.frame_order(name, preset, **settings)
         reporter.result(f"{production.render(order, reporter).folder}")
+
+    options.run_each(scenes, make)
 
 
 @with_options
@@ -68,18 +73,20 @@ def frame(
 
 @with_options
 def sheet(
-    scene: SceneName,
+    scenes: SceneNames,
     options: FrameOptions,
     count: Annotated[int, typer.Option(min=1, max=400, help="Number of frames.")] = 12,
     columns: Annotated[int, typer.Option(min=1, max=40, help="Frames per row.")] = 3,
     preset: PresetOption = None,
 ) -> None:
-    """Render a contact sheet: frames spread evenly over the film."""
+    """Render contact sheets: frames spread evenly over the film."""
     from pipeline.production.reports.stills import sheet as contact_sheet
 
-    reporter = options.reporter()
-    order = options.frame_order(scene, preset)
-    reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
+    def make(name: str, reporter: Reporter) -> None:
+        order = options.frame_order(name, preset)
+        reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
+
+    options.run_each(scenes, make)
 
 
 @with_options
@@ -118,7 +125,7 @@ def watch(
 
 @with_options
 def midi(
-    scene: SceneName,
+    scenes: SceneNames,
     options: RunOptions,
     subframe: Annotated[
         bool,
@@ -126,13 +133,16 @@ def midi(
             "--subframe", help="Put notes and sounds at their exact times instead of on frames."
         ),
     ] = False,
+    strict: StrictOption = False,
 ) -> None:
-    """Write the MIDI score and the sound track without rendering."""
+    """Write MIDI scores and sound tracks without rendering."""
     from pipeline.production.run import production
 
-    reporter = options.reporter()
-    outputs = production.score_only(options.order(scene, subframe=subframe), reporter)
-    reporter.result(f"{outputs.midi}")
+    def make(name: str, reporter: Reporter) -> None:
+        order = options.order(name, subframe=subframe, strict=strict)
+        reporter.result(f"{production.score_only(order, reporter).midi}")
+
+    options.run_each(scenes, make)
 
 
 @with_options

@@ -11,14 +11,15 @@ import inspect
 import logging
 import re
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_type_hints
 
 import typer
 
-from pipeline.errors import PronkError, SceneError, UsageError
+from pipeline.commands.completion import completion
+from pipeline.errors import PronkError, UsageError, located
 
 if TYPE_CHECKING:
     from pipeline.production.run.order import Order
@@ -44,9 +45,21 @@ class BackendName(enum.StrEnum):
     scalar = "scalar"
 
 
-SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="File or name of a shipped scene.")]
+SceneName = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE",
+        help="File or name of a shipped scene.",
+        autocompletion=completion("scenes", with_files=True),
+    ),
+]
 SceneNames = Annotated[
-    list[str], typer.Argument(metavar="SCENE", help="Files or names of shipped scenes.")
+    list[str],
+    typer.Argument(
+        metavar="SCENE",
+        help="Files or names of shipped scenes.",
+        autocompletion=completion("scenes", with_files=True),
+    ),
 ]
 OutFolder = Annotated[Path, typer.Option(help="Folder for the output folders of scenes.")]
 Assignments = Annotated[
@@ -57,6 +70,9 @@ Assignments = Annotated[
 ]
 PresetOption = Annotated[
     Preset | None, typer.Option(help="Size and quality of the frames; default: the scene's own.")
+]
+StrictOption = Annotated[
+    bool, typer.Option("--strict", help="Make notes an error, before any frame is rendered.")
 ]
 BackendOption = Annotated[
     BackendName, typer.Option(help="Variant of Mitsuba; default: the fastest that works.")
@@ -96,6 +112,18 @@ class Reporting(Verbosity):
         """Whether to print JSON lines."""
         return self.json_lines
 
+    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
+        """Work on each of several scenes, whatever becomes of the others.
+
+        Raises:
+            typer.Exit: with the highest exit code, if one failed.
+        """
+        from pipeline.production.run.batch import run_batch
+
+        code = run_batch(scenes, work, self.reporter(), say)
+        if code:
+            raise typer.Exit(code)
+
 
 @dataclass(kw_only=True)
 class SceneOptions(Reporting):
@@ -116,6 +144,13 @@ class SceneOptions(Reporting):
 
 
 @dataclass(kw_only=True)
+class CheckOptions(SceneOptions):
+    """Options of the command that checks scenes and writes nothing."""
+
+    stopped: ClassVar[str] = "nothing was written"
+
+
+@dataclass(kw_only=True)
 class RunOptions(SceneOptions):
     """Options of commands that simulate a scene."""
 
@@ -124,6 +159,19 @@ class RunOptions(SceneOptions):
     def assignments(self) -> list[str]:
         """Return the values of the scene that options change, an explicit `--set` last."""
         return self.sets or []
+
+    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
+        """Work on each of several scenes, which write to folders of their own.
+
+        Raises:
+            UsageError: two would write to one folder, or an option is wrong for every scene.
+            typer.Exit: with the highest exit code, if one failed.
+        """
+        from pipeline.production.run.order import refuse_clashes
+
+        refuse_clashes(scenes, self.out)
+        self.assignments()
+        super().run_each(scenes, work)
 
     def order(
         self,
@@ -225,14 +273,22 @@ def with_options(function: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-def say(error: PronkError) -> None:
-    """Write an error as the options of the running command ask."""
+def say(error: PronkError, scene: str = "", file: Path | None = None) -> None:
+    """Write an error as the options of the running command ask.
+
+    Args:
+        error: any of pronk's.
+        scene: one of the scenes that the command names, "" for an error of none.
+        file: of that scene, None if there is none.
+    """
+    text = str(error) if file is None else located(error, file)
     if not CURRENT.options.as_json:
-        typer.echo(f"error: {error}", err=True)
+        typer.echo(f"error: {text}", err=True)
         return
     import json
 
     event: dict[str, object] = {"event": "error", "exit_code": error.exit_code}
-    if isinstance(error, SceneError):
-        event["problems"] = [asdict(problem) for problem in error.problems]
-    typer.echo(json.dumps({**event, "message": str(error)}, ensure_ascii=False))
+    if scene:
+        event["scene"] = scene
+    event.update(error.facts)
+    typer.echo(json.dumps({**event, "message": text}, ensure_ascii=False))

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.commands.completion import completion
 from pipeline.commands.options import (
     BackendName,
     BackendOption,
+    CheckOptions,
     Reporting,
     SceneNames,
-    SceneOptions,
+    StrictOption,
     with_options,
 )
-from pipeline.errors import Problem, SceneError, UsageError
+
+if TYPE_CHECKING:
+    from pipeline.production.run.progress import Reporter
 
 
 def new(
@@ -31,27 +35,27 @@ def new(
 
 
 @with_options
-def check(scenes: SceneNames, options: SceneOptions) -> None:
-    """Check scenes: every mistake at once, with its line."""
+def check(
+    scenes: SceneNames,
+    options: CheckOptions,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate", help="Simulate as well: find what only motion shows, and list notes."
+        ),
+    ] = False,
+    strict: StrictOption = False,
+) -> None:
+    """Check scenes: every mistake of every scene, with its line."""
     from pipeline.production.run.scene_check import check_scene, figure_remarks
 
-    reporter = options.reporter()
-    problems: list[Problem] = []
-    missing: list[UsageError] = []
-    for name in scenes:
-        try:
-            scene = options.scene(name)
-            reporter.result(f"{name}: {check_scene(scene)}")
-            for remark in figure_remarks(scene):
-                reporter.note(f"note: {remark.problem}", detail=not remark.is_fault)
-        except SceneError as error:
-            problems.extend(error.problems)
-        except UsageError as error:
-            missing.append(error)
-    if problems:
-        raise SceneError([*problems, *(Problem("", str(error)) for error in missing)])
-    if missing:
-        raise missing[0]
+    def examine(name: str, reporter: Reporter) -> None:
+        scene = options.scene(name)
+        reporter.result(f"{name}: {check_scene(scene, reporter, name, simulate, strict)}")
+        for remark in figure_remarks(scene):
+            reporter.note(f"note: {remark.problem}", detail=not remark.is_fault)
+
+    options.run_each(scenes, examine)
 
 
 @with_options
@@ -61,6 +65,7 @@ def figure(
         typer.Argument(
             metavar="FIGURE...",
             help="Figure files, names of shipped figures, scenes, or SCENE:FIGURE.",
+            autocompletion=completion("figures", "scenes", with_files=True),
         ),
     ],
     options: Reporting,
@@ -121,3 +126,12 @@ def doctor(
             typer.echo(f"{mark} {finding.what:<13} {finding.text}")
     if any(not finding.ok and finding.needed for finding in findings):
         raise typer.Exit(1)
+
+
+@with_options
+def compile_code(options: Reporting) -> None:
+    """Compile the simulations of people and bodies for this machine ahead of their first scene."""
+    from pipeline.production.run.compile_progress import compile_ahead
+
+    reporter = options.reporter()
+    reporter.result(compile_ahead(reporter))

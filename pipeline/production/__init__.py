@@ -1,1 +1,1 @@
-"""From a scene to its film and score: what is due, camera, shots, score, outputs."""
+"""From a scene to its film and score: stages, camera, shots, score, outputs."""

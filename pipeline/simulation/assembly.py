@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+
+import numpy as np
 
 from pipeline.simulation.attachment import attachments_of
 from pipeline.simulation.casting import drawing_notes, figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
 from pipeline.simulation.event_detection import EventDetection
+from pipeline.simulation.event_monitor import EventMonitor
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import NodeAlias
+from pipeline.simulation.members import Members
 from pipeline.simulation.node_names import NodeNames, node_aliases
-from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import RowScheduler
 from pipeline.simulation.script import Script
-from pipeline.simulation.terrain import build_ground
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.simulation.versions import header_of
+from pipeline.spec.character import Character
+from pipeline.spec.creature import Creature
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.scene import Scene
 
 
@@ -31,10 +38,11 @@ class Assembly:
     Attributes:
         world: the constants that every troupe reads.
         troupes: all troupes, in the order of their nodes.
-        obstacles: returns their solids, computed at the first call.
         recorder: the take under construction.
         aliases: names of drawing nodes for the nodes of creatures.
         script: instructions of the scene.
+        members: where all members of the cast are.
+        monitor: tests the conditions that instructions wait for.
         detection: detectors of sound events.
         coupling: the troupe that hits obstacles and its obstacles, None without any.
         scheduler: decides when rows are written.
@@ -42,10 +50,11 @@ class Assembly:
 
     world: World
     troupes: Sequence[Troupe]
-    obstacles: Callable[[], Sequence[Obstacle]]
     recorder: Recorder
     aliases: tuple[NodeAlias, ...]
     script: Script
+    members: Members
+    monitor: EventMonitor
     detection: EventDetection
     coupling: ContactCoupling | None
     scheduler: RowScheduler
@@ -80,10 +89,48 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
+    members = Members(recorder, names, obstacles, _places(scene, ground))
+    monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)
     scheduler = RowScheduler(
         clock, troupes, recorder, attachments, coupling, detection.record_batch
     )
     return Assembly(
-        world, troupes, obstacles, recorder, aliases, script, detection, coupling, scheduler
+        world=world,
+        troupes=troupes,
+        recorder=recorder,
+        aliases=aliases,
+        script=script,
+        members=members,
+        monitor=monitor,
+        detection=detection,
+        coupling=coupling,
+        scheduler=scheduler,
+    )
+
+
+def _places(scene: Scene, ground: Ground) -> dict[str, Array]:
+    """Returns the named places (3,) of a scene; those without a height are on the ground [m]."""
+    places = {}
+    for name, place in scene.places.items():
+        x, z = place[0], place[-1]
+        height = float(ground.height(np.array(x), np.array(z)))
+        places[name] = np.array([x, place[1] if len(place) == 3 else height, z])
+    return places
+
+
+def _owners(recorder: Recorder) -> dict[str, str]:
+    """Returns the performer of each part and node, by name."""
+    return {
+        **{part.name: part.performer for part in recorder.parts},
+        **{node.name: node.performer for node in recorder.nodes},
+    }
+
+
+def _standing(scene: Scene) -> frozenset[str]:
+    """Returns the names of the members that stand by themselves."""
+    return frozenset(
+        member.name
+        for member in scene.cast
+        if isinstance(member, Creature | Dancer) or (isinstance(member, Character) and member.acts)
     )

@@ -92,19 +92,6 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     return troupes
 
 
-def makes_machine_code(scene: Scene) -> bool:
-    """Returns whether the simulation has to compile machine code first, once per installation."""
-    rooms = {
-        "dynamics": any(isinstance(member, Body | Many) for member in scene.cast),
-        "characters": any(isinstance(member, Character) for member in scene.cast),
-    }
-    if not any(rooms.values()):
-        return False
-    from pipeline.simulation.dynamics.compiled import is_cached
-
-    return not all(is_cached(room) for room, needed in rooms.items() if needed)
-
-
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
     """Returns the troupes of creatures; on a parent they stand on level ground of their own."""
     troupes = list[Troupe]()

@@ -6,7 +6,7 @@ States are those of the last row that was written, one row before the step that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,10 @@ import numpy as np
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, matrix
+from pipeline.spec.model_base import Goal
+from pipeline.spec.script import GoTo
 
 HEAD_PARTS = ("head",)
 """Parts that are looked at, in the order of preference."""
@@ -164,3 +167,21 @@ class Members:
         if node not in recorder.scaled:
             return obstacle.corners
         return obstacle.corners * recorder.scales[self._row, recorder.scaled.index(node)]
+
+
+def goals_named(names: Collection[str], orders: Orders) -> set[str]:
+    """Returns the members that some performers are to go to by `orders`."""
+    return {
+        order.go_to
+        for name in names
+        for order in orders.get(name, ())
+        if isinstance(order, GoTo) and isinstance(order.go_to, str)
+    }
+
+
+def goal_place(goal: Goal, members: Mapping[str, MemberState]) -> tuple[float, float]:
+    """Returns the place (x, z) of a goal on the ground [m]."""
+    if not isinstance(goal, str):
+        return goal
+    x, _, z = members[goal].centre.tolist()
+    return x, z

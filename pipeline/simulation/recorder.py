@@ -7,7 +7,7 @@ where they are long. Only the lists of contacts and sound events grow in memory.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory, join_inventories, shifted_look
-from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.row_storage import allocate_rows, release_rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
+    ORDER_NOTES,
     Contact,
     Header,
     SoundEvent,
@@ -58,8 +58,8 @@ class Recorder:
         self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self._notes: dict[tuple[str, str], TakeNote] = {}
-        self.orders: list[Told] = []
+        self._notes: dict[tuple[str, str, str], TakeNote] = {}
+        self.told: list[Told] = []
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
         """Sets the parents of attached nodes that have none."""
@@ -106,7 +106,7 @@ class Recorder:
         return self._R[which.start - self._first : which.stop - self._first]
 
     def show(self, which: slice, nodes: NDArray[np.int64]) -> None:
-        """Stores the rotations of nodes in rows that are not stored yet, for `solids` to read."""
+        """Stores the rotations of nodes in rows that are not stored yet, for `Members` to read."""
         self.quaternions[which, nodes] = quaternion(self._matrices(which)[:, nodes])
 
     def attached(self, which: slice, attachments: Iterable[Attachment]) -> tuple[Array, Array]:
@@ -142,32 +142,20 @@ class Recorder:
             release_rows(rows)
         return None
 
-    def solids(
-        self, obstacles: Iterable[Obstacle], names: Collection[str], row: int
-    ) -> dict[str, list[Array]]:
-        """Returns the corners (n, 3) of the solids of performers in a stored row [m]."""
-        found: dict[str, list[Array]] = {name: [] for name in names}
-        for obstacle in obstacles:
-            node = obstacle.node
-            if obstacle.performer in found and self.alive[row, node]:
-                corners = obstacle.corners
-                if node in self.scaled:
-                    corners = corners * self.scales[row, self.scaled.index(node)]
-                R = matrix(self.quaternions[row, node])
-                found[obstacle.performer].append(self.positions[row, node] + corners @ R.T)
-        return found
-
     def add_facts(
         self,
         contacts: Iterable[Contact],
         events: Iterable[SoundEvent],
         notes: Iterable[TakeNote],
     ) -> None:
-        """Adds facts of one step; of notes of one kind on one part the earliest is kept."""
+        """Adds facts of one step; of notes of one kind on one part the earliest is kept.
+
+        Every order has a note of its own.
+        """
         self.contacts.extend(contacts)
         self.events.extend(events)
         for note in notes:
-            key = note.kind, note.part
+            key = note.kind, note.part, note.text if note.kind in ORDER_NOTES else ""
             # Some notes are known only when their rows are written.
             if key not in self._notes or note.step < self._notes[key].step:
                 self._notes[key] = note
@@ -180,7 +168,7 @@ class Recorder:
     def add_orders(self, step: int, orders: Orders) -> None:
         """Adds the orders that the script gave at `step`."""
         for performer, given in orders.items():
-            self.orders.extend(Told(step, performer, order_text(order)) for order in given)
+            self.told.extend(Told(step, performer, order_text(order)) for order in given)
 
     def take(self) -> Take:
         """Returns the finished take."""
@@ -211,7 +199,7 @@ class Recorder:
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self.notes),
-            told=tuple(self.orders),
+            told=tuple(self.told),
         )
 
 

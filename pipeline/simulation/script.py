@@ -10,24 +10,36 @@ Source: Sims 1987, 3.2.4.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import NamedTuple
 
 from pipeline.simulation.clock import Clock
-from pipeline.spec.script import Do, Instruction, Wait
+from pipeline.spec.script import Do, Instruction, Wait, When
 
 Orders = Mapping[str, Sequence[Do]]
 """Orders of a step by performer."""
 
 
-Event = str | frozenset[str] | tuple[str, str]
-"""A performer that arrived, a pair that touches, or (hugging, hugged)."""
+class Event(NamedTuple):
+    """Something that instructions wait for.
+
+    Attributes:
+        kind: one of `pipeline.spec.script.EVENTS`.
+        names: members that it happens to; in alphabetical order for a pair without direction.
+        distance: that counts as near [m].
+    """
+
+    kind: str
+    names: tuple[str, ...]
+    distance: float = 0.0
 
 
-def _event(instruction: Instruction) -> Event:
-    """Returns the event that an instruction waits for."""
-    when = instruction.when
-    if when is None:
-        return ""
-    return when.arrived or when.hug or frozenset(when.touch or ())
+def event_of(when: When) -> Event:
+    """Returns the event of a condition of the script."""
+    value = getattr(when, when.event)
+    if when.event in ("touch", "near"):
+        distance = when.within if when.event == "near" else 0.0
+        return Event(when.event, tuple(sorted(value)), distance)
+    return Event(when.event, (value,) if isinstance(value, str) else value)
 
 
 PerformerOrder = tuple[str, Do]
@@ -52,12 +64,15 @@ class Script:
         self._outside: dict[int, list[PerformerOrder]] = {}
         self._resumed: dict[int, list[PerformerOrder]] = {}
         self._waiting: list[Instruction] = []
+        self._late: list[Instruction] = []
         self._waiting_outside: list[Instruction] = []
         for one in instructions:
             if one.at is None:
                 self._waiting.append(one)
-            else:
+            elif clock.step_from(one.at) < clock.last_step:
                 _schedule(self._timed, clock.step_from(one.at), one)
+            else:
+                self._late.append(one)
 
     @property
     def due_from_outside(self) -> int:
@@ -71,22 +86,24 @@ class Script:
         else:
             _schedule(self._outside, max(self.clock.step_from(instruction.at), step), instruction)
 
-    def orders(
-        self,
-        step: int,
-        arrived: Collection[str],
-        touched: Collection[tuple[str, str]] = (),
-        hugged: Collection[tuple[str, str]] = (),
-    ) -> Orders:
+    @property
+    def awaited(self) -> set[Event]:
+        """Events that pending instructions wait for."""
+        waiting = (*self._waiting, *self._waiting_outside)
+        return {event_of(one.when) for one in waiting if one.when is not None}
+
+    @property
+    def never_given(self) -> Sequence[Instruction]:
+        """Instructions that still wait, for an event or for a time."""
+        return (*self._late, *self._waiting, *self._waiting_outside)
+
+    def orders(self, step: int, events: Collection[Event]) -> Orders:
         """Returns the orders of a step.
 
         Args:
             step: the step about to be taken.
-            arrived: performers that have just arrived.
-            touched: pairs that have just begun to touch.
-            hugged: (hugging, hugged) pairs that have just closed their arms.
+            events: that have just happened.
         """
-        events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched), *hugged}
         outside = self._outside.pop(step, []) + _take_triggered(self._waiting_outside, events)
         self.told.extend((step, who, do) for who, do in outside)
         due = self._timed.pop(step, []) + outside
@@ -108,10 +125,10 @@ def _take_triggered(waiting: list[Instruction], events: Collection[Event]) -> li
     """Removes and returns the instructions that wait for `events`, one per performer and event."""
     if not events or not waiting:
         return []
-    given: dict[tuple[str, Event], Do] = {}
+    given: dict[tuple[str, Event | None], Do] = {}
     left = []
     for one in waiting:
-        event = _event(one)
+        event = event_of(one.when) if one.when is not None else None
         if event in events and (one.who, event) not in given:
             given[one.who, event] = one.do
         else:

@@ -7,8 +7,10 @@ from dataclasses import replace
 
 from pipeline.errors import SceneError
 from pipeline.simulation.assembly import assemble
+from pipeline.simulation.event_monitor import reported_events
 from pipeline.simulation.mechanism import Leg
-from pipeline.simulation.script import Orders
+from pipeline.simulation.order_log import OrderLog
+from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts
@@ -45,7 +47,8 @@ class Simulation:
         self.world, self.troupes, self.recorder = parts.world, parts.troupes, parts.recorder
         self.script, self.coupling, self.scheduler = parts.script, parts.coupling, parts.scheduler
         self.aliases = parts.aliases
-        self._obstacles, self._detection = parts.obstacles, parts.detection
+        self._members, self._monitor = parts.members, parts.monitor
+        self._detection, self._order_log = parts.detection, OrderLog()
         self.step_number = 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
@@ -63,13 +66,14 @@ class Simulation:
     def step(self) -> None:
         """Advances the world by one step."""
         orders = self._give_orders()
-        self._show_solids(orders)
+        self._show_members(orders)
         self._update_obstacles()
         self._read(orders)
         self._advance()
         self.scheduler.buffer_step(self.step_number)
         self._collect_facts()
         self._detection.record_step(self._facts, self.step_number)
+        self._record_outcomes()
 
     def add_instruction(self, instruction: Instruction) -> None:
         """Adds an instruction from outside; one without delay is given in the next step.
@@ -89,8 +93,15 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        take = self.recorder.take()
-        return replace(take, mechanisms=mechanisms, legs=tuple(self.legs()), aliases=self.aliases)
+        unfinished = self._order_log.finish(self.step_number, self.script.never_given)
+        self.recorder.add_facts((), (), unfinished)
+        return replace(
+            self.recorder.take(),
+            mechanisms=mechanisms,
+            legs=tuple(self.legs()),
+            aliases=self.aliases,
+            orders=tuple(self._order_log.records),
+        )
 
     def legs(self) -> list[Leg]:
         """Returns the legs of all walkers, with the stances planned so far."""
@@ -99,16 +110,24 @@ class Simulation:
     # --- the passes of the step -------------------------------------------------------
 
     def _give_orders(self) -> Orders:
-        facts, hugged = self._facts, [(s.who, s.other) for s in self.signals if s.kind == "hug"]
-        orders = self.script.orders(self.step_number, facts.arrived, facts.touched, hugged)
+        orders = self.script.orders(self.step_number, self._events())
         self.recorder.add_orders(self.step_number, orders)
+        self._order_log.give(self.step_number, orders)
         return orders
 
-    def _show_solids(self, orders: Orders) -> None:
+    def _events(self) -> set[Event]:
+        """Returns the events of the last step that instructions may wait for."""
+        events, awaited = reported_events(self._facts), self.script.awaited
+        if self._monitor.needs_members(awaited):
+            self._members.update(self.last_row())
+            events |= self._monitor.events(awaited, self._facts.contacts)
+        return events
+
+    def _show_members(self, orders: Orders) -> None:
         for troupe in self.troupes:
-            if needed := troupe.solids_needed(orders):
-                row = self.last_row()
-                troupe.see_solids(self.recorder.solids(self._obstacles(), needed, row))
+            if needed := troupe.members_needed(orders):
+                self._members.update(self.last_row())
+                troupe.see_members({name: self._members.state(name) for name in needed})
 
     def _update_obstacles(self) -> None:
         if self.coupling is not None:
@@ -125,6 +144,9 @@ class Simulation:
 
     def _collect_facts(self) -> None:
         self._facts = Facts.merged([troupe.facts() for troupe in self.troupes])
+
+    def _record_outcomes(self) -> None:
+        self.recorder.add_facts((), (), self._order_log.end(self.step_number, self._facts))
 
 
 def simulate(

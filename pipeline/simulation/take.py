@@ -33,11 +33,11 @@ ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = (
     *("nodes", "channels", "parts", "contacts", "events"),
-    *("notes", "told", "mechanisms", "legs", "aliases"),
+    *("notes", "told", "mechanisms", "legs", "aliases", "orders"),
 )
 """Attributes of a take that are tables of records."""
 
-OPTIONAL_TABLES = ("told", "mechanisms", "legs", "aliases")
+OPTIONAL_TABLES = ("told", "mechanisms", "legs", "aliases", "orders")
 """Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
@@ -243,14 +243,43 @@ class SoundEvent:
     places: tuple[Place, ...] = ()
 
 
+ORDER_NOTES = ("order_given_up", "order_cut_off", "order_never_given")
+"""Kinds of notes on orders; a performer may have several of one kind."""
+
+
 @dataclass(frozen=True, slots=True)
 class TakeNote:
-    """A message to the author: stopped, toppled, dropped, clamped, drawn (likely by mistake)."""
+    """A message to the author: stopped, toppled, dropped, clamped, drawn, or an order note.
+
+    `drawn` is about a likely mistake in a figure's drawing; see `ORDER_NOTES` for the others.
+    """
 
     kind: str
     step: int
     part: str
     text: str
+
+
+@dataclass(frozen=True, slots=True)
+class OrderRecord:
+    """What became of an order.
+
+    Attributes:
+        who: name of the performer.
+        text: the order as its author wrote it.
+        step: from which it was given.
+        end: step at which it ended, -1 while it lasts.
+        outcome: "done", "begun" for what has no end, "replaced" by another order, "given up", or
+            "cut off" by the end of the film.
+        reason: why it was given up.
+    """
+
+    who: str
+    text: str
+    step: int
+    end: int
+    outcome: str
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,6 +334,7 @@ class Take:
         mechanisms: joints and masses of the creatures on legs.
         legs: legs of these creatures, with the stances that their gaits planned.
         aliases: names of drawing nodes for the nodes of creatures.
+        orders: of the script, and what became of them, in the order of time.
     """
 
     header: Header
@@ -326,6 +356,7 @@ class Take:
     mechanisms: tuple[Mechanism, ...] = ()
     legs: tuple[Leg, ...] = ()
     aliases: tuple[NodeAlias, ...] = ()
+    orders: tuple[OrderRecord, ...] = ()
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
         """Yields the name and the values of every array, in a fixed order."""

@@ -26,6 +26,7 @@ from pipeline.simulation.take import (
     Header,
     Mesh,
     Node,
+    OrderRecord,
     Part,
     SoundEvent,
     Take,
@@ -47,6 +48,7 @@ RECORD_TYPES: dict[str, Any] = {
     "mechanisms": Mechanism,
     "legs": Leg,
     "aliases": NodeAlias,
+    "orders": OrderRecord,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)

@@ -14,7 +14,7 @@ from typing import ClassVar
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.mechanism import Leg, Mechanism
-from pipeline.simulation.members import Members
+from pipeline.simulation.members import MemberState
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.order_outcome import GripChange, Outcome
@@ -139,19 +139,12 @@ class Troupe:
 
     # --- every step -------------------------------------------------------------------
 
-    def solids_needed(self, orders: Orders) -> Collection[str]:
-        """Returns the performers whose solids the troupe has to see before it reads `orders`."""
+    def members_needed(self, orders: Orders) -> Collection[str]:
+        """Returns the members of other troupes whose states it needs to read `orders`."""
         return ()
 
-    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
-        """Receives the corners (n, 3) [m] of the solids of the performers it asked for."""
-
-    def watches_members(self, orders: Orders) -> bool:
-        """Returns whether it has to see members of other troupes before it reads `orders`."""
-        return False
-
-    def see_members(self, members: Members) -> None:
-        """Receives the members of all troupes as they were in the row before."""
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Receives the states of these members in the row before."""
 
     def read(self, orders: Orders) -> None:
         """Applies the orders of the script to its members."""

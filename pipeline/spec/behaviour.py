@@ -7,32 +7,14 @@ A new behaviour is a class here, its line in `FORMS`, and its implementation in
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
 from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, keyed_union
+from pipeline.spec.targets import BALL, CHARACTER, JOINTED_CHARACTER, TargetKind
 
 Part = Annotated[Number, Field(ge=0, le=1)]
-
-
-@dataclass(frozen=True, slots=True)
-class TargetKind:
-    """Kinds of characters that a behaviour or an order can be directed at.
-
-    Attributes:
-        kinds: kinds that fit; all if empty.
-        text: these kinds in messages.
-    """
-
-    kinds: tuple[str, ...]
-    text: str
-
-
-JOINTED_CHARACTER = TargetKind(("child", "adult", "ragdoll"), "a child, an adult or a ragdoll")
-BALL = TargetKind(("ball",), "a ball")
-ANY_CHARACTER = TargetKind((), "a character")
 
 
 class Traits(ConfigModel):
@@ -47,10 +29,10 @@ class Traits(ConfigModel):
 
 
 class Urge(ConfigModel):
-    """What all behaviours have."""
+    """Settings of every behaviour."""
 
     target: ClassVar[TargetKind | None] = None
-    """What its key may name, None for behaviours whose key names nothing."""
+    """Kinds of performers that its key may name, None if it names nothing."""
 
     urge: Annotated[Number, Field(ge=-1, le=1)] = Field(
         0.0, description="Added to its activation, which goes from 0 to about 1."
@@ -84,14 +66,14 @@ class Play(Urge):
 class Carry(Urge):
     """Fetches something and carries it along."""
 
-    target = ANY_CHARACTER
+    target = CHARACTER
     carry: Name = Field(description="The thing, a character such as a ragdoll.")
 
 
 class Push(Urge):
     """Goes to a merry-go-round, or another thing that can be pushed, and pushes it."""
 
-    target = ANY_CHARACTER
+    target = CHARACTER
     push: Name = Field(description="The thing, a character.")
 
 
@@ -105,7 +87,7 @@ class Fight(Urge):
 class Approach(Urge):
     """Goes to somebody or something, around obstacles."""
 
-    target = ANY_CHARACTER
+    target = CHARACTER
     approach: Name = Field(description="The target, a character.")
     distance: LengthOrZero = Field(
         0.6, description="Distance from its surface at which to stop [m]."

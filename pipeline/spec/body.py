@@ -15,7 +15,7 @@ from pipeline.spec.model_base import (
     Integer,
     Length,
     LengthOrZero,
-    Name,
+    MaterialName,
     Number,
     Point,
     Position,
@@ -184,7 +184,7 @@ class Arrangement(ConfigModel, ABC):
     of: OfWhat = Field(
         description="Shape and matter of each: a shape by its name, or a body in full."
     )
-    materials: tuple[Name, ...] = Field(
+    materials: tuple[MaterialName, ...] = Field(
         (),
         max_length=100,
         description="Each has one of these, by chance; if none are given, that of all.",

@@ -3,31 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Traits
+from pipeline.spec.character_kinds import HANDS, PEOPLE, Kind
 from pipeline.spec.keyframes import PoseKey, Turn
 from pipeline.spec.model_base import Fault, Number, raise_faults
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
 from render.config.base import TURN_DESCRIPTION
-
-PEOPLE = ("child", "adult")
-"""Kinds that act."""
-
-PARTS = (
-    *("pelvis", "spine", "shoulders", "head"),
-    *(f"{joint}_{side}" for joint in ("shoulder", "elbow", "hand") for side in "lr"),
-    *(f"{joint}_{side}" for joint in ("hip", "knee", "foot") for side in "lr"),
-)
-"""Nodes that can be grabbed."""
-
-HANDS = {"arm_l": 0, "arm_r": 1, "hand_l": 0, "hand_r": 1}
-"""Limbs and nodes of people that are posed, and their side."""
-
-Kind = Literal["child", "adult", "ragdoll", "ball", "merry-go-round", "box", "bench"]
-"""Kinds of characters."""
 
 
 class Character(Performer):
@@ -39,7 +24,7 @@ class Character(Performer):
     )
     at: At = Field(
         (0.0, 0.0),
-        description="Where it begins, [x, z] on the ground; [x, y, z] in the air, with the height "
+        description="Where it starts, [x, z] on the ground; [x, y, z] in the air, with the height "
         "of its lowest point, if it does not stand by itself [m].",
     )
     scale: Annotated[Number, Field(ge=0.2, le=5)] = Field(
@@ -50,17 +35,17 @@ class Character(Performer):
     )
     rotation_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description="How what does not hold itself begins turned, before its heading: "
+        description="Initial rotation of a limp person or a thing, before its heading: "
         f"{TURN_DESCRIPTION}.",
     )
     velocity: Velocity = Field(
         (0.0, 0.0, 0.0),
-        description="At the start, of what does not stand by itself, [x, y, z] [m/s].",
+        description="Initial velocity of a limp person or a thing, [x, y, z] [m/s].",
     )
     spin_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description="Spin at the start, of what does not stand by itself, about x, y and z of the "
-        "world [degrees/s].",
+        description="Initial spin of a limp person or a thing, about x, y and z of the world "
+        "[degrees/s].",
     )
 
     pose: Annotated[tuple[PoseKey, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
@@ -77,7 +62,7 @@ class Character(Performer):
         "with the nearest ball and is attached to the nearest adult, or hugs children who come.",
     )
     slapstick: bool = Field(
-        False, description="Whether it runs into those whom it hugs instead of slowing down."
+        False, description="Whether it runs into the person it hugs instead of slowing down."
     )
 
     @model_validator(mode="after")

@@ -11,10 +11,10 @@ from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
     ConfigModel,
     Fault,
+    FigureName,
     Integer,
     Length,
     LengthOrZero,
-    Name,
     Number,
     Point,
     Target,
@@ -100,7 +100,7 @@ class Pronk(ConfigModel):
 class Creature(Performer):
     """A jointed figure that walks, hops or stands."""
 
-    figure: Name = Field(
+    figure: FigureName = Field(
         description="Its figure: from this file, from a file of that name beside it or in "
         "figures/ beside it, or from the shipped library."
     )

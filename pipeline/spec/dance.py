@@ -116,11 +116,11 @@ class Subtask(ConfigModel):
     beats: Beats = Field(1.0, description="How long it takes, in beats; the next follows it.")
     on: Annotated[tuple[Beats, ...], Field(min_length=1, max_length=500)] | None = Field(
         None,
-        description="Beats of the bar, from 1, on which the hand arrives; `beats` is then how long "
-        "it is on its way at most, and the order of the subtasks does not matter.",
+        description="Beats of the bar, from 1, on which the hand arrives; `beats` is then the "
+        "longest time of its way, and the order of the subtasks does not matter.",
     )
     controller: Controller | None = Field(
-        None, description="Which controller does this, whatever the dancer's does."
+        None, description="Controller of this subtask; that of the dancer if left out."
     )
 
     @model_validator(mode="after")
@@ -147,7 +147,7 @@ class Dance(ConfigModel):
     """Subtasks in their order, repeated."""
 
     tempo_bpm: Annotated[Number, Field(ge=10, le=480)] = Field(
-        100.0, description="Beats a minute, where the dancer has none of its own."
+        100.0, description="Beats a minute, unless the dancer gives its own."
     )
     bar: Beats | None = Field(
         None, description="How many beats one time through it takes; as its subtasks need."

@@ -14,6 +14,7 @@ from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
     ConfigModel,
     Coordinate,
+    DanceName,
     Fault,
     Integer,
     Name,
@@ -75,7 +76,7 @@ class Gains(ConfigModel):
     damping: Factor = Field(1.0, description="Of the servos, on errors of their speeds.")
     drag: Factor = Field(1.0, description="Of the fields: c, on errors of the hand's velocity.")
     rate: Factor = Field(
-        1.0, description="Of the fields: how fast a hand goes by how far it is from their point."
+        1.0, description="Of the fields: speed of a hand by its distance from their point."
     )
 
 
@@ -94,9 +95,9 @@ Durations = Annotated[
 
 
 class DanceSettings(ConfigModel):
-    """What a dancer does and how; all but the block that says that it is one."""
+    """Dance, controllers and tempo of a dancer; all its keys but the block `dancer`."""
 
-    dance: Name = Field(
+    dance: DanceName = Field(
         "macarena",
         description="What it dances: from this file, from a file of that name beside it or in "
         "dances/ beside it, or from the shipped library.",
@@ -119,7 +120,7 @@ class DanceSettings(ConfigModel):
         None, description="How often it dances it; until the end of the film if left out."
     )
     start: Annotated[Number, Field(ge=0, le=1e6)] = Field(
-        0.5, description="When the first beat is [s]."
+        0.5, description="Time of the first beat [s]."
     )
     beat: Annotated[Number, Field(ge=1, le=1e6)] | None = Field(
         None,

@@ -20,6 +20,7 @@ from pipeline.spec.model_base import (
     Fault,
     Length,
     LengthOrZero,
+    MaterialName,
     Name,
     Number,
     Point,
@@ -47,7 +48,7 @@ class Node(ConfigModel):
     radius: Length | None = Field(
         None, description="Radius of the links here [m]; the figure's if left out."
     )
-    material: Name | None = Field(
+    material: MaterialName | None = Field(
         None, description="Material of the links that end here; the figure's if left out."
     )
     shape: LinkShape = Field(
@@ -111,10 +112,12 @@ class Figure(ConfigModel):
         description="Joints that are not as their style makes them: by limb, such as l1 or head, "
         "and by joint, such as base_pitch or joint1_bend.",
     )
-    material: Name | None = Field(None, description="Material of parts that name none, by name.")
+    material: MaterialName | None = Field(
+        None, description="Material of parts that name none, by name."
+    )
     feet: Feet | None = Field(
         None,
-        description="What legs end in; it is seen, and weighs nothing. Claws if left out for an "
+        description="Ends of the legs, drawn without mass. Claws if left out for an "
         "insect, plain for a mammal.",
     )
     eyes: bool = Field(True, description="Whether its head has eyes.")

@@ -22,7 +22,7 @@ from pipeline.spec.yaml_tree import (
 
 Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
-"""Takes a file and the name that the author gave it; returns what is wrong, None if nothing."""
+"""Takes a file and the name that the author gave it; returns its error, None if it has none."""
 
 TERRAIN_FILE_KINDS = ("image", "mesh")
 """Kinds of terrain that read a file."""
@@ -38,7 +38,7 @@ def complete_file_names(
         folder: its folder, None where it has none.
 
     Returns:
-        The scene, and what is wrong with the files.
+        The scene, and the problems of the files.
     """
     problems: list[Problem] = []
     changed = scene

@@ -53,7 +53,7 @@ class Steered(GroupBase):
         None, description="Whom they make for, such as bug or bug.head, instead of a path."
     )
     above: Annotated[Number, Field(ge=-1000, le=1000)] = Field(
-        0.0, description="How far above whom they follow [m]."
+        0.0, description="Height above the performer that they follow [m]."
     )
     avoid: Annotated[tuple[Name, ...], Field(max_length=200)] = Field(
         (), description="Performers that they keep out of the way of."
@@ -162,7 +162,7 @@ class Group(Performer):
     group: GroupRule = Field(description="How many they are, and by which rule they move.")
     at: At = Field(
         (0.0, 0.0),
-        description="About where they begin, [x, y, z]; [x, z] is on the ground [m].",
+        description="Middle of the place where they start, [x, y, z]; [x, z] is on the ground [m].",
     )
 
     @model_validator(mode="after")

@@ -7,28 +7,30 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel
-
 from pipeline.spec.library_search import FigureFile
 from pipeline.spec.scene import Scene
+from pipeline.spec.schema_names import with_closed_names, with_names
+from pipeline.spec.schema_unions import with_conditions
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of a scene file."""
-    result = _schema_of(Scene, "A scene of pronk")
+    marked = _draft_07(Scene.model_json_schema())
+    result = with_closed_names(_finished(marked, "A scene of pronk"), marked)
     result["oneOf"] = [{"required": ["duration"]}, {"required": ["frames"]}]
     return result
 
 
 def figure_schema() -> dict[str, Any]:
     """Return the JSON Schema of a figure file."""
-    return _schema_of(FigureFile, "A figure of pronk")
+    return _finished(_draft_07(FigureFile.model_json_schema()), "A figure of pronk")
 
 
-def _schema_of(model: type[BaseModel], title: str) -> dict[str, Any]:
-    return {**_draft_07(model.model_json_schema()), "$schema": DRAFT, "title": title}
+def _finished(marked: dict[str, Any], title: str) -> dict[str, Any]:
+    finished = with_names(with_conditions(marked, marked["definitions"]))
+    return {**finished, "$schema": DRAFT, "title": title}
 
 
 def _draft_07(schema: Any) -> Any:

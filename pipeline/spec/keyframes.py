@@ -16,12 +16,7 @@ from pipeline.spec.model_base import (
     Number,
     raise_faults,
 )
-from render.config.base import (
-    EASE_DESCRIPTION,
-    HELD_EASE_DESCRIPTION,
-    TURN_DESCRIPTION,
-    Ease,
-)
+from render.config.base import EASE_DESCRIPTION, HELD_EASE_DESCRIPTION, TURN_DESCRIPTION, Ease
 
 __all__ = [
     "EASE_DESCRIPTION",
@@ -169,7 +164,7 @@ class BodyKey(ConfigModel):
 class PoseKey(ConfigModel):
     """Goals at one time; the motion between keys follows splines."""
 
-    at: Time = Field(description="When it is to be so [s].")
+    at: Time = Field(description="Time of the pose [s].")
     limb: Name | None = Field(
         None, description="The limb whose tip is asked for, such as arm_r1, l2 or head."
     )

@@ -116,7 +116,7 @@ class LibrarySearch:
     Attributes:
         beside: folder of the scene, None where it has none.
         scene_file: name of the file of the scene.
-        problems: what is wrong with the entries and their names.
+        problems: of the entries and their names.
         files: names of the files that were read, in this order.
     """
 

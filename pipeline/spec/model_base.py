@@ -8,7 +8,9 @@ from itertools import islice
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
-from pydantic_core import PydanticCustomError
+from pydantic.annotated_handlers import GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 
 class ConfigModel(BaseModel):
@@ -30,6 +32,29 @@ WORLD_LIMIT = 10_000.0
 Number = Annotated[float, Strict()]
 Integer = Annotated[int, Strict()]
 Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=64)]
+
+
+@dataclass(frozen=True, slots=True)
+class ListedIn:
+    """Marks a name in the JSON Schema as one of those that `pronk list` shows as a kind."""
+
+    kind: str
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Add the mark, which `schema_names` replaces by the names."""
+        return {**handler(core), NAMES_MARK: self.kind}
+
+
+NAMES_MARK = "x-names"
+
+MaterialName = Annotated[Name, ListedIn("materials")]
+FigureName = Annotated[Name, ListedIn("figures")]
+DanceName = Annotated[Name, ListedIn("dances")]
+MoodName = Annotated[Name, ListedIn("moods")]
+BehaviourName = Annotated[Name, ListedIn("behaviours")]
+
 Coordinate = Annotated[Number, Field(ge=-WORLD_LIMIT, le=WORLD_LIMIT)]
 Length = Annotated[Number, Field(gt=0, le=WORLD_LIMIT)]
 LengthOrZero = Annotated[Number, Field(ge=0, le=WORLD_LIMIT)]
@@ -38,19 +63,24 @@ Point = tuple[Coordinate, Coordinate]
 Position = tuple[Coordinate, Coordinate, Coordinate]
 
 
+MEMBER_PATTERN = f"{NAME_PATTERN[:-1]}(\\.[{_LETTER}]([{_LETTER} \\-]*[{_LETTER}])?)?$"
+MemberName = Annotated[str, Strict(), Field(pattern=MEMBER_PATTERN, max_length=129)]
+"""A member of the cast or a place by name, or a part of a member, such as bug.head."""
+
+
 def _name_or_place(value: Any) -> str:
     return "a name" if isinstance(value, str) else "a place"
 
 
 Target = Annotated[
-    Annotated[Name, Tag("a name")] | Annotated[Position, Tag("a place")],
+    Annotated[MemberName, Tag("a name")] | Annotated[Position, Tag("a place")],
     Discriminator(_name_or_place),
 ]
 """A performer by its name, or a place [x, y, z] [m]."""
 
 
 Goal = Annotated[
-    Annotated[Name, Tag("a name")] | Annotated[Point, Tag("a place")],
+    Annotated[MemberName, Tag("a name")] | Annotated[Point, Tag("a place")],
     Discriminator(_name_or_place),
 ]
 """A member of the cast or a place by its name, or a place on the ground [x, z] [m]."""

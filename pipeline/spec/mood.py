@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from pipeline.spec.model_base import Name, Number, fault_error
+from pipeline.spec.model_base import MoodName, Number, fault_error
 from render.config.base import PresetModel
 
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
@@ -98,9 +98,9 @@ def _few(mix: dict[str, float]) -> dict[str, float]:
 
 
 MoodMix = Annotated[
-    dict[Name, Weight],
+    dict[MoodName, Weight],
     Field(max_length=32),
     AfterValidator(_few),
-    BeforeValidator(_mix_of, json_schema_input_type=Name | dict[Name, Weight]),
+    BeforeValidator(_mix_of, json_schema_input_type=MoodName | dict[MoodName, Weight]),
 ]
 """One mood by name, or weights of several by their names."""

@@ -20,12 +20,12 @@ from pipeline.errors import UsageError
 from pipeline.spec import behaviour
 from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
 from pipeline.spec.mood import MOODS
-from pipeline.spec.order_support import orders_by_performer
 from pipeline.spec.scene_library import SUFFIX, files_beside, library, names_in, scenes_in
-from pipeline.spec.script import FORMS, PLAIN_ORDERS, flow_text
+from pipeline.spec.script import flow_text
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
 from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS
+from pipeline.spec.verbs import PERFORMERS, VERBS
 from pipeline.spec.walk import LEG_REQUIREMENTS, GaitName
 from render.config import LIGHTS, MATERIALS, Film, Light
 from render.config.film import Preset
@@ -177,13 +177,9 @@ def _moods(_: Path) -> Iterator[NameEntry]:
 
 
 def _verbs(_: Path) -> Iterator[NameEntry]:
-    orders = orders_by_performer()
-    for name in dict.fromkeys((*PLAIN_ORDERS, *FORMS)):
-        texts = [_sentence(FORMS[name])] if name in FORMS else []
-        if name in PLAIN_ORDERS:
-            texts.append(f"Alone: {PLAIN_ORDERS[name]}" if texts else PLAIN_ORDERS[name])
-        performers = [performer for performer, can in orders.items() if name in can]
-        yield NameEntry(name, " ".join(texts), ", ".join(performers))
+    for name, verb in VERBS.items():
+        who = ", ".join(PERFORMERS[performer] for performer in verb.performers)
+        yield NameEntry(name, verb.meaning, who)
 
 
 def _behaviours(_: Path) -> Iterator[NameEntry]:

@@ -14,17 +14,12 @@ from audio.names import matches_pattern
 from pipeline.spec.behaviour import TARGETS
 from pipeline.spec.model_base import MAX_FAULTS, Fault
 from pipeline.spec.mood import MOODS
-from pipeline.spec.order_support import (
-    faults_of_hop_targets,
-    faults_of_script,
-    faults_of_target,
-)
+from pipeline.spec.order_support import NamedThings, faults_of_script
 from pipeline.spec.partial_scene import (
     Path,
     cast_by_name,
     items_of,
     items_or_itself,
-    kind_of,
     named_cast,
     text_keys,
     unknown_name,
@@ -32,6 +27,7 @@ from pipeline.spec.partial_scene import (
 )
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
+from pipeline.spec.targets import ANYTHING, faults_of_target
 from render.config import MATERIALS
 
 CAUSES = tuple(Detect.model_fields)
@@ -54,9 +50,9 @@ def faults_of_references(scene: object) -> list[Fault]:
         _parents_and_followers,
         faults_of_script,
         _behaviour_targets,
-        faults_of_hop_targets,
         _moods,
         _look_targets,
+        _places,
         _sound_patterns,
     )
     return list(islice((fault for check in checks for fault in check(scene)), MAX_FAULTS))
@@ -207,27 +203,20 @@ def _moods(scene: object) -> Iterator[Fault]:
 
 
 def _look_targets(scene: object) -> Iterator[Fault]:
-    """Find what creatures cannot look at; the looks of characters are checked as orders."""
+    """Find what performers cannot look at from the start."""
+    named = NamedThings.of(scene)
+    for i, (name, member) in enumerate(named_cast(scene)):
+        path = ("cast", i, "look_at")
+        target = value_at(member, "look_at")
+        yield from faults_of_target(target, name, ANYTHING, path, named.cast, named.places)
+
+
+def _places(scene: object) -> Iterator[Fault]:
+    """Find places that have the name of a member of the cast."""
     cast = cast_by_name(scene)
-    looks: list[tuple[Path, Any, Any]] = [
-        (("cast", i), value_at(member, "look_at"), name)
-        for i, (name, member) in enumerate(named_cast(scene))
-    ]
-    for i, order in items_of(value_at(scene, "script")):
-        target = value_at(value_at(order, "do"), "look_at")
-        looks.append((("script", i, "do"), target, value_at(order, "who")))
-    characters = {name for name in cast if value_at(cast[name], "character") is not None}
-    for path, target, looker in looks:
-        if not isinstance(target, str) or looker in characters:
-            continue
-        place = (*path, "look_at")
-        if target not in cast:
-            yield unknown_name(target, cast, place)
-        elif target == looker:
-            yield Fault(place, f"'{target}' cannot look at itself")
-        elif (kind := kind_of(cast[target])) not in (None, "figure"):
-            message = f"'{target}' is a {kind}; give the place to look at, [x, y, z]"
-            yield Fault(place, message)
+    for name in sorted(text_keys(value_at(scene, "places")) & cast.keys()):
+        message = f"the name '{name}' is taken by a member of the cast"
+        yield Fault(("places", name), message, at_key=True)
 
 
 def _sound_patterns(scene: object) -> Iterator[Fault]:

@@ -1,17 +1,15 @@
-"""Order support: which performers can be given which orders by the script.
+"""Order support: which performers can be given which orders by the script, and to what.
 
-Performers and orders are read typed or raw (see `partial_scene`).
+`verbs` says who can do what. Performers and orders are read typed or raw (see `partial_scene`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any, get_args
+from dataclasses import dataclass
 
-from pydantic import BaseModel
-
-from pipeline.spec.behaviour import ANY_CHARACTER, JOINTED_CHARACTER, NAMES, TargetKind
-from pipeline.spec.character import PARTS, PEOPLE, Kind
+from pipeline.spec.behaviour import NAMES
+from pipeline.spec.character_kinds import PARTS, PEOPLE
 from pipeline.spec.group import DIRECTED
 from pipeline.spec.model_base import Fault
 from pipeline.spec.partial_scene import (
@@ -24,141 +22,142 @@ from pipeline.spec.partial_scene import (
     unknown_name,
     value_at,
 )
-from pipeline.spec.script import FORMS, PLAIN_ORDERS
 from pipeline.spec.suggestions import hint
-
-CHARACTER_ONLY = (
-    *("reach", "grab", "carry", "throw", "kick", "let_go", "hug", "grapple"),
-    *("sit", "stand", "freeze", "urge"),
+from pipeline.spec.targets import (
+    ANYBODY,
+    ANYTHING,
+    JOINTED_CHARACTER,
+    MEMBER_TEXTS,
+    UNKNOWN,
+    Cast,
+    faults_of_target,
+    kind_of_target,
 )
-CHARACTER_ORDERS = (
-    *("go_to", "follow", "chase", "flee", "avoid"),
-    *("turn_deg", "walk", "stop", "wait", "speed", "look_at", "look"),
-    *CHARACTER_ONLY,
+from pipeline.spec.verbs import (
+    DANCER,
+    GROUP,
+    HOPPER,
+    PERFORMERS,
+    PERSON,
+    VERBS,
+    WALKER,
+    key_of_order,
+    verbs_of,
 )
-DANCER_ONLY = ("dance",)
-DANCER_ORDERS = ("dance", "stop", "freeze", "wait", "reach", "let_go", "look_at", "look")
-JUMP_ORDERS = ("hop_over", "jump")
-HOPPER_ORDERS = (
-    *("hop", "stop", *JUMP_ORDERS),
-    *("go_to", "turn_deg", "speed", "wait", "look_at", "look"),
-)
-"""Orders of a creature that hops and does not walk."""
 
 
-def orders_by_performer() -> dict[str, tuple[str, ...]]:
-    """Return the orders that each sort of performer can be given."""
-    others = {*CHARACTER_ONLY, *DANCER_ONLY, "hop"}
-    walker_orders = tuple(order for order in (*PLAIN_ORDERS, *FORMS) if order not in others)
-    return {
-        "walkers": walker_orders,
-        "hoppers": HOPPER_ORDERS,
-        "people": CHARACTER_ORDERS,
-        "dancers": DANCER_ORDERS,
-    }
+@dataclass(frozen=True, slots=True)
+class NamedThings:
+    """What a script can name.
 
+    Attributes:
+        cast: members by name, bodies of `many` by their own names as well.
+        places: places of the scene by name.
+        dances: names of dances.
+    """
 
-UNMOVED = ("prop", "body")
-"""Kinds of members that follow no script."""
+    cast: Cast
+    places: Cast
+    dances: Collection[str]
 
-UNKNOWN_KIND = "unknown"
-"""A kind of character that does not exist, which is reported where it is named."""
-
-SEAT = TargetKind(("box", "bench"), "a box or a bench")
-CHARACTER_OR_PLACE = TargetKind((), "a character, or a place [x, y, z]")
-
-ORDER_TARGETS: Mapping[str, TargetKind] = {
-    "hug": JOINTED_CHARACTER,
-    "grapple": JOINTED_CHARACTER,
-    "sit": SEAT,
-    "grab": ANY_CHARACTER,
-    "reach": CHARACTER_OR_PLACE,
-    "look_at": CHARACTER_OR_PLACE,
-}
-"""What characters can be ordered to do something to."""
-
-TOUCHABLE = ("character", "prop", "figure", "dancer")
-"""Kinds of members that characters feel; of bodies those that collide with all."""
-
-Cast = Mapping[str, object]
+    @staticmethod
+    def of(scene: object) -> NamedThings:
+        """Return the names of a scene."""
+        cast = cast_by_name(scene)
+        bodies: dict[str, object] = {
+            f"{name}_{n + 1}": {"body": {}}
+            for name, member in cast.items()
+            for n in range(getattr(value_at(member, "many"), "total", 0))
+        }
+        places = value_at(scene, "places")
+        return NamedThings(
+            bodies | cast,
+            places if isinstance(places, Mapping) else {},
+            text_keys(value_at(scene, "dances")),
+        )
 
 
 def faults_of_script(scene: object) -> Iterator[Fault]:
     """Find orders to performers that do not exist or cannot follow them."""
-    cast = cast_by_name(scene)
-    dances = text_keys(value_at(scene, "dances"))
+    named = NamedThings.of(scene)
     for i, instruction in items_of(value_at(scene, "script")):
-        when, path = value_at(instruction, "when"), ("script", i)
-        yield from _faults_of_touch(value_at(when, "touch"), (*path, "when", "touch"), cast)
-        yield from _faults_of_hug(value_at(when, "hug"), (*path, "when", "hug"), cast)
+        path = ("script", i)
+        yield from _faults_of_event(value_at(instruction, "when"), (*path, "when"), named)
         name, do = value_at(instruction, "who"), value_at(instruction, "do")
-        if isinstance(name, str) and name not in cast:
-            yield unknown_name(name, cast, (*path, "who"))
+        if isinstance(name, str) and name not in named.cast:
+            yield unknown_name(name, named.cast, (*path, "who"))
         elif isinstance(name, str):
-            yield from _faults_of_order(name, do, path, cast, dances)
-        arrived = value_at(when, "arrived")
-        if isinstance(arrived, str):
-            yield from _faults_of_arrival(arrived, (*path, "when", "arrived"), cast)
+            yield from _faults_of_order(name, do, path, named)
 
 
-def _faults_of_order(
-    name: str, do: object, path: Path, cast: Cast, dances: Collection[str]
-) -> Iterator[Fault]:
-    """Find what is wrong with the order `do` to a member of the cast."""
-    member = cast[name]
-    who, order = (*path, "who"), (*path, "do")
+# --- orders -----------------------------------------------------------------------------
+
+
+def performer_kind(member: object) -> str | None:
+    """Return the kind of a performer that follows orders, None of one that does not."""
     kind = kind_of(member)
-    if kind == "dancer":
-        hangs = value_at(member, "parent") is not None
-        yield from _faults_of_dancer(name, do, order, dances, hangs)
-    elif kind == "character":
-        if (fault := _fault_of_thing(member, name, who)) is not None:
-            yield fault
-        else:
-            yield from _faults_of_character(name, do, order, cast)
-        yield from _faults_of_urges(member, name, do, order)
-    elif kind in UNMOVED:
-        yield Fault(who, f"'{name}' is a {kind}, which no script moves")
-    elif kind == "group":
-        if value_at(value_at(member, "group"), "rule") not in DIRECTED:
-            yield Fault(who, f"'{name}' is a group that no script moves")
-        elif value_at(do, "go_to") is None:
-            yield Fault(order, f"'{name}' is a group, which can only go_to")
-    elif not _walks(member) and not _hops(member):
-        yield _fault_of_standing(name, who)
-    else:
-        yield from _faults_of_creature(member, name, do, order)
-
-
-def _faults_of_arrival(name: str, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find that a member whose arrival is waited for never arrives."""
-    if name not in cast:
-        yield unknown_name(name, cast, path)
-        return
-    member, kind = cast[name], kind_of(cast[name])
+    if kind == "figure":
+        return WALKER if _has(member, "walk") else HOPPER if _has(member, "pronk") else None
     if kind == "character":
-        if (fault := _fault_of_thing(member, name, path)) is not None:
-            yield fault
-    elif kind in UNMOVED:
-        yield Fault(path, f"'{name}' is a {kind}, which no script moves")
-    elif kind == "group":
+        own = kind_of_target(member)
+        acts = own == UNKNOWN or (own in PEOPLE and value_at(member, "limp") is not True)
+        return PERSON if acts else None
+    if kind == "group":
         is_directed = value_at(value_at(member, "group"), "rule") in DIRECTED
-        reason = ", which never arrives" if is_directed else " that no script moves"
-        yield Fault(path, f"'{name}' is a group{reason}")
-    elif kind != "dancer" and not _walks(member) and not _hops(member):
-        yield _fault_of_standing(name, path)
+        return GROUP if is_directed else None
+    return DANCER if kind == "dancer" else None
 
 
-def _fault_of_standing(name: str, path: Path) -> Fault:
-    return Fault(path, f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}")
+def _fault_of_performer(name: str, member: object, path: Path) -> Fault:
+    """Return why a member follows no orders."""
+    kind = kind_of(member)
+    if kind == "figure":
+        message = f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}"
+    elif value_at(member, "limp") is True:
+        message = f"'{name}' is limp, and follows no script"
+    elif kind == "group":
+        message = f"'{name}' is a group that no script moves"
+    else:
+        text = MEMBER_TEXTS.get(kind_of_target(member), "a body")
+        message = f"'{name}' is {text}, which no script moves; people can carry, throw or kick it"
+    return Fault(path, message)
 
 
-def _walks(member: object) -> bool:
-    return _has(member, "walk")
+def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> Iterator[Fault]:
+    """Find what is wrong with the order `do` to a member of the cast."""
+    member = named.cast[name]
+    performer = performer_kind(member)
+    if performer is None:
+        yield _fault_of_performer(name, member, (*path, "who"))
+        return
+    key, order = key_of_order(do), (*path, "do")
+    if key is None:
+        return
+    if performer not in VERBS[key].performers:
+        can = ", ".join(verbs_of(performer))
+        message = f"'{name}' is {PERFORMERS[performer]}, which cannot {key}; it can {can}"
+        yield _at_order(do, key, order, message)
+        return
+    for field, fitting in VERBS[key].targets.items():
+        target = value_at(do, field)
+        yield from faults_of_target(
+            target, name, fitting, (*order, field), named.cast, named.places
+        )
+    if key in ("hop_over", "jump") and value_at(member, "pose"):
+        yield Fault(order, f"'{name}' has a pose, which conflicts with jumps; remove pose")
+    if key == "urge":
+        yield from _faults_of_urges(name, member, do, order)
+    if key == "grab":
+        yield from _faults_of_part(do, order, named.cast)
+    if performer == DANCER:
+        yield from _faults_of_dancer(name, member, do, order, named)
 
 
-def _hops(member: object) -> bool:
-    return _has(member, "pronk")
+def _at_order(do: object, key: str, path: Path, message: str) -> Fault:
+    """Return a fault at the key of an order, or at the word that it is."""
+    if isinstance(do, str):
+        return Fault(path, message)
+    return Fault((*path, key), message, at_key=True)
 
 
 def _has(member: object, block: str) -> bool:
@@ -166,92 +165,20 @@ def _has(member: object, block: str) -> bool:
     return (isinstance(member, Mapping) and block in member) or value_at(member, block) is not None
 
 
-def _order_of(do: object) -> str | None:
-    """Return the order in `do`: its word, or the first of its keys, orders of people first."""
-    if isinstance(do, str):
-        return do
-    keys = given_keys(do)
-    if isinstance(do, BaseModel):
-        return next(iter(keys), None)
-    return next(iter(sorted(keys, key=lambda key: key not in CHARACTER_ORDERS)), None)
-
-
-def _at_order(do: object, order: str, path: Path, message: str) -> Fault:
-    """Return a fault at the key of an order, or at the word that it is."""
-    if isinstance(do, str):
-        return Fault(path, message)
-    return Fault((*path, order), message, at_key=True)
-
-
-def _faults_of_creature(member: object, name: str, do: object, path: Path) -> Iterator[Fault]:
-    order = do if isinstance(do, str) else next((k for k in FORMS if _is_given(do, k)), None)
-    if order is None:
-        return
-    if order in CHARACTER_ONLY:
-        message = f"'{name}' is a creature; only a child or an adult can {order}"
-        yield _at_order(do, order, path, message)
-    elif order in DANCER_ONLY:
-        yield _at_order(do, order, path, f"'{name}' is a creature; only a dancer can {order}")
-    elif order in JUMP_ORDERS and value_at(member, "pose"):
-        yield Fault(path, f"'{name}' has a pose, which conflicts with jumps; remove pose")
-    elif order == "hop" and _walks(member):
-        yield Fault(path, f"'{name}' walks; order walk or jump")
-    elif not _walks(member) and order not in HOPPER_ORDERS:
-        instead = "; order hop" if order == "walk" else ""
-        message = f"'{name}' hops, and can {', '.join(HOPPER_ORDERS)}{instead}"
-        yield _at_order(do, order, path, message)
-
-
-def _is_given(do: object, key: str) -> bool:
-    return value_at(do, key) is not None
-
-
-def faults_of_hop_targets(scene: object) -> Iterator[Fault]:
-    """Find orders to hop over what does not exist or is many things."""
-    cast = cast_by_name(scene)
-    for i, instruction in items_of(value_at(scene, "script")):
-        name = value_at(value_at(instruction, "do"), "hop_over")
-        if not isinstance(name, str):
-            continue
-        path = ("script", i, "do", "hop_over")
-        if name not in cast:
-            yield unknown_name(name, cast, path)
-        elif name == value_at(instruction, "who"):
-            yield Fault(path, f"'{name}' cannot jump over itself")
-        elif kind_of(cast[name]) == "group" or value_at(cast[name], "many"):
-            yield Fault(path, f"'{name}' is many things; name a prop, a body or a creature")
-
-
-def _faults_of_character(name: str, do: object, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find what a child or an adult is ordered that it cannot do."""
-    order = _order_of(do)
-    if order is not None and order not in CHARACTER_ORDERS:
-        message = f"'{name}' is a person, who can {', '.join(CHARACTER_ORDERS)}"
-        yield _at_order(do, order, path, message)
-    for key, fitting in ORDER_TARGETS.items():
-        if isinstance(target := value_at(do, key), str):
-            yield from faults_of_target(target, name, fitting, (*path, key), cast)
+def _faults_of_part(do: object, path: Path, cast: Cast) -> Iterator[Fault]:
+    """Find a part to grab that the target does not have."""
     part, target = value_at(do, "part"), value_at(do, "grab")
-    if isinstance(part, str) and isinstance(target, str) and target in cast:
-        if value_at(cast[target], "character") not in JOINTED_CHARACTER.kinds:
-            message = f"'{target}' has no named parts; remove this"
-            yield Fault((*path, "part"), message, at_key=True)
-        elif part not in PARTS:
-            message = f"no part of '{target}' is called '{part}', {hint(part, PARTS)}"
-            yield Fault((*path, "part"), message)
+    if not (isinstance(part, str) and isinstance(target, str) and target in cast):
+        return
+    if kind_of_target(cast[target]) not in JOINTED_CHARACTER.kinds:
+        message = f"'{target}' has no named parts; remove this"
+        yield Fault((*path, "part"), message, at_key=True)
+    elif part not in PARTS:
+        message = f"no part of '{target}' is called '{part}', {hint(part, PARTS)}"
+        yield Fault((*path, "part"), message)
 
 
-def _fault_of_thing(member: object, name: str, path: Path) -> Fault | None:
-    """Find a character that follows no script: a thing, or a limp person."""
-    kind = _character_kind(member)
-    if kind not in (*PEOPLE, UNKNOWN_KIND):
-        return Fault(path, f"'{name}' is a {kind}, which no script moves")
-    if value_at(member, "limp") is True:
-        return Fault(path, f"'{name}' is limp, and follows no script")
-    return None
-
-
-def _faults_of_urges(member: object, name: str, do: object, path: Path) -> Iterator[Fault]:
+def _faults_of_urges(name: str, member: object, do: object, path: Path) -> Iterator[Fault]:
     """Find urges of a character without behaviours, and urges of unknown behaviours."""
     urges = value_at(do, "urge")
     if not isinstance(urges, Mapping):
@@ -266,57 +193,62 @@ def _faults_of_urges(member: object, name: str, do: object, path: Path) -> Itera
 
 
 def _faults_of_dancer(
-    name: str, do: object, path: Path, dances: Collection[str], hangs: bool
+    name: str, member: object, do: object, path: Path, named: NamedThings
 ) -> Iterator[Fault]:
-    """Find what a dancer is ordered that it cannot do.
-
-    Args:
-        name: of the dancer.
-        do: the order.
-        path: of the order.
-        dances: names of the dances of the scene.
-        hangs: whether the dancer has a parent.
-    """
-    orders = [do] if isinstance(do, str) else sorted(given_keys(do))
-    if orders and not {*orders} & {*DANCER_ORDERS}:
-        message = f"'{name}' is a dancer, who can {', '.join(DANCER_ORDERS)}"
-        yield _at_order(do, orders[0], path, message)
-        return
+    """Find a dance that does not exist, and targets that a dancer cannot follow."""
     dance = value_at(do, "dance")
-    if isinstance(dance, str) and dance not in dances:
-        yield Fault((*path, "dance"), f"no dance is called '{dance}', {hint(dance, dances)}")
+    if isinstance(dance, str) and dance not in named.dances:
+        message = f"no dance is called '{dance}', {hint(dance, named.dances, 'dances')}"
+        yield Fault((*path, "dance"), message)
     for key in ("look_at", "reach"):
         target = value_at(do, key)
-        if isinstance(target, str):
-            message = f"a dancer follows nobody; give the place of '{target}', [x, y, z]"
-            yield Fault((*path, key), message)
-        elif target is not None and hangs:
+        if target is not None and value_at(member, "parent") is not None:
             message = f"'{name}' has a parent, and places are those of the world; remove this"
             yield Fault((*path, key), message, at_key=True)
+        elif isinstance(target, str) and key == "reach" and target not in named.places:
+            message = (
+                f"a dancer practises where it reaches; give the place of '{target}', [x, y, z]"
+            )
+            yield Fault((*path, key), message)
 
 
-def _faults_of_touch(pair: object, path: Path, cast: Cast) -> Iterator[Fault]:
-    """Find that a touch that is waited for never happens."""
-    names = pair if isinstance(pair, list | tuple) else ()
-    for k, name in enumerate(names):
-        if not isinstance(name, str):
-            continue
-        if name not in cast:
-            yield unknown_name(name, cast, (*path, k))
-        elif name in names[:k]:
-            yield Fault((*path, k), f"'{name}' cannot touch itself; name another")
-        elif not _is_touchable(cast[name]):
-            yield Fault((*path, k), f"characters do not feel '{name}'; name another")
-    known = [name for name in names if isinstance(name, str) and name in cast]
-    if len(set(known)) == 2 and all(value_at(cast[n], "character") is None for n in known):
-        message = f"neither '{known[0]}' nor '{known[1]}' is a character; name at least one"
-        yield Fault(path, message)
+# --- events -----------------------------------------------------------------------------
 
 
-def _is_touchable(member: object) -> bool:
-    if any(value_at(member, block) is not None for block in TOUCHABLE):
-        return True
-    return bool(value_at(value_at(member, "body"), "collide") == "all")
+def _faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[Fault]:
+    """Find events that never happen."""
+    arrived = value_at(when, "arrived")
+    if isinstance(arrived, str):
+        yield from _faults_of_arrival(arrived, (*path, "arrived"), named.cast)
+    for key in ("touch", "near"):
+        pair = value_at(when, key)
+        names = pair if isinstance(pair, list | tuple) else ()
+        for k, name in enumerate(names):
+            if isinstance(name, str) and name in names[:k]:
+                message = f"'{name}' cannot {'touch' if key == 'touch' else 'come near'} itself"
+                yield Fault((*path, key, k), f"{message}; name another")
+            else:
+                fitting = ANYTHING if key == "near" else ANYBODY
+                yield from faults_of_target(
+                    name, "", fitting, (*path, key, k), named.cast, named.places
+                )
+    for key in ("fell", "at_rest"):
+        yield from faults_of_target(value_at(when, key), "", ANYBODY, (*path, key), named.cast)
+    if given_keys(when) and "within" in given_keys(when) and value_at(when, "near") is None:
+        yield Fault((*path, "within"), "belongs to near; remove this", at_key=True)
+    yield from _faults_of_hug(value_at(when, "hug"), (*path, "hug"), named.cast)
+
+
+def _faults_of_arrival(name: str, path: Path, cast: Cast) -> Iterator[Fault]:
+    """Find that a member whose arrival is waited for never arrives."""
+    if name not in cast:
+        yield unknown_name(name, cast, path)
+        return
+    performer = performer_kind(cast[name])
+    if performer is None:
+        yield _fault_of_performer(name, cast[name], path)
+    elif performer == GROUP:
+        yield Fault(path, f"'{name}' is a group, which never arrives")
 
 
 def _faults_of_hug(pair: object, path: Path, cast: Cast) -> Iterator[Fault]:
@@ -327,35 +259,9 @@ def _faults_of_hug(pair: object, path: Path, cast: Cast) -> Iterator[Fault]:
     hugging, hugged = names
     if hugging not in cast:
         yield unknown_name(hugging, cast, (*path, 0))
-    elif (kind := _character_kind(cast[hugging])) not in (*PEOPLE, UNKNOWN_KIND):
-        message = f"'{hugging}' is {_with_article(kind)}; name a child or an adult"
+    elif (kind := kind_of_target(cast[hugging])) not in (*PEOPLE, UNKNOWN):
+        message = f"'{hugging}' is {MEMBER_TEXTS[kind]}; name a child or an adult"
         yield Fault((*path, 0), message)
     elif value_at(cast[hugging], "limp") is True:
         yield Fault((*path, 0), f"'{hugging}' is limp, and hugs nobody")
     yield from faults_of_target(hugged, hugging, JOINTED_CHARACTER, (*path, 1), cast)
-
-
-def faults_of_target(
-    target: str, own: str, fitting: TargetKind, path: Path, cast: Cast
-) -> Iterator[Fault]:
-    """Find a target that does not exist, is the performer itself, or is of another kind."""
-    if target not in cast:
-        yield unknown_name(target, cast, path)
-        return
-    kind = _character_kind(cast[target])
-    if target == own:
-        yield Fault(path, f"'{own}' cannot do that to itself; name {fitting.text}")
-    elif kind is None or (fitting.kinds and kind not in (*fitting.kinds, UNKNOWN_KIND)):
-        yield Fault(path, f"'{target}' is {_with_article(kind)}; name {fitting.text}")
-
-
-def _character_kind(member: object) -> Any:
-    """Return the kind of a character, None of other members."""
-    kind = value_at(member, "character")
-    return kind if kind is None or kind in get_args(Kind) else UNKNOWN_KIND
-
-
-def _with_article(kind: str | None) -> str:
-    if kind is None:
-        return "no character"
-    return f"an {kind}" if kind == "adult" else f"a {kind}"

@@ -49,7 +49,7 @@ def override(scene: MappingNode, assignments: Sequence[str]) -> tuple[MappingNod
         assignments: `path=value` each; the value is YAML.
 
     Returns:
-        The changed scene, and what is wrong with the assignments themselves.
+        The changed scene, and the problems of the assignments themselves.
     """
     problems: list[Problem] = []
     for text in assignments:

@@ -28,12 +28,12 @@ def value_at(block: object, key: str) -> Any:
 
 
 def text_keys(block: object) -> set[str]:
-    """Return the keys of a mapping that are text; none of anything else."""
+    """Return the keys of a mapping that are text, none if it is no mapping."""
     return {key for key in block if isinstance(key, str)} if isinstance(block, Mapping) else set()
 
 
 def given_keys(block: object) -> list[str]:
-    """Return the keys that the author wrote, in their order; none of what is no mapping."""
+    """Return the keys that the author wrote, in their order, none if it is no mapping."""
     if isinstance(block, BaseModel):
         return [key for key in type(block).model_fields if key in block.model_fields_set]
     return [key for key in block if isinstance(key, str)] if isinstance(block, Mapping) else []
@@ -113,7 +113,7 @@ def _kind_name(member: object) -> str:
 
 
 def kind_of(member: object) -> str | None:
-    """Return what a member is, by the block that it has; bodies of `many` are bodies."""
+    """Return the key of the block that makes a member what it is; `body` for `many`."""
     block = next((key for key in MEMBER_BLOCKS if value_at(member, key) is not None), None)
     return "body" if block == "many" else block
 

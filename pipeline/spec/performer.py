@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from pipeline.spec.model_base import ConfigModel, Coordinate, Name, Number
+from pipeline.spec.model_base import ConfigModel, Coordinate, MaterialName, Name, Number
 
 MAX_KEYFRAMES = 10_000
 """Keyframes of one performer."""
@@ -30,7 +30,7 @@ class Performer(ConfigModel):
         le=3600,
         description="Direction it faces: 0 along +X, positive turns about +Y [degrees].",
     )
-    material: Name | None = Field(None, description="Material of the parts that name none.")
+    material: MaterialName | None = Field(None, description="Material of the parts that name none.")
     parent: str | None = Field(
         None,
         min_length=1,

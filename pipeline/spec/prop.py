@@ -7,14 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.keyframes import (
-    Keyframe,
-    Rates,
-    Time,
-    Turn,
-    faults_of_order,
-    faults_of_tangents,
-)
+from pipeline.spec.keyframes import Keyframe, Rates, Time, Turn, faults_of_order, faults_of_tangents
 from pipeline.spec.model_base import (
     ConfigModel,
     Fault,
@@ -89,9 +82,10 @@ class Hold(ConfigModel):
         description="The hand that holds it, such as arm.hand: a performer and a node of its "
         "drawing or a link.",
     )
-    at: Time = Field(description="When it is taken [s].")
+    at: Time = Field(description="Time at which it is taken [s].")
     until: Time | None = Field(
-        None, description="When it is let go, and stays where it is [s]; never if left out."
+        None,
+        description="Time at which it is released and stays where it is [s]; never if left out.",
     )
 
     @model_validator(mode="after")

@@ -6,13 +6,7 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem
 from pipeline.spec.model_base import PathSegment
-from pipeline.spec.yaml_tree import (
-    Entry,
-    ListNode,
-    MappingNode,
-    SourceNode,
-    path_text,
-)
+from pipeline.spec.yaml_tree import Entry, ListNode, MappingNode, SourceNode, path_text
 
 EACH = "*"
 """Any entry of a list or mapping."""

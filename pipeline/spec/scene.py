@@ -18,6 +18,8 @@ from pipeline.spec.model_base import (
     Integer,
     Name,
     Number,
+    Point,
+    Position,
     fault_error,
     raise_faults,
 )
@@ -124,6 +126,9 @@ class Scene(ConfigModel):
     )
     moods: dict[Name, Mood] = Field(
         {}, description="The author's own moods, which come before those of the library."
+    )
+    places: dict[Name, Point | Position] = Field(
+        {}, description="Places by name, [x, z] on the ground or [x, y, z] [m]."
     )
     script: Annotated[tuple[Instruction, ...], Field(max_length=MAX_INSTRUCTIONS)] = Field(
         (), description="Orders to performers, and when they are given."

@@ -9,12 +9,15 @@ from pydantic import Field, model_validator
 
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.model_base import (
+    BehaviourName,
     ConfigModel,
+    DanceName,
     Fault,
     Goal,
     Integer,
     Length,
     LengthOrZero,
+    MemberName,
     Name,
     Number,
     Point,
@@ -23,6 +26,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.mood import MoodMix
+from pipeline.spec.verbs import VERBS
 from pipeline.spec.walk import GAIT, Gait, Manner
 
 
@@ -40,14 +44,14 @@ class GoTo(ConfigModel):
 class Follow(ConfigModel):
     """Go after a member of the cast, and keep a distance, until told otherwise."""
 
-    follow: Name = Field(description="Whom or what: a member of the cast.")
+    follow: MemberName = Field(description="Whom or what: a member of the cast.")
     gap: LengthOrZero = Field(1.0, description="Distance from its surface that it keeps [m].")
 
 
 class Chase(ConfigModel):
     """Run after a member of the cast until it touches it."""
 
-    chase: Name = Field(description="Whom or what: a member of the cast.")
+    chase: MemberName = Field(description="Whom or what: a member of the cast.")
 
 
 class Flee(ConfigModel):
@@ -221,7 +225,7 @@ class SitOn(ConfigModel):
 class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
-    urge: dict[Name, Annotated[Number, Field(ge=-2, le=2)]] = Field(
+    urge: dict[BehaviourName, Annotated[Number, Field(ge=-2, le=2)]] = Field(
         description="What is added to the activation of behaviours that it does by itself, by "
         "their names, such as {play: 0.3}; {} takes all away."
     )
@@ -230,7 +234,7 @@ class SetUrges(ConfigModel):
 class Perform(ConfigModel):
     """Dance something from now on, or so many bars of it."""
 
-    dance: Name = Field(
+    dance: DanceName = Field(
         description="What: a dance of this scene, of a file beside it or of the library."
     )
     bars: Annotated[Integer, Field(ge=1, le=100_000)] | None = Field(
@@ -242,18 +246,7 @@ class Perform(ConfigModel):
 
 
 Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go", "dance"]
-
-PLAIN_ORDERS: Mapping[str, str] = {
-    "stop": "Stop here.",
-    "walk": "Walk straight on.",
-    "hop": "Hop straight on.",
-    "sit": "Sit down on the ground.",
-    "stand": "Stand up.",
-    "freeze": "Keep quite still until something else is told.",
-    "let_go": "Let go with both hands.",
-    "dance": "Go on with one's own dance.",
-}
-"""What each order of one word means."""
+"""Orders of one word."""
 
 FORMS: Mapping[str, type[ConfigModel]] = {
     "gait": ChangeGait,
@@ -322,10 +315,9 @@ class When(ConfigModel):
     )
     touch: tuple[Name, Name] | None = Field(
         None,
-        description="Two that start to touch one another: a character and another, a prop, a "
-        "creature, a dancer, or a body that collides with all.",
+        description="Two members of the cast that start to touch one another.",
     )
-    near: tuple[Name, Name] | None = Field(
+    near: tuple[MemberName, MemberName] | None = Field(
         None, description="Two members of the cast that come near one another."
     )
     within: LengthOrZero = Field(
@@ -350,6 +342,11 @@ class When(ConfigModel):
             raise_faults([Fault((), f"should have one of {', '.join(EVENTS)}")])
         return self
 
+    @property
+    def event(self) -> str:
+        """Kind of the event, one of `EVENTS`."""
+        return next(key for key in EVENTS if getattr(self, key) is not None)
+
 
 class Instruction(ConfigModel):
     """An order to a performer, and when it is given."""
@@ -361,11 +358,7 @@ class Instruction(ConfigModel):
         "event are given one after the other, each time that it happens.",
     )
     who: Name = Field(description="The performer that gets the order.")
-    do: Do = Field(
-        description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
-        "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple "
-        "or urge; dancers dance, stop, freeze, wait, reach, let_go, look_at and look."
-    )
+    do: Do = Field(description=f"The order: {', '.join(VERBS)}.")
 
     @model_validator(mode="after")
     def _has_a_time(self) -> Self:

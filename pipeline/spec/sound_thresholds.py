@@ -38,10 +38,10 @@ Factors = Annotated[
 
 
 class Cause(ConfigModel):
-    """What every cause has."""
+    """Settings of every cause."""
 
     heard: bool = Field(True, description="False for no sounds of this cause.")
-    who: Pattern = Field("*", description="Whose, by name; `*` stands for any letters.")
+    who: Pattern = Field("*", description="Names of the performers; `*` stands for any letters.")
 
 
 class ImpactCause(Cause):
@@ -56,7 +56,7 @@ class ImpactCause(Cause):
 class SustainedCause(Cause):
     """A cause that lasts for a while."""
 
-    least: Seconds = Field(0.1, description="How long it lasts at least to be heard [s].")
+    least: Seconds = Field(0.1, description="Least duration that is heard [s].")
     pause: Seconds = Field(0.1, description="A shorter pause than this does not end it [s].")
 
 
@@ -82,7 +82,7 @@ class MotionCause(SustainedCause):
 class JointMotionCause(SustainedCause):
     """A cause that lasts as long as a joint bends."""
 
-    above_deg_s: Rate = Field(description="How fast a joint bends that begins it [degrees/s].")
+    above_deg_s: Rate = Field(description="Rate of bending above which it begins [degrees/s].")
     below_deg_s: Rate | None = Field(
         None,
         description="Rate under which it ends; half of `above_deg_s` if not given [degrees/s].",
@@ -135,7 +135,7 @@ class Collision(ImpactCause):
 class Roll(MotionCause):
     """Balls that roll."""
 
-    least: Seconds = Field(0.05, description="How long it lasts at least to be heard [s].")
+    least: Seconds = Field(0.05, description="Least duration that is heard [s].")
     above: Speed = Field(0.1, description="Speed along the ground that begins it [m/s].")
 
 
@@ -146,18 +146,22 @@ class Slide(Roll):
 class Squeak(JointMotionCause):
     """Joints that bend."""
 
-    above_deg_s: Rate = Field(8.0, description="How fast a joint bends that squeaks [degrees/s].")
+    above_deg_s: Rate = Field(
+        8.0, description="Rate of bending above which a joint squeaks [degrees/s]."
+    )
 
 
 class Squawk(JointMotionCause):
-    """Joints that jerk; what squawks does not squeak."""
+    """Joints that jerk; a joint that squawks does not squeak."""
 
-    above_deg_s: Rate = Field(360.0, description="How fast a joint bends that squawks [degrees/s].")
+    above_deg_s: Rate = Field(
+        360.0, description="Rate of bending above which a joint squawks [degrees/s]."
+    )
     materials: Factors = Field(
         {"metal": 1.0, "plastic": 1.0, "rubber": 1.0},
         description="Kinds of materials whose joints squawk, each with a factor on both rates.",
     )
-    least: Seconds = Field(0.04, description="How long it lasts at least to be heard [s].")
+    least: Seconds = Field(0.04, description="Least duration that is heard [s].")
 
 
 class Swoosh(MotionCause):
@@ -166,8 +170,8 @@ class Swoosh(MotionCause):
     above: Speed = Field(9.0, description="Speed through the air that begins it [m/s].")
     sizes_s: Speed = Field(
         8.0,
-        description="It goes at least so many of its own lengths a second; of what is large, "
-        "`above` is raised to this, and `below` likewise.",
+        description="Least speed, in its own lengths a second. For large bodies it raises "
+        "`above` and `below`.",
     )
 
 
@@ -193,7 +197,7 @@ class Breath(Cause):
 
     heard: bool = Field(False, description="True to hear breathing.")
     per_minute: Annotated[Number, Field(gt=0, le=600)] | None = Field(
-        None, description="Breaths a minute at rest; if not given, as their mass has it."
+        None, description="Breaths a minute at rest; chosen by mass if left out."
     )
     strides: Annotated[Number, Field(ge=0.25, le=100)] = Field(
         2.0, description="Cycles of the gait in one breath, where that is quicker than at rest."
@@ -222,24 +226,26 @@ class Hug(VocalCause):
 
 
 class Detect(ConfigModel):
-    """Which causes are noticed, and from when on."""
+    """Detection thresholds of each cause."""
 
-    footfall: Footfall = Field(Footfall(), description="From when on steps are heard.")
-    scuff: Scuff = Field(Scuff(), description="From when on feet that drag are heard.")
-    collision: Collision = Field(Collision(), description="From when on strikes are heard.")
-    roll: Roll = Field(Roll(), description="From when on balls that roll are heard.")
-    slide: Slide = Field(Slide(), description="From when on bodies that slide are heard.")
-    squeak: Squeak = Field(Squeak(), description="From when on joints that bend are heard.")
-    squawk: Squawk = Field(Squawk(), description="From when on joints that jerk are heard.")
-    swoosh: Swoosh = Field(Swoosh(), description="From when on what is quick is heard.")
-    whistle: Whistle = Field(Whistle(), description="From when on what is thin sings.")
-    boing: Boing = Field(Boing(), description="From when on push-offs are heard.")
+    footfall: Footfall = Field(Footfall(), description="Thresholds of steps.")
+    scuff: Scuff = Field(Scuff(), description="Thresholds of feet that drag.")
+    collision: Collision = Field(Collision(), description="Thresholds of strikes.")
+    roll: Roll = Field(Roll(), description="Thresholds of balls that roll.")
+    slide: Slide = Field(Slide(), description="Thresholds of bodies that slide.")
+    squeak: Squeak = Field(Squeak(), description="Thresholds of joints that bend.")
+    squawk: Squawk = Field(Squawk(), description="Thresholds of joints that jerk.")
+    swoosh: Swoosh = Field(Swoosh(), description="Thresholds of bodies that speed through the air.")
+    whistle: Whistle = Field(
+        Whistle(), description="Thresholds of thin bodies that sing in the air."
+    )
+    boing: Boing = Field(Boing(), description="Thresholds of push-offs.")
     breath: Breath = Field(Breath(), description="Whether breathing is heard.")
-    cry: Cry = Field(Cry(), description="From when on cries are heard.")
-    hug: Hug = Field(Hug(), description="From when on hugs are heard.")
+    cry: Cry = Field(Cry(), description="Thresholds of cries.")
+    hug: Hug = Field(Hug(), description="Thresholds of hugs.")
 
 
 class SceneSound(Sound):
-    """The sound of a scene: what is heard, and how."""
+    """The sound of a scene, with the thresholds of its detection."""
 
-    detect: Detect = Field(Detect(), description="What is heard: thresholds of every cause.")
+    detect: Detect = Field(Detect(), description="Causes that are heard, with their thresholds.")

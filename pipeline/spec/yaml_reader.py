@@ -100,7 +100,7 @@ def read_yaml(text: str, file: str) -> tuple[SourceNode | None, list[Problem]]:
         file: its name as the author gave it.
 
     Returns:
-        The tree, None where the text holds no document or is no YAML, and what is wrong with it.
+        The tree, None where the text holds no document or is no YAML, and its problems.
     """
     reader = _Reader(text, file)
     try:
@@ -133,7 +133,7 @@ class _Reader:
 
     Attributes:
         root: the tree, once it is read.
-        problems: what is wrong so far.
+        problems: found so far.
         lines: the text, line by line.
     """
 
@@ -350,7 +350,7 @@ def read_file(path: Path) -> tuple[MappingNode | None, list[Problem]]:
     """Read a file.
 
     Returns:
-        Its mapping, None if there is none to go on with, and what is wrong so far.
+        Its mapping, None if there is none to go on with, and the problems so far.
     """
     file = str(path)
     try:
@@ -372,7 +372,7 @@ def read_bytes(content: bytes, file: str) -> tuple[MappingNode | None, list[Prob
         file: its name as the author gave it.
 
     Returns:
-        Its mapping, None if there is none to go on with, and what is wrong so far.
+        Its mapping, None if there is none to go on with, and the problems so far.
     """
     if len(content) > MAX_FILE_BYTES:
         return None, [Problem("", f"is larger than {MAX_FILE_BYTES // 2**20} MiB", file)]

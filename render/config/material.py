@@ -56,7 +56,7 @@ class Material(PresetModel):
     transmission: Unit = Field(
         0.0, description="Share of the light that goes through, as in glass."
     )
-    ior: float = Field(1.5, ge=1.01, le=3, description="Index of refraction of what is clear.")
+    ior: float = Field(1.5, ge=1.01, le=3, description="Index of refraction of a clear material.")
     glow: float = Field(
         0.0,
         ge=0,

@@ -18,6 +18,7 @@ from render.config import Material
 from render.surfaces.patterns import (
     BODY_PATCHES,
     FIRST_LAYER,
+    HATCHING,
     LINED_PATTERNS,
     MAX_REFLECTANCE,
     MIN_REFLECTANCE,
@@ -28,8 +29,6 @@ from render.surfaces.patterns import (
     SOFT_SLOPE_DEG,
     WARMTH,
     WARNED,
-    WARNING_COLOR,
-    WARNING_TINT,
     Layer,
 )
 from render.textures import patches, tile
@@ -112,8 +111,8 @@ def patterned_bsdf(material: Material, surface: Surface) -> Plugin:
 
 def warned_bsdf(below: Plugin) -> Plugin:
     """Return a surface tinted in the warning colour where its attribute `WARNED` says so."""
-    tint = {"type": "uniform", "value": WARNING_TINT}
-    warning = {"type": "diffuse", "reflectance": rgb_texture(WARNING_COLOR)}
+    tint = {"type": "uniform", "value": HATCHING.tint}
+    warning = {"type": "diffuse", "reflectance": rgb_texture(HATCHING.color)}
     attribute = {"type": "mesh_attribute", "name": WARNED}
     return _blend(attribute, below, _blend(tint, below, warning))
 

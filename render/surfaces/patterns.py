@@ -74,14 +74,27 @@ MIN_REFLECTANCE, MAX_REFLECTANCE = 0.003, 0.9
 WARNED = "vertex_tinted"
 """Mesh attribute: share of the faces around a vertex that are hatched, 0 to 1."""
 
-WARNING_COLOR = (0.85, 0.12, 0.06)
-"""Colour of the hatching, sRGB."""
 
-WARNING_TINT, HATCH_LINE, HATCH_RIM = 0.42, 0.30, 0.35
-"""Share of that colour between the lines, and what lines and the rim add to it."""
+@dataclass(frozen=True, slots=True)
+class Hatching:
+    """Warning hatching of forbidden zones.
 
-HATCH_SPACING = 0.24
-"""Distance between lines [m]."""
+    Attributes:
+        color: sRGB.
+        tint: share of that colour between the lines.
+        line: share that lines add.
+        rim: share that the rim adds.
+        spacing: distance between lines [m].
+    """
+
+    color: tuple[float, float, float] = (0.85, 0.12, 0.06)
+    tint: float = 0.42
+    line: float = 0.30
+    rim: float = 0.35
+    spacing: float = 0.24
+
+
+HATCHING = Hatching()
 
 
 class GroundShader:
@@ -266,7 +279,7 @@ def hatched(si: Any, color: Any) -> Any:
     share = si.shape.eval_attribute_1(WARNED, si)
     inside = _smoothstep((share - 0.42) * (1.0 / 0.16))
     rim = _smoothstep(1.0 - dr.abs(share - 0.5) * (1.0 / 0.16))
-    across = (si.p.x + si.p.z + 0.5 * si.p.y) * (1.0 / HATCH_SPACING)
+    across = (si.p.x + si.p.z + 0.5 * si.p.y) * (1.0 / HATCHING.spacing)
     line = _smoothstep(1.5 - 5.0 * dr.abs(across - dr.floor(across) - 0.5))
-    tint = inside * (WARNING_TINT + dr.maximum(HATCH_LINE * line, HATCH_RIM * rim))
-    return dr.lerp(color, mi.Color3f(*(float(c) for c in linear(WARNING_COLOR))), tint)
+    tint = inside * (HATCHING.tint + dr.maximum(HATCHING.line * line, HATCHING.rim * rim))
+    return dr.lerp(color, mi.Color3f(*(float(c) for c in linear(HATCHING.color))), tint)

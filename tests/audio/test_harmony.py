@@ -65,6 +65,6 @@ def test_degrees_ascend_and_invert(root, mode):
     assert [scale.degree(pitch) for pitch in pitches] == list(range(60))
 
 
-def test_the_pitches_of_c_minor_pentatonic():
+def test_c_minor_pentatonic_has_its_pitches():
     scale = parse_scale("C minor pentatonic")
     assert [p for p in range(60, 72) if is_on_scale(p, scale)] == [60, 63, 65, 67, 70]

@@ -7,7 +7,7 @@ import symusic
 from hypothesis import given
 from hypothesis import strategies as st
 
-from audio.config.notes import Velocity
+from audio.config.velocity import Velocity
 from audio.loudness_at_listener import (
     CRITICAL_DISTANCE,
     event_level,

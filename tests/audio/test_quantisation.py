@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio.config.notes import GRIDS, Quantisation, beats_of_grid
+from audio.config.quantisation import GRIDS, Quantisation, beats_of_grid
 from audio.midi_file import midi_bytes, write_midi
 from audio.notes import arrange, notes_of
 from audio.quantisation import quantise

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio.config.notes import GRIDS
+from audio.config.quantisation import GRIDS
 from audio.midi_file import write_midi
 
 RATES = [Fraction(r) for r in (10, 12, 15, 18, 24, 25, 30, 50, 60, 72, 144, 240)]

@@ -28,7 +28,9 @@ SCENES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
-def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) -> None:
+def test_tracks_of_shipped_scenes_have_their_onsets_and_loudness(
+    name: str, read_wav: Any, tmp_path: Path
+) -> None:
     scene = load_scene(library() / (name + SUFFIX))
     take = simulate(scene)
     score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)

@@ -3,8 +3,10 @@
 import pytest
 from pydantic import ValidationError
 
-from audio.config.notes import Phrase, PhraseStep, Quantisation, Velocity
+from audio.config.phrase import Phrase, PhraseStep
+from audio.config.quantisation import Quantisation
 from audio.config.sound import EventFilter, Master, Range, Room, Sound, Voice
+from audio.config.velocity import Velocity
 from audio.general_midi import DRUMS, INSTRUMENTS, drum_key, program_number
 
 

@@ -8,8 +8,10 @@ from typing import Any
 
 import pytest
 
-from audio.config.notes import Phrase, PhraseStep, Quantisation, Velocity
+from audio.config.phrase import Phrase, PhraseStep
+from audio.config.quantisation import Quantisation
 from audio.config.sound import EventFilter, Sound, Voice
+from audio.config.velocity import Velocity
 from audio.harmony import CHORD_KINDS, MODES
 from audio.midi_file import midi_bytes
 from pipeline.spec import load_scene

@@ -20,7 +20,7 @@ def test_usual_rates_have_24_frames_a_beat_and_40_ticks_a_frame(rate):
     assert grid.tempo == 24_000_000 / rate
 
 
-def test_the_tempo_of_ntsc():
+def test_ntsc_rates_have_an_exact_tempo():
     assert tick_grid(Fraction(30000, 1001)).tempo == 800_800
 
 

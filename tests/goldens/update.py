@@ -73,7 +73,7 @@ def _due(path: Path, take: Take) -> tuple[bool, str]:
 
 
 def orphans() -> list[Path]:
-    """Return the goldens whose scene is gone."""
+    """Return the goldens without a scene."""
     return [path for path in sorted(MOTION.glob("*.json")) if path.stem not in shipped_scenes()]
 
 

@@ -67,7 +67,7 @@ def test_flip_is_zero_for_equal_images_and_symmetric(name: str) -> None:
 
 def test_black_and_white_have_the_largest_difference() -> None:
     black = np.zeros((32, 32, 3), np.uint8)
-    # White beside black lies at 100 of 203 on the scale of colours, whose upper part is narrow.
+    # White against black is at 100 of 203 on the compressed scale of colours.
     assert JUDGES["pronk"](black, ~black) == pytest.approx(np.full((32, 32), 0.966), abs=0.01)
 
 

@@ -53,7 +53,7 @@ def test_a_missing_denoiser_raises_before_tracing(
 
 
 def test_albedo_and_hard_shadows_are_kept_and_indirect_light_is_denoised() -> None:
-    """A checkerboard in uniform light: the noise goes, and the checks stay sharp."""
+    """A checkerboard in uniform light loses its noise and stays sharp."""
     rng = np.random.default_rng(3)
     y, x = np.mgrid[:64, :64]
     color = np.where(((x + y) % 2 == 0)[..., None], 0.6, 0.1).astype(np.float32).repeat(3, axis=2)

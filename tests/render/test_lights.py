@@ -90,7 +90,7 @@ def test_stars_are_constant_and_wider_than_a_pixel() -> None:
     beside = sum(np.roll(bright, s, axis) for s in (-1, 1) for axis in (0, 1))
     top = bright > 0.05
     assert top.sum() > 500
-    # No lone pixel: what is that bright has light beside it.
+    # No single bright pixel: each has bright neighbours.
     assert (beside[top] > 0).all()
 
 

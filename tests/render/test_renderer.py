@@ -175,7 +175,7 @@ def test_invalid_shots_are_reported(renderer: Renderer, make_shot: Make) -> None
     torn = replace(shot.meshes[1], vertices=np.full((4, 3), np.nan, np.float32))
     with pytest.raises(ShotError, match="not finite"):
         renderer.render(replace(shot, meshes=(shot.meshes[0], torn, shot.meshes[2])))
-    # The renderer goes on with the next good shot.
+    # The renderer renders the next valid shot.
     assert np.isfinite(renderer.render(shot).light).all()
 
 

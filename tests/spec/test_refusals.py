@@ -42,7 +42,7 @@ ONE_MISTAKE = [
     # Keys.
     ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
     ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, dances, "
-     "duration, figures, film, fps, frames, golden, light, materials, moods, pronk, "
+     "duration, figures, film, fps, frames, golden, light, materials, moods, places, pronk, "
      "rows_per_frame, script, seed, sound, steps, terrain, title"),
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
@@ -68,7 +68,8 @@ ONE_MISTAKE = [
      "the scene has frames 1-48, no 400"),
     ("terrain: hills", "§<<: {duration: 3}", "<<",
      "unknown key, known: camera, cast, dances, duration, figures, film, fps, frames, golden, "
-     "light, materials, moods, pronk, rows_per_frame, script, seed, sound, steps, terrain, title"),
+     "light, materials, moods, places, pronk, rows_per_frame, script, seed, sound, steps, "
+     "terrain, title"),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",

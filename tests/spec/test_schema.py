@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import copy
+from functools import cache
 
 import jsonschema
 import pytest
 import yaml
 
-from pipeline.spec import Scene, dump, figure_schema, library, schema, shipped_scenes
+from pipeline.spec import Scene, dump, library, shipped_scenes
+from pipeline.spec import figure_schema as written_figure_schema
+from pipeline.spec import schema as written_schema
+
+# Writing a schema takes most of a second.
+schema, figure_schema = cache(written_schema), cache(written_figure_schema)
 
 SMALLEST = {"pronk": 1, "duration": 6, "terrain": "hills", "cast": [{"figure": "bug", "walk": {}}]}
 FULL = {

@@ -22,29 +22,35 @@ from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import UP, Array
 from render.config import Camera
 
-MARGIN = 1.12
-"""Room around the target, as a factor on its extent."""
-
-MAX_FIT_ITERATIONS = 12
-"""Corrections of the distance until the target fits into the frame."""
-
-FIT_TOLERANCE = 1e-3
-"""Relative correction of the distance at which the iteration ends."""
-
-DISTANCE_SMOOTHING_S = 0.8
-"""Standard deviation of the filter of an automatic distance [s]."""
-
-MIN_LEVEL_SHARE = 0.4
-"""Least level share of the distance of a camera on a crane."""
-
-MIN_DISTANCE = 0.05
-"""Least distance from the target [m]."""
-
 LEAD_ROOM = 0.1
 """Offset of a moving target from the centre, as a fraction of the frame."""
 
 LEAD_SPEED = 0.12
 """Speed at which that offset is nearly reached [frame widths or heights per second]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _DistanceFit:
+    """Search of the distance at which the target fits into the frame.
+
+    Attributes:
+        margin: room around the target, as a factor on its extent.
+        max_iterations: corrections of the distance.
+        tolerance: relative correction at which the iteration ends.
+        smoothing_s: standard deviation of the filter of the distance [s].
+        min_level_share: least level share of the distance of a camera on a crane.
+        least: distance from the target [m].
+    """
+
+    margin: float = 1.12
+    max_iterations: int = 12
+    tolerance: float = 1e-3
+    smoothing_s: float = 0.8
+    min_level_share: float = 0.4
+    least: float = 0.05
+
+
+FIT = _DistanceFit()
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,24 +80,24 @@ class AutoFraming:
         if self.moves.distance is not None:
             return self._stand(self._outside(self.moves.distance - self.moves.nearer))
         away = np.ones(len(self.target))
-        for _ in range(MAX_FIT_ITERATIONS):
+        for _ in range(FIT.max_iterations):
             before, away = away, self._smooth(self._fitting(away))
-            if np.abs(away / before - 1.0).max() < FIT_TOLERANCE:
+            if np.abs(away / before - 1.0).max() < FIT.tolerance:
                 break
         return self._stand(away)
 
     def _outside(self, distance: Array) -> Array:
         """Return a distance (F,) at which the camera is outside the target."""
         if self.moves.height is not None:
-            return np.maximum(distance, MIN_DISTANCE)
+            return np.maximum(distance, FIT.least)
         towards = np.cos(self.moves.elevation)[:, None] * self.moves.level
         towards = towards + np.sin(self.moves.elevation)[:, None] * UP
         nearest = np.empty(len(distance))
         for some in row_chunks(self.followed.points):
             relative = self.followed.points[some] - self.target[some, None]
             nearest[some] = np.einsum("fnk,fk->fn", relative, towards[some]).max(axis=-1)
-        least = max(float(nearest.max()), 0.0) + MIN_DISTANCE
-        return least + hinge(distance - least, MIN_DISTANCE)
+        least = max(float(nearest.max()), 0.0) + FIT.least
+        return least + hinge(distance - least, FIT.least)
 
     def _smooth(self, needed: Array) -> Array:
         """Return a smooth distance (F,) that is nowhere less than needed."""
@@ -99,7 +105,7 @@ class AutoFraming:
         if nearer.any():
             # Keeps the motion of the dolly: the needed distance only offsets it.
             return (needed + nearer).max() - nearer
-        return envelope(needed, DISTANCE_SMOOTHING_S * rate)
+        return envelope(needed, FIT.smoothing_s * rate)
 
     def _fitting(self, distance: Array) -> Array:
         """Return the distance (F,) at which the target fits, estimated from another one."""
@@ -111,7 +117,7 @@ class AutoFraming:
         risen, slope = self._risen, np.sin(self._elevation)
         away = factor * np.sqrt(distance * (distance + 2.0 * risen * slope) + risen**2)
         flat = np.sqrt(np.maximum(away**2 - (risen * np.cos(self._elevation)) ** 2, 0.0))
-        return np.maximum(flat - risen * slope, MIN_LEVEL_SHARE * away)
+        return np.maximum(flat - risen * slope, FIT.min_level_share * away)
 
     def _stand(self, distance: Array) -> CameraPath:
         """Return the path at a distance (F,) from the target."""
@@ -169,7 +175,7 @@ def _fit_factor(points: Array, path: CameraPath, aspect: float) -> Array:
         wide = np.abs(np.einsum("fnk,fk->fn", relative, right[some])) / (tan[some] * aspect)
         high = np.abs(np.einsum("fnk,fk->fn", relative, upward[some])) / tan[some]
         # A point nearer to the camera than the target needs that much more distance.
-        needed = MARGIN * np.maximum(wide, high)
+        needed = FIT.margin * np.maximum(wide, high)
         needed -= np.einsum("fnk,fk->fn", relative, ahead[some])
         most[some] = needed.max(axis=-1) / away[some]
     return most.clip(0.1, 1e6)

@@ -14,11 +14,7 @@ from pipeline.production.camera.auto_framing import AutoFraming, lead_offset
 from pipeline.production.camera.camera_path import CameraPath, smoothed
 from pipeline.production.camera.camera_target import CameraTarget, follow
 from pipeline.production.camera.clearance import Clearance, VisibleGround
-from pipeline.production.camera.keyframed_camera import (
-    animated_path,
-    fields_of_view,
-    has_direction,
-)
+from pipeline.production.camera.keyframed_camera import animated_path, fields_of_view, has_direction
 from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
 from pipeline.simulation.clock import Clock
@@ -26,6 +22,46 @@ from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Take
 from render.config import Camera
 from render.shot import CameraPose
+
+
+def camera_poses(
+    take: Take,
+    cameras: Sequence[Camera],
+    aspect: float,
+    mounts: Sequence[int] | None = None,
+    nodes: Mapping[str, int] | None = None,
+) -> tuple[CameraPose, ...]:
+    """Return the camera pose of every frame.
+
+    Args:
+        take: that is filmed.
+        cameras: one for each cut in order of time, the first from the start.
+        aspect: width by height of the frame.
+        mounts: node that carries the camera of each cut, -1 for none.
+        nodes: number of each node that a focus names.
+    """
+    header = take.header
+    clock = Clock(header.rate, header.frames, header.steps, header.samples)
+    ground = VisibleGround(take.terrain)
+    starts = [min(start, header.frames + 1) for start in first_frames(cameras, header.rate)]
+    ends = [*starts[1:], header.frames + 1]
+    poses: list[CameraPose] = []
+    mounts = mounts or [-1] * len(cameras)
+    for camera, mount, first, end in zip(cameras, mounts, starts, ends, strict=True):
+        rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
+        if not len(rows):
+            continue
+        seconds = float((end - 1) / header.rate) - camera.start
+        cut = _Cut(take, camera, rows, seconds, mount, nodes or {}, ground, aspect)
+        path, place = _path(cut)
+        poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
+    return tuple(poses)
+
+
+def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
+    """Return the first frame of each cut, which may lie after the last frame of the film."""
+    # The decimal number as written, so that a time on a frame is exact.
+    return [1 + math.ceil(Fraction(repr(camera.start)) * rate) for camera in cameras]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,46 +106,6 @@ class _Cut:
     def follow(self) -> CameraTarget:
         """Return the performers that the cut follows."""
         return follow(self.take, self.camera.follow, self.rows)
-
-
-def camera_poses(
-    take: Take,
-    cameras: Sequence[Camera],
-    aspect: float,
-    mounts: Sequence[int] | None = None,
-    nodes: Mapping[str, int] | None = None,
-) -> tuple[CameraPose, ...]:
-    """Return the camera pose of every frame.
-
-    Args:
-        take: that is filmed.
-        cameras: one for each cut in order of time, the first from the start.
-        aspect: width by height of the frame.
-        mounts: node that carries the camera of each cut, -1 for none.
-        nodes: number of each node that a focus names.
-    """
-    header = take.header
-    clock = Clock(header.rate, header.frames, header.steps, header.samples)
-    ground = VisibleGround(take.terrain)
-    starts = [min(start, header.frames + 1) for start in first_frames(cameras, header.rate)]
-    ends = [*starts[1:], header.frames + 1]
-    poses: list[CameraPose] = []
-    mounts = mounts or [-1] * len(cameras)
-    for camera, mount, first, end in zip(cameras, mounts, starts, ends, strict=True):
-        rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
-        if not len(rows):
-            continue
-        seconds = float((end - 1) / header.rate) - camera.start
-        cut = _Cut(take, camera, rows, seconds, mount, nodes or {}, ground, aspect)
-        path, place = _path(cut)
-        poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
-    return tuple(poses)
-
-
-def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
-    """Return the first frame of each cut, which may lie after the last frame of the film."""
-    # The decimal number as written, so that a time on a frame is exact.
-    return [1 + math.ceil(Fraction(repr(camera.start)) * rate) for camera in cameras]
 
 
 def _path(cut: _Cut) -> tuple[CameraPath, Array]:

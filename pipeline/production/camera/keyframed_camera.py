@@ -38,7 +38,7 @@ def animated_path(
     """Return the path of an animated camera.
 
     Args:
-        take: what is filmed.
+        take: that is filmed.
         cut: its configuration.
         mount: node that carries it, -1 for none.
         rows: (F,) of the frames of the cut.

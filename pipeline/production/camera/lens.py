@@ -36,7 +36,7 @@ def lenses(
     """Return the lens of a cut at each frame, None where all is sharp.
 
     Args:
-        take: what is filmed.
+        take: that is filmed.
         cut: its configuration.
         rows: (F,) of its frames.
         path: of its camera.

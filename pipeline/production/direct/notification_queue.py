@@ -59,7 +59,7 @@ class NotificationQueue:
                 yield {"kind": NOTE_KIND, "who": who, "other": "", **moment, **text}
 
     def _new_orders(self) -> Iterator[Notification]:
-        orders = self._simulation.recorder.orders
+        orders = self._simulation.recorder.told
         new, self._orders = orders[self._orders :], len(orders)
         for order in new:
             moment = self._moment(order.step)

@@ -14,12 +14,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from pjrpc.server import Dispatcher, JsonRpcError, MethodRegistry
-from pjrpc.server.exceptions import (
-    InvalidParamsError,
-    InvalidRequestError,
-    ParseError,
-    TypedError,
-)
+from pjrpc.server.exceptions import InvalidParamsError, InvalidRequestError, ParseError, TypedError
 from pjrpc.server.validators.base import (
     BaseValidator,
     BaseValidatorFactory,

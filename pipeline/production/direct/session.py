@@ -182,7 +182,7 @@ class Session:
     def _kinds(self, kinds: Collection[str], path: str) -> frozenset[str]:
         if ALL_EVENTS in kinds:
             return frozenset(EVENT_KINDS)
-        _refuse_unknown_names(kinds, EVENT_KINDS, path, "nothing that happens is called")
+        _refuse_unknown_names(kinds, EVENT_KINDS, path, "no kind of event is called")
         return frozenset(kinds)
 
     def _names(self, names: Collection[str]) -> frozenset[str]:

@@ -109,4 +109,4 @@ TOPICS: Mapping[str, Callable[[StateQueries, int, Collection[str]], object]] = {
     "channels": StateQueries.channels,
     "notes": StateQueries.notes,
 }
-"""The method of each `requests.Topic`."""
+"""The method of each `request_params.Topic`."""

@@ -7,16 +7,8 @@ from itertools import chain
 
 from pipeline.production.goldens import motion_tolerance
 from pipeline.production.goldens.motion_deviations import deviations, ground_differences
-from pipeline.production.goldens.motion_digest import (
-    Fingerprints,
-    header_facts,
-    motion_digest,
-)
-from pipeline.production.goldens.motion_golden import (
-    GroundSummary,
-    MotionGolden,
-    ground_summary,
-)
+from pipeline.production.goldens.motion_digest import Fingerprints, header_facts, motion_digest
+from pipeline.production.goldens.motion_golden import GroundSummary, MotionGolden, ground_summary
 from pipeline.production.goldens.motion_invariants import broken_invariants
 from pipeline.production.goldens.motion_marks import mark_differences, marks_of
 from pipeline.production.goldens.motion_verdict import (

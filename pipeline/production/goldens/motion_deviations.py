@@ -15,11 +15,7 @@ from pipeline.production.goldens.motion_golden import (
     sampled,
     sampled_rows,
 )
-from pipeline.production.goldens.motion_verdict import (
-    WHOLE_TAKE,
-    Difference,
-    millimetres,
-)
+from pipeline.production.goldens.motion_verdict import WHOLE_TAKE, Difference, millimetres
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 

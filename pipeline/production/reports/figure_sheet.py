@@ -31,11 +31,7 @@ from pipeline.production.reports.figure_report import (
 from pipeline.production.reports.plot_colors import BODY_COLOR, FAINT, INK, WARNING, limb_colors
 from pipeline.production.reports.plot_files import write_pictures
 from pipeline.production.run.scene_check import remarks_on
-from pipeline.simulation.figure_analysis import (
-    Figure,
-    FigureMass,
-    build_figure,
-)
+from pipeline.simulation.figure_analysis import Figure, FigureMass, build_figure
 from pipeline.spec import Scene, load_figures
 
 WIDTH, TOP, GAP = 1600, 92, 20

@@ -6,14 +6,9 @@ import drawsvg
 import numpy as np
 
 from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
-from pipeline.production.reports.jerk_trials import (
-    Column,
-    Trial,
-)
+from pipeline.production.reports.jerk_trials import Column, Trial
 from pipeline.production.reports.plot_colors import FAINT, INK
-from pipeline.simulation.dance_trials import (
-    RetimedPath,
-)
+from pipeline.simulation.dance_trials import RetimedPath
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Dance
 

@@ -101,6 +101,8 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
                     renderer = Renderer(backend)
                 keys, missing = outdated_frames(shooting, run.outputs, frames, renderer.key_extra)
                 kept = len(frames) - len(missing)
+                run.frames, run.rendered = tuple(frames), tuple(missing)
+                current.keep(kept)
                 for i, frame in enumerate(missing, start=1):
                     with held_back():
                         picture = renderer.render(shooting.shot(frame))

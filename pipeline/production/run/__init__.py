@@ -1,1 +1,1 @@
-"""A scene to its outputs: what is due, workers, manifest, progress."""
+"""A scene to its outputs: stages, workers, manifest, progress."""

@@ -27,19 +27,28 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
     """
     if text is None:
         return tuple(range(1, last + 1))
-    try:
-        named = FrameSet(text)
-    except (FileSeqException, ValueError):
-        raise UsageError(f"--frames '{text}': cannot be read; what works is {ALLOWED}") from None
-    if not named:
-        raise UsageError(f"--frames '{text}': names no frame; what works is {ALLOWED}")
-    if any(frame != int(frame) for frame in named):
-        raise UsageError(f"--frames '{text}': frames are whole; what works is {ALLOWED}")
-    frames = sorted({int(frame) for frame in named})
+    frames = read_frames(text)
     outside = [frame for frame in frames if not 1 <= frame <= last]
     if outside:
         raise UsageError(f"--frames '{text}': the scene has frames 1-{last}, no {outside[0]}")
-    return tuple(frames)
+    return frames
+
+
+def read_frames(text: str) -> tuple[int, ...]:
+    """Return the frames of ranges, ascending, each once, of whatever scene.
+
+    Raises:
+        UsageError: they cannot be read.
+    """
+    try:
+        named = FrameSet(text)
+    except (FileSeqException, ValueError):
+        raise UsageError(f"--frames '{text}': cannot be read; write {ALLOWED}") from None
+    if not named:
+        raise UsageError(f"--frames '{text}': names no frame; write {ALLOWED}")
+    if any(frame != int(frame) for frame in named):
+        raise UsageError(f"--frames '{text}': frames are whole; write {ALLOWED}")
+    return tuple(sorted({int(frame) for frame in named}))
 
 
 def described(frames: tuple[int, ...]) -> str:

@@ -13,6 +13,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+INTERRUPTED = 130
+"""Exit code of a command that was stopped by Ctrl-C."""
+
 RESEND_DELAY = 0.05
 """Time after which a lost interrupt is sent again [s]."""
 
@@ -41,6 +44,18 @@ def ignore() -> None:
 def heard() -> bool:
     """Return whether an interrupt has not been answered."""
     return _heard.is_set()
+
+
+def is_interrupt(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C is behind an error.
+
+    Compiled modules wrap it in an error of their own, some of them as words alone.
+    """
+    if heard():
+        return True
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def answered() -> None:

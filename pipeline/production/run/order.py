@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pipeline.errors import UsageError
 from pipeline.production.run.frame_ranges import parse_frames
-from pipeline.spec import Scene
+from pipeline.spec import Scene, find_scene
 from render.backend import Choice
 
 
@@ -25,6 +25,7 @@ class Order:
         sound: whether the film has sound, and MIDI and WAV are written.
         subframe: whether sounds stand at the exact times of their causes, not on frames.
         backend: variant of Mitsuba.
+        strict: whether notes are an error.
 
     Raises:
         UsageError: the scene does not have these frames.
@@ -38,22 +39,32 @@ class Order:
     sound: bool = True
     subframe: bool = False
     backend: Choice = "auto"
+    strict: bool = False
 
     def __post_init__(self) -> None:
-        # Early, before this command makes anything, be it for another scene.
+        # Early, before anything is made.
         parse_frames(self.frames, self.scene.n_frames)
 
 
-def refuse_clashes(orders: Sequence[Order]) -> None:
-    """Refuse two orders that write to one folder.
+def refuse_clashes(scenes: Sequence[str], out: Path) -> None:
+    """Refuse two scenes that would write to one folder.
+
+    Args:
+        scenes: files or names of scenes; those that do not exist are refused later.
+        out: folder of their outputs.
 
     Raises:
         UsageError: two scenes have one name.
     """
-    names = [order.name for order in orders]
-    for name in names:
-        if names.count(name) > 1:
+    names: set[str] = set()
+    for scene in scenes:
+        try:
+            name = find_scene(scene).stem
+        except UsageError:
+            continue
+        if name in names:
             raise UsageError(
                 f"two scenes are called '{name}', and both would write to "
-                f"{orders[0].out / name}; render one after the other, each with an --out of its own"
+                f"{out / name}; render one after the other, each with an --out of its own"
             )
+        names.add(name)

@@ -122,7 +122,7 @@ def _locked(descriptor: int) -> bool:
 
 
 def _clear(outputs: Outputs) -> None:
-    """Remove unfinished files, whose names are a dot, the name of an output, and more.
+    """Remove unfinished files: their names are a dot and the name of an output, and more.
 
     `render` and `audio` choose the rest of the name.
     """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,12 +17,14 @@ from audio.score import Score
 from audio.wav_file import write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.run.compile_progress import compile_progress
+from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
+from pipeline.production.run.notes import Note, NotesRefused, clock_of, read_notes, take_notes
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
-from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -36,7 +37,6 @@ from pipeline.production.sound.sound_report import (
     quantisation_summary,
     wav_facts,
 )
-from pipeline.simulation.casting import makes_machine_code
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
@@ -59,6 +59,9 @@ class Production:
         outputs: files of the scene.
         reporter: of progress.
         manifest: of the run before, with the entries of this one.
+        notes: of the scene, the take and the frames that this run rendered.
+        frames: of the run.
+        rendered: frames that this run rendered.
         seconds: time of each stage that had something to do.
         changed: whether any output changed.
     """
@@ -67,13 +70,40 @@ class Production:
     outputs: Outputs
     reporter: Reporter
     manifest: Manifest
+    notes: list[Note] = field(default_factory=list)
+    frames: tuple[int, ...] = ()
+    rendered: tuple[int, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     changed: bool = False
 
-    def record_time(self, name: str, began: float) -> None:
+    def record_time(self, stage: Stage) -> None:
         """Record the time of a stage that had something to do."""
-        self.seconds[name] = round(time.monotonic() - began, 3)
+        self.seconds[stage.name] = round(stage.seconds, 3)
         self.changed = True
+
+    def kept_notes(self) -> list[Note]:
+        """Return the notes that earlier runs had on pictures which stay as they are."""
+        again = {None, *self.rendered}
+        last = self.order.scene.n_frames
+        return [
+            note
+            for note in read_notes(self.manifest.entries.get("notes"))
+            if note.source == "picture" and note.frame not in again and (note.frame or 0) <= last
+        ]
+
+    def shown_notes(self) -> list[Note]:
+        """Return the notes on all that this run shows."""
+        return [*self.notes, *(note for note in self.kept_notes() if note.frame in self.frames)]
+
+    def refuse_notes(self) -> None:
+        """Refuse to go on if there are notes and the order is strict.
+
+        Raises:
+            NotesRefused: there are some.
+        """
+        notes = self.shown_notes()
+        if self.order.strict and notes:
+            raise NotesRefused(notes)
 
 
 def render(order: Order, reporter: Reporter) -> Outputs:
@@ -84,11 +114,13 @@ def render(order: Order, reporter: Reporter) -> Outputs:
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
     with working(order, reporter) as run:
+        run.frames = frames
         take = take_of(run)
         shooting = ShotBuilder(order.scene, take)
         if order.sound:
             write_score(run, take, shooting)
         keys = _frames(run, shooting, frames)
+        run.refuse_notes()
         _film(run, frames, keys)
         _finish(run, take)
         return run.outputs
@@ -106,6 +138,7 @@ def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
 def store_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
     """Store a take that was made elsewhere, and its events."""
     with working(order, reporter) as run:
+        run.notes = [*notes_after_end(order.scene), *take_notes(take, clock_of(order.scene))]
         _store_take(run, take)
         write_events(run.outputs, take)
         _finish(run, take)
@@ -123,7 +156,7 @@ def score_only(order: Order, reporter: Reporter) -> Outputs:
 
 @contextmanager
 def working(order: Order, reporter: Reporter) -> Iterator[Production]:
-    """Open the outputs of `order` and translate errors inside the block.
+    """Open the outputs of `order`, translate errors inside the block and report its notes.
 
     Raises:
         PronkError: for any error inside.
@@ -132,11 +165,32 @@ def working(order: Order, reporter: Reporter) -> Iterator[Production]:
     with opened(outputs):
         run = Production(order, outputs, reporter, Manifest.read(outputs.manifest))
         try:
-            with translated_errors():
+            with translated_errors(), _reported_notes(run):
                 yield run
         except OSError as error:
             reason = error.strerror or str(error)
             raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
+
+
+@contextmanager
+def _reported_notes(run: Production) -> Iterator[None]:
+    """Report the notes of a run at its end, also where it fails: they may tell why."""
+    try:
+        yield
+    except NotesRefused:
+        # They are its message.
+        raise
+    except Exception:
+        _report_notes(run)
+        raise
+    _report_notes(run)
+
+
+def _report_notes(run: Production) -> None:
+    notes = run.shown_notes()
+    if notes:
+        manifest = run.outputs.manifest
+        run.reporter.notes(run.order.name, notes, manifest if manifest.is_file() else None)
 
 
 @contextmanager
@@ -164,25 +218,39 @@ def take_key(scene: Scene) -> str:
 
 
 def take_of(run: Production) -> Take:
-    """Return the take of the scene, simulating only if the stored one does not fit."""
+    """Return the take of the scene, simulating only if the stored one does not fit.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict; a new take is not stored.
+        SimulationError: the scene cannot be simulated.
+    """
     scene = run.order.scene
+    clock = clock_of(scene)
     key = take_key(scene)
-    with stage(run.reporter, "simulate", scene.n_frames) as current:
+    run.notes = notes_after_end(scene)
+    with stage(run.reporter, "simulate", scene.n_frames, "s", float(1 / scene.rate)) as current:
         stored = _stored_take(run, key)
         if stored is not None:
+            current.keep(scene.n_frames)
             current.result = "take is up to date"
+            run.notes += take_notes(stored, clock)
+            run.refuse_notes()
             return stored
-        if makes_machine_code(scene):
-            run.reporter.note("making machine code for bodies; that takes a minute, once")
-        began = time.monotonic()
-        take = simulate(scene, key, lambda done, _: current.advance(done))
-        run.record_time("simulate", began)
-        _store_take(run, take)
+        with compile_progress(run.reporter, current) as compiling:
+
+            def progress(done: int, _: int) -> None:
+                compiling.close()
+                current.advance(done)
+
+            take = simulate(scene, key, progress)
+        current.done = scene.n_frames
         current.result = (
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
-    for note in take.notes:
-        run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
+        run.notes += take_notes(take, clock)
+        run.refuse_notes()
+        run.record_time(current)
+        _store_take(run, take)
     return take
 
 
@@ -212,8 +280,7 @@ def _stored_take(run: Production, key: str) -> Take | None:
 
 def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
-    with stage(run.reporter, "score", 3) as current:
-        began = time.monotonic()
+    with stage(run.reporter, "score", 3, "files") as current:
         score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
         changed = write_events(run.outputs, take) | write_cues(
             run.outputs, score, _whole_film(run).name
@@ -223,7 +290,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
         current.advance(2)
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
-            run.record_time("score", began)
+            run.record_time(current)
         current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
             f", {late} after the last frame" if late else ""
         )
@@ -246,7 +313,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
 
 def _frames(run: Production, shooting: ShotBuilder, frames: tuple[int, ...]) -> dict[int, str]:
     """Render the frames that are due and return the keys of all."""
-    with stage(run.reporter, "render", len(frames)) as current:
+    with stage(run.reporter, "render", len(frames), "frames") as current:
         return with_gpu_fallback(
             run.order.backend,
             run.reporter,
@@ -262,7 +329,7 @@ def _rendered_on(
     current: Stage,
 ) -> dict[int, str]:
     """Render the frames that are due on one backend and return the keys of all."""
-    order, outputs, began = run.order, run.outputs, time.monotonic()
+    order, outputs = run.order, run.outputs
     for line in backend.describe():
         run.reporter.note(line, detail=True)
     with held_back():
@@ -270,35 +337,25 @@ def _rendered_on(
     keys, missing = outdated_frames(shooting, outputs, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
-    current.advance(kept)
+    run.rendered = tuple(missing)
+    current.keep(kept)
     if not missing:
         current.result = "frames are up to date"
         return keys
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
-    estimate = Estimate(order.name, shooting.film, backend, jobs, len(missing))
-    _note(run, estimate.before())
-
-    def progress(done: int) -> None:
-        current.advance(kept + done)
-        _note(run, estimate.after(done, time.monotonic() - began))
-
     if jobs > 1:
         batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
-        split = film_in_processes(batch, jobs, progress)
+        split = film_in_processes(
+            batch, jobs, lambda done, pace: current.advance_together(kept + done, pace)
+        )
     else:
         for done, _ in enumerate(render_frames(renderer, shooting, outputs, wanted), start=1):
-            progress(done)
+            current.advance(kept + done)
         split = renderer.timings
-    estimate.store()
-    run.record_time("render", began)
+    run.record_time(current)
     current.result = _render_summary(split, current.seconds * jobs, kept)
     return keys
-
-
-def _note(run: Production, text: str | None) -> None:
-    if text is not None:
-        run.reporter.note(text)
 
 
 def _render_summary(split: Timings, seconds: float, kept: int) -> str:
@@ -323,15 +380,14 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
     if order.sound and sound is None:
         run.reporter.note("film: frames with gaps between them have no sound")
     key = _film_key(run, [keys[frame] for frame in frames], sound, frames[0])
-    with stage(run.reporter, "film", len(frames)) as current:
+    with stage(run.reporter, "film", len(frames), "frames") as current:
         if film_key(place) == key:
             current.result = f"{place.name} is up to date"
             return
-        began = time.monotonic()
         rate = order.scene.rate
         began_at = (frames[0] - 1) / rate
         write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
-        run.record_time("film", began)
+        run.record_time(current)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
 
@@ -384,7 +440,7 @@ def _finish(run: Production, take: Take) -> None:
         "frames": header.frames,
         "versions": {**header.versions, **library_versions()},
         "digests": digests,
-        "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in take.notes],
+        "notes": [note.facts for note in (*run.notes, *run.kept_notes())],
     }
     seconds = {**run.manifest.seconds, **run.seconds}
     if run.changed or entries != run.manifest.entries:

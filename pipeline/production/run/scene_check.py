@@ -1,4 +1,4 @@
-"""Scene check: everything that can be known of a scene without simulating it through."""
+"""Scene check: what can be known of a scene without rendering it."""
 
 from __future__ import annotations
 
@@ -7,22 +7,78 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
+from pipeline.production.run.compile_progress import compile_progress
+from pipeline.production.run.film_end import notes_after_end
+from pipeline.production.run.frame_ranges import counted
+from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
+from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 
+PROGRESS_FRAMES = 8
+"""Frames after which the simulation reports its progress."""
 
-def check_scene(scene: Scene) -> str:
+
+def check_scene(
+    scene: Scene,
+    reporter: Reporter | None = None,
+    name: str = "scene",
+    simulated: bool = False,
+    strict: bool = False,
+) -> str:
     """Build the scene's world with its cast in place and return a summary in one line.
 
+    Args:
+        scene: to be checked.
+        reporter: of progress and notes.
+        name: of the scene, in reports.
+        simulated: whether to simulate the film as well, which may take minutes.
+        strict: whether notes are an error.
+
     Raises:
-        PronkError: a figure is wrong, or a performer cannot start its part.
+        NotesRefused: there are notes, and the check is strict.
+        PronkError: a figure is wrong, a performer cannot start its part, or the simulation fails.
     """
-    simulation = Simulation(scene)
+    reporter = reporter or Reporter()
+    with compile_progress(reporter):
+        simulation = Simulation(scene)
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)
     camera_parents(scene, names)
     focus_nodes(scene, names)
+    notes = notes_after_end(scene)
+    if simulated:
+        take = _take_of(simulation, scene.n_frames, reporter)
+        # What the renderer needs of a take can be wrong too.
+        ShotBuilder(scene, take)
+        notes += take_notes(take, clock_of(scene))
+    if notes and strict:
+        raise NotesRefused(notes)
+    if notes:
+        reporter.notes(name, notes, None)
+    return _summary(scene, simulation)
+
+
+def _take_of(simulation: Simulation, frames: int, reporter: Reporter) -> Take:
+    """Take all steps of a simulation and return its take."""
+    clock = simulation.world.clock
+    with (
+        stage(reporter, "simulate", frames, "s", float(1 / clock.rate)) as current,
+        compile_progress(reporter, current),
+    ):
+        while not simulation.finished:
+            simulation.step()
+            if simulation.step_number % (PROGRESS_FRAMES * clock.steps) == 0:
+                current.advance(simulation.step_number // clock.steps)
+        take = simulation.take()
+        current.done, current.result = frames, counted(frames)
+    return take
+
+
+def _summary(scene: Scene, simulation: Simulation) -> str:
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"

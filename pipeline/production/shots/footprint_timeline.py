@@ -21,17 +21,43 @@ SOFT_GROUNDS: Mapping[str, tuple[float, float]] = {
 }
 """Depth of a footprint [m] and its darkening, by the texture of the ground."""
 
-LENGTH_RATIO = 1.45
-"""Length of a footprint relative to its width."""
 
-RIM_HEIGHT, RIM_RADIUS = 0.35, 1.6
-"""Height of the rim relative to the depth, and its outer radius in radii of the foot."""
+@dataclass(frozen=True, slots=True)
+class _FootprintShape:
+    """Shape of a footprint in soft ground.
 
-TEXELS_PER_RADIUS, MIN_SPACING, MAX_SPACING = 7.0, 0.002, 0.01
-"""Texels across the radius of the smallest foot, and range of their spacing [m]."""
+    Attributes:
+        width: relative to the foot.
+        min_radius: least radius [m].
+        length: relative to the width.
+        rim_height: of the raised rim, relative to the depth.
+        rim_radius: outer radius of the rim, in radii of the footprint.
+    """
 
-WIDTH_RATIO, MIN_RADIUS = 1.5, 0.02
-"""Width of a footprint relative to the foot, and its least radius [m]."""
+    width: float = 1.5
+    min_radius: float = 0.02
+    length: float = 1.45
+    rim_height: float = 0.35
+    rim_radius: float = 1.6
+
+
+@dataclass(frozen=True, slots=True)
+class _TexelSpacing:
+    """Resolution of the raster.
+
+    Attributes:
+        per_radius: texels across the radius of the smallest footprint.
+        least: spacing [m].
+        greatest: spacing [m].
+    """
+
+    per_radius: float = 7.0
+    least: float = 0.002
+    greatest: float = 0.01
+
+
+SHAPE = _FootprintShape()
+SPACING = _TexelSpacing()
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,13 +130,14 @@ def _foot(take: Take, contact: Contact, radii: Mapping[str, float]) -> _Foot:
     path = take.positions[max(row - span, 0) : row + span + 1, body]
     way = path[-1] - path[0]
     heading = float(np.arctan2(way[2], way[0])) if np.hypot(way[0], way[2]) > 1e-3 else 0.0
-    return _Foot(contact.place[0], contact.place[2], max(WIDTH_RATIO * radius, MIN_RADIUS), heading)
+    x, _, z = contact.place
+    return _Foot(x, z, max(SHAPE.width * radius, SHAPE.min_radius), heading)
 
 
 def _raster(feet: list[_Foot], depth: float, dark: float) -> FootprintRaster:
-    spacing = min(foot.radius for foot in feet) / TEXELS_PER_RADIUS
-    spacing = float(np.clip(spacing, MIN_SPACING, MAX_SPACING))
-    reach = RIM_RADIUS * LENGTH_RATIO * max(foot.radius for foot in feet)
+    spacing = min(foot.radius for foot in feet) / SPACING.per_radius
+    spacing = float(np.clip(spacing, SPACING.least, SPACING.greatest))
+    reach = SHAPE.rim_radius * SHAPE.length * max(foot.radius for foot in feet)
     places = np.array([[foot.x, foot.z] for foot in feet])
     corner = places.min(axis=0) - reach
     side = BLOCK * spacing
@@ -118,7 +145,7 @@ def _raster(feet: list[_Foot], depth: float, dark: float) -> FootprintRaster:
     blocks = np.zeros((rows, columns), np.uint32)
     texels = [np.zeros((BLOCK + 1, BLOCK + 1), np.uint32)]
     for number, foot in enumerate(feet, start=1):
-        wide = RIM_RADIUS * LENGTH_RATIO * foot.radius
+        wide = SHAPE.rim_radius * SHAPE.length * foot.radius
         low = np.floor((np.array([foot.x, foot.z]) - wide - corner) / side).astype(int)
         high = np.floor((np.array([foot.x, foot.z]) + wide - corner) / side).astype(int)
         for j in range(max(low[1], 0), min(high[1], rows - 1) + 1):
@@ -143,7 +170,7 @@ def _stamp(
     at = np.arange(-1, BLOCK + 2) * spacing
     x, z = (corner[0] + at - foot.x)[None, :], (corner[1] + at - foot.z)[:, None]
     c, s = np.cos(foot.heading), np.sin(foot.heading)
-    along, across = (c * x + s * z) / LENGTH_RATIO, c * z - s * x
+    along, across = (c * x + s * z) / SHAPE.length, c * z - s * x
     # The outline varies by a few hundredths between footprints.
     angle = np.arctan2(across, along)
     waver = 1.0 + 0.05 * np.sin(3 * angle + 2.4 * number) + 0.04 * np.sin(5 * angle + 1.1 * number)
@@ -151,11 +178,11 @@ def _stamp(
     t = ((1.05 - rho) / 0.4).clip(0, 1)
     hollow = t * t * (3 - 2 * t)
     depth = min(soft[0], 0.6 * foot.radius)
-    rim = RIM_HEIGHT * np.exp(-(((rho - 1.2) / 0.17) ** 2))
+    rim = SHAPE.rim_height * np.exp(-(((rho - 1.2) / 0.17) ** 2))
     height = depth * (rim - hollow)
     slopes = np.stack([np.gradient(height, spacing, axis=axis) for axis in (1, 0)])
     inner = (slice(1, -1), slice(1, -1))
-    reached = (rho < RIM_RADIUS)[inner]
+    reached = (rho < SHAPE.rim_radius)[inner]
     shade = soft[1] * hollow[inner]
     made = pack_texels(np.full(shade.shape, number, np.uint32), shade, slopes[:, 1:-1, 1:-1])
     return np.where(reached, made, np.uint32(0)).astype(np.uint32)

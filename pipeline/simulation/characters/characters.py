@@ -25,10 +25,7 @@ from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import persons_of
-from pipeline.simulation.characters.pose_output import (
-    BallRotations,
-    frame_poser,
-)
+from pipeline.simulation.characters.pose_output import BallRotations, frame_poser
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.characters.step_report import ContactReporter, SignalDetector, footfalls
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher

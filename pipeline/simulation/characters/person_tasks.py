@@ -18,7 +18,7 @@ from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDI
 from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import Array
-from pipeline.spec.character import HANDS
+from pipeline.spec.character_kinds import HANDS
 from pipeline.spec.keyframes import Frame, PoseKey
 
 SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights

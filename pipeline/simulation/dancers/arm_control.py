@@ -8,12 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.dancers.dance_goals import Goal
-from pipeline.simulation.dancers.force_fields import (
-    HandField,
-    Point,
-    as_point,
-    desired_velocity,
-)
+from pipeline.simulation.dancers.force_fields import HandField, Point, as_point, desired_velocity
 from pipeline.simulation.dancers.posture_sequence import PostureSpline
 from pipeline.simulation.dancers.stall_recovery import RETREAT_POSTURES, StallDetector
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso

@@ -20,11 +20,7 @@ from pipeline.simulation.dancers.body_surfaces import (
     link_number,
     scaled_position,
 )
-from pipeline.simulation.dancers.reach_limits import (
-    beyond_limits,
-    inside_body,
-    out_of_reach,
-)
+from pipeline.simulation.dancers.reach_limits import beyond_limits, inside_body, out_of_reach
 from pipeline.simulation.dancers.torso import (
     ARM,
     HAND_RADIUS,

@@ -14,11 +14,7 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.dance_schedule import DanceSchedule
-from pipeline.simulation.dancers.dancer_mesh import (
-    DancerAppearance,
-    dancer_inventory,
-    frame_links,
-)
+from pipeline.simulation.dancers.dancer_mesh import DancerAppearance, dancer_inventory, frame_links
 from pipeline.simulation.dancers.dancer_motion import TOUCH_TOLERANCE, DancerMotion
 from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.dancer_script import ScriptedDancer

@@ -14,11 +14,7 @@ import math
 
 from pipeline.simulation.dynamics.body_record import Motion
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
-from pipeline.simulation.dynamics.contact_solver import (
-    add_contact,
-    contact_speed,
-    solve_contacts,
-)
+from pipeline.simulation.dynamics.contact_solver import add_contact, contact_speed, solve_contacts
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact import REST_SPEED, TOUCH_GAP
 from pipeline.simulation.dynamics.vectors import (

@@ -35,10 +35,7 @@ from pipeline.simulation.dynamics.resting_contact import (
     holding_contacts,
     limit_energy,
 )
-from pipeline.simulation.dynamics.terrain_contacts import (
-    find_body_contacts,
-    is_under_ground,
-)
+from pipeline.simulation.dynamics.terrain_contacts import find_body_contacts, is_under_ground
 from pipeline.simulation.dynamics.terrain_grid import Grid, highest_around
 from pipeline.simulation.dynamics.vectors import (
     Rows,

@@ -40,20 +40,30 @@ EAR_LENGTH = 1.35
 SWELLING_EXPONENT = np.log(0.5) / np.log(0.36)
 """Places the thickest point of a link at a third of its length, like a thigh's."""
 
-STUMP_KINDS = (LEG, HEAD, TAIL)
-"""Kinds of limbs that grow from a body. Arms turn too far."""
 
-MIN_STUMP_RADIUS = 0.30
-"""Least root radius of a limb with a stump, in the body's."""
+@dataclass(frozen=True, slots=True)
+class StumpShape:
+    """Shape of stumps, the roots of limbs that grow from the skin of a body.
 
-STUMP_RADII, MAX_STUMP_LENGTH = 1.7, 0.55
-"""Length of a stump in radii of its root, and at most in lengths of its link."""
+    Attributes:
+        kinds: of limbs with a stump. Arms turn too far.
+        min_radius: least root radius of a limb with a stump, in the body's.
+        length: of a stump, in radii of its root.
+        max_length: of a stump, in lengths of its link.
+        separation: difference of distances from two stumps beyond which only the nearer one counts,
+            in radii.
+        end_ratio: radius of a stump's end, in the link's there: it ends inside the limb's skin.
+    """
 
-STUMP_SEPARATION = 0.8
-"""Difference of distances from two stumps beyond which only the nearer one counts, in radii."""
+    kinds: tuple[str, ...] = (LEG, HEAD, TAIL)
+    min_radius: float = 0.30
+    length: float = 1.7
+    max_length: float = 0.55
+    separation: float = 0.8
+    end_ratio: float = 0.90
 
-STUMP_END_RATIO = 0.90
-"""Radius of a stump's end, in the link's there: it ends inside the limb's skin."""
+
+STUMP_SHAPE = StumpShape()
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,15 +282,15 @@ def find_stumps(
         number = limb.links[0]
         link = links[number]
         alike = (link.material or own) == (material or own)
-        stout = link.radii[0] >= MIN_STUMP_RADIUS * girth
-        if limb.kind not in STUMP_KINDS or not alike or not stout or link.shape != "round":
+        stout = link.radii[0] >= STUMP_SHAPE.min_radius * girth
+        if limb.kind not in STUMP_SHAPE.kinds or not alike or not stout or link.shape != "round":
             continue
         span = link.ends[1] - link.ends[0]
         length = float(np.sqrt((span * span).sum()))
-        part = min(STUMP_RADII * link.radii[0] / length, MAX_STUMP_LENGTH)
+        part = min(STUMP_SHAPE.length * link.radii[0] / length, STUMP_SHAPE.max_length)
         end = link.radii[0] + (link.radii[1] - link.radii[0]) * part
         ends = np.stack([link.ends[0], link.ends[0] + part * span])
-        found.append(Stump(number, ends, (link.radii[0], STUMP_END_RATIO * end)))
+        found.append(Stump(number, ends, (link.radii[0], STUMP_SHAPE.end_ratio * end)))
     return found
 
 
@@ -326,7 +336,7 @@ def _separation(distances: Array) -> Array:
     if len(distances) == 1:
         return np.ones(distances.shape[1])
     first, second = np.sort(distances, axis=0)[:2]
-    return _smoothstep((second - first) / STUMP_SEPARATION)
+    return _smoothstep((second - first) / STUMP_SHAPE.separation)
 
 
 def _stump_weight(places: Array, stump: Stump) -> tuple[Array, Array]:

@@ -44,6 +44,7 @@ from pipeline.simulation.locomotion.step_sequencer import (
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.members import MemberState
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -116,13 +117,13 @@ class WalkerTroupe(Troupe):
 
     # --- the passes of the step -------------------------------------------------
 
-    def solids_needed(self, orders: Orders) -> Collection[str]:
-        """Return the names of performers that creatures are to jump over."""
+    def members_needed(self, orders: Orders) -> Collection[str]:
+        """Return the members that creatures are to jump over."""
         return self.leaps.sought(orders)
 
-    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
-        """Take in the solids of these performers."""
-        self.leaps.see(solids)
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Take in where these members are."""
+        self.leaps.see(members)
 
     def read(self, orders: Orders) -> None:
         """Take in the orders from this step on."""

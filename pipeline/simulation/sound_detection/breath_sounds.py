@@ -17,11 +17,7 @@ from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.sound_detection.active_intervals import ActiveInterval
 from pipeline.simulation.sound_detection.motion_sounds import detects
 from pipeline.simulation.sound_detection.sound_events import interval_event
-from pipeline.simulation.sound_detection.sound_sources import (
-    RigidPart,
-    RowBatch,
-    SoundSources,
-)
+from pipeline.simulation.sound_detection.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.sound_thresholds import Breath, Detect
 

@@ -15,17 +15,10 @@ import numpy as np
 
 from audio.acoustic_materials import family_name
 from audio.names import matches_pattern
-from pipeline.simulation.sound_detection.active_intervals import (
-    ActiveInterval,
-    IntervalTracker,
-)
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval, IntervalTracker
 from pipeline.simulation.sound_detection.motion_sounds import detects
 from pipeline.simulation.sound_detection.sound_events import interval_event
-from pipeline.simulation.sound_detection.sound_sources import (
-    RigidPart,
-    RowBatch,
-    SoundSources,
-)
+from pipeline.simulation.sound_detection.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.spatial import Array, turn_inverse
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.sound_thresholds import Detect, JointMotionCause

@@ -16,12 +16,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.generators import generates
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain.base import GridTerrain
-from pipeline.spec.terrain.kinds import (
-    DitchesTerrain,
-    RampTerrain,
-    StairsTerrain,
-    StonesTerrain,
-)
+from pipeline.spec.terrain.kinds import DitchesTerrain, RampTerrain, StairsTerrain, StonesTerrain
 
 EDGE_TOLERANCE = 1e-9
 """Vertices this near to an edge, in lengths of the feature, lie on it in spite of rounding."""

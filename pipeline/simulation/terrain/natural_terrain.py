@@ -13,12 +13,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.generators import generates
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain.base import GridTerrain
-from pipeline.spec.terrain.kinds import (
-    BouldersTerrain,
-    FlatTerrain,
-    FractalTerrain,
-    HillsTerrain,
-)
+from pipeline.spec.terrain.kinds import BouldersTerrain, FlatTerrain, FractalTerrain, HillsTerrain
 
 
 @generates(FlatTerrain)

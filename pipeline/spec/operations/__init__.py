@@ -36,7 +36,7 @@ OPERATIONS: Mapping[str, type[DrawingOperation]] = {
 
 
 def _require_key(value: Any) -> Any:
-    """Refuse what has none of the keys of operations."""
+    """Raise a fault if a value is no mapping with the key of an operation."""
     if isinstance(value, DrawingOperation):
         return value
     known = ", ".join(OPERATIONS)
@@ -65,7 +65,7 @@ def carry_out(operations: Sequence[DrawingOperation], sheet: Sheet) -> tuple[She
         sheet: the drawing before them.
 
     Returns:
-        The drawing after them, and what is wrong, the index of the operation first in its path.
+        The drawing after them, and the faults, whose paths begin with the index of the operation.
     """
     faults: list[Fault] = []
     for i, operation in enumerate(operations):

@@ -130,7 +130,7 @@ def unknown_nodes(
 def faults_of_chain(
     chain: tuple[str, ...], sheet: Sheet, path: tuple[PathSegment, ...]
 ) -> Iterator[Fault]:
-    """Find what is wrong with a chain of nodes.
+    """Find faults of a chain of nodes.
 
     Args:
         chain: their names.
@@ -206,4 +206,4 @@ class DrawingOperation(ConfigModel):
 
     @abstractmethod
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing after the operation as far as possible, and what is wrong."""
+        """Return the drawing after the operation as far as possible, and the faults."""

@@ -54,13 +54,13 @@ class Copy(Transformation):
     )
     join: tuple[Join, ...] | None = Field(
         None,
-        description="Pairs of nodes, each [from, to]: `from` in what is copied is connected to "
+        description="Pairs of nodes, each [from, to]: `from` in the original is connected to "
         "the copy of `to`. If left out, copies are connected to the nodes outside that their "
         "originals are connected to.",
     )
 
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing with the copies that can be made, and what is wrong."""
+        """Return the drawing with the copies that can be made, and the faults."""
         picked, faults = chosen(self.nodes, sheet, ("copy",))
         names = [name for name, _ in picked]
         faults_of_move = faults_of_transformation(self, sheet)
@@ -93,7 +93,7 @@ class Move(Transformation):
     move: Chosen = Field(description="The nodes, by name, or `selected` or `all`.")
 
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing with the nodes moved, and what is wrong."""
+        """Return the drawing with the nodes moved, and the faults."""
         picked, faults = chosen(self.move, sheet, ("move",))
         names = [name for name, _ in picked]
         faults_of_move = faults_of_transformation(self, sheet)
@@ -120,7 +120,7 @@ class Mirror(DrawingOperation):
     )
 
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing with the copies that can be made, and what is wrong."""
+        """Return the drawing with the copies that can be made, and the faults."""
         originals, faults = self._originals(sheet)
         crowded = fault_of_room(sheet, len(originals), "mirror")
         if crowded:
@@ -157,7 +157,7 @@ class Delete(DrawingOperation):
     delete: Chosen = Field(description="The nodes, by name, or `selected`.")
 
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing without the nodes, and what is wrong."""
+        """Return the drawing without the nodes, and the faults."""
         picked, faults = chosen(self.delete, sheet, ("delete",))
         gone = {name for name, _ in picked}
         if len(gone) == len(sheet.marks):
@@ -173,7 +173,7 @@ class Connect(DrawingOperation):
     connect: Names = Field(description="Names; each node is connected to the next.")
 
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing with more connections, and what is wrong."""
+        """Return the drawing with more connections, and the faults."""
         faults = list(faults_of_chain(self.connect, sheet, ("connect",)))
         pairs = {
             pair_of(a, b)

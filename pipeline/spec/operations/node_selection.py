@@ -36,7 +36,7 @@ Picked = tuple[str, tuple[PathSegment, ...]]
 def chosen(
     nodes: tuple[str, ...] | str, sheet: Sheet, path: tuple[PathSegment, ...]
 ) -> tuple[list[Picked], list[Fault]]:
-    """Return the chosen nodes that exist, each once, and what is wrong with the choice.
+    """Return the chosen nodes that exist, each once, and the faults of the choice.
 
     Args:
         nodes: names, or a word.
@@ -82,7 +82,7 @@ class Select(DrawingOperation):
     )
 
     def apply(self, sheet: Sheet) -> tuple[Sheet, list[Fault]]:
-        """Return the drawing with another selection, and what is wrong."""
+        """Return the drawing with another selection, and the faults."""
         match self.select:
             case "none":
                 return replace(sheet, present=-1), []

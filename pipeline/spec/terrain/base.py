@@ -22,7 +22,7 @@ from pipeline.spec.model_base import (
     Integer,
     Length,
     LengthOrZero,
-    Name,
+    MaterialName,
     Number,
     fault_error,
 )
@@ -63,7 +63,7 @@ class TerrainConfig(ConfigModel):
         description="Faces of the grid: `triangles`, two a cell along one diagonal, or `quads`, "
         "four triangles about a middle at the mean height of the corners.",
     )
-    material: Name = Field("dry soil", description="Material of the ground, by name.")
+    material: MaterialName = Field("dry soil", description="Material of the ground, by name.")
     unsteppable_slope_deg: Number = Field(
         40.0, gt=0, lt=90, description="Slopes steeper than this are no footholds [degrees]."
     )

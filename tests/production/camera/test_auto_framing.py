@@ -256,7 +256,7 @@ def test_a_standing_camera_has_lead_room(flat: Take) -> None:
         poses = camera_path(take, {**config, "lead": lead})
         assert {pose.p_WC for pose in poses} == {(0, 1, 9)}
         x = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(poses)]
-        # It goes to the right. Half of the picture is 1.
+        # The performer moves to the right. Half of the picture is 1.
         np.testing.assert_allclose(x, -2 * lead, atol=0.02 + 0.6 * lead)
         assert max(x) <= 1e-3
 

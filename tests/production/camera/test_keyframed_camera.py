@@ -145,11 +145,11 @@ def test_a_group_fits_into_the_frame() -> None:
 def test_a_member_of_a_flock_may_carry_the_camera() -> None:
     config = "{name: group, group: {rule: flock, count: 3}, at: [0, 5, 0]}"
     text = f"pronk: 1\nduration: 1\ncast: [{config}]\ncamera: {{parent: PART, at: [0, 0.2, 0]}}\n"
-    scene = read_scene(text.replace("PART", "they.1"))
+    scene = read_scene(text.replace("PART", "group.1"))
     take = simulate(scene)
     (node,) = camera_parents(scene, NodeNames.of(take))
-    assert take.nodes[node].name == "they.1"
-    with pytest.raises(SceneError, match=r"name a member, such as they.0"):
+    assert take.nodes[node].name == "group.1"
+    with pytest.raises(SceneError, match=r"name a member, such as group.0"):
         camera_parents(read_scene(text.replace("PART", "group")), NodeNames.of(take))
 
 

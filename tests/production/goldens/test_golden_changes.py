@@ -276,7 +276,7 @@ def other_seed(base: Base, k: int, folder: Path) -> None:
 
 
 def elsewhere(base: Base, k: int, folder: Path) -> None:
-    """Make another noise in what says that it is another environment."""
+    """Change the noise, and name another environment."""
     framing = base.golden.framing
     assert framing is not None
     frames = dict(Candidate(base.scene, base.take).frames(framing, base.renderer.loaded, 1000 + k))

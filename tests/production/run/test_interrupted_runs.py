@@ -101,18 +101,11 @@ def _kill_repeatedly(
 
 
 @pytest.mark.nightly
-def test_a_film_is_equal_after_three_killed_runs(
-    film: Studio, tmp_path: Path, start: Start
+@pytest.mark.parametrize(("times", "jobs", "seed"), [(3, 1, 1), (10, 1, 2), (10, 2, 3)])
+def test_a_film_is_equal_after_killed_runs(
+    film: Studio, tmp_path: Path, start: Start, times: int, jobs: int, seed: int
 ) -> None:
-    _kill_repeatedly(film, tmp_path / "studio", start, 3, 1, seed=1)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("jobs", "seed"), [(1, 2), (2, 3)])
-def test_a_film_is_equal_after_ten_killed_runs(
-    film: Studio, tmp_path: Path, start: Start, jobs: int, seed: int
-) -> None:
-    _kill_repeatedly(film, tmp_path / "studio", start, 10, jobs, seed)
+    _kill_repeatedly(film, tmp_path / "studio", start, times, jobs, seed)
 
 
 @pytest.mark.nightly
@@ -144,7 +137,7 @@ def test_a_killed_worker_ends_the_run(film: Studio, tmp_path: Path, start: Start
     code, out, err = running.end()
     assert (code, out) == (4, "")
     assert err.splitlines()[-1] == (
-        "error: a process that rendered has died; if memory was short, try fewer --jobs"
+        "error: tiny.yaml: a process that rendered has died; if memory was short, try fewer --jobs"
     )
     assert "Traceback" not in err
 
@@ -202,7 +195,9 @@ def test_a_second_run_in_the_same_folder_is_refused(
     command, *more = arguments
     code, out, err = pronk(command, "tiny", *more, "--set", "seed=9", cwd=occupied.folder)
     assert (code, out) == (4, "")
-    assert err.splitlines() == ["error: out/tiny: another run is at work here; wait for its end"]
+    named = "" if command == "frame" else "tiny.yaml: "
+    told = f"error: {named}out/tiny: another run is at work here; wait for its end"
+    assert err.splitlines() == [told]
     assert occupied.changes(before) == set()
 
 
@@ -216,7 +211,7 @@ def test_one_of_two_simultaneous_runs_makes_the_film(
     assert sorted(code for code, _, _ in ends) == [0, 4]
     refused = next(err for code, _, err in ends if code == 4)
     assert refused.splitlines() == [
-        "error: out/tiny: another run is at work here; wait for its end"
+        "error: tiny.yaml: out/tiny: another run is at work here; wait for its end"
     ]
     _assert_complete(studio, film)
 

@@ -214,7 +214,7 @@ def test_any_name_in_any_folder_makes_a_film(
     made = tmp_path / "the films" / name
     assert len(shown(made / f"{name}_1-2.mp4")) == 2
     assert json.loads((made / "manifest.json").read_text(encoding="utf-8"))["title"] == name
-    # A cue names what was heard; a reader of its own finds the notes.
+    # Cues name the sounds; an independent reader finds the notes.
     assert len(_onsets(made / f"{name}.mid")) == 6
 
 

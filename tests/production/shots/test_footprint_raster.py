@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.production.shots.footprint_timeline import (
-    MIN_RADIUS,
-    SOFT_GROUNDS,
-    footprint_timeline,
-)
+from pipeline.production.shots.footprint_timeline import SHAPE, SOFT_GROUNDS, footprint_timeline
 from pipeline.simulation.take import Take
 from render.footprints import BLOCK, MAX_FOOTPRINTS, FootprintRaster
 
@@ -87,4 +83,4 @@ def test_footprints_are_as_wide_as_feet_and_repeat(first_steps: Take) -> None:
     assert first.raster.bytes == again.raster.bytes
     dark = ((first.raster.texels >> 13) & 31) > 0
     area = dark.sum() * first.raster.spacing**2 / len(treads(first_steps))
-    assert MIN_RADIUS**2 < area < 0.3**2
+    assert SHAPE.min_radius**2 < area < 0.3**2

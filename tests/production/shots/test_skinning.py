@@ -84,7 +84,7 @@ def test_vertices_match_a_slow_evaluation(take: Take, shared: bool) -> None:
 
 
 def test_a_hinge_keeps_its_volume(take: Take) -> None:
-    """Two nodes that meet in one place: whatever its weights, what is between keeps its radius."""
+    """Vertices between two nodes at one point keep their radius with any weights."""
     rng = np.random.default_rng(7)
     one = blended(take)
     positions = take.positions.copy()
@@ -147,7 +147,7 @@ def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
         np.testing.assert_array_equal(np.concatenate([m.vertices for m in bodies]), posed)
         assert shot.camera == shooting.poses[frame - 1]
         assert {mesh.material for mesh in shot.meshes} <= shot.materials.keys()
-    # What stands still is one and the same object, which is not digested again.
+    # A mesh at rest is one object in all moments, digested once.
     assert shooting.shot(1).meshes[0] is shooting.shot(2).meshes[0]
 
 

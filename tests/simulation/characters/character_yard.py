@@ -58,7 +58,7 @@ class Yard:
         result: Array = (self.arrays.p - self.arrays.previous) / self.h
         return result
 
-    def throw(self, v: Array) -> None:
+    def set_velocities(self, v: Array) -> None:
         """Give nodes (N, 3) velocities [m/s]."""
         self.arrays.nodes["previous"] = self.arrays.p - self.h * v
 
@@ -78,17 +78,17 @@ class Yard:
             )
 
 
-def attitude(rng: np.random.Generator) -> Array:
+def random_rotation(rng: np.random.Generator) -> Array:
     """Return a uniformly random rotation."""
     q = rng.normal(size=4)
     return matrix(q / np.linalg.norm(q))
 
 
-def yard_of(plans: Sequence[BodyPlan], places: Sequence[Array], **settings: object) -> Yard:
+def build_yard(plans: Sequence[BodyPlan], places: Sequence[Array], **settings: object) -> Yard:
     return Yard(character_arrays(plans, places), **settings)  # type: ignore[arg-type]
 
 
-def free(plan: BodyPlan) -> BodyPlan:
+def undamped(plan: BodyPlan) -> BodyPlan:
     """Return a person without damping and limits."""
     links = tuple(k._replace(damping=0.0) for k in plan.links if k.shortest is None)
     return plan._replace(
@@ -115,14 +115,14 @@ def random_crowd(seed: int) -> Yard:
         plans[0] = PLANS[int(rng.integers(4, 6))]
     places, velocities = [], []
     for plan in plans:
-        p = plan.rest @ attitude(rng).T
+        p = plan.rest @ random_rotation(rng).T
         p -= p.mean(axis=0)
         way = rng.normal(size=3)
         v = way * rng.uniform(0.0, 20.0) / np.linalg.norm(way)
         velocities.append(v + np.cross(rng.normal(size=3) * rng.uniform(0.0, 6.0), p))
         places.append(p + rng.uniform([-0.8, 0.9, -0.8], [0.8, 2.2, 0.8]))
-    yard = yard_of(plans, places)
-    yard.throw(np.concatenate(velocities))
+    yard = build_yard(plans, places)
+    yard.set_velocities(np.concatenate(velocities))
     return yard
 
 
@@ -133,19 +133,19 @@ def pile(seed: int) -> Yard:
     plans += [PLANS[int(rng.integers(4, 6))] for _ in range(int(rng.integers(2, 5)))]
     places, velocities = [], []
     for k, plan in enumerate(plans):
-        p = plan.rest @ attitude(rng).T
+        p = plan.rest @ random_rotation(rng).T
         p -= p.mean(axis=0)
         way = rng.normal(size=3)
         v = way * rng.uniform(0.0, 6.0) / np.linalg.norm(way)
         velocities.append(v + np.cross(rng.normal(size=3) * rng.uniform(0.0, 4.0), p))
         above = rng.uniform([-0.6, 0.9, -0.6], [0.6, 1.2, 0.6])
         places.append(p + above + [0.0, 0.55 * k, 0.0])
-    yard = yard_of(plans, places)
-    yard.throw(np.concatenate(velocities))
+    yard = build_yard(plans, places)
+    yard.set_velocities(np.concatenate(velocities))
     return yard
 
 
-def lengths_off(arrays: CharacterArrays) -> float:
+def link_length_error(arrays: CharacterArrays) -> float:
     """Return the largest relative length error of rigid links."""
     least, most = arrays.links["length_limits"].T
     rigid = (least == most) & (least > 0.0)
@@ -154,7 +154,7 @@ def lengths_off(arrays: CharacterArrays) -> float:
 
 
 @entry
-def least_bend(nodes: Records, limbs: Records) -> float:
+def smallest_bend(nodes: Records, limbs: Records) -> float:
     """Return the least bend of all joints, negative where one is reversed [rad]."""
     least = 9.0
     for n in range(len(limbs)):
@@ -163,29 +163,29 @@ def least_bend(nodes: Records, limbs: Records) -> float:
 
 
 @entry
-def depth(nodes: Records, links: Records) -> float:
+def character_overlap(nodes: Records, links: Records) -> float:
     """Return the deepest overlap of links of different characters [m]."""
     deepest = 0.0
     for a in range(len(links)):
         for b in range(a + 1, len(links)):
             one, other = links[a], links[b]
             if one.radius > 0.0 and other.radius > 0.0 and one.owner != other.owner:
-                deepest = max(deepest, overlap(nodes, one, other))
+                deepest = max(deepest, link_overlap(nodes, one, other))
     return deepest
 
 
 @entry
-def legs_depth(nodes: Records, links: Records) -> float:
+def leg_overlap(nodes: Records, links: Records) -> float:
     """Return the overlap of the first person's legs [m], less than 0 if apart."""
     deepest = -9.0
     for a in LEFT_LEG:
         for b in RIGHT_LEG:
-            deepest = max(deepest, overlap(nodes, links[a], links[b]))
+            deepest = max(deepest, link_overlap(nodes, links[a], links[b]))
     return deepest
 
 
 @compiled
-def overlap(nodes: Records, one: Record, other: Record) -> float:
+def link_overlap(nodes: Records, one: Record, other: Record) -> float:
     """Return the overlap of two links [m], less than 0 if they are apart."""
     p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
     r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p

@@ -42,7 +42,7 @@ def channel(take: Take, name: str) -> Array:
     return np.asarray(take.values[:, column])
 
 
-def doing(take: Take, name: str) -> list[str]:
+def behaviours_of(take: Take, name: str) -> list[str]:
     """Return the name of a character's behaviour in each row."""
     numbers = np.rint(channel(take, f"{name}.behaviour")).astype(int)
     return [NAMES[n] if n >= 0 else "" for n in numbers.tolist()]

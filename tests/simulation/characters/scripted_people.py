@@ -84,6 +84,25 @@ def play_scene(
     return play
 
 
+def run_scene(cast: str, seconds: float, script: str = "", **settings: object) -> Simulation:
+    """Return the finished simulation of a scene."""
+    more = "".join(f"{key}: {value}\n" for key, value in settings.items())
+    orders = f"script:\n{script}" if script else ""
+    scene = read_scene(f"pronk: 1\nduration: {seconds}\n{more}cast:\n{cast}\n{orders}")
+    simulation = Simulation(scene)
+    while not simulation.finished:
+        simulation.step()
+    return simulation
+
+
+def node_path(simulation: Simulation, performer: str, name: str = "") -> Array:
+    """Return the positions (K, 3) of a performer's node, the first without a name [m]."""
+    take = simulation.take()
+    nodes = enumerate(take.nodes)
+    node = next(k for k, n in nodes if n.performer == performer and name in ("", n.name))
+    return np.array(take.positions[:, node])
+
+
 def walk_scene(kind: str, speed: float, terrain: str = "flat", length: float = 4.0) -> str:
     """Return the scene of a straight walk."""
     seconds = length / speed + 2.6

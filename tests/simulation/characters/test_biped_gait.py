@@ -1,4 +1,4 @@
-"""How people walk: feet that stay where they stand, knees, elbows, strides as people have."""
+"""Biped gait: planted feet, knees, elbows, and strides as measured of people."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
-from tests.simulation.characters.character_yard import least_bend, legs_depth
+from tests.simulation.characters.character_yard import leg_overlap, smallest_bend
 from tests.simulation.characters.scripted_people import (
     STEPS,
     Play,
@@ -49,11 +49,11 @@ def strides_at(speed: float, leg: float) -> tuple[float, float]:
 
 
 ON_GROUND = 0.006
-"""Height up to which a place on a sole stands [m]."""
+"""Height below which a point of a sole counts as standing [m]."""
 
 
 def soles(play: Play, kind: str, side: str) -> list[Array]:
-    """Return the places of heel and ball (K, 3) as they are seen [m]."""
+    """Return the positions of heel and ball (K, 3) in the skinned mesh [m]."""
     body = BODIES[kind]
     R, p = play.frames[f"a.foot_{side}"]
     length, ankle = body.foot * body.height, body.ankle * body.height
@@ -89,14 +89,14 @@ def test_knees_bend_forward_and_elbows_back(kind: str, speed: float, terrain: st
         off = off - (off * along).sum(axis=1)[:, None] * along
         heading = play.records["heading"][:, 0]
         ahead = np.stack([np.cos(heading), 0 * heading, -np.sin(heading)], axis=1)
-        # Ahead of the line from hip to foot, or on it.
+        # In front of the line from hip to foot, or on it.
         up = np.cross(np.stack([np.sin(heading), 0 * heading, np.cos(heading)], axis=1), along)
         assert ((off * up).sum(axis=1) > -1e-3).all()
         assert ((off * ahead).sum(axis=1) > -0.02).all()
 
 
 def corners(kind: str, speed: float, turn_deg: float, every: float = 1.176) -> str:
-    """Return the scene of a walker that is sent on around sharp corners before arriving.
+    """Return the scene of a walker with new targets around sharp corners before arrival.
 
     Args:
         kind: of the person.
@@ -119,7 +119,7 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
     deep: list[float] = []
 
     def look(troupe: Characters, _: int) -> None:
-        deep.append(legs_depth(troupe.arrays.nodes, troupe.arrays.links))
+        deep.append(leg_overlap(troupe.arrays.nodes, troupe.arrays.links))
 
     play_scene(corners(kind, speed, turn_deg, every), look)
     return np.array(deep)
@@ -176,7 +176,7 @@ def test_joints_never_bend_backwards() -> None:
     seen = []
     play_scene(
         walk_scene("adult", 1.35),
-        lambda troupe, _: seen.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs)),
+        lambda troupe, _: seen.append(smallest_bend(troupe.arrays.nodes, troupe.arrays.limbs)),
     )
     assert min(seen) > -math.radians(2.0)
 
@@ -308,7 +308,7 @@ def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -
 def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # The nearest things to stumble over are the own legs, if they are made to touch.
+    # The own legs are the nearest obstacles if they may collide.
     meetings = (*character_plans.TOUCHING_LINKS, *character_plans.TOUCHING_LEGS)
     monkeypatch.setattr("pipeline.simulation.characters.character_plans.TOUCHING_LINKS", meetings)
     pain, fastest = zigzag(kind, speed, seed)

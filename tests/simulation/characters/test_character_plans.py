@@ -1,4 +1,4 @@
-"""What characters are made of."""
+"""Character plans: nodes and links of people and things."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pipeline.simulation.characters.playthings import merry_go_round_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from tests.simulation.characters.character_yard import attitude, least_bend, yard_of
+from tests.simulation.characters.character_yard import build_yard, random_rotation, smallest_bend
 from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
@@ -22,7 +22,7 @@ def test_a_person_is_sixteen_nodes_and_thirteen_links(body: Proportions) -> None
     plan = person_plan(body)
     assert len(plan.rest) == len(JOINTS) == 16
     touched = [link for link in plan.links if link.radius > 0.0]
-    # And a skull, which is a ball about a node.
+    # The skull is a sphere around a node.
     assert len([link for link in touched if link.ends[0] != link.ends[1]]) == len(SEGMENTS) == 13
     assert [name for name in LINK_NAMES if name not in SEGMENTS] == ["skull"]
     assert plan.mass.sum() == pytest.approx(body.mass, rel=1e-9)
@@ -40,17 +40,17 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
 def test_reversed_knees_and_elbows_recover(body: Proportions, seed: int) -> None:
     rng = np.random.default_rng(seed)
     plan = person_plan(body)
-    turn = attitude(rng)
+    turn = random_rotation(rng)
     rest = plan.rest.copy()
-    # Knees back and elbows forward by a hand's breadth: the wrong way round.
+    # Knees bent back and elbows forward by 10 cm.
     for name, way in (("knee", -0.1), ("elbow", 0.1)):
         for side in "lr":
             rest[JOINTS.index(f"{name}_{side}"), 0] += way
-    yard = yard_of([plan], [rest @ turn.T + [0.0, 20.0, 0.0]], gravity=0.0)
-    assert least_bend(yard.arrays.nodes, yard.arrays.limbs) < np.radians(-5.0)
+    yard = build_yard([plan], [rest @ turn.T + [0.0, 20.0, 0.0]], gravity=0.0)
+    assert smallest_bend(yard.arrays.nodes, yard.arrays.limbs) < np.radians(-5.0)
     yard.step()
-    assert least_bend(yard.arrays.nodes, yard.arrays.limbs) > np.radians(-0.1)
-    # Against the trunk's own axes, whatever they are now: the knee lies before hip and foot.
+    assert smallest_bend(yard.arrays.nodes, yard.arrays.limbs) > np.radians(-0.1)
+    # In the present axes of the trunk the knee lies in front of hip and foot.
     p = {name: yard.arrays.p[k] for k, name in enumerate(JOINTS)}
     forward = np.cross(p["spine"] - p["pelvis"], p["hip_r"] - p["hip_l"])
     for side in "lr":
@@ -86,5 +86,5 @@ def test_a_merry_go_round_rests_on_its_base_and_keeps_turning() -> None:
         simulation.step()
         angles.append(np.arctan2(-arrays.p[2, 2], arrays.p[2, 0]))
     rates = np.degrees(np.diff(np.unwrap(angles))) * STEPS
-    # Air alone slows it down.
+    # Only air slows the merry-go-round.
     assert rates[-1] == pytest.approx(rates[0] * np.exp(-0.12 * 2.0), rel=0.02)

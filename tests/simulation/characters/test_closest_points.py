@@ -1,4 +1,4 @@
-"""Where segments are nearest: what holds of every pair of nearest points."""
+"""Closest points of segments: optimality, and parallel segments."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ def test_closest_points_are_optimal(kind: str) -> None:
     s, t = all_closest(p, u, q, v).T
     assert (s >= 0).all() and (s <= 1).all() and (t >= 0).all() and (t <= 1).all()  # noqa: PT018
     away = p + s[:, None] * u - q - t[:, None] * v
-    # The distance is convex in (s, t): along either it falls nowhere inside the square.
+    # The distance is convex in (s, t): it decreases along neither inside the square.
     for place, slope in ((s, (away * u).sum(axis=1)), (t, -(away * v).sum(axis=1))):
-        # Up to the sine that counts as parallel it is off by as much.
+        # The error is up to the sine below which segments count as parallel.
         scale = 2e-5 if kind == "nearly parallel" else 1e-9
         assert (slope[place < 1.0] > -scale).all()
         assert (slope[place > 0.0] < scale).all()

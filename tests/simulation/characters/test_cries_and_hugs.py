@@ -53,11 +53,11 @@ cast:
 """
 
 
-def heard(take: Take, cause: str) -> list[SoundEvent]:
+def events_of(take: Take, cause: str) -> list[SoundEvent]:
     return [event for event in take.events if event.cause == cause]
 
 
-def played(text: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
+def run_scene(text: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
     """Return a scene, its take, and its signals: step, kind, performer, other."""
     scene = read_scene(text)
     simulation, happened = Simulation(scene), []
@@ -69,7 +69,7 @@ def played(text: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
 
 
 def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path: Path) -> None:
-    """Its note begins at the tick of its frame, on the instrument of its cause."""
+    """Check that the note of an event starts at its frame's tick, with its cause's instrument."""
     score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
     (note,) = [
         n for n in notes_of(score) if (n.event.cause, n.event.frame) == (event.cause, event.frame)
@@ -92,8 +92,8 @@ def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path:
 
 
 def test_a_hard_blow_is_cried_out_on_its_frame(tmp_path: Path) -> None:
-    scene, take, happened = played(BLOW)
-    first, *_ = heard(take, "cry")
+    scene, take, happened = run_scene(BLOW)
+    first, *_ = events_of(take, "cry")
     blow = next(c for c in take.contacts if {c.performer, c.other} == {"a", "ball"})
     assert first.frame == 1 + math.ceil((blow.step + blow.fraction) / take.header.steps)
     assert (first.who, first.other, first.part) == ("a", "ball", "a.head")
@@ -113,8 +113,8 @@ def test_cries_grow_louder_with_pain_up_to_a_limit() -> None:
 
 
 def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
-    scene, take, happened = played(HUG)
-    (event,) = heard(take, "hug")
+    scene, take, happened = run_scene(HUG)
+    (event,) = events_of(take, "hug")
     ((step, _, hugger, hugged),) = [signal for signal in happened if signal[1] == "hug"]
     assert (event.step, event.who, event.other) == (step, hugger, hugged) == (step, "b", "a")
     assert event.frame == 1 + math.ceil(step / take.header.steps)
@@ -135,8 +135,8 @@ def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
 )
 def test_detection_options_select_cries_and_hugs(options: str, cause: str, is_heard: bool) -> None:
     base = BLOW.replace("{name: ball", "{name: b") if cause == "cry" else HUG
-    _, take, _ = played(f"{base}sound: {{detect: {options}}}\n")
-    assert bool(heard(take, cause)) == is_heard
+    _, take, _ = run_scene(f"{base}sound: {{detect: {options}}}\n")
+    assert bool(events_of(take, cause)) == is_heard
 
 
 def test_a_distressed_child_cries_on_the_way_back_and_not_in_arms() -> None:
@@ -151,7 +151,7 @@ def test_a_distressed_child_cries_on_the_way_back_and_not_in_arms() -> None:
         levels.append(kid.anxiety)
         hugging.append(kid.is_hugging)
     take = simulation.take()
-    cries = [event for event in heard(take, "cry") if event.who == "kid"]
+    cries = [event for event in events_of(take, "cry") if event.who == "kid"]
     steps = take.header.steps * float(take.header.rate)
     times = np.array([event.step / steps for event in cries])
     home = hugging.index(True) / steps
@@ -160,5 +160,5 @@ def test_a_distressed_child_cries_on_the_way_back_and_not_in_arms() -> None:
     assert (np.diff(times) >= DISTRESS_CRY_INTERVAL - 1e-9).all()
     assert times.max() < home
     assert all(levels[event.step - 1] >= DISTRESS_ANXIETY for event in cries)
-    # It sinks to no more than that in arms.
+    # Anxiety in arms decays to this level.
     assert min(levels[hugging.index(True) :]) < 0.2

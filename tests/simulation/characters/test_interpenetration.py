@@ -11,7 +11,7 @@ from pipeline.simulation.characters.character_plans import LINK_NAMES
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.playthings import CORNERS
 from pipeline.simulation.spatial import Array
-from tests.simulation.characters.character_yard import depth
+from tests.simulation.characters.character_yard import character_overlap
 from tests.simulation.characters.mind_scenes import simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
@@ -30,7 +30,7 @@ RESTS, DEEPEST = 0.005, 0.025
 """Overlap of resting contacts, and of collisions [m]."""
 
 
-def yard() -> str:
+def yard_cast() -> str:
     """Return a cast of six wanderers of different speeds in a yard with things."""
     people = [
         f"- {{name: w{k}, character: {'adult' if k % 3 == 0 else 'child'}, "
@@ -42,7 +42,7 @@ def yard() -> str:
 
 
 def depth_in_box(characters: Characters, name: str) -> float:
-    """Return how deep links of people are in a box, at most, 0 or less if none is [m]."""
+    """Return the deepest penetration of people into a box [m], at most 0 without any."""
     arrays = characters.arrays
     owner = [member.name for member in characters.cast].index(name)
     first = int(arrays.owners["nodes"][owner, 0])
@@ -77,25 +77,27 @@ def depth_in_box(characters: Characters, name: str) -> float:
 def test_wanderers_do_not_interpenetrate_in_a_minute(seed: int) -> None:
     depths, gone = [], np.zeros(WALKERS)
     before: Array | None = None
-    for n, characters in enumerate(steps(simulation(yard(), 60, f"seed: {seed}"))):
+    for n, characters in enumerate(steps(simulation(yard_cast(), 60, f"seed: {seed}"))):
         if n % 4:
             continue
         in_boxes = [depth_in_box(characters, name) for name in BOXES]
-        depths.append(max(depth(characters.arrays.nodes, characters.arrays.links), *in_boxes))
+        depths.append(
+            max(character_overlap(characters.arrays.nodes, characters.arrays.links), *in_boxes)
+        )
         at = characters.persons["at"].copy()
         gone += 0.0 if before is None else np.linalg.norm(at - before, axis=1)
         before = at
     assert max(depths) < DEEPEST
     assert np.mean(np.array(depths) > RESTS) < 0.005
-    # All were on their way, most of the time.
+    # All people walk most of the time.
     assert gone.min() > 12.0
 
 
 def test_depth_in_a_box_is_measured_in_its_own_frame() -> None:
-    characters = troupe(simulation(yard(), 1))
+    characters = troupe(simulation(yard_cast(), 1))
     arrays = characters.arrays
     assert depth_in_box(characters, "box") < -2.0
-    # Its edges' radius is not part of the corners' box.
+    # The radius of the edges is not part of the box.
     middle = arrays.p[arrays.owners["nodes"][WALKERS, 0] :][:8].mean(axis=0)
     arrays.nodes["p"][:16] += middle - arrays.p[0]
     assert 0.25 < depth_in_box(characters, "box") < 0.45

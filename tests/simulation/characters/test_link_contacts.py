@@ -13,7 +13,12 @@ from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, 
 from pipeline.simulation.characters.playthings import ball_plan, box_plan, merry_go_round_plan
 from pipeline.simulation.characters.verlet_step import PAIN_DECAY
 from pipeline.simulation.people.proportions import ADULT, CHILD
-from tests.simulation.characters.character_yard import DT, depth, lengths_off, yard_of
+from tests.simulation.characters.character_yard import (
+    DT,
+    build_yard,
+    character_overlap,
+    link_length_error,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -21,12 +26,12 @@ pytestmark = pytest.mark.slow
 def test_a_link_senses_the_striker_and_the_energy() -> None:
     plans = [person_plan(CHILD), ball_plan(0.1, 0.4)._replace(air_damping=0.0)]
     shin = plans[0].rest[[12, 14]].mean(axis=0)
-    yard = yard_of(
+    yard = build_yard(
         plans, [plans[0].rest, np.array([shin + np.array([0.35, 0.0, 0.0])])], gravity=0.0
     )
     v = np.zeros_like(yard.arrays.p)
     v[16, 0] = -6.0
-    yard.throw(v)
+    yard.set_velocities(v)
     links = yard.arrays.links
     while not yard.log.filled[0]:
         yard.step()
@@ -46,7 +51,7 @@ def test_a_link_senses_the_striker_and_the_energy() -> None:
 
 def test_pain_decays_exponentially() -> None:
     plan = person_plan(CHILD)
-    yard = yard_of([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
+    yard = build_yard([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
     yard.arrays.owners["pain"][0] = 2.0
     yard.step(96)
     assert yard.arrays.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_DECAY), rel=1e-9)
@@ -54,7 +59,7 @@ def test_pain_decays_exponentially() -> None:
 
 def test_a_fall_hurts_and_lying_does_not() -> None:
     plan = person_plan(ADULT)
-    yard = yard_of([plan], [plan.rest + np.array([0.0, 2.0, 0.0])])
+    yard = build_yard([plan], [plan.rest + np.array([0.0, 2.0, 0.0])])
     yard.step(96)
     fallen = float(yard.arrays.owners["pain"][0])
     assert fallen > 0.2
@@ -62,7 +67,7 @@ def test_a_fall_hurts_and_lying_does_not() -> None:
     yard.step(300)
     lying = float(yard.arrays.owners["pain"][0])
     yard.step(300)
-    # From then on it only forgets.
+    # From then on the pain only decays.
     left = math.exp(-PAIN_DECAY * 300 * DT)
     assert yard.arrays.owners["pain"][0] == pytest.approx(left * lying, rel=1e-9)
 
@@ -72,13 +77,13 @@ def test_initial_overlap_resolves_slowly(apart: float) -> None:
     plan = person_plan(ADULT)
     up = np.array([0.0, 20.0, 0.0])
     places = [plan.rest + up, plan.rest + up + [apart, 0.0, 0.01]]
-    yard = yard_of([plan, plan], places, gravity=0.0)
+    yard = build_yard([plan, plan], places, gravity=0.0)
     fastest = 0.0
     for _ in range(150):
         before = yard.arrays.p.copy()
         yard.step()
         fastest = max(fastest, float(np.abs(yard.arrays.p - before).max()) / DT)
-    assert depth(yard.arrays.nodes, yard.arrays.links) < 0.005
+    assert character_overlap(yard.arrays.nodes, yard.arrays.links) < 0.005
     assert fastest < 4.0
 
 
@@ -92,12 +97,12 @@ def test_a_ball_lies_on_a_box_and_a_person_on_a_bench() -> None:
         seat.rest + np.array([3.0, 0.0, 0.0]),
         lying + np.array([3.0, 0.65, 0.0]),
     ]
-    yard = yard_of(plans, places)
+    yard = build_yard(plans, places)
     yard.step(300)
     p, first = yard.arrays.p, 8 + 1 + 8
     assert p[8, 1] == pytest.approx(0.6, abs=0.005)
     assert p[first, 1] > 0.42
-    assert lengths_off(yard.arrays) < 0.005
+    assert link_length_error(yard.arrays) < 0.005
 
 
 def rod(length: float, girth: float, mass: float) -> BodyPlan:
@@ -117,12 +122,12 @@ def test_box_edges_touch_limbs_anywhere_along_them(along: float) -> None:
     standing = crate.rest @ quarter().T + [0.0, 2.0, 0.0]
     edge = standing[np.argmax(standing[:, 1])] * [1.0, 1.0, 0.0]
     over = edge + np.array([along, 0.01 + 0.03 - 0.02, 0.0])
-    yard = yard_of([crate._replace(mass=np.full(8, np.inf)), limb], [standing, limb.rest + over])
-    assert depth(yard.arrays.nodes, yard.arrays.links) > 0.01
+    yard = build_yard([crate._replace(mass=np.full(8, np.inf)), limb], [standing, limb.rest + over])
+    assert character_overlap(yard.arrays.nodes, yard.arrays.links) > 0.01
     yard.step(12)
     for _ in range(18):
         yard.step()
-        assert depth(yard.arrays.nodes, yard.arrays.links) < 1e-3
+        assert character_overlap(yard.arrays.nodes, yard.arrays.links) < 1e-3
 
 
 def quarter() -> np.ndarray:
@@ -135,14 +140,14 @@ def test_heavy_things_do_not_press_light_ones_into_the_ground() -> None:
     bench, limb = box_plan((0.42, 0.42, 1.5), 26.0), rod(0.15, 0.015, 0.04)
     # One end lies below the bench, near its side.
     lying = limb.rest + np.array([0.21 + 0.05, 0.015, -0.1])
-    yard = yard_of([bench, limb], [bench.rest + np.array([0.0, 0.02, 0.0]), lying])
+    yard = build_yard([bench, limb], [bench.rest + np.array([0.0, 0.02, 0.0]), lying])
     deepest = 0.0
     for step in range(6 * 96):
         yard.step()
         if step > 96:
             deepest = max(deepest, float((limb.radius[0] - yard.arrays.p[8:, 1]).max()))
     assert deepest < 0.003
-    assert depth(yard.arrays.nodes, yard.arrays.links) < 0.005
+    assert character_overlap(yard.arrays.nodes, yard.arrays.links) < 0.005
 
 
 KNOT = """
@@ -155,7 +160,7 @@ KNOT = """
 
 def test_tangled_legs_come_to_rest() -> None:
     plan = person_plan(RAGDOLL)
-    yard = yard_of([plan], [np.array(KNOT.split(), dtype=float).reshape(16, 3) / 1000.0])
+    yard = build_yard([plan], [np.array(KNOT.split(), dtype=float).reshape(16, 3) / 1000.0])
     yard.step(3 * 96)
     before = yard.arrays.p.mean(axis=0)
     yard.step(96)
@@ -173,25 +178,25 @@ def test_links_touch_steep_ground_and_ignore_distant_ground() -> None:
     heights = np.tile(0.16 * np.floor(-x / 0.3 + 1e-9), (9, 1))
     field = HeightField(heights, (8.0, 8.0))
     plan = person_plan(RAGDOLL)
-    yard = yard_of(
+    yard = build_yard(
         [plan], [plan.rest + np.array([-2.0, 1.6, 0.0])], grid=grid_of(field), level=False
     )
     v = np.zeros_like(yard.arrays.p)
     v[:, 0] = 5.0
-    yard.throw(v)
+    yard.set_velocities(v)
     yard.step(700)
     arrays = yard.arrays
     assert np.isfinite(arrays.p).all()
     assert arrays.p[0, 0] > -1.2
     gap = arrays.p[:, 1] - field.height(arrays.p[:, 0], arrays.p[:, 2])
-    # A node's middle is never below the surface.
+    # The centre of a node is never below the surface.
     assert gap.min() > 0.0
-    assert lengths_off(arrays) < 0.005
+    assert link_length_error(arrays) < 0.005
 
 
 def test_a_pushed_merry_go_round_turns_in_place() -> None:
     plan = merry_go_round_plan(1.3, 90.0)
-    yard = yard_of([plan], [plan.rest])
+    yard = build_yard([plan], [plan.rest])
     nodes = yard.arrays.nodes
     post = 2 + 8
     for _ in range(48):
@@ -205,22 +210,22 @@ def test_a_pushed_merry_go_round_turns_in_place() -> None:
     assert rate.std() < 0.1 * rate.mean()
     np.testing.assert_array_equal(yard.arrays.p[:2], plan.rest[:2])
     assert np.abs(yard.arrays.p[2:10, 1] - plan.rest[2:10, 1]).max() < 0.005
-    assert lengths_off(yard.arrays) < 0.005
+    assert link_length_error(yard.arrays) < 0.005
 
 
 @pytest.mark.parametrize("beside", [0.03, 0.08])
 def test_a_link_with_a_locked_end_stays_solid(beside: float) -> None:
-    """Somebody's shin is a lever about the foot that stands: hard to push near it."""
+    """A shin is a lever about the planted foot: hard to push near it."""
     lever, bar = rod(0.4, 0.04, 2.0), rod(0.4, 0.04, 8.0)
     lever = lever._replace(mass=np.array([np.inf, 1.0]))
     across = bar.rest[:, [2, 1, 0]] + [-0.2 + beside, 0.0, 0.0]
     places = [lever.rest + np.array([0.0, 1.0, 0.0]), across + np.array([0.0, 1.083, 0.0])]
-    yard = yard_of([lever, bar], places, gravity=0.0)
-    yard.throw(np.array([[0.0, 0.0, 0.0]] * 2 + [[0.0, -1.0, 0.0]] * 2))
+    yard = build_yard([lever, bar], places, gravity=0.0)
+    yard.set_velocities(np.array([[0.0, 0.0, 0.0]] * 2 + [[0.0, -1.0, 0.0]] * 2))
     deepest, met = 0.0, False
     for _ in range(12):
         yard.step()
         met = met or bool(yard.log.filled[0])
-        deepest = max(deepest, depth(yard.arrays.nodes, yard.arrays.links))
+        deepest = max(deepest, character_overlap(yard.arrays.nodes, yard.arrays.links))
     assert met
     assert deepest < 0.0005

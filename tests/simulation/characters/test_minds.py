@@ -26,7 +26,13 @@ from pipeline.spec import read_scene
 from pipeline.spec.behaviour import FORMS, NAMES, Urge
 from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
-from tests.simulation.characters.mind_scenes import channel, doing, simulation, steps, troupe
+from tests.simulation.characters.mind_scenes import (
+    behaviours_of,
+    channel,
+    simulation,
+    steps,
+    troupe,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -60,7 +66,7 @@ def test_anxiety_grows_with_distance_and_trait_and_falls_by_a_closed_form_in_a_h
 
 
 def test_glance_rate_grows_with_priority() -> None:
-    def seen(priority: float) -> int:
+    def glance_count(priority: float) -> int:
         glances = Glances(3, np.random.Generator(np.random.PCG64(1)))
         count, before = 0, False
         for k in range(600):
@@ -69,7 +75,7 @@ def test_glance_rate_grows_with_priority() -> None:
             count, before = count + (aside and not before), aside
         return count
 
-    counts = [seen(p) for p in (0.0, 0.1, 0.3, 0.9)]
+    counts = [glance_count(p) for p in (0.0, 0.1, 0.3, 0.9)]
     assert counts[0] == 0
     assert counts[1] >= 3
     assert all(np.diff(counts) > 0)
@@ -114,7 +120,7 @@ def test_behaviours_with_unsuitable_targets_are_rejected(
     assert message in str(caught.value)
 
 
-def test_things_have_no_mind_and_urges_need_a_mind() -> None:
+def test_minds_of_things_and_urges_without_a_mind_are_refused() -> None:
     with pytest.raises(SceneError, match="does not act"):
         read_scene("pronk: 1\ncast:\n- {character: ball, traits: {}}")
     script = "script:\n- {at: 1, who: a, do: {urge: {play: 1}}}"
@@ -180,7 +186,7 @@ def test_withdrawal_avoids_obstacles(seed: int) -> None:
         x, z = characters.persons[0].at
         nearest = min(nearest, math.hypot(x + 1.9, z))
     assert nearest > 1.5
-    # Away from the striker all the same.
+    # The person still moves away from the striker.
     assert math.hypot(x - 0.8, z) > 1.2
 
 
@@ -229,13 +235,13 @@ SEEDS = [pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, 11)]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_schoolyard_is_a_safe_home_base(seed: int) -> None:
+def test_anxious_children_of_the_schoolyard_return_home(seed: int) -> None:
     scene = load_scene(library() / "schoolyard.yaml", [f"seed={seed}"])
     take = simulate(scene)
     anxiety, distance = channel(take, "small.anxiety"), channel(take, "small.distance")
-    gaze, did = channel(take, "small.gaze"), doing(take, "small")
+    gaze, did = channel(take, "small.gaze"), behaviours_of(take, "small")
     dt = 60.0 / len(anxiety)
-    # It goes home when it is anxious, and hugs until it is not.
+    # An anxious child returns home and hugs until it is calm.
     returns = [k for k in range(1, len(did)) if did[k] == "attachment" != did[k - 1]]
     ends = [k for k in range(1, len(did)) if did[k - 1] == "attachment" != did[k]]
     soothed = [k for k in ends if anxiety[k] < 0.15 and distance[k] < 1.5]

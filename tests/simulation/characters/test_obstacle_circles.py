@@ -20,8 +20,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
-from tests.simulation.characters.scripted_people import troupe_of
-from tests.simulation.characters.test_solid_contacts import path, played
+from tests.simulation.characters.scripted_people import node_path, run_scene, troupe_of
 
 GROUND = build_ground(
     read_scene("pronk: 1\nduration: 1\ncast: [{name: a, character: child}]\n").terrain, 0
@@ -113,12 +112,12 @@ THINGS = {
 @pytest.mark.parametrize("thing", THINGS)
 def test_go_to_avoids_obstacles(thing: str) -> None:
     member, aside = THINGS[thing]
-    simulation = played(
+    simulation = run_scene(
         f"- {{name: ann, character: adult, at: [-2.8, 0.1]}}\n- {{name: it, {member}, at: [0, 0]}}",
         9,
         "- {at: 0, who: ann, do: {go_to: [2.4, 0.1]}}",
     )
-    way = path(simulation, "ann")[:, [0, 2]]
+    way = node_path(simulation, "ann")[:, [0, 2]]
     np.testing.assert_allclose(way[-1], [2.4, 0.1], atol=0.15)
     assert aside < np.abs(way[:, 1]).max() < aside + 1.4
     assert not touches(simulation)
@@ -127,25 +126,25 @@ def test_go_to_avoids_obstacles(thing: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", THINGS)
 def test_walk_does_not_avoid_obstacles(thing: str) -> None:
-    simulation = played(
+    simulation = run_scene(
         f"- {{name: ann, character: adult, at: [-2, 0.1]}}\n"
         f"- {{name: it, {THINGS[thing][0]}, at: [0, 0]}}",
         4,
         "- {at: 0, who: ann, do: walk}",
     )
-    assert path(simulation, "ann")[-1, 0] < -0.2 or touches(simulation)
+    assert node_path(simulation, "ann")[-1, 0] < -0.2 or touches(simulation)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", ["wall", "crate", "dancer"])
 def test_a_person_with_a_mind_avoids_obstacles(thing: str) -> None:
-    simulation = played(
+    simulation = run_scene(
         "- {name: ann, character: adult, at: [-2.8, 0.1], behaviours: [{approach: box}]}\n"
         "- {name: box, character: box, at: [2.8, 0.1]}\n"
         f"- {{name: it, {THINGS[thing][0]}, at: [0, 0]}}",
         8,
     )
-    way = path(simulation, "ann")[:, [0, 2]]
+    way = node_path(simulation, "ann")[:, [0, 2]]
     assert np.linalg.norm(way[-1] - [2.8, 0.1]) < 1.5
     assert not touches(simulation)
 
@@ -156,16 +155,18 @@ def test_a_rug_does_not_disturb_a_walk(height: float) -> None:
     cast = "- {name: ann, character: adult, at: [-2, 0.1]}"
     script = "- {at: 0, who: ann, do: {go_to: [2, 0.1]}}"
     rug = f"- {{name: rug, prop: {{shape: box, size: [1.5, {height}, 3]}}, at: [0, 0]}}"
-    free, over = (path(played(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{rug}"))
+    free, over = (node_path(run_scene(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{rug}"))
     assert np.abs(free - over)[:, [0, 2]].max() < 0.1
 
 
 @pytest.mark.slow
-def test_a_free_straight_way_is_kept() -> None:
+def test_a_free_straight_path_is_kept() -> None:
     cast = "- {name: ann, character: adult, at: [-2, 0]}"
     script = "- {at: 0, who: ann, do: {go_to: [2, 0]}}"
     beside = "- {name: it, prop: {shape: box, size: [1, 1, 1]}, at: [0, -1.2]}"
-    free, past = (path(played(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{beside}"))
+    free, past = (
+        node_path(run_scene(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{beside}")
+    )
     np.testing.assert_array_equal(free, past)
 
 
@@ -175,12 +176,12 @@ def test_go_to_avoids_a_closing_door() -> None:
         "- {name: it, prop: {shape: box, size: [0.2, 2, 2]}, at: [0, -4], "
         "keyframes: [{at: 0.5, position: [0, 0, -4]}, {at: 1.5, position: [0, 0, 0]}]}"
     )
-    simulation = played(
+    simulation = run_scene(
         f"- {{name: ann, character: adult, at: [-3.4, 0]}}\n{door}",
         8,
         "- {at: 0, who: ann, do: {go_to: [2, 0]}}",
     )
-    way = path(simulation, "ann")[:, [0, 2]]
+    way = node_path(simulation, "ann")[:, [0, 2]]
     np.testing.assert_allclose(way[-1], [2, 0], atol=0.15)
     assert np.abs(way[:, 1]).max() > 0.9
     assert troupe_of(simulation).obstacle_circles.update()

@@ -14,7 +14,7 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
-from tests.simulation.characters.character_yard import least_bend
+from tests.simulation.characters.character_yard import smallest_bend
 from tests.simulation.characters.scripted_people import STEPS, J, play_scene, troupe_of
 
 pytestmark = pytest.mark.slow
@@ -33,14 +33,14 @@ script:
 def test_sit_and_stand_orders_are_carried_out() -> None:
     bends = []
     play = play_scene(
-        SIT, lambda troupe, _: bends.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs))
+        SIT, lambda troupe, _: bends.append(smallest_bend(troupe.arrays.nodes, troupe.arrays.limbs))
     )
     pelvis = play.joint("a", "pelvis")[:, 1]
     assert len(play.when("a")) == 2
     assert 1.2 < play.when("a")[0] < 2.0
     assert pelvis[int(3.4 * STEPS)] == pytest.approx(0.062 * ADULT.height, abs=0.02)
     assert pelvis[-1] == pytest.approx(ADULT.hip * ADULT.height, abs=0.02)
-    # Weight goes over the feet on the way up: the shoulders lean far ahead of the pelvis.
+    # To stand up the shoulders lean far in front of the pelvis, over the feet.
     lean = play.joint("a", "shoulders")[:, 0] - play.joint("a", "pelvis")[:, 0]
     assert lean[int(3.7 * STEPS) : int(4.8 * STEPS)].max() > 0.15
     for side in "lr":
@@ -73,16 +73,20 @@ def test_a_mutual_hug_closes_both_pairs_of_arms() -> None:
     row = int(4.9 * STEPS)
     for name, other in (("a", "b"), ("b", "a")):
         back = 0.5 * (play.joint(other, "spine")[row] + play.joint(other, "shoulders")[row])
-        way = (play.joint(other, "pelvis")[row] - play.joint(name, "pelvis")[row]) * [1.0, 0.0, 1.0]
-        way /= np.hypot(*way[[0, 2]])
+        direction = (play.joint(other, "pelvis")[row] - play.joint(name, "pelvis")[row]) * [
+            1.0,
+            0.0,
+            1.0,
+        ]
+        direction /= np.hypot(*direction[[0, 2]])
         hands = [play.joint(name, f"hand_{side}")[row] for side in "lr"]
         # Around the other: both hands lie behind the middle of the other's chest.
-        assert min((hand - back) @ way for hand in hands) > 0.05
+        assert min((hand - back) @ direction for hand in hands) > 0.05
         assert min(math.dist(hand, back) for hand in hands) < 0.3
     # Arms too short to close behind a grown-up end on its back, and not in the air.
     a, b = (play.joint(name, "pelvis")[row] for name in "ab")
-    way = (a - b) * [1.0, 0.0, 1.0] / np.hypot(*(a - b)[[0, 2]])
-    assert max((play.joint("b", f"hand_{s}")[row] - a) @ way for s in "lr") < 0.11
+    direction = (a - b) * [1.0, 0.0, 1.0] / np.hypot(*(a - b)[[0, 2]])
+    assert max((play.joint("b", f"hand_{s}")[row] - a) @ direction for s in "lr") < 0.11
     # The longer arms meet behind the back of the smaller one, and hold one another.
     hands = [play.joint("a", f"hand_{side}")[row] for side in "lr"]
     assert math.dist(*hands) < 1e-3
@@ -114,7 +118,7 @@ def test_a_grabbed_thing_hangs_from_the_hand_until_released() -> None:
     apart = np.array([far for _, far in grips])[held >= 0]
     assert (held >= 0).sum() > STEPS
     assert (held[-20:] == -1).all()
-    # It is drawn in when it is taken, no faster than a meter a second, and stays.
+    # The thing moves to the hand at no more than 1 m/s, and stays.
     assert np.abs(np.diff(apart)).max() * STEPS < 1.1
     assert apart[10:].max() < 1e-3
     first = play.firsts["doll"]
@@ -162,14 +166,14 @@ def test_heads_turn_smoothly_and_hands_reach_their_places() -> None:
     head = play.joint("a", "head")
     for row, target in ((int(1.4 * STEPS), play.joint("b", "head")), (int(2.9 * STEPS), None)):
         at = np.array([1.0, 2.2, -1.5]) if target is None else target[row]
-        way = at - head[row]
-        assert gaze[row, 0] == pytest.approx(math.atan2(-way[2], way[0]), abs=0.06)
+        direction = at - head[row]
+        assert gaze[row, 0] == pytest.approx(math.atan2(-direction[2], direction[0]), abs=0.06)
         assert gaze[row, 1] == pytest.approx(
-            math.atan2(way[1], math.hypot(way[0], way[2])), abs=0.06
+            math.atan2(direction[1], math.hypot(direction[0], direction[2])), abs=0.06
         )
     assert abs(gaze[-1, 0]) < 0.02
     assert np.abs(np.diff(gaze[:, 0])).max() * STEPS < 9.0
-    # Shoulders go along, at most a quarter turn.
+    # Shoulders turn with the head, at most by a quarter turn.
     twist = play.records["twist"][:, 0]
     assert 0.2 < np.abs(twist).max() < math.pi / 2.0
     left, right = (play.joint("b", f"hand_{side}") for side in "lr")
@@ -193,7 +197,7 @@ def test_freeze_is_still_and_turning_does_not_cross_feet() -> None:
     first = play.firsts["a"]
     frozen = play.p[int(1.9 * STEPS) : int(2.5 * STEPS), first : first + 16]
     assert np.abs(frozen - frozen[0]).max() < 2e-3
-    # Setting out again is no knock.
+    # Starting to walk again is no blow.
     assert play.records["stun"][int(2.4 * STEPS) :, 0].max() < 0.2
     assert play.when("a")
     heading = play.records["heading"][:, 1]
@@ -204,13 +208,17 @@ def test_freeze_is_still_and_turning_does_not_cross_feet() -> None:
     assert play.when("b")[0] < 3.0
 
 
-@pytest.mark.parametrize("way", [(2.0, 0.6), (-1.2, 1.2)])
-def test_a_shoved_person_staggers_and_recovers(way: tuple[float, float]) -> None:
+@pytest.mark.parametrize("direction", [(2.0, 0.6), (-1.2, 1.2)])
+def test_a_shoved_person_staggers_and_recovers(direction: tuple[float, float]) -> None:
     def shove(troupe: Characters, step: int) -> None:
         if step == 48:
             own = slice(0, 16)
-            troupe.arrays.nodes["previous"][own, 0] -= way[0] * troupe.world.clock.dt / troupe.count
-            troupe.arrays.nodes["previous"][own, 2] -= way[1] * troupe.world.clock.dt / troupe.count
+            troupe.arrays.nodes["previous"][own, 0] -= (
+                direction[0] * troupe.world.clock.dt / troupe.count
+            )
+            troupe.arrays.nodes["previous"][own, 2] -= (
+                direction[1] * troupe.world.clock.dt / troupe.count
+            )
 
     play = play_scene("duration: 4.5\ncast: [{name: a, character: adult}]\n", shove)
     pelvis = play.joint("a", "pelvis")
@@ -251,14 +259,14 @@ cast:
 def test_posed_hands_follow_their_keys() -> None:
     play = play_scene(POSED)
     row = int(2.8 * STEPS)
-    # A person who faces -Z has -Z ahead and +X to the right.
+    # A person facing -Z has -Z ahead and +X to the right.
     assert math.dist(play.joint("a", "hand_r")[row], [0.6, 1.7, -0.3]) < 0.04
     assert math.dist(play.joint("a", "hand_l")[row], [-0.3, 1.0, -0.4]) < 0.04
     assert play.joint("a", "hand_r")[-1, 1] < 1.1
 
 
 def crossing(count: int) -> str:
-    """Return the scene of a number of walkers who cross the way of as many others."""
+    """Return a scene of two groups of walkers on crossing paths."""
     lanes = [f"{1.0 * (k - (count - 1) / 2)}" for k in range(count)]
     cast = [f"  - {{name: e{k}, character: adult, at: [-4, {z}]}}" for k, z in enumerate(lanes)]
     cast += [
@@ -279,7 +287,7 @@ def test_crossing_walkers_step_aside() -> None:
     apart = np.linalg.norm(pelvis[:, None] - pelvis[None], axis=-1)
     apart += 10.0 * np.eye(len(names))[:, :, None]
     assert apart.min() > 0.22
-    # Nobody falls, nor trips over its own feet: each comes down on its own side of the other.
+    # No walker falls or trips: each foot lands on its own side of the other.
     heights = {"e": 1.72, "n": 1.15}
     fastest = np.abs(np.diff(play.p, axis=0)).max() * STEPS
     assert fastest < 10.0
@@ -295,7 +303,7 @@ def test_crossing_walkers_step_aside() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["fight", "square"])
 def test_limbs_stay_together_in_a_dense_crowd(name: str) -> None:
-    """Who runs has feet of ten meters a second; a foot put elsewhere at once had two hundred."""
+    """Feet of a runner reach 10 m/s; a foot moved at once would have 200."""
     simulation = Simulation(load_scene(library() / f"{name}.yaml"))
     troupe = troupe_of(simulation)
     people = np.stack([np.arange(p.node, p.node + len(J)) for p in troupe.persons])
@@ -305,7 +313,7 @@ def test_limbs_stay_together_in_a_dense_crowd(name: str) -> None:
         now = troupe.arrays.p[people]
         speeds = np.linalg.norm(now - before, axis=2).max(axis=1) * STEPS
         fastest, before = np.maximum(fastest, speeds), now
-    # One in a throng of fifty may be wrung off its feet between others, and spring back.
+    # In a crowd of fifty a person may lose its footing between others, and recover.
     assert (fastest > 25.0).sum() <= len(people) // 25
 
 
@@ -330,7 +338,7 @@ script: [%s]
 
 
 @pytest.mark.parametrize(
-    ("member", "said"),
+    ("member", "message"),
     [
         (
             "{character: adult, pose: [{at: 0, limb: leg_l, reach: [0, 0, 0]}]}",
@@ -343,8 +351,8 @@ script: [%s]
         ),
     ],
 )
-def test_only_hands_of_people_can_be_posed(member: str, said: str) -> None:
-    with pytest.raises(SceneError, match=said):
+def test_only_hands_of_people_can_be_posed(member: str, message: str) -> None:
+    with pytest.raises(SceneError, match=message):
         read_scene(f"pronk: 1\nduration: 1\ncast: [{member}]\n")
 
 
@@ -367,16 +375,16 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         simulation.step()
         step = simulation.step_number
         hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
-    followed = [order for order in simulation.recorder.orders if order.who == "c"]
+    followed = [order for order in simulation.recorder.told if order.who == "c"]
     (step, hugger, hugged), *others = hugs
     assert (hugger, hugged, others) == ("b", "a", [])
-    # In the next step, once; the trigger of the reverse hug does not fire.
+    # The trigger fires once, in the next step; that of the reverse hug does not.
     assert [(order.step, order.text) for order in followed] == [(step, "go_to [-1, 3]")]
     assert 0.9 < step / STEPS < 3.0
 
 
 @pytest.mark.parametrize(
-    ("entry", "said"),
+    ("entry", "message"),
     [
         ("{at: 0, who: a, do: {hug: doo}}", "nobody in the cast is called 'doo'"),
         ("{at: 0, who: a, do: {hug: ball}}", "'ball' is a ball; name a child"),
@@ -406,10 +414,10 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         ("{at: 0, who: a, do: {let_go: up}}", "must be 'left', 'right' or 'both'"),
     ],
 )
-def test_impossible_orders_are_rejected_with_their_position(entry: str, said: str) -> None:
+def test_impossible_orders_are_rejected_with_their_position(entry: str, message: str) -> None:
     with pytest.raises(SceneError, match=r"script\[0\]") as caught:
         read_scene(CAST % entry)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_a_misspelt_kind_is_reported_once() -> None:
@@ -421,6 +429,6 @@ def test_a_misspelt_kind_is_reported_once() -> None:
 
 
 def test_parts_are_named_by_joints() -> None:
-    from pipeline.spec.character import PARTS
+    from pipeline.spec.character_kinds import PARTS
 
     assert set(PARTS) == set(J)

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.slow
 EMPTY = np.zeros((0, 2)), np.zeros(0), np.zeros(0)
 
 
-def test_without_obstacles_the_walk_is_straight_and_limited_to_the_pace() -> None:
+def test_without_obstacles_a_walk_is_straight_and_limited_to_its_pace() -> None:
     for to in ([3.0, 4.0], [30.0, 40.0], [0.3, 0.4]):
         w = walk_vector(np.array(to), *EMPTY, 1.5)
         np.testing.assert_allclose(w, np.array([0.9, 1.2]), rtol=1e-12)
@@ -36,7 +36,7 @@ def test_without_obstacles_the_walk_is_straight_and_limited_to_the_pace() -> Non
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_an_obstacle_ahead_pushes_back_and_round(sense: float) -> None:
+def test_an_obstacle_ahead_pushes_back_and_aside(sense: float) -> None:
     to, away = np.array([5.0, 0.0]), np.array([[-1.0, 0.0]])
     for gap in (0.05, 0.5, 1.0):
         w = walk_vector(to, away, np.array([gap]), np.array([sense]), 1.0)
@@ -50,21 +50,21 @@ def test_obstacles_behind_do_not_push() -> None:
     np.testing.assert_allclose(w, [1.0, 0.0])
 
 
-def test_a_stalled_walk_tries_both_ways_round() -> None:
-    way = DetourState()
+def test_a_stalled_walk_tries_both_sides() -> None:
+    path = DetourState()
     forced = []
     for k in range(200):
-        way.update_progress(3.0, 0.1 * k)
-        if 0.1 * k < way.forced_until and (not forced or way.forced != forced[-1]):
-            forced.append(way.forced)
+        path.update_progress(3.0, 0.1 * k)
+        if 0.1 * k < path.forced_until and (not forced or path.forced != forced[-1]):
+            forced.append(path.forced)
     assert forced[:3] == [1.0, -1.0, 1.0]
 
 
 WIDE = np.array([[-20.0, -20.0], [20.0, 20.0]])
 
 
-def length_of(way: np.ndarray, start: np.ndarray) -> float:
-    return float(np.linalg.norm(np.diff(np.vstack([start, way]), axis=0), axis=1).sum())
+def length_of(path: np.ndarray, start: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(np.vstack([start, path]), axis=0), axis=1).sum())
 
 
 def test_lines_are_free_outside_all_circles() -> None:
@@ -76,34 +76,34 @@ def test_lines_are_free_outside_all_circles() -> None:
     assert are_free(start, ends, middles, 0.5 * reaches).tolist() == [False, True, True, True]
 
 
-def test_the_way_round_a_circle_is_near_the_taut_string() -> None:
+def test_a_route_around_a_circle_is_nearly_the_shortest() -> None:
     start, goal, radius = np.array([-3.0, 0.0]), np.array([3.0, 0.0]), 1.0
-    way = shortest_way(start, goal, np.zeros((1, 2)), np.array([radius]), WIDE)
-    np.testing.assert_array_equal(way[-1], goal)
+    path = shortest_way(start, goal, np.zeros((1, 2)), np.array([radius]), WIDE)
+    np.testing.assert_array_equal(path[-1], goal)
     thread = 2.0 * math.sqrt(9.0 - 1.0) + (math.pi - 2.0 * math.acos(1.0 / 3.0))
-    assert thread < length_of(way, start) < 1.03 * thread
-    for a, b in zip(np.vstack([start, way]), way, strict=False):
+    assert thread < length_of(path, start) < 1.03 * thread
+    for a, b in zip(np.vstack([start, path]), path, strict=False):
         along = a + np.linspace(0.0, 1.0, 200)[:, None] * (b - a)
         assert np.hypot(*along.T).min() > radius - 1e-6
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_ways_are_free_and_no_shorter_than_straight(seed: int) -> None:
+def test_routes_are_free_and_no_shorter_than_a_straight_line(seed: int) -> None:
     rng = np.random.Generator(np.random.PCG64(seed))
     start, goal = np.array([-4.0, 0.0]), np.array([4.0, 0.0])
     middles, reaches = rng.uniform(-3.0, 3.0, (6, 2)), rng.uniform(0.2, 0.9, 6)
-    way = shortest_way(start, goal, middles, reaches, WIDE)
-    assert 0 < len(way) <= 6 * RING_PLACES + 1
-    assert length_of(way, start) >= 8.0 - 1e-9
-    for a, b in zip(np.vstack([start, way]), way, strict=False):
+    path = shortest_way(start, goal, middles, reaches, WIDE)
+    assert 0 < len(path) <= 6 * RING_PLACES + 1
+    assert length_of(path, start) >= 8.0 - 1e-9
+    for a, b in zip(np.vstack([start, path]), path, strict=False):
         assert are_free(a, b[None], middles, reaches)[0]
 
 
-def test_narrow_gaps_are_a_last_resort_and_walls_have_none() -> None:
+def test_narrow_gaps_are_used_only_without_wider_ones() -> None:
     start, goal = np.array([-3.0, 0.0]), np.array([3.0, 0.0])
     wall = np.stack([np.zeros(41), np.linspace(-20.0, 20.0, 41)], axis=1)
     assert len(shortest_way(start, goal, wall, np.full(41, 0.6), WIDE)) == 0
-    # A gap of 2 x 0.1 m at z = 4: nothing wider leads through.
+    # A gap of 2 x 0.1 m at z = 4 is the widest.
     reaches = np.full(41, 0.6)
     reaches[[24]] = 0.0
     reaches[[23, 25]] = 0.9
@@ -117,7 +117,7 @@ def test_a_route_is_kept_until_something_moves() -> None:
     route, goal = Route(), np.array([3.0, 0.02])
     middles, reaches = np.zeros((1, 2)), np.array([0.5])
     first, _ = route.next(np.array([-3.0, 0.0]), goal, middles, reaches, WIDE)
-    # As good the other way now, but it has begun.
+    # The other side is as good now, but the route is kept.
     again, _ = route.next(np.array([-2.9, -0.05]), goal, middles, reaches, WIDE)
     np.testing.assert_array_equal(first, again)
     moved, length = route.next(np.array([-2.9, 0.0]), goal, middles + 9.0, reaches, WIDE)

@@ -11,17 +11,17 @@ from pipeline.simulation.characters.body_arrays import FREE, LANDING, LOCKED
 from pipeline.simulation.characters.character_plans import person_plan
 from pipeline.simulation.characters.playthings import ball_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD
-from tests.simulation.characters.character_yard import DT, attitude, free, yard_of
+from tests.simulation.characters.character_yard import DT, build_yard, random_rotation, undamped
 
 HIGH = np.array([0.0, 50.0, 0.0])
 
 
 @pytest.mark.parametrize("count", [3, 7])
-def test_flight_is_the_closed_form_of_the_recurrence(count: int) -> None:
+def test_flight_matches_the_closed_form_of_the_recurrence(count: int) -> None:
     plan = ball_plan(0.1, 0.4)._replace(air_damping=0.0)
-    yard = yard_of([plan], [plan.rest + HIGH], count=count)
+    yard = build_yard([plan], [plan.rest + HIGH], count=count)
     start, v = yard.arrays.p.copy(), np.array([[3.0, 4.0, -1.0]])
-    yard.throw(v)
+    yard.set_velocities(v)
     steps = 60
     yard.step(steps)
     n, h = steps * count, yard.h
@@ -31,11 +31,11 @@ def test_flight_is_the_closed_form_of_the_recurrence(count: int) -> None:
 
 
 @pytest.mark.parametrize("rate", [0.5, 8.0])
-def test_damping_is_the_formula(rate: float) -> None:
+def test_damping_matches_its_formula(rate: float) -> None:
     plan = ball_plan(0.1, 0.4)._replace(air_damping=rate)
-    yard = yard_of([plan], [plan.rest + HIGH], gravity=0.0)
+    yard = build_yard([plan], [plan.rest + HIGH], gravity=0.0)
     start, v = yard.arrays.p.copy(), np.array([[3.0, 0.0, -1.0]])
-    yard.throw(v)
+    yard.set_velocities(v)
     yard.step(48)
     # (2 - d) p(t) - (1 - d) p(t - h) keeps 1 - d of a step, d = 1 - exp(-c h).
     kept = np.exp(-rate * yard.h * np.arange(1, 48 * 3 + 1)).sum()
@@ -46,11 +46,11 @@ def momentum(yard) -> np.ndarray:  # type: ignore[no-untyped-def, type-arg]
     return (yard.velocities / yard.arrays.nodes["inverse_mass"][:, None]).sum(axis=0)
 
 
-def test_a_free_person_keeps_its_momentum() -> None:
+def test_an_undamped_person_keeps_its_momentum() -> None:
     rng = np.random.default_rng(3)
-    plan = free(person_plan(ADULT))
-    yard = yard_of([plan], [plan.rest @ attitude(rng).T + HIGH], gravity=0.0)
-    yard.throw(rng.normal(scale=4.0, size=plan.rest.shape))
+    plan = undamped(person_plan(ADULT))
+    yard = build_yard([plan], [plan.rest @ random_rotation(rng).T + HIGH], gravity=0.0)
+    yard.set_velocities(rng.normal(scale=4.0, size=plan.rest.shape))
     before, size = momentum(yard), ADULT.mass * 4.0
     for _ in range(200):
         yard.step()
@@ -58,12 +58,12 @@ def test_a_free_person_keeps_its_momentum() -> None:
 
 
 def test_colliding_people_keep_their_momentum() -> None:
-    plans = [free(person_plan(body)) for body in (ADULT, CHILD)]
+    plans = [undamped(person_plan(body)) for body in (ADULT, CHILD)]
     places = [plans[0].rest + HIGH, plans[1].rest + HIGH + [1.0, 0.2, 0.1]]
-    yard = yard_of(plans, places, gravity=0.0)
+    yard = build_yard(plans, places, gravity=0.0)
     v = np.zeros_like(yard.arrays.p)
     v[:16, 0], v[16:, 0] = 3.0, -2.0
-    yard.throw(v)
+    yard.set_velocities(v)
     before, met = momentum(yard), False
     for _ in range(150):
         yard.step()
@@ -74,15 +74,15 @@ def test_colliding_people_keep_their_momentum() -> None:
 
 def test_motion_converges_across_step_rates() -> None:
     rng = np.random.default_rng(8)
-    plan, turn = person_plan(CHILD), attitude(np.random.default_rng(2))
+    plan, turn = person_plan(CHILD), random_rotation(np.random.default_rng(2))
     v, w = np.array([2.0, 3.0, 1.0]), rng.normal(size=3)
     ends = []
     for count in (3, 6, 12):
-        yard = yard_of([plan], [plan.rest @ turn.T + HIGH], count=count)
-        yard.throw(v + np.cross(w, yard.arrays.p - HIGH))
+        yard = build_yard([plan], [plan.rest @ turn.T + HIGH], count=count)
+        yard.set_velocities(v + np.cross(w, yard.arrays.p - HIGH))
         yard.step(48)
         ends.append(yard.arrays.p.copy())
-    # Half a second of tumbling: the fall is of first order, and limits are met a little later.
+    # After half a second of tumbling: the method is of first order.
     errors = [np.abs(end - ends[-1]).max() for end in ends[:2]]
     assert errors[0] < 0.1
     assert errors[1] < 0.1
@@ -90,7 +90,7 @@ def test_motion_converges_across_step_rates() -> None:
 
 def test_locked_nodes_stay_and_landing_nodes_lock() -> None:
     plan = person_plan(CHILD)
-    yard = yard_of([plan], [plan.rest + np.array([0.0, 0.3, 0.0])])
+    yard = build_yard([plan], [plan.rest + np.array([0.0, 0.3, 0.0])])
     nodes, foot, hand = yard.arrays.nodes, 14, 8
     nodes["lock"][hand], nodes["lock"][foot] = LOCKED, LANDING
     held = yard.arrays.p[hand].copy()
@@ -107,7 +107,7 @@ def test_locked_nodes_stay_and_landing_nodes_lock() -> None:
 
 def test_a_ball_bounces_by_its_bounciness() -> None:
     plan = ball_plan(0.12, 0.4)._replace(air_damping=0.0, ground_damping=0.0)
-    yard = yard_of([plan], [plan.rest + np.array([0.0, 1.0, 0.0])], count=30)
+    yard = build_yard([plan], [plan.rest + np.array([0.0, 1.0, 0.0])], count=30)
     heights = []
     for _ in range(round(1.4 / DT)):
         yard.step()
@@ -118,8 +118,8 @@ def test_a_ball_bounces_by_its_bounciness() -> None:
 
 def test_a_rolling_ball_slows_by_its_friction() -> None:
     plan = ball_plan(0.12, 0.4)._replace(air_damping=0.0, ground_damping=0.0)
-    yard = yard_of([plan], [plan.rest])
-    yard.throw(np.array([[2.0, 0.0, 0.0]]))
+    yard = build_yard([plan], [plan.rest])
+    yard.set_velocities(np.array([[2.0, 0.0, 0.0]]))
     yard.step(96)
     assert yard.velocities[0, 0] == pytest.approx(2.0 - plan.friction * 9.81, rel=0.01)
     assert math.isclose(yard.arrays.p[0, 1], 0.12, abs_tol=5e-4)

@@ -19,6 +19,15 @@ HEADER = (
     "pronk: 1\nduration: {duration}\n{more}\ncast:\n- {{name: adonis, dancer: {build}, {config}}}\n"
 )
 
+TOUCH_TOLERANCE = 0.04
+"""Largest distance of a hand from its touch point [m]."""
+
+ANGLE_TOLERANCE = np.radians(10.0)
+"""Largest error of an arm's direction and of a wrist's angle [rad]."""
+
+MAX_PENETRATION = 0.01
+"""Largest penetration of two solids [m]."""
+
 
 def build_dancer(
     config: str, rate: float = 96.0, duration: float = 30, more: str = "", build: str = "torso"
@@ -108,3 +117,29 @@ def record_motion(
 ) -> DanceRecording:
     """Returns the motion of a dancer until a time [s]."""
     return DanceRecording(build_dancer(config, rate, until + 1.0, more, build)).run(until)
+
+
+def missed_goals(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str]:
+    """Returns the missed subtasks with their errors."""
+    found = []
+    for move, hand in motion.moves():
+        if move.subtask in skipped:
+            continue
+        goal = motion.dancer.goals[move.subtask]
+        rows = motion.around(move, 0.1, 0.12)
+        if goal.surface is not None:
+            places = np.array(motion.places)[rows, move.subtask]
+            away = np.linalg.norm(np.array(motion.hands)[rows, hand] - places, axis=1).min()
+            if away > TOUCH_TOLERANCE:
+                found.append(f"{move.subtask + 1}: {100 * away:.1f} cm")
+        elif goal.sites:
+            forward = np.array(motion.forward)[rows, hand, 0].max()
+            if np.arccos(min(forward, 1.0)) > ANGLE_TOLERANCE:
+                found.append(f"{move.subtask + 1}: {np.degrees(np.arccos(forward)):.0f} degrees")
+        else:
+            wrist = motion.dancer.torso.wrist("rl"[hand])
+            turned = np.array(motion.q)[rows, wrist.start]
+            wanted = goal.held[4]
+            if np.abs(turned - wanted).min() > ANGLE_TOLERANCE:
+                found.append(f"{move.subtask + 1}: {np.degrees(turned - wanted).min():.0f} degrees")
+    return found

@@ -9,8 +9,13 @@ from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.torso import LINKS, dancer_proportions
 from pipeline.simulation.people.proportions import CHILD
 from pipeline.spec import read_scene
-from tests.simulation.dancers.dance_recorder import DanceRecording, build_dancer, record_motion
-from tests.simulation.dancers.test_dancers import MAX_PENETRATION, TOUCH_TOLERANCE
+from tests.simulation.dancers.dance_recorder import (
+    MAX_PENETRATION,
+    TOUCH_TOLERANCE,
+    DanceRecording,
+    build_dancer,
+    record_motion,
+)
 
 TWO_CONTROLLERS = """dances:
   two:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.simulation.dancers.dance_recorder import DanceRecording, record_motion
-from tests.simulation.dancers.test_dancers import MAX_PENETRATION, missed_goals
+from tests.simulation.dancers.dance_recorder import (
+    MAX_PENETRATION,
+    DanceRecording,
+    missed_goals,
+    record_motion,
+)
 
 CONTROLLERS = ("force-field", "joint-torque")
 

@@ -11,19 +11,16 @@ from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.proportions import ADULT, CHILD, SEGMENT_MASSES
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene, read_scene
-from tests.simulation.dancers.dance_recorder import DanceRecording, build_dancer, record_motion
+from tests.simulation.dancers.dance_recorder import (
+    MAX_PENETRATION,
+    DanceRecording,
+    build_dancer,
+    missed_goals,
+    record_motion,
+)
 
 TEMPI = (60, 80, 103)
 CONTROLLERS = ("force-field", "joint-torque")
-
-TOUCH_TOLERANCE = 0.04
-"""Largest distance of a hand from its touch point [m]."""
-
-ANGLE_TOLERANCE = np.radians(10.0)
-"""Largest error of an arm's direction and of a wrist's angle [rad]."""
-
-MAX_PENETRATION = 0.01
-"""Largest penetration of two solids [m]."""
 
 CASES = [
     pytest.param(by, tempo, marks=[] if tempo == 103 else pytest.mark.slow)
@@ -35,32 +32,6 @@ CASES = [
 def macarena(by: str, tempo: float) -> DanceRecording:
     config = f"controller: {by}, tempo_bpm: {tempo}, start: 1.0"
     return record_motion(config, 1.0 + 13.0 * 60.0 / tempo)
-
-
-def missed_goals(motion: DanceRecording, skipped: tuple[int, ...] = ()) -> list[str]:
-    """Returns the missed subtasks with their errors."""
-    found = []
-    for move, hand in motion.moves():
-        if move.subtask in skipped:
-            continue
-        goal = motion.dancer.goals[move.subtask]
-        rows = motion.around(move, 0.1, 0.12)
-        if goal.surface is not None:
-            places = np.array(motion.places)[rows, move.subtask]
-            away = np.linalg.norm(np.array(motion.hands)[rows, hand] - places, axis=1).min()
-            if away > TOUCH_TOLERANCE:
-                found.append(f"{move.subtask + 1}: {100 * away:.1f} cm")
-        elif goal.sites:
-            forward = np.array(motion.forward)[rows, hand, 0].max()
-            if np.arccos(min(forward, 1.0)) > ANGLE_TOLERANCE:
-                found.append(f"{move.subtask + 1}: {np.degrees(np.arccos(forward)):.0f} degrees")
-        else:
-            wrist = motion.dancer.torso.wrist("rl"[hand])
-            turned = np.array(motion.q)[rows, wrist.start]
-            wanted = goal.held[4]
-            if np.abs(turned - wanted).min() > ANGLE_TOLERANCE:
-                found.append(f"{move.subtask + 1}: {np.degrees(turned - wanted).min():.0f} degrees")
-    return found
 
 
 @pytest.mark.parametrize(("by", "tempo"), CASES)

@@ -20,10 +20,7 @@ from pipeline.simulation.dancers.force_fields import (
     strongest_point,
     weighted_point,
 )
-from pipeline.simulation.dancers.posture_sequence import (
-    PostureSpline,
-    natural_spline_curvatures,
-)
+from pipeline.simulation.dancers.posture_sequence import PostureSpline, natural_spline_curvatures
 from pipeline.simulation.dancers.torso import (
     ARM,
     HANDS,
@@ -185,8 +182,15 @@ def clearance(start: Array, end: Array, torso: Torso) -> float:
     return float(least)
 
 
-def check_random_reaches(count: int, seed: int) -> None:
-    """Checks reaches between random reachable points, behind the back too."""
+@pytest.mark.parametrize(
+    ("count", "seed"),
+    [
+        pytest.param(50, 1, marks=pytest.mark.slow),
+        pytest.param(500, 2, marks=pytest.mark.nightly),
+    ],
+)
+def test_random_reaches_arrive_without_penetration(count: int, seed: int) -> None:
+    """Start and goal are random reachable points, behind the back too."""
     rng = np.random.default_rng(seed)
     torso, moving, arm = standing_torso()
     home, own, done, retries = moving.q.copy(), torso.arm("r"), 0, 0
@@ -223,16 +227,6 @@ def check_random_reaches(count: int, seed: int) -> None:
         retries += arm.retry_until > 0.0
         done += 1
     assert retries < 0.1 * count
-
-
-@pytest.mark.slow
-def test_random_reaches_arrive_without_penetration() -> None:
-    check_random_reaches(50, 1)
-
-
-@pytest.mark.nightly
-def test_many_random_reaches_arrive_without_penetration() -> None:
-    check_random_reaches(500, 2)
 
 
 def blocked_reach() -> tuple[LinkageSimulation, ArmController, Array, float]:

@@ -54,7 +54,7 @@ def test_resampling_and_differences_are_exact_for_cubics() -> None:
 
 @pytest.mark.parametrize("rate", [96.0, 100.0, 240.0])
 def test_minimum_jerk_reach_approaches_720_with_duration(rate: float) -> None:
-    # The filter takes what is above 10 Hz: ever less of a slower movement.
+    # The filter removes content above 10 Hz, which slower movements have less of.
     found = [
         measure_jerk(*reach(time, np.array([0.3, 0.4, 0]), rate), 0.0, time)
         for time in (1, 2, 4, 8)

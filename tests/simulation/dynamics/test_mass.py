@@ -12,12 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pipeline.errors import MassError
-from pipeline.simulation.dynamics.mass import (
-    MassProperties,
-    joined,
-    mass_of_points,
-    mass_of_solid,
-)
+from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_points, mass_of_solid
 from pipeline.simulation.spatial import Array, matrix, normalized
 
 Mesh = tuple[Array, NDArray[np.int64]]

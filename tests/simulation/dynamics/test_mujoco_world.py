@@ -39,15 +39,13 @@ def speed_ratios(strikes: list, body: int) -> list[float]:
 
 
 @pytest.mark.parametrize("b", [b for b in MEASURED_BOUNCINESS if 0.0 < b < 1.0])
-def test_ball_box_and_polyhedron_bounce_within_the_measured_bounds(b: float) -> None:
-    least, most = MEASURED_BOUNCINESS[b]
-    assert b - 0.02 <= least <= most <= b + 0.02
+def test_ball_box_and_polyhedron_bounce_by_their_bounciness(b: float) -> None:
     bodies = [ball(0.15, b), box((0.3, 0.3, 0.3), b), polyhedron(1.5 * np.array(CUBE), b)]
     strikes = run(world_of(bodies, [[-1, 1.15, 0], [0, 1.15, 0], [1, 1.15, 0]]), 2.0)
     for body in range(3):
         found = speed_ratios(strikes, body)
         assert found
-        assert least - 0.005 <= min(found) <= max(found) <= most + 0.005
+        np.testing.assert_allclose(found, b, atol=0.015)
 
 
 def test_bodies_without_bounciness_stay_down() -> None:
@@ -168,16 +166,13 @@ def test_fast_bodies_do_not_tunnel(speed: float) -> None:
     assert world.state.v[0, 1] == pytest.approx(0.5 * speed, rel=0.05)
 
 
-@pytest.mark.parametrize("size", [1.0, 45.0])
-def test_collision_geometry_of_the_ground_is_its_surface(size: float) -> None:
-    """Large bodies collide with tiles of the same surface."""
+def test_collision_geometry_of_the_ground_is_its_surface() -> None:
     rng = np.random.default_rng(1)
     for kind in (HeightField, QuadField):
         field = kind(rng.random((8, 12)), (5.0, 4.0), (1.0, -2.0), 0.7)
         spec = mujoco.MjSpec()
-        add_ground(spec, mujoco, field, [size * np.array(CUBE)], {})
+        add_ground(spec, mujoco, field, {})
         model = spec.compile()
-        assert (model.ngeom > 1) == (size > 2.0)
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         worst, hit = 0.0, np.zeros(1, dtype=np.int32)

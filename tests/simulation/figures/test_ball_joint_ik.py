@@ -64,7 +64,7 @@ def test_branches_are_within_joint_limits(shipped: Figure) -> None:
 
 @pytest.mark.parametrize("name", ["person", "kangaroo"])
 def test_branches_free_arms_stuck_at_a_limit(library: Callable[[str], Figure], name: str) -> None:
-    """Iterations alone drive some back into the shoulder's limit; no limb is left there."""
+    """Iterations alone leave some limbs at the shoulder's limit; branches free them."""
     arms = _some(library(name).skeleton, 100, "arm")
     goals = arms.pose(_uniform(arms, np.random.default_rng(3))).tips
     start = arms.pose(arms.preferred)
@@ -75,13 +75,13 @@ def test_branches_free_arms_stuck_at_a_limit(library: Callable[[str], Figure], n
 
 
 def test_left_and_right_arms_are_mirror_images(library: Callable[[str], Figure]) -> None:
-    """What one reaches, the other reaches on its own side with the same bends."""
+    """Mirrored goals are reached with mirrored joint values."""
     skeleton = library("person").skeleton
     left, right = (
         LimbBatch.of([(skeleton, limb)] * 50) for limb in skeleton.limbs if limb.kind == "arm"
     )
     q = _uniform(left, np.random.default_rng(4))
-    # Mirrored, what turns about the axis that stands across stays, and the rest changes sign.
+    # Mirroring keeps angles about the lateral axis and negates the others.
     sign = np.where(np.abs(left.axes[..., 2]) > 0.5, 1.0, -1.0)
     mirrored = sign * q
     assert (mirrored >= right.lower - 1e-12).all()

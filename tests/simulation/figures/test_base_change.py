@@ -1,4 +1,4 @@
-"""Any link as the base, any two places as a limb: a change of base moves nothing."""
+"""Base changes: any link as the base and any two points as a limb keep all poses."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_every_library_link_can_be_the_base(shipped: Figure) -> None:
     for link in range(len(shipped.skeleton.links)):
         rooted = _same_poses(shipped.skeleton, link, rng)
         assert rooted.links[link].joint == BODY
-        # And from there to any other, which is where the walk of an inchworm leads.
+        # A second change of base, as in the walk of an inchworm.
         _same_poses(rooted, int(rng.integers(len(rooted.links))), rng)
 
 
@@ -81,7 +81,7 @@ def test_limbs_agree_with_their_tree(shipped: Figure) -> None:
 
 
 def test_limb_across_the_old_base(shipped: Figure) -> None:
-    """Its tip, and how it moves, are those of the whole figure seen from the base link."""
+    """Tip and Jacobian of a limb are those of the whole figure seen from the base link."""
     skeleton = shipped.skeleton
     ends = [limb.links[-1] for limb in skeleton.limbs]
     rng = np.random.default_rng(4)
@@ -120,7 +120,7 @@ def test_limb_between_its_own_ends_is_the_limb(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     for limb in skeleton.limbs:
         _, same = limb_between(skeleton, "body", skeleton.links[limb.links[-1]].name)
-        # What sits on another limb, as horns on a head, has that one before it.
+        # A limb on another limb, such as horns on a head, includes that limb.
         assert same.joints[-len(limb.joints) :] == limb.joints
         assert np.allclose(same.tip, limb.tip)
 

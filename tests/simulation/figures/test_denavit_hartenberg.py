@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg parameters reproduce the poses that they were made from."""
+"""Denavit-Hartenberg parameters reproduce the poses of their skeleton."""
 
 from __future__ import annotations
 
@@ -7,11 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pipeline.simulation.figures.base_change import reroot
-from pipeline.simulation.figures.denavit_hartenberg import (
-    denavit_table,
-    from_denavit,
-    to_denavit,
-)
+from pipeline.simulation.figures.denavit_hartenberg import denavit_table, from_denavit, to_denavit
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import Skeleton

@@ -118,7 +118,9 @@ def build_random_figures(seed: int, count: int) -> tuple[int, set[str]]:
         pytest.param(3, 10_000, 12, marks=pytest.mark.nightly),
     ],
 )
-def test_random_drawings(seed: int, count: int, kinds_of_messages: int) -> None:
+def test_random_drawings_give_figures_or_located_errors(
+    seed: int, count: int, kinds_of_messages: int
+) -> None:
     figures, messages = build_random_figures(seed, count)
     assert figures > count // 5
     assert len(messages) > kinds_of_messages

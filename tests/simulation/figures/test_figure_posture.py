@@ -43,7 +43,7 @@ class Posed:
         return R, p + turn(R, ends[1] - ends[0]), ends
 
     def place(self, node: str) -> Array:
-        """Return where a node is (K, 3) [m]."""
+        """Return the position of a node (K, 3) [m]."""
         return self.link(node)[1]
 
     def joint(self, name: str) -> Array:
@@ -90,7 +90,7 @@ def test_joint_reaches_its_value_and_returns() -> None:
     np.testing.assert_allclose(elbow[after:], own[after:], atol=1e-12)
     assert elbow[72] == pytest.approx(90, abs=1e-9)
     assert elbow[96] == pytest.approx(60, abs=1e-9)
-    # Nothing else is touched: neither the other arm nor the walk.
+    # The other arm and the walk are unchanged.
     np.testing.assert_array_equal(posed.joint("elbow_l_deg"), itself.joint("elbow_l_deg"))
     np.testing.assert_allclose(posed.place("toe_r"), itself.place("toe_r"), rtol=0, atol=1e-12)
 

@@ -83,7 +83,7 @@ def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
         assert (skin.share <= 1).all()
         for pair in {tuple(pair) for pair in skin.links[skin.share > 0].tolist()}:
             assert pair[0] == pair[1] or pair in above or pair[::-1] in above
-    # Nothing is lost: the middle of every link that is covered is inside of the look it is under.
+    # The centre of every covered link is inside its skin.
     for number in looks.covered:
         link = skeleton.links[figure.pieces[number].link]
         middle = link.ends.mean(axis=0)[None]
@@ -92,7 +92,7 @@ def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
 
 @pytest.mark.parametrize("name", ["horse", "kangaroo", "beetle", "spider"])
 def test_skins_are_symmetric(name: str) -> None:
-    """What is in the middle between two legs follows neither."""
+    """Vertices midway between two legs follow neither."""
     figure = shipped(name)
     body = figure_skin(figure).skins[0]
     middle = np.abs(body.vertices[:, 2]) < 1e-9
@@ -102,7 +102,7 @@ def test_skins_are_symmetric(name: str) -> None:
 
 
 def _above(figure: Figure, joint: int) -> list[int]:
-    """Return the joints that one hangs on, up to the next that moves a link, and the body."""
+    """Return the parent joints of a joint up to the next that moves a link, and the body."""
     found, parents = list[int](), figure.skeleton.parents
     moving = {link.joint for link in figure.skeleton.links}
     while joint != BODY:
@@ -154,7 +154,7 @@ def test_take_lists_the_look_of_every_part() -> None:
 
 @pytest.mark.parametrize("name", ["horse", "antelope", "camel", "kangaroo", "ostrich", "beetle"])
 def test_soles_are_level_with_the_tip(name: str) -> None:
-    """In the pose that a figure rests in they reach as low as the ball around the tip."""
+    """At rest the soles are as low as the sphere around the tip."""
     figure = shipped(name)
     skeleton = figure.skeleton
     X_BJ = JointTree.of(skeleton).pose(skeleton.preferred)
@@ -175,7 +175,7 @@ def test_soles_are_level_with_the_tip(name: str) -> None:
 
 
 def test_upright_heads_have_faces() -> None:
-    """A nose ahead, ears aside, and eyes that are smaller than an animal's."""
+    """A face has a nose in front, ears at the sides and small eyes."""
     figure = shipped("person")
     looks, pieces = figure_skin(figure), figure.pieces
     eyes = [i for i, piece in enumerate(pieces) if ".eye_" in piece.name]

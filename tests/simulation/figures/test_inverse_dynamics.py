@@ -35,7 +35,7 @@ MOMENTS = 5
 
 
 def _random_links(skeleton: Skeleton, rng: np.random.Generator) -> list[MassProperties]:
-    """Return masses of the links of a skeleton that has no solids."""
+    """Return random link masses of a skeleton without solids."""
     found = []
     for link in skeleton.links:
         spread = rng.normal(size=(3, 3))
@@ -46,7 +46,7 @@ def _random_links(skeleton: Skeleton, rng: np.random.Generator) -> list[MassProp
 
 
 def _moving(skeleton: Skeleton, rng: np.random.Generator, n: int = MOMENTS) -> FigureMotion:
-    """Return random states between the limits of the joints, of a body that moves as well."""
+    """Return random states within joint limits, with a moving body."""
     J = len(skeleton.parents)
     X_WB = np.zeros((n, 4, 4))
     X_WB[:, :3, :3] = matrix(normalized(rng.normal(size=(n, 4))))
@@ -62,7 +62,7 @@ def _moving(skeleton: Skeleton, rng: np.random.Generator, n: int = MOMENTS) -> F
 
 
 def _mujoco(skeleton: Skeleton, masses: FrameMasses) -> mujoco.MjModel:
-    """Build the same figure in MuJoCo: a body that is free, then one body a joint with mass."""
+    """Build the figure in MuJoCo: a free body, then one body for each joint with mass."""
     spec = mujoco.MjSpec()
     spec.option.gravity = [0.0, -GRAVITY, 0.0]
     root = spec.worldbody.add_body(name="body")
@@ -112,7 +112,7 @@ def _mujoco_load(
         R = X[:3, :3]
         data.qpos[:3], data.qpos[3:7] = X[:3, 3], quaternion(R)
         data.qpos[place] = motion.q[k]
-        # What turns is told along the body's own axes there.
+        # MuJoCo has angular quantities in body axes.
         data.qvel[3:6], data.qacc[3:6] = R.T @ motion.spin[k], R.T @ motion.spin_rate[k]
         data.qacc[:3] = motion.acceleration[k]
         data.qvel[speed], data.qacc[speed] = motion.speeds[k], motion.accelerations[k]

@@ -148,7 +148,7 @@ def test_limb_and_tree_jacobians_agree(shipped: Figure) -> None:
     for limb in skeleton.limbs:
         batch = LimbBatch.of([(skeleton, limb)])
         joints = list(limb.joints)
-        # A limb is relative to what carries it, a head perhaps: that is at zero here.
+        # A limb is relative to its carrier, such as a head, which is at zero here.
         q = np.zeros_like(values)
         q[joints] = values[joints]
         J = jacobian(batch, batch.pose(q[joints][None]))[0]

@@ -107,7 +107,7 @@ def test_batched_legs_match_single_legs(skeleton: Skeleton, legs: LimbBatch) -> 
 
 
 def test_success_rate_for_reachable_goals(beetle: Figure) -> None:
-    """From the preferred pose; what is left over is what a restart is for."""
+    """Starts are the preferred pose; restarts are for the remaining goals."""
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
     start = legs.pose(legs.preferred)

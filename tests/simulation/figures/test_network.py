@@ -138,7 +138,7 @@ def test_loops_and_their_bridge_are_body() -> None:
 
 
 @pytest.mark.parametrize("legs", [0, 1, 3, 5])
-def test_number_of_legs(legs: int) -> None:
+def test_any_number_of_legs_is_recognised(legs: int) -> None:
     nodes: dict[str, object] = {"a": [0, -1], "b": [0, 1], "c": [0.3, 0]}
     nodes |= {f"f{i}": [2.0 if i % 2 else -2.0, i - 2.0] for i in range(legs)}
     chains = [["a", "b", "c", "a"], *(["a", f"f{i}"] for i in range(legs))]

@@ -32,7 +32,7 @@ COUNTS = [
     pytest.param(1000, marks=pytest.mark.nightly),
 ]
 BY_DAY = ("beetle", "hopper", "kangaroo", "person", "robot_arm")
-"""Figures of every kind of limb; the others wait for the night."""
+"""Figures of every kind of limb; the others are tested nightly."""
 
 FIGURES = [
     name if name in BY_DAY else pytest.param(name, marks=pytest.mark.nightly)
@@ -42,8 +42,8 @@ FIGURES = [
 Library = Callable[[str], Figure]
 
 
-def _uniform(batch: LimbBatch, chance: np.random.Generator) -> Array:
-    return batch.lower + chance.random(batch.lower.shape) * (batch.upper - batch.lower)
+def _uniform(batch: LimbBatch, rng: np.random.Generator) -> Array:
+    return batch.lower + rng.random(batch.lower.shape) * (batch.upper - batch.lower)
 
 
 def _legs(figure: Figure) -> LimbBatch:
@@ -51,7 +51,7 @@ def _legs(figure: Figure) -> LimbBatch:
 
 
 def _chain(axes: Array, lengths: tuple[float, ...], slides: tuple[bool, ...] = ()) -> Skeleton:
-    """Return a chain along X that begins at the origin, a link after each joint."""
+    """Return a chain along X from the origin, a link after each joint."""
     n = len(axes)
     places = np.zeros((n + 1, 3))
     places[1:, 0] = np.cumsum(lengths)
@@ -126,8 +126,8 @@ def test_success_rate_with_orientation(shipped: Figure) -> None:
     batch = LimbBatch.of([(shipped.skeleton, limb) for limb in limbs for _ in range(20)])
     there = batch.pose(_uniform(batch, np.random.default_rng(4)))
     start = batch.pose(batch.preferred)
-    chance = np.random.default_rng(5)
-    solution = reach(batch, start, there.tips, there.R_BF, restarts=8, rng=chance)
+    rng = np.random.default_rng(5)
+    solution = reach(batch, start, there.tips, there.R_BF, restarts=8, rng=rng)
     assert solution.turn is not None
     met = (solution.residual <= 1e-4 * batch.lengths) & (solution.turn <= 1e-3)
     print(f"{shipped.name}: {met.mean():.1%} with orientation")  # noqa: T201
@@ -169,15 +169,15 @@ def test_single_joint_limbs_reach_the_nearest_point() -> None:
 @pytest.mark.nightly
 def test_no_random_pose_is_nearer_to_an_unreachable_goal(beetle: Figure) -> None:
     legs = _legs(beetle)
-    start, chance = legs.pose(legs.preferred), np.random.default_rng(6)
+    start, rng = legs.pose(legs.preferred), np.random.default_rng(6)
     for factor in (1.05, 1.5, 4.0):
-        arm = chance.normal(size=(len(legs.tips), 3))
+        arm = rng.normal(size=(len(legs.tips), 3))
         arm *= (factor * legs.lengths / np.linalg.norm(arm, axis=-1))[:, None]
         goals = legs.places[:, 0] + arm
-        found = reach(legs, start, goals, restarts=8, rng=chance)
-        others = legs.pose(_uniform(legs, chance))
+        found = reach(legs, start, goals, restarts=8, rng=rng)
+        others = legs.pose(_uniform(legs, rng))
         for _ in range(300):
-            others = legs.pose(_uniform(legs, chance))
+            others = legs.pose(_uniform(legs, rng))
             apart = np.linalg.norm(others.tips - goals, axis=-1)
             assert (found.residual <= apart + 1e-3 * legs.lengths).all()
 
@@ -253,9 +253,9 @@ def test_joints_do_not_jump_along_a_motion(library: Library, name: str) -> None:
 )
 def test_secondary_goals_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> None:
     legs = _legs(beetle)
-    chance = np.random.default_rng(7)
+    rng = np.random.default_rng(7)
     for _ in range(10):
-        q = _uniform(legs, chance)
+        q = _uniform(legs, rng)
         goals, start = legs.pose(q).tips, legs.pose(q)
         found = reach(legs, start, goals, secondary=secondary)
         assert (found.residual <= 2e-6 * legs.lengths).all()
@@ -263,10 +263,10 @@ def test_secondary_goals_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> 
 
 def test_secondary_goals_use_the_redundancy(beetle: Figure) -> None:
     legs = _legs(beetle)
-    chance = np.random.default_rng(8)
+    rng = np.random.default_rng(8)
     nearer, abler = [], []
     for _ in range(10):
-        start = legs.pose(_uniform(legs, chance))
+        start = legs.pose(_uniform(legs, rng))
         rest = reach(legs, start, start.tips, secondary=[PreferredValues()]).pose
         able = reach(legs, start, start.tips, secondary=[MaximumDexterity(0.5)]).pose
         before = np.linalg.norm(start.q - legs.preferred, axis=-1)
@@ -289,7 +289,7 @@ def test_obstacle_avoidance_keeps_the_tip() -> None:
     found = reach(batch, start, start.tips, secondary=[AvoidObstacles(ball, 0.015)])
     assert found.residual[0] <= 2e-6 * batch.lengths[0]
     assert nearest_obstacles(batch, found.pose, ball).gap.min() >= 0.015 - 1e-3
-    # With the preferred values below it they have what is left, and the way stays clear.
+    # Preferred values of lower priority use the remaining redundancy without collisions.
     both = reach(
         batch, start, start.tips, secondary=[AvoidObstacles(ball, 0.015), PreferredValues(0.1)]
     )

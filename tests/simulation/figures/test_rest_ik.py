@@ -23,14 +23,14 @@ MOMENTS = 40
 
 
 def _legs(figures: list[Figure]) -> tuple[LimbBatch, NDArray[np.int64]]:
-    """Return the legs of figures, and whose they are."""
+    """Return the legs of figures, and the owner of each leg."""
     owner = [c for c, figure in enumerate(figures) for _ in figure.skeleton.legs]
     legs = [(figure.skeleton, leg) for figure in figures for leg in figure.skeleton.legs]
     return LimbBatch.of(legs), np.array(owner, dtype=np.int64)
 
 
 def _goals(legs: LimbBatch, rng: np.random.Generator, wide: float = 1.0) -> Array:
-    """Return places (m, L, 3) that feet are in when they walk."""
+    """Return foot positions (m, L, 3) as in walks [m]."""
     about = rng.uniform(-1, 1, (MOMENTS, len(legs.lengths), 3)) * [0.1, 0.05, 0.03]
     centre = legs.pose(legs.preferred).tips
     goals: Array = centre + (wide * about + [0.0, 0.05, 0.0]) * legs.lengths[:, None]
@@ -38,7 +38,7 @@ def _goals(legs: LimbBatch, rng: np.random.Generator, wide: float = 1.0) -> Arra
 
 
 def _plainly(legs: LimbBatch, goals: Array) -> tuple[Array, Array]:
-    """Return joint values (L, n) and distances (L,) after the same iterations, one way for all."""
+    """Return joint values (L, n) and distances (L,) after plain iterations of all legs."""
     pose, damping = legs.pose(legs.preferred), damping_matrix(legs)
     for gain in REST_GAINS:
         error = goals - pose.tips
@@ -79,7 +79,7 @@ def test_frames_and_residuals_match_joint_values(shipped: Figure) -> None:
 def test_random_chains_match_limb_poses(
     random_skeleton: Callable[[np.random.Generator, int], Skeleton],
 ) -> None:
-    """Axes that are parallel, opposite or cross, joints that slide, places that coincide."""
+    """Random chains have parallel, opposite and crossing axes, slides and coincident joints."""
     rng = np.random.default_rng(7)
     for _ in range(40):
         skeleton = random_skeleton(rng, 7)

@@ -16,11 +16,7 @@ from pipeline.simulation.figures.ik_goals import (
 )
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.obstacle_avoidance import closest_points
-from pipeline.simulation.figures.task_priority import (
-    Task,
-    bounded_priority_step,
-    solve_priorities,
-)
+from pipeline.simulation.figures.task_priority import Task, bounded_priority_step, solve_priorities
 from pipeline.simulation.spatial import Array, rotation
 
 

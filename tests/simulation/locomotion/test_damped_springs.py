@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.body_motion.damped_springs import (
-    Oscillators,
-    SpringFollower,
-)
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
 from pipeline.simulation.spatial import Array
 
 W, Z = 7.0, 0.3
@@ -56,7 +53,7 @@ def test_no_lag_behind_a_resting_or_even_goal() -> None:
 def test_refinement_converges_to_second_order() -> None:
     def late(rate: int) -> Array:
         times = np.arange(2 * rate + 1) / rate
-        goals = times**3 * np.sin(5.0 * times)  # begins as a goal at rest does
+        goals = times**3 * np.sin(5.0 * times)  # starts at rest
         return SpringFollower(springs(1.0 / rate)).follow(goals[:, None])[:: rate // 20, 0]
 
     truth = late(2560)

@@ -1,4 +1,4 @@
-"""A change of gait: every foot keeps going up and down in turn."""
+"""Gait transitions: every foot keeps lifting and landing in turn."""
 
 from __future__ import annotations
 

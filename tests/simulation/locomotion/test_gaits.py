@@ -252,7 +252,7 @@ def test_bounce_is_free_fall_in_flight_with_continuous_speed(legs: LegRows, duty
             for edge in (start, start + length):
                 before, at, after = bounce.height(edge + np.array([-1e-6, 0.0, 1e-6]))
                 assert abs((after - at) - (at - before)) < 1e-9
-        # The amplitude is half of the rise, as finely as it is sampled.
+        # The amplitude is half of the rise, within the sampling.
         assert np.abs(bounce.beat(FINE)).max() < 2.0 + 1e-3
 
 

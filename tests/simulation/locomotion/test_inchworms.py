@@ -25,11 +25,7 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import (
     loop_chord,
 )
 from pipeline.simulation.locomotion.inching.inchworm_pose import solve_pose
-from pipeline.simulation.locomotion.inching.inchworm_steps import (
-    Inchworm,
-    InchwormStep,
-    feet_at,
-)
+from pipeline.simulation.locomotion.inching.inchworm_steps import Inchworm, InchwormStep, feet_at
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
@@ -151,7 +147,7 @@ def crawl(request: pytest.FixtureRequest, scene_of: SceneOf) -> Crawl:
 
 @pytest.fixture(scope="module")
 def chain(figure: Callable[..., Figure]) -> InchwormChain:
-    """A chain of uneven links, whose body is a link too."""
+    """Return a chain of uneven links, one of which is the body."""
     nodes = {"a": -0.9, "b": -0.65, "c": -0.5, "d": -0.3, "e": -0.15, "f": 0.05, "g": 0.3}
     nodes |= {"h": 0.55, "i": 0.7, "j": 0.95}
     drawn = ", ".join(f"{name}: [0, {y}]" for name, y in nodes.items())

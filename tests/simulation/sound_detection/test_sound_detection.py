@@ -15,10 +15,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.event_detection import sound_sources
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation, simulate
-from pipeline.simulation.sound_detection.active_intervals import (
-    ActiveInterval,
-    IntervalTracker,
-)
+from pipeline.simulation.sound_detection.active_intervals import ActiveInterval, IntervalTracker
 from pipeline.simulation.sound_detection.contact_sounds import CONTACT_CAUSES
 from pipeline.simulation.sound_detection.motion_sounds import MOTION_CAUSES, MotionSounds
 from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts

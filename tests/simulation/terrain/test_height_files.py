@@ -19,12 +19,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.terrain.height_files import (
-    MeshError,
-    grid_of,
-    obj_vertices,
-    ply_vertices,
-)
+from pipeline.simulation.terrain.height_files import MeshError, grid_of, obj_vertices, ply_vertices
 from pipeline.spec import load_scene, simulation_key
 
 SCENE = "pronk: 1\nduration: 1\nterrain: {config}\ncast: [{{prop: {{shape: ball}}}}]\n"
@@ -34,7 +29,7 @@ COLUMN = len("terrain: {kind: image, file: ") + 1
 def build_ground_of(folder: Path, config: str) -> Ground:
     path = folder / "scene.yaml"
     path.write_text(SCENE.format(config=config), encoding="utf-8")
-    return Simulation(load_scene(path)).build_ground_of.ground
+    return Simulation(load_scene(path)).world.ground
 
 
 def refusal_message(folder: Path, config: str) -> str:

@@ -7,7 +7,7 @@ Source: Sims 1987, 3.2.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -27,6 +27,7 @@ from pipeline.simulation.bodies.groups.rain import RainRule
 from pipeline.simulation.bodies.groups.school import SchoolRule
 from pipeline.simulation.bodies.groups.swarm import SwarmRule
 from pipeline.simulation.inventory import join_inventories
+from pipeline.simulation.members import MemberState, goal_place, goals_named
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
@@ -59,11 +60,20 @@ class GroupTroupe(Troupe):
         self._step = 0
         self._steps: list[int] = []
         self._rows: Rows | None = None
+        self._members: Mapping[str, MemberState] = {}
 
     def bind(self, nodes: Sequence[Node], meshes: Sequence[Mesh], names: NodeNames) -> None:
         """See `Troupe`."""
         for rule in self.rules.values():
             rule.bind(CastIndex(nodes, meshes, names))
+
+    def members_needed(self, orders: Orders) -> Collection[str]:
+        """See `Troupe`."""
+        return goals_named(self.rules, orders)
+
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """See `Troupe`."""
+        self._members = members
 
     def read(self, orders: Orders) -> None:
         """See `Troupe`."""
@@ -71,7 +81,7 @@ class GroupTroupe(Troupe):
         for name, rule in self.rules.items():
             for do in orders.get(name, ()):
                 if isinstance(do, GoTo):
-                    rule.send(time, do.go_to)
+                    rule.send(time, goal_place(do.go_to, self._members))
 
     def advance(self, step: int) -> None:
         """See `Troupe`; members move in `write_last`."""

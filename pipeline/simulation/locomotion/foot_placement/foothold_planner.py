@@ -22,11 +22,7 @@ from pipeline.simulation.locomotion.foot_placement.foothold_search import (
     FootholdSearch,
 )
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import EASY_SWING_HEIGHT
-from pipeline.simulation.locomotion.foot_placement.step_batch import (
-    Stances,
-    StepBatch,
-    StepRequest,
-)
+from pipeline.simulation.locomotion.foot_placement.step_batch import Stances, StepBatch, StepRequest
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory

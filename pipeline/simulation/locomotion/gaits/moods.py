@@ -19,9 +19,8 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.pace import (
-    MIN_BODY_HEIGHT,
+    BODY_HEIGHTS,
     STRIDE_OF_LONGEST,
-    WALK_HEIGHT,
     Pace,
     choose_pace,
 )
@@ -138,7 +137,8 @@ def apply_mood(pace: Pace, effect: MoodEffect, figure: Figure, legs: LegLayout) 
         return pace
     carrying = [leg for leg, held in enumerate(pace.held) if not held]
     legs = legs.only(carrying, pace.lateral_offset)
-    lowest, tallest = MIN_BODY_HEIGHT * figure.belly, WALK_HEIGHT * legs.tallest()
+    lowest = BODY_HEIGHTS.lowest * figure.belly
+    tallest = BODY_HEIGHTS.walk * legs.tallest()
     height = pace.body_height * effect.body_height
     # An author may have asked for more than the defaults allow.
     height = min(max(height, min(lowest, pace.body_height)), max(tallest, pace.body_height))

@@ -19,11 +19,43 @@ from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout, stride
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import Manner, Walk
 
-# Least height of a body over level ground, in depths of its belly.
-MIN_BODY_HEIGHT = 1.25
 
-# Greatest default body height with flights, without, and standing, as a fraction of the tallest.
-RUN_HEIGHT, WALK_HEIGHT, STAND_HEIGHT = 0.92, 0.94, 0.99
+@dataclass(frozen=True, slots=True)
+class BodyHeights:
+    """Bounds of default body heights.
+
+    Attributes:
+        lowest: over level ground, in depths of the belly.
+        run, walk, stand: greatest height with flights, without, and standing, as fractions of the
+            tallest that the legs reach: straight legs have no room for a stride.
+    """
+
+    lowest: float = 1.25
+    run: float = 0.92
+    walk: float = 0.94
+    stand: float = 0.99
+
+
+@dataclass(frozen=True, slots=True)
+class FlightRhythm:
+    """Defaults of gaits with flights.
+
+    Attributes:
+        periods: duration of a cycle with one flight and with more, in periods of a pendulum of the
+            legs' length, over 2π, as a horse gallops and trots (Heglund and Taylor 1988).
+        max_stride: in leg lengths.
+        max_bounce: in leg lengths.
+        trailing_fraction: fraction of its swing in which a foot has hardly left its place: reach is
+            needed for it.
+    """
+
+    periods: tuple[float, float] = (1.5, 1.85)
+    max_stride: float = 1.3
+    max_bounce: float = 0.1
+    trailing_fraction: float = 0.2
+
+
+BODY_HEIGHTS, FLIGHT_RHYTHM = BodyHeights(), FlightRhythm()
 
 # Default stride, as a fraction of the longest that the legs can do.
 STRIDE_OF_LONGEST = 0.85
@@ -32,20 +64,9 @@ STRIDE_OF_LONGEST = 0.85
 # 2π.
 PERIODS = {"insect": 2.6, "mammal": 3.1}
 
-# Likewise with one flight a cycle and with more, as a horse gallops and trots (Heglund and Taylor
-# 1988).
-FLIGHT_PERIODS = 1.5, 1.85
-
-# Longest default stride in leg lengths, without and with flights. Legs that hang down swing farther
-# than legs that sprawl.
-MAX_STRIDE, MAX_FLIGHT_STRIDE = {"insect": 0.55, "mammal": 0.95}, 1.3
-
-# Fraction of its swing in which a foot has hardly left its place: a gait with flights needs reach
-# for it.
-TRAILING_FRACTION = 0.2
-
-# Greatest default bounce of a gait with flights, in leg lengths.
-MAX_FLIGHT_BOUNCE = 0.1
+# Longest default stride without flights, in leg lengths: upright legs swing farther than sprawling
+# ones.
+MAX_STRIDE = {"insect": 0.55, "mammal": 0.95}
 
 # Default step height, in leg lengths.
 STEP_HEIGHT = 0.13
@@ -153,9 +174,10 @@ def _body_height(
     flight: FlightBounce | None,
     legs: LegLayout,
 ) -> float:
-    height = max(-float(legs.feet[:, 1].mean()), MIN_BODY_HEIGHT * figure.belly)
-    # Straight legs have no room for a stride: a walking creature stands a little lower.
-    most = STAND_HEIGHT if not walks else WALK_HEIGHT if flight is None else RUN_HEIGHT
+    height = max(-float(legs.feet[:, 1].mean()), BODY_HEIGHTS.lowest * figure.belly)
+    most = BODY_HEIGHTS.stand
+    if walks:
+        most = BODY_HEIGHTS.walk if flight is None else BODY_HEIGHTS.run
     rise = _rise_while_trailing(gait, flight, float(legs.lengths.mean()))
     height = min(height, most * legs.tallest() - rise)
     height = height if walk.body_height is None else walk.body_height
@@ -184,24 +206,25 @@ def _rhythm(
         stride = min(MAX_STRIDE[style] * leg, most)
         return *cycle_and_stride(walk, PERIODS[style] * pendulum, stride), bounce
     highest = height + _rise_while_trailing(gait, flight, leg)
-    most = STRIDE_OF_LONGEST * legs.longest_stride(gait, highest, TRAILING_FRACTION)
-    stride = min(MAX_FLIGHT_STRIDE * leg, most)
+    longest = legs.longest_stride(gait, highest, FLIGHT_RHYTHM.trailing_fraction)
+    most = STRIDE_OF_LONGEST * longest
+    stride = min(FLIGHT_RHYTHM.max_stride * leg, most)
     cycle, stride = cycle_and_stride(walk, _flight_cycle(flight, leg), stride)
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
     free = flight.amplitude * GRAVITY * cycle * cycle
-    return cycle, stride, min(free, MAX_FLIGHT_BOUNCE * leg)
+    return cycle, stride, min(free, FLIGHT_RHYTHM.max_bounce * leg)
 
 
 def _flight_cycle(flight: FlightBounce, leg: float) -> float:
     """Return the default duration of a cycle with flights [s]."""
-    return FLIGHT_PERIODS[min(len(flight.flights), 2) - 1] * math.sqrt(leg / GRAVITY)
+    return FLIGHT_RHYTHM.periods[min(len(flight.flights), 2) - 1] * math.sqrt(leg / GRAVITY)
 
 
 def _rise_while_trailing(gait: Gait, flight: FlightBounce | None, leg: float) -> float:
     """Return the rise of a body in flight while feet still trail [m]."""
     if flight is None:
         return 0.0
-    heights = flight.height(gait.up + TRAILING_FRACTION * gait.swing)
+    heights = flight.height(gait.up + FLIGHT_RHYTHM.trailing_fraction * gait.swing)
     return max(float(heights.max()), 0.0) * GRAVITY * _flight_cycle(flight, leg) ** 2
 
 

@@ -40,7 +40,7 @@ from pipeline.simulation.locomotion.pronking.hopper import Hopper, build_hopper
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState, RigidFall
 from pipeline.simulation.locomotion.pronking.jump_orders import (
     HurdleJump,
-    Solids,
+    Members,
     jump_once,
     scripted_jump,
 )
@@ -123,7 +123,7 @@ class WalkerJumps:
         self.notes: list[TakeNote] = []
         self.arrived: list[str] = []
         self._pending_notes: list[TakeNote] = []
-        self._solids: Solids = {}
+        self._members: Members = {}
         self._recorder = HopEventRecorder(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
         problems = list[Problem]()
@@ -171,9 +171,9 @@ class WalkerJumps:
         orders_now += [order for trip in landed for order in trip.pending_orders]
         return {order.hop_over for order in orders_now if isinstance(order, HopOver)}
 
-    def see(self, solids: Solids) -> None:
-        """Take in the solids of other performers."""
-        self._solids = {**self._solids, **solids}
+    def see(self, members: Members) -> None:
+        """Take in where the members are that are to be jumped over."""
+        self._members = {**self._members, **members}
 
     def take(self, step: int, c: int, order: Do) -> bool:
         """Take an order; return whether it is for a jump, or waits for the end of one."""
@@ -197,7 +197,7 @@ class WalkerJumps:
         route, distance = progress.trajectory.routes[c], float(progress.distance[c])
         reason = self._reason_against(c)
         if isinstance(order, HopOver) and not reason:
-            solids = self._solids.get(order.hop_over, ())
+            solids = self._members[order.hop_over].solids
             approach: Route | str = "it is not in sight"
             if solids:
                 approach = plan_approach(progress, c, hopper, self.world.ground, solids)
@@ -291,7 +291,9 @@ class WalkerJumps:
 
     def _jump_order(self, hopper: Hopper, order: HopOver | JumpOnce) -> JumpOrder:
         if isinstance(order, HopOver):
-            return HurdleJump(order.hop_over, self._solids[order.hop_over], can_approach=False)
+            return HurdleJump(
+                order.hop_over, self._members[order.hop_over].solids, can_approach=False
+            )
         return jump_once(hopper, order.jump)
 
     def _standing_pose(self, c: int) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ Source: Sims 1987, 7.4 and ch. 11.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -28,7 +28,8 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
     HopperPoser,
     HopperSnapshot,
 )
-from pipeline.simulation.locomotion.pronking.jump_orders import Solids, apply_order, scripted_jump
+from pipeline.simulation.locomotion.pronking.jump_orders import apply_order, scripted_jump
+from pipeline.simulation.members import MemberState, goals_named
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, TakeNote
@@ -90,20 +91,21 @@ class HopperTroupe(Troupe):
         self._pending_notes: list[TakeNote] = []
         self._row_notes: list[TakeNote] = []
         self._arrived: list[str] = []
-        self._solids: Solids = {}
+        self._members: Mapping[str, MemberState] = {}
 
-    def solids_needed(self, orders: Orders) -> Collection[str]:
-        """Return the performers whose solids are needed now."""
-        return {
+    def members_needed(self, orders: Orders) -> Collection[str]:
+        """Return the members that creatures are to jump over or go to."""
+        jumped_over = {
             order.hop_over
             for name in self.herd.names
             for order in orders.get(name, ())
             if isinstance(order, HopOver)
         }
+        return jumped_over | goals_named(self.herd.names, orders)
 
-    def see_solids(self, solids: Solids) -> None:
-        """Take in the solids of other performers."""
-        self._solids = {**self._solids, **solids}
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Take in where these members are."""
+        self._members = members
 
     def prepare(self, instruction: Instruction, path: str) -> None:
         """Check a scripted jump.
@@ -122,7 +124,7 @@ class HopperTroupe(Troupe):
                 if isinstance(order, LookAt | LookAhead):
                     self._look(c, order)
                 elif self.simulations[c].state.phase != "fallen":
-                    apply_order(self.simulations[c], order, self._solids)
+                    apply_order(self.simulations[c], order, self._members)
 
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None

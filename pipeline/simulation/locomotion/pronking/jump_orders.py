@@ -26,6 +26,7 @@ from pipeline.simulation.locomotion.pronking.hurdle_jump import (
 )
 from pipeline.simulation.locomotion.pronking.jump_parameters import Jump, resolve_jump
 from pipeline.simulation.locomotion.routes.route import heading_vector
+from pipeline.simulation.members import MemberState, goal_place
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.creature import Pronk
@@ -47,8 +48,8 @@ EXTRA_ATTEMPTS = 12
 """Jumps allowed to reach a place before a hurdle, beyond those of the way."""
 
 
-Solids = Mapping[str, Sequence[Array]]
-"""Corners (n, 3) of the solids of performers, by name, in the world [m]."""
+Members = Mapping[str, MemberState]
+"""States of the members that orders name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,10 +235,10 @@ def _upward_speed(
     return Jump(0.0, jump.height + rise).up
 
 
-def apply_order(simulation: HopSimulation, order: Do, solids: Solids) -> None:
+def apply_order(simulation: HopSimulation, order: Do, members: Members) -> None:
     """Apply a scripted order from the next jump on."""
     kind = type(order) if not isinstance(order, str) else order
-    ORDER_HANDLERS[kind](simulation, order, solids)
+    ORDER_HANDLERS[kind](simulation, order, members)
     wake_if_jumping(simulation.hopper, simulation.state)
 
 
@@ -264,15 +265,15 @@ def scripted_jump(hopper: Hopper, config: JumpSettings, where: str) -> Jump:
     return resolve_jump(where, Pronk(**values), hopper.greatest_height(LIFT_OFF_STRETCH, 0.0))
 
 
-def _resume_hopping(simulation: HopSimulation, order: Do, solids: Solids) -> None:
+def _resume_hopping(simulation: HopSimulation, order: Do, members: Members) -> None:
     """Make configured jumps again."""
-    del order, solids
+    del order, members
     simulation.state.queue.keep_hopping = True
 
 
-def _stop(simulation: HopSimulation, order: Do, solids: Solids) -> None:
+def _stop(simulation: HopSimulation, order: Do, members: Members) -> None:
     """Stop after the current jump."""
-    del order, solids
+    del order, members
     queue = simulation.state.queue
     queue.keep_hopping = False
     pushes = simulation.state.phase == "pushing" and queue.planned is not None
@@ -282,28 +283,28 @@ def _stop(simulation: HopSimulation, order: Do, solids: Solids) -> None:
         queue.planned = replace(queue.planned, is_last=True)
 
 
-def _go_to(simulation: HopSimulation, order: GoTo, solids: Solids) -> None:
-    _stop(simulation, order, solids)
-    simulation.state.queue.orders.append(HopToPoint(order.go_to))
+def _go_to(simulation: HopSimulation, order: GoTo, members: Members) -> None:
+    _stop(simulation, order, members)
+    simulation.state.queue.orders.append(HopToPoint(goal_place(order.go_to, members)))
 
 
-def _turn_by(simulation: HopSimulation, order: TurnBy, solids: Solids) -> None:
-    del solids
+def _turn_by(simulation: HopSimulation, order: TurnBy, members: Members) -> None:
+    del members
     simulation.state.queue.orders.append(TurnJumps(math.radians(order.turn_deg)))
 
 
-def _set_speed(simulation: HopSimulation, order: SetSpeed, solids: Solids) -> None:
+def _set_speed(simulation: HopSimulation, order: SetSpeed, members: Members) -> None:
     """Jump at the same angle but another speed: speed² = g h (r² / 8 + 2) with d = r h."""
-    del solids
+    del members
     queue = simulation.state.queue
     ratio = queue.jump.distance / queue.jump.height
     height = order.speed**2 / (GRAVITY * (ratio * ratio / 8.0 + 2.0))
     queue.jump = Jump(ratio * height, height)
 
 
-def _hop_over(simulation: HopSimulation, order: HopOver, solids: Solids) -> None:
-    corners = solids.get(order.hop_over, ())
-    simulation.state.queue.orders.append(HurdleJump(order.hop_over, corners))
+def _hop_over(simulation: HopSimulation, order: HopOver, members: Members) -> None:
+    solids = members[order.hop_over].solids
+    simulation.state.queue.orders.append(HurdleJump(order.hop_over, solids))
 
 
 def jump_once(hopper: Hopper, config: JumpSettings) -> JumpOrder:
@@ -312,12 +313,12 @@ def jump_once(hopper: Hopper, config: JumpSettings) -> JumpOrder:
     return SingleJump(jump) if config.land_at is None else JumpToPoint(config.land_at, jump)
 
 
-def _jump_once(simulation: HopSimulation, order: JumpOnce, solids: Solids) -> None:
-    del solids
+def _jump_once(simulation: HopSimulation, order: JumpOnce, members: Members) -> None:
+    del members
     simulation.state.queue.orders.append(jump_once(simulation.hopper, order.jump))
 
 
-ORDER_HANDLERS: dict[Any, Callable[[HopSimulation, Any, Solids], None]] = {
+ORDER_HANDLERS: dict[Any, Callable[[HopSimulation, Any, Members], None]] = {
     "hop": _resume_hopping,
     "walk": _resume_hopping,
     "stop": _stop,

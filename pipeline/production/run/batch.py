@@ -1,0 +1,126 @@
+"""Batch: scenes one after the other; where one fails, the others are made all the same."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from pipeline.errors import PronkError
+from pipeline.production.run.interrupts import INTERRUPTED, is_interrupt
+from pipeline.production.run.notes import Note
+from pipeline.production.run.progress import Reporter, SceneRow, Stage
+from pipeline.spec import find_scene
+
+FRAME_STAGES = ("simulate", "render")
+"""Stages whose things are frames; the last of them counts in the table."""
+
+MAX_ERROR_LENGTH = 90
+"""Of an error in the table, which was told in full before [characters]."""
+
+Work = Callable[[str, Reporter], None]
+"""Work on a scene, by its name; reports to the reporter."""
+
+ReportError = Callable[[PronkError, str, Path | None], None]
+"""Tells an error with the name of the scene and its file, None if there is none."""
+
+
+class Defect(PronkError):
+    """Pronk failed in a way that it does not know."""
+
+    exit_code = 4
+
+    def __init__(self, error: Exception) -> None:
+        lines = "".join(traceback.format_exception(error)).rstrip()
+        super().__init__(f"a defect of pronk, please report it: {error!r}\n{lines}")
+
+
+class SceneReporter(Reporter):
+    """Passes on what the work on a scene reports and enters it into the scene's row."""
+
+    def __init__(self, reporter: Reporter, row: SceneRow) -> None:
+        self._reporter = reporter
+        self._row = row
+
+    def begin(self, stage: Stage) -> None:
+        """Pass on, and note a stage that counts frames."""
+        if stage.name in FRAME_STAGES:
+            self._row.stage = stage
+        self._reporter.begin(stage)
+
+    def advance(self, stage: Stage) -> None:
+        """Pass on."""
+        self._reporter.advance(stage)
+
+    def end(self, stage: Stage) -> None:
+        """Pass on."""
+        self._reporter.end(stage)
+
+    def note(self, text: str, detail: bool = False) -> None:
+        """Pass on."""
+        self._reporter.note(text, detail)
+
+    def notes(self, scene: str, notes: Sequence[Note], manifest: Path | None) -> None:
+        """Pass on and count."""
+        self._row.notes += len(notes)
+        self._reporter.notes(scene, notes, manifest)
+
+    def result(self, text: str, **facts: object) -> None:
+        """Pass on."""
+        self._reporter.result(text, **facts)
+
+
+def run_batch(
+    scenes: Sequence[str], work: Work, reporter: Reporter, report_error: ReportError
+) -> int:
+    """Work on scenes one after the other and return the worst exit code, which is the highest.
+
+    Of several scenes a table is reported at the end, also when the user interrupts.
+
+    Args:
+        scenes: files or names.
+        work: on each of them.
+        reporter: of the work.
+        report_error: called with each error as it happens.
+    """
+    rows = [SceneRow(scene) for scene in scenes]
+    several = len(rows) > 1
+    try:
+        for number, row in enumerate(rows, start=1):
+            if several:
+                reporter.scene(row.scene, number, len(rows))
+            _run_scene(row, work, reporter, report_error)
+    finally:
+        worst = max(row.exit_code or 0 for row in rows)
+        if several:
+            reporter.table(rows, worst)
+    return worst
+
+
+def _run_scene(row: SceneRow, work: Work, reporter: Reporter, report_error: ReportError) -> None:
+    """Work on one scene and fill its row."""
+    began = time.monotonic()
+    file: Path | None = None
+    # Until it has come to an end of its own.
+    row.state, row.exit_code = "stopped", INTERRUPTED
+    try:
+        file = find_scene(row.scene)
+        work(row.scene, SceneReporter(reporter, row))
+        row.state, row.exit_code = "done", 0
+    except BrokenPipeError:
+        # Nobody reads the results any more.
+        raise
+    except Exception as error:
+        if is_interrupt(error):
+            raise
+        told = error if isinstance(error, PronkError) else Defect(error)
+        row.state, row.exit_code = "failed", told.exit_code
+        row.error = _shortened(str(told).splitlines()[0])
+        report_error(told, row.scene, file)
+    finally:
+        row.seconds = time.monotonic() - began
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= MAX_ERROR_LENGTH else text[: MAX_ERROR_LENGTH - 3] + "..."

@@ -1,0 +1,151 @@
+"""Notes: what a run tells the author of a scene that ran, such as a creature that stopped.
+
+They come from the scene (an order after the end of the film), from the simulation and from the
+pictures. The manifest lists all of them; a summary of a few lines stands at the end of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
+
+from pipeline.errors import PronkError
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.take import Take
+from pipeline.spec import Scene
+
+MAX_LINES = 10
+"""Lines of a summary, of which the last may count the rest."""
+
+MAX_SUBJECTS = 3
+"""Parts that a line of a summary names."""
+
+Source = Literal["scene", "simulation", "picture"]
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A message to the author.
+
+    Attributes:
+        kind: by which programs tell notes apart, such as "stopped" or "never_given".
+        source: where it was found.
+        part: performer, or part of one, that it is about.
+        seconds: time in the film [s].
+        frame: the first frame that shows it, None for what no frame shows.
+        text: the reason.
+        place: file and line in the scene, "" where there is none.
+    """
+
+    kind: str
+    source: Source
+    part: str
+    seconds: float
+    frame: int | None
+    text: str
+    place: str = ""
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Its members as JSON has them, without the empty place of most notes."""
+        members = asdict(self)
+        return members if self.place else {k: v for k, v in members.items() if k != "place"}
+
+    @property
+    def subject(self) -> str:
+        """What it is about, with its line."""
+        return f"{self.place}: {self.part}" if self.place else self.part
+
+
+class NotesRefused(PronkError):
+    """A run has notes, which `--strict` makes an error.
+
+    Attributes:
+        notes: all of them.
+    """
+
+    exit_code = 1
+
+    def __init__(self, notes: Sequence[Note]) -> None:
+        self.notes = tuple(notes)
+        lines = [f"{counted_notes(len(notes))}, and --strict allows none", *summary(notes)]
+        super().__init__("\n  ".join(lines))
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """Its notes."""
+        return {"notes": [note.facts for note in self.notes]}
+
+
+def clock_of(scene: Scene) -> Clock:
+    """Return the grid of a scene's steps and frames."""
+    return Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
+
+
+def take_notes(take: Take, clock: Clock) -> list[Note]:
+    """Return the notes of a simulation, in the order of time."""
+    return [
+        Note(
+            note.kind,
+            "simulation",
+            note.part,
+            round(float(clock.time_of(note.step)), 3),
+            min(clock.frame_of(note.step, 0.0), clock.frames),
+            note.text,
+        )
+        for note in take.notes
+    ]
+
+
+def read_notes(members: object) -> list[Note]:
+    """Return the notes that a manifest lists; what is none is left out."""
+    names = {field.name for field in fields(Note)}
+    entries = members if isinstance(members, list) else []
+    return [
+        Note(**entry)
+        for entry in entries
+        if isinstance(entry, Mapping) and names - {"place"} <= entry.keys() <= names
+    ]
+
+
+def counted_notes(count: int) -> str:
+    """Return a number of notes in words."""
+    return "1 note" if count == 1 else f"{count} notes"
+
+
+def summary(notes: Sequence[Note], rest: str = "") -> list[str]:
+    """Return at most `MAX_LINES` lines on notes, equal ones together.
+
+    Args:
+        notes: in the order in which they are told.
+        rest: where those stand that have no line.
+    """
+    groups = list(_groups(notes))
+    if len(groups) > MAX_LINES:
+        shown = groups[: MAX_LINES - 1]
+        left = len(notes) - sum(map(len, shown))
+        return [*map(_line, shown), f"and {left} more" + (f" in {rest}" if rest else "")]
+    return [_line(group) for group in groups]
+
+
+def _groups(notes: Iterable[Note]) -> Iterator[list[Note]]:
+    """Yield the notes that differ only in part, place and time, in the order of the first."""
+    groups: dict[tuple[str, str, str], list[Note]] = {}
+    for note in notes:
+        groups.setdefault((note.source, note.kind, note.text), []).append(note)
+    yield from groups.values()
+
+
+def _line(group: Sequence[Note]) -> str:
+    subjects = list(dict.fromkeys(note.subject for note in group))
+    named = ", ".join(subjects[:MAX_SUBJECTS])
+    if len(subjects) > MAX_SUBJECTS:
+        named += f" and {len(subjects) - MAX_SUBJECTS} more"
+    first = group[0]
+    if first.source == "scene":
+        return f"{named}: {first.text}"
+    moments = len({note.seconds for note in group})
+    when = f"at {first.seconds:.1f} s" if moments == 1 else f"from {first.seconds:.1f} s on"
+    times = f", {len(group)} times" if len(group) > len(subjects) else ""
+    return f"{named} {first.kind.replace('_', ' ')} {when}{times}: {first.text}"

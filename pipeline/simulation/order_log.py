@@ -1,0 +1,125 @@
+"""Order log: what became of every order of the script.
+
+An order that has an end is done, given up with a reason, replaced by another order, or cut off by
+the end of the film. The last two and orders that were never given become notes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from pipeline.simulation.order_outcome import Outcome
+from pipeline.simulation.script import Orders
+from pipeline.simulation.take import OrderRecord, TakeNote
+from pipeline.simulation.troupe import Facts
+from pipeline.spec.script import Do, Instruction, order_text
+from pipeline.spec.verbs import VERBS, key_of_order
+
+
+@dataclass(eq=False)
+class _Open:
+    """An order that is not finished.
+
+    Attributes:
+        order: the object that the troupe was given.
+        number: of its record.
+    """
+
+    order: Do
+    number: int
+
+
+class OrderLog:
+    """The orders given so far, and their outcomes.
+
+    Attributes:
+        records: of all orders, in the order of time.
+    """
+
+    def __init__(self) -> None:
+        self.records: list[OrderRecord] = []
+        self._open: dict[str, _Open] = {}
+
+    def give(self, step: int, orders: Orders) -> None:
+        """Records the orders of a step."""
+        for who, given in orders.items():
+            for order in given:
+                self._give(step, who, order)
+
+    def _give(self, step: int, who: str, order: Do) -> None:
+        verb = VERBS[key_of_order(order) or ""]
+        if not verb.ends:
+            outcome = "done" if verb.is_aside else "begun"
+        else:
+            outcome = ""
+        if not verb.is_aside and (last := self._open.pop(who, None)) is not None:
+            self._close(last.number, step, "replaced")
+        self.records.append(
+            OrderRecord(who, order_text(order), step, -1 if not outcome else step, outcome)
+        )
+        if not outcome:
+            self._open[who] = _Open(order, len(self.records) - 1)
+
+    def end(self, step: int, facts: Facts) -> list[TakeNote]:
+        """Records the ends of orders in a step; returns notes on those that were given up."""
+        notes = []
+        for outcome in facts.outcomes:
+            if (note := self._end(step, outcome)) is not None:
+                notes.append(note)
+        for who in facts.arrived:
+            if (last := self._open.pop(who, None)) is not None:
+                self._close(last.number, step, "done")
+        return notes
+
+    def _end(self, step: int, outcome: Outcome) -> TakeNote | None:
+        last = self._open.get(outcome.who)
+        if last is not None and last.order is outcome.order:
+            del self._open[outcome.who]
+            self._close(last.number, step, "given up" if outcome.reason else "done", outcome.reason)
+        if not outcome.reason:
+            return None
+        text = f"could not {order_text(outcome.order)}: {outcome.reason}"
+        return TakeNote("order_given_up", step, outcome.who, text)
+
+    def finish(self, step: int, waiting: Sequence[Instruction]) -> list[TakeNote]:
+        """Records orders that the film's end cuts off; returns notes on them.
+
+        Args:
+            step: the last one.
+            waiting: instructions that were never given.
+        """
+        notes = []
+        for who, last in sorted(self._open.items()):
+            self._close(last.number, step, "cut off")
+            text = f"has not finished {order_text(last.order)} at the end of the film"
+            notes.append(TakeNote("order_cut_off", step, who, text))
+        for instruction in waiting:
+            text = f"was never told {order_text(instruction.do)}: {_awaited_text(instruction)}"
+            notes.append(TakeNote("order_never_given", step, instruction.who, text))
+        return [*notes]
+
+    def _close(self, number: int, step: int, outcome: str, reason: str = "") -> None:
+        record = self.records[number]
+        self.records[number] = OrderRecord(
+            record.who, record.text, record.step, step, outcome, reason
+        )
+
+
+def _awaited_text(instruction: Instruction) -> str:
+    """Returns why an instruction was never given."""
+    when = instruction.when
+    if when is None:
+        return f"{instruction.at:g} s is after the end of the film"
+    key = when.event
+    value = getattr(when, key)
+    names: Iterable[str] = [value] if isinstance(value, str) else value
+    text = " and ".join(names)
+    return {
+        "arrived": f"{text} never arrived",
+        "touch": f"{text} never touched",
+        "near": f"{text} never came within {when.within:g} m",
+        "fell": f"{text} never fell",
+        "at_rest": f"{text} never came to rest",
+        "hug": f"{text} never hugged",
+    }[key]

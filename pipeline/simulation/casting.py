@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.figure_checks import check_figure
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
+from pipeline.simulation.take import TakeNote
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
@@ -34,6 +36,18 @@ def figures_of(scene: Scene) -> dict[str, Figure]:
     """Returns the figure of each creature by its name; equal ones are shared."""
     built = cache(lambda name, scale: build_figure(name, scene.figures[name], scale))
     return {member.name: built(member.figure, member.scale) for _, member in scene.creatures}
+
+
+def drawing_notes(figures: Mapping[str, Figure]) -> list[TakeNote]:
+    """Returns notes on likely mistakes in the drawings of creatures, once for each figure."""
+    owners = {figure.name: name for name, figure in reversed(figures.items())}
+    return [
+        TakeNote("drawn", 0, f"{name}.{remark.node}", remark.text)
+        for name, figure in figures.items()
+        if owners[figure.name] == name
+        for remark in check_figure(figure)
+        if remark.is_fault
+    ]
 
 
 def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.figure_checks import check_figure
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.refusals import Refusals
+from pipeline.simulation.take import TakeNote
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
@@ -30,9 +32,6 @@ Performer = tuple[int, Creature, Figure]
 CREATURE_MATERIAL, PROP_MATERIAL = "brown chitin", "wood"
 """Default materials of creatures and of props."""
 
-MACHINE_CODE = "making machine code for bodies; that takes a minute, once"
-"""Note for the user while `makes_machine_code`."""
-
 
 def figures_of(scene: Scene) -> dict[str, Figure]:
     """Returns the figure of each creature by its name; equal ones are shared.
@@ -47,6 +46,18 @@ def figures_of(scene: Scene) -> dict[str, Figure]:
             figures[member.name] = built(member.figure, member.scale)
     refusals.refuse()
     return figures
+
+
+def drawing_notes(figures: Mapping[str, Figure]) -> list[TakeNote]:
+    """Returns notes on likely mistakes in the drawings of creatures, once for each figure."""
+    owners = {figure.name: name for name, figure in reversed(figures.items())}
+    return [
+        TakeNote("drawn", 0, f"{name}.{remark.node}", remark.text)
+        for name, figure in figures.items()
+        if owners[figure.name] == name
+        for remark in check_figure(figure)
+        if remark.is_fault
+    ]
 
 
 def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
@@ -100,19 +111,6 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
             troupes.append(GroupTroupe(groups, world))
     refusals.refuse()
     return troupes
-
-
-def makes_machine_code(scene: Scene) -> bool:
-    """Returns whether the simulation has to compile machine code first, once per installation."""
-    rooms = {
-        "dynamics": any(isinstance(member, Body | Many) for member in scene.cast),
-        "characters": any(isinstance(member, Character) for member in scene.cast),
-    }
-    if not any(rooms.values()):
-        return False
-    from pipeline.simulation.dynamics.compiled import is_cached
-
-    return not all(is_cached(room) for room, needed in rooms.items() if needed)
 
 
 def _creatures(

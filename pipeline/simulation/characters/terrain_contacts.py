@@ -1,7 +1,7 @@
 """Terrain contacts: nodes and links that come into the ground are moved out of it.
 
-Each is a row of balls, which meet the nearest point of the terrain and then what lies in front of
-it, with Coulomb's friction across. What touches the ground is damped in the next sub-step.
+Each is a row of balls, met by the triangles of the terrain one after the other, with Coulomb's
+friction across. What touches the ground is damped in the next sub-step.
 
 Source: Horswill 2008, "Friction, drag and damping".
 """
@@ -46,12 +46,6 @@ MAX_BALLS = 5  # along a link, between its ends
 GROUND_GAP = 1e-3  # at which a node still stands on the ground [m]
 MAX_DEPTH = 1.0  # in which the nearest triangle is searched [m]
 COINCIDENT = 1e-12  # [m]
-MAX_CONTACTS = 3  # of a ball with the ground: a corner of three planes
-BEHIND_PLANE = 1e-7  # height above a plane that counts as zero, in radii
-
-Plane = tuple[float, float, float, float]
-
-NO_PLANE = (0.0, 0.0, 0.0, -1.0)  # behind everything
 
 
 @inlined
@@ -116,50 +110,18 @@ def _meet_ground(
         where = (-least - radius, normal[0], normal[1], normal[2])
         _separate_place(one, other, links, owner, t, where, sub_step, log)
         return
-    reach, planes = radius + GROUND_GAP, (NO_PLANE, NO_PLANE)
-    for _ in range(MAX_CONTACTS):
-        distance, n = _nearest_contact(grid, at, reach, planes, BEHIND_PLANE * radius)
-        if distance >= reach:
-            return
-        where = (distance - radius, n[0], n[1], n[2])
-        _separate_place(one, other, links, owner, t, where, sub_step, log)
-        planes = ((n[0], n[1], n[2], -distance), planes[0])
-
-
-@compiled
-def _nearest_contact(
-    grid: Grid, at: Vector, reach: float, planes: tuple[Plane, Plane], none: float
-) -> tuple[float, Vector]:
-    """Return the distance of the nearest ground in front of two planes, and its normal.
-
-    What lies behind the plane of a nearer contact is a corner that is not there, as in
-    `dynamics.terrain_contacts`: an edge between triangles of one plane.
-
-    Args:
-        grid: the ground.
-        at: a place above it [m].
-        reach: largest distance [m].
-        planes: normals, and distances along them from `at` [m].
-        none: distance from a plane that counts as zero [m].
-    """
-    least, normal, frame = reach, (0.0, 1.0, 0.0), grid.frame
+    reach = radius + GROUND_GAP
     i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
             for piece in range(triangles_per_cell(frame)):
+                at = place_between(one.p, other.p, t)
                 offset = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
                 distance = length(offset)
-                if COINCIDENT < distance < least:
-                    front = min(_height_over(planes[0], offset), _height_over(planes[1], offset))
-                    if front > none:
-                        least, normal = distance, times(1.0 / distance, offset)
-    return least, normal
-
-
-@compiled
-def _height_over(plane: Plane, offset: Vector) -> float:
-    """Return the height over a plane of what lies at minus `offset` [m]."""
-    return -(plane[0] * offset[0] + plane[1] * offset[1] + plane[2] * offset[2]) - plane[3]
+                if COINCIDENT < distance < reach:
+                    n = times(1.0 / distance, offset)
+                    where = (distance - radius, n[0], n[1], n[2])
+                    _separate_place(one, other, links, owner, t, where, sub_step, log)
 
 
 @compiled

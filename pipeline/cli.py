@@ -42,6 +42,7 @@ for command in (
     direct,
 ):
     app.command()(command)
+app.command("compile")(scene_files.compile_code)
 app.command("list")(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")

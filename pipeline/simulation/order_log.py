@@ -94,7 +94,8 @@ class OrderLog:
             self._close(last.number, step, "cut off")
             text = f"has not finished {order_text(last.order)} at the end of the film"
             notes.append(TakeNote("order_cut_off", step, who, text))
-        for instruction in waiting:
+        # What is due after the end is known, and told, before the simulation.
+        for instruction in (one for one in waiting if one.when is not None):
             text = f"was never told {order_text(instruction.do)}: {_awaited_text(instruction)}"
             notes.append(TakeNote("order_never_given", step, instruction.who, text))
         return [*notes]
@@ -109,8 +110,7 @@ class OrderLog:
 def _awaited_text(instruction: Instruction) -> str:
     """Returns why an instruction was never given."""
     when = instruction.when
-    if when is None:
-        return f"{instruction.at:g} s is after the end of the film"
+    assert when is not None
     key = when.event
     value = getattr(when, key)
     names: Iterable[str] = [value] if isinstance(value, str) else value

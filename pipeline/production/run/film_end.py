@@ -48,12 +48,14 @@ class Beginning:
         path: of the value that says when, such as `script[2].at`.
         part: whom or what it is about.
         lost: what happens if the film is over by then, such as "never given".
+        kind: of the note on it.
     """
 
     time: float
     path: str
     part: str
     lost: str = "never begins"
+    kind: str = "never_begins"
 
 
 def notes_after_end(scene: Scene) -> list[Note]:
@@ -69,8 +71,8 @@ def notes_after_end(scene: Scene) -> list[Note]:
 def _note(scene: Scene, beginning: Beginning, length: str) -> Note:
     found = scene.source_map.with_location(Problem(beginning.path, ""))
     place = f"{found.file}:{found.line}" if found.line else found.file or beginning.path
-    kind, text = beginning.lost.replace(" ", "_"), f"{beginning.lost}; {length}"
-    return Note(kind, "scene", beginning.part, round(beginning.time, 3), None, text, place)
+    time, text = round(beginning.time, 3), f"{beginning.lost}; {length}"
+    return Note(beginning.kind, "scene", beginning.part, time, None, text, place)
 
 
 def _simulated(scene: Scene) -> Iterator[Beginning]:
@@ -78,7 +80,8 @@ def _simulated(scene: Scene) -> Iterator[Beginning]:
     for i, order in enumerate(scene.script):
         if order.at is not None:
             part = f"{order.who}: {order_text(order.do)}"
-            yield Beginning(order.at, f"script[{i}].at", part, "never given")
+            path = f"script[{i}].at"
+            yield Beginning(order.at, path, part, "never given", "order_never_given")
     for i, dancer in scene.dancers:
         key = "start" if dancer.beat is None else "beat"
         yield Beginning(dancer.start, f"cast[{i}].{key}", f"{dancer.name}: dance")

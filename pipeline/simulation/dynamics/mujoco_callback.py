@@ -19,7 +19,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import CACHE_WRITABLE, Records
+from pipeline.simulation.dynamics.compiled import Records, native
 from pipeline.simulation.dynamics.impact_arrays import (
     LAW_STATE,
     PAIR,
@@ -165,7 +165,7 @@ def native_collision(function: Callable[[int, int, int, int, int, float], int]) 
 
 
 def _native(function: Callable[..., Any], signature: Any) -> Any:
-    made = numba.cfunc(signature, cache=CACHE_WRITABLE)(function)
+    made = native(function, signature)
     # The machine code lives as long as this object.
     result = made.ctypes
     result.made = made

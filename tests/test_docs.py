@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.production.reports.figure_sheet import drawn_figures
+from pipeline.simulation.figure_analysis import check_figure
 from pipeline.spec import read_scene
 
 ROOT = Path(__file__).parents[1]
@@ -30,6 +32,37 @@ def test_documented_scenes_are_valid(name: str, text: str) -> None:
     header = "" if text.startswith("pronk:") else "pronk: 1\nduration: 40\n"
     scene = read_scene(header + text + ("" if "cast:" in text else WALKER), name)
     assert scene.cast
+
+
+def figure_blocks() -> list[str]:
+    """Return the figures of docs/figures.md as YAML text, and check that no block is overlooked."""
+    text = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
+    marked = re.findall(r"<!-- (?:figure|scene) -->\n```yaml\n", text)
+    assert len(marked) == len(BLOCK.findall(text))
+    return re.findall(r"<!-- figure -->\n```yaml\n(.*?)```", text, re.DOTALL)
+
+
+@pytest.mark.parametrize("step", range(1, 11))
+def test_a_documented_figure_stands_without_mistakes(step: int, tmp_path: Path) -> None:
+    file = tmp_path / "giraffe.yaml"
+    file.write_text(figure_blocks()[step - 1], encoding="utf-8")
+    (drawn,) = drawn_figures(str(file))
+    assert not [remark for remark in check_figure(drawn.figure) if remark.is_fault]
+    assert len(drawn.figure.skeleton.legs) == (0 if step == 1 else 4)
+
+
+def test_the_scene_of_the_documented_figures_is_accepted(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
+    (scene,) = re.findall(r"<!-- scene -->\n```yaml\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "giraffe.yaml").write_text(figure_blocks()[-1], encoding="utf-8")
+    walking = ["cast[0].material=coat", "cast[0].walk={}"]
+    assert read_scene(scene, "show.yaml", tmp_path, walking).cast
+
+
+def test_pictures_of_the_documented_figures_are_small() -> None:
+    pictures = sorted((ROOT / "docs" / "figures").glob("*.png"))
+    assert len(pictures) == 10
+    assert sum(picture.stat().st_size for picture in pictures) < 400_000
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

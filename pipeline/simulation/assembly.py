@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.attachment import Attachment, attachments_of, split_attachments
-from pipeline.simulation.casting import figures_of, troupes_of
+from pipeline.simulation.casting import drawing_notes, figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
 from pipeline.simulation.event_detection import EventDetection
@@ -81,6 +81,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     inventories = [troupe.inventory for troupe in troupes]
     obstacles = cache(lambda: obstacles_of(inventories))
     recorder = Recorder(header_of(scene, key), clock, ground, inventories)
+    recorder.add_facts((), (), drawing_notes(figures))
     aliases = node_aliases(figures, recorder.nodes)
     names = NodeNames.joined(recorder.nodes, aliases)
     pushed = pushed_troupe(troupes)

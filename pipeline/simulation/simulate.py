@@ -14,6 +14,7 @@ from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
+from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -48,7 +49,9 @@ class Simulation:
         self.script, self.coupling, self.scheduler = parts.script, parts.coupling, parts.scheduler
         self.aliases = parts.aliases
         self._members, self._monitor = parts.members, parts.monitor
-        self._detection, self._order_log = parts.detection, OrderLog()
+        self._detection = parts.detection
+        groups = [member.name for member in scene.cast if isinstance(member, Group)]
+        self._order_log = OrderLog(groups)
         self.step_number = 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)

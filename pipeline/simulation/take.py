@@ -249,7 +249,10 @@ ORDER_NOTES = ("order_given_up", "order_cut_off", "order_never_given")
 
 @dataclass(frozen=True, slots=True)
 class TakeNote:
-    """A message to the author: stopped, toppled, dropped, clamped, or one of `ORDER_NOTES`."""
+    """A message to the author: stopped, toppled, dropped, clamped, drawn, or an order note.
+
+    `drawn` is about a likely mistake in a figure's drawing; see `ORDER_NOTES` for the others.
+    """
 
     kind: str
     step: int

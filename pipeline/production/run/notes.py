@@ -148,4 +148,6 @@ def _line(group: Sequence[Note]) -> str:
     moments = len({note.seconds for note in group})
     when = f"at {first.seconds:.1f} s" if moments == 1 else f"from {first.seconds:.1f} s on"
     times = f", {len(group)} times" if len(group) > len(subjects) else ""
-    return f"{named} {first.kind.replace('_', ' ')} {when}{times}: {first.text}"
+    # The text on an order is a sentence of its own.
+    verb = "" if first.kind.startswith("order_") else f" {first.kind.replace('_', ' ')}"
+    return f"{named}{verb} {when}{times}: {first.text}"

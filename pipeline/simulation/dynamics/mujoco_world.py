@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -34,6 +35,7 @@ from pipeline.simulation.dynamics.mujoco_callback import ImpactCallback
 from pipeline.simulation.dynamics.mujoco_model import (
     is_level,
 )
+from pipeline.simulation.dynamics.mujoco_terrain import TerrainCollision
 from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.dynamics.substeps import Substeps
 from pipeline.simulation.spatial import Array, matrix, turn
@@ -112,8 +114,9 @@ class MujocoWorld:
         self._awake = self.data.tree_awake
         moving = (self._qpos, self._qvel, self._awake)
         self.substeps = Substeps(builds, pushers, field, step, *moving)
-        things, uneven = impact_things(builds, len(pushers)), not is_level(field)
-        self.law = ImpactCallback(things, self.count, uneven, self.model, self.data, self._mujoco)
+        things, own = impact_things(builds, len(pushers)), (self.model, self.data, self._mujoco)
+        self.law = ImpactCallback(things, self.count, *own)
+        self._terrain = None if is_level(field) else TerrainCollision(builds, state, field, *own)
         self.masks = CollisionMasks(self.model, self.data, self._mujoco, self.count)
         self.ballistic = np.zeros(self.count, dtype=bool)
         self._any_gone = False
@@ -188,7 +191,8 @@ class MujocoWorld:
         """Returns all overlaps."""
         self._mujoco.mj_kinematics(self.model, self.data)
         self._mujoco.mj_comPos(self.model, self.data)
-        self._mujoco.mj_collision(self.model, self.data)
+        with self._terrain_installed():
+            self._mujoco.mj_collision(self.model, self.data)
         deepest = dict[tuple[int, int], float]()
         things, dists = self._things_that_touch().tolist(), self.data.contact.dist.tolist()
         for (a, b), dist in zip(things, dists, strict=True):
@@ -244,7 +248,8 @@ class MujocoWorld:
         before = self._mujoco.get_mjcb_passive()
         self._mujoco.set_mjcb_passive(law.callback)
         try:
-            self._go(n, motion)
+            with self._terrain_installed():
+                self._go(n, motion)
         finally:
             self._mujoco.set_mjcb_passive(before)
         if speeds is not None:
@@ -268,6 +273,9 @@ class MujocoWorld:
         off = np.abs(self._qvel[: self.count, :3] - free).max(axis=1)
         flies = self.ballistic & (off < FLIGHT_TOLERANCE)
         self._qpos[: self.count, 1][flies] += 0.5 * GRAVITY * self.step * h
+
+    def _terrain_installed(self) -> AbstractContextManager[None]:
+        return nullcontext() if self._terrain is None else self._terrain.installed()
 
     def _rests(self) -> bool:
         """Returns whether all bodies sleep."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import TypeGuard
 
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
@@ -20,9 +21,11 @@ from pipeline.simulation.take import TakeNote
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
+from pipeline.spec.cast import Member
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.group import Group
+from pipeline.spec.handled_members import handled_members
 from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
@@ -68,7 +71,10 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     """
     cast, refusals = list(enumerate(scene.cast)), Refusals()
     troupes = _creatures(scene, figures, world, refusals)
-    props = [member for _, member in cast if isinstance(member, Prop)]
+    handled = handled_members(scene, world.directed)
+    meeting = [(i, member) for i, member in cast if _meets_all(member, handled)]
+    bodies = [member.name for _, member in meeting]
+    props = [m for _, m in cast if isinstance(m, Prop) and m.name not in bodies]
     if props:
         with refusals.gathered():
             troupes.append(PropTroupe(props, world, [m.material or PROP_MATERIAL for m in props]))
@@ -86,31 +92,40 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
 
         with refusals.gathered():
             troupes.append(Characters(characters, world))
-    bodies = [(i, member) for i, member in cast if isinstance(member, Body)]
-    on_ground = [(i, member) for i, member in bodies if member.body.collide == "terrain"]
+    on_ground = [(i, m) for i, m in cast if isinstance(m, Body) and m.name not in bodies]
     if on_ground:
         from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 
         materials = [member.material or PROP_MATERIAL for _, member in on_ground]
         with refusals.gathered():
             troupes.append(GroundBodyTroupe(on_ground, world, materials))
-    meeting = [
-        (i, member)
-        for i, member in cast
-        if isinstance(member, Many) or (isinstance(member, Body) and member.body.collide == "all")
-    ]
     if meeting:
         from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 
         materials = [member.material or PROP_MATERIAL for _, member in meeting]
         with refusals.gathered():
-            troupes.append(ColliderTroupe(meeting, world, materials, obstacles_of(pushing)))
+            obstacles = obstacles_of(pushing)
+            troupes.append(ColliderTroupe(meeting, world, materials, obstacles, handled))
     groups = [(i, member) for i, member in cast if isinstance(member, Group)]
     if groups:
         with refusals.gathered():
             troupes.append(GroupTroupe(groups, world))
     refusals.refuse()
     return troupes
+
+
+def _meets_all(member: Member, handled: Collection[str]) -> TypeGuard[Body | Many | Prop]:
+    """Returns whether a member is simulated as bodies that meet one another.
+
+    Args:
+        member: of the cast.
+        handled: names of what people may hold or kick.
+    """
+    if isinstance(member, Body):
+        return member.body.collide == "all" or bool(member.held) or member.name in handled
+    if isinstance(member, Prop):
+        return member.may_fall or member.name in handled
+    return isinstance(member, Many)
 
 
 def _creatures(

@@ -6,7 +6,7 @@ the end of the film. The last two and orders that were never given become notes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from pipeline.simulation.order_outcome import Outcome
@@ -33,11 +33,15 @@ class _Open:
 class OrderLog:
     """The orders given so far, and their outcomes.
 
+    Args:
+        groups: names of the groups, which never arrive.
+
     Attributes:
         records: of all orders, in the order of time.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, groups: Collection[str] = ()) -> None:
+        self._groups = groups
         self.records: list[OrderRecord] = []
         self._open: dict[str, _Open] = {}
 
@@ -49,7 +53,7 @@ class OrderLog:
 
     def _give(self, step: int, who: str, order: Do) -> None:
         verb = VERBS[key_of_order(order) or ""]
-        if not verb.ends:
+        if not verb.ends or who in self._groups:
             outcome = "done" if verb.is_aside else "begun"
         else:
             outcome = ""
@@ -98,7 +102,7 @@ class OrderLog:
         for instruction in (one for one in waiting if one.when is not None):
             text = f"was never told {order_text(instruction.do)}: {_awaited_text(instruction)}"
             notes.append(TakeNote("order_never_given", step, instruction.who, text))
-        return [*notes]
+        return notes
 
     def _close(self, number: int, step: int, outcome: str, reason: str = "") -> None:
         record = self.records[number]

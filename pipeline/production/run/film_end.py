@@ -9,6 +9,7 @@ from typing import Protocol
 from pipeline.errors import Problem
 from pipeline.production.run.notes import Note, clock_of
 from pipeline.spec import Scene
+from pipeline.spec.body import Body
 from pipeline.spec.creature import Creature
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.prop import Prop, VelocityKey
@@ -92,6 +93,8 @@ def _simulated(scene: Scene) -> Iterator[Beginning]:
             yield Beginning(member.pronk.start, f"{path}.pronk.start", f"{name}: pronk")
         if isinstance(member, Prop):
             yield from _prop(member, path)
+        for k, hold in enumerate(member.held if isinstance(member, Prop | Body) else ()):
+            yield Beginning(hold.at, f"{path}.held[{k}].at", f"{name}: held by {hold.by}")
 
 
 def _prop(prop: Prop, path: str) -> Iterator[Beginning]:
@@ -100,9 +103,8 @@ def _prop(prop: Prop, path: str) -> Iterator[Beginning]:
     yield from _keys(velocities, "velocity", f"{path}.velocity", prop.name)
     if prop.force is not None:
         yield from _keys(prop.force.keys, "force", f"{path}.force.keys", prop.name)
-    for i, hold in enumerate(prop.held):
-        part = f"{prop.name}: held by {hold.by}"
-        yield Beginning(hold.at, f"{path}.held[{i}].at", part)
+    if prop.falls is not None:
+        yield Beginning(prop.falls, f"{path}.falls", f"{prop.name}: falls")
 
 
 def _keys(keys: Sequence[EasedKey], kind: str, path: str, name: str) -> Iterator[Beginning]:

@@ -27,11 +27,11 @@ from render.errors import DeviceMemoryShort, RenderError
 from render.image_files import write_png
 from render.renderer import Renderer
 
-FPS = 60
+FPS = 30
 """Frames per second of the film from which the pictures are taken, so that moments are met."""
 
-SECONDS = 8.0
-"""Length of that film: two cycles of large animals."""
+SECONDS = 5.0
+"""Length of that film: almost two cycles of the largest animals."""
 
 COUNT, COLUMNS = 8, 4
 """Pictures of a view, and pictures in a row."""

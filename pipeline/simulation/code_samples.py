@@ -9,12 +9,13 @@ from pipeline.spec import read_scene
 
 SAMPLES = (
     # People and what they hold, sit on and stumble over are one function.
-    "{character: adult}, {character: ball, at: [2, 0]}",
+    "flat, cast: [{character: adult}, {character: ball, at: [2, 0]}]",
     # A body on its own, and bodies that meet one another on even and on uneven ground.
-    "{body: {shape: box}, at: [0, 0.6, 0]}",
-    "{body: {shape: box, collide: all}, at: [0, 0.6, 0]}",
+    "flat, cast: [{body: {shape: box}, at: [0, 0.6, 0]}]",
+    "flat, cast: [{body: {shape: box, collide: all}, at: [0, 0.6, 0]}]",
+    "hills, cast: [{body: {shape: box, collide: all}, at: [0, 0.6, 0]}]",
 )
-"""Casts that between them call all compiled functions."""
+"""Terrains and casts that between them call all compiled functions."""
 
 
 def code_folder() -> Path:
@@ -27,4 +28,4 @@ def code_folder() -> Path:
 def compile_all() -> None:
     """Compiles, or loads, the code of every kind of simulation."""
     for sample in SAMPLES:
-        simulate(read_scene(f"pronk: 1\nduration: 1\ncast: [{sample}]"))
+        simulate(read_scene(f"{{pronk: 1, duration: 1, terrain: {sample}}}"))

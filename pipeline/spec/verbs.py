@@ -140,6 +140,13 @@ def key_of_order(do: object) -> str | None:
     return next((key for key in VERBS if value_at(do, key) is not None), None)
 
 
+def targets_of(do: object) -> list[str]:
+    """Return the members and places that an order names."""
+    key = key_of_order(do)
+    fields = VERBS[key].targets if key is not None else ()
+    return [name for field in fields if isinstance(name := value_at(do, field), str)]
+
+
 def verbs_of(performer: str) -> list[str]:
     """Return the orders that a kind of performer can do."""
     return [key for key, verb in VERBS.items() if performer in verb.performers]

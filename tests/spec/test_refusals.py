@@ -253,8 +253,8 @@ ONE_MISTAKE = [
     ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: leg, §foot_x: leg}", "figures.bug.parts.foot_x",
      "no node is called 'foot_x', did you mean 'foot_l' or 'foot_r'?"),
     ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: §leag}", "figures.bug.parts.foot_r",
-     "must be 'leg', 'arm', 'head', 'tail', 'feeler' or 'body', is the text 'leag'; "
-     "did you mean 'leg'?"),
+     "must be 'leg', 'arm', 'head', 'tail', 'feeler', 'horn', 'wing' or 'body', is the text "
+     "'leag'; did you mean 'leg'?"),
     ("  bug:\n", "  bug:\n    style: §reptile\n", "figures.bug.style",
      "must be 'insect' or 'mammal', is the text 'reptile'"),
     # Words that contradict each other.

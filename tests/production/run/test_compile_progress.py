@@ -6,7 +6,12 @@ import io
 import json
 
 from pipeline.production.run.compile_progress import compile_progress
-from pipeline.production.run.progress import JsonReporter, LogReporter, stage
+from pipeline.production.run.progress import (
+    JsonReporter,
+    LogReporter,
+    TerminalReporter,
+    stage,
+)
 from pipeline.simulation.compilation import CompilationObserver, observer
 from tests.production.run.conftest import Clock
 
@@ -65,3 +70,19 @@ def test_a_cache_that_cannot_be_written_is_told_once() -> None:
         observer().warn("/cache: read-only file system")
     assert out.getvalue() == "warning: /cache: read-only file system\n"
     assert type(observer()) is CompilationObserver
+
+
+def test_a_terminal_shows_the_bar_of_the_stage_that_waits_as_well(clock: Clock) -> None:
+    out = io.StringIO()
+    reporter = TerminalReporter(out)
+    with (
+        stage(reporter, "simulate", 48, "s", 1 / 24) as current,
+        compile_progress(reporter, current),
+    ):
+        compile_some(clock, "people", 4, 1.0)
+        current.advance(48)
+        current.result = "48 frames"
+    assert [line.split()[:2] for line in out.getvalue().splitlines() if "✓" in line] == [
+        ["✓", "compile"],
+        ["✓", "simulate"],
+    ]

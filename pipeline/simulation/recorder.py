@@ -21,7 +21,6 @@ from pipeline.simulation.row_storage import allocate_rows, release_rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
-    ORDER_NOTES,
     Contact,
     Header,
     SoundEvent,
@@ -58,7 +57,7 @@ class Recorder:
         self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self._notes: dict[tuple[str, str, str], TakeNote] = {}
+        self._notes: dict[tuple[str, str], TakeNote] = {}
         self.told: list[Told] = []
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
@@ -148,14 +147,11 @@ class Recorder:
         events: Iterable[SoundEvent],
         notes: Iterable[TakeNote],
     ) -> None:
-        """Adds facts of one step; of notes of one kind on one part the earliest is kept.
-
-        Every order has a note of its own.
-        """
+        """Adds facts of one step; of notes of one kind on one part the earliest is kept."""
         self.contacts.extend(contacts)
         self.events.extend(events)
         for note in notes:
-            key = note.kind, note.part, note.text if note.kind in ORDER_NOTES else ""
+            key = note.kind, note.part
             # Some notes are known only when their rows are written.
             if key not in self._notes or note.step < self._notes[key].step:
                 self._notes[key] = note

@@ -77,7 +77,7 @@ class Simulation:
         self.scheduler.buffer_step(self.step_number)
         self._collect_facts()
         self._detection.record_step(self._facts, self.step_number)
-        self._record_outcomes()
+        self._order_log.end(self.step_number, self._facts)
 
     def add_instruction(self, instruction: Instruction) -> None:
         """Adds an instruction from outside; one without delay is given in the next step.
@@ -97,8 +97,7 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        unfinished = self._order_log.finish(self.step_number, self.script.never_given)
-        self.recorder.add_facts((), (), unfinished)
+        self._order_log.finish(self.step_number, self.script.never_given)
         return replace(
             self.recorder.take(),
             mechanisms=mechanisms,
@@ -155,9 +154,6 @@ class Simulation:
 
     def _collect_facts(self) -> None:
         self._facts = Facts.merged([troupe.facts() for troupe in self.troupes])
-
-    def _record_outcomes(self) -> None:
-        self.recorder.add_facts((), (), self._order_log.end(self.step_number, self._facts))
 
 
 def simulate(

@@ -243,10 +243,6 @@ class SoundEvent:
     places: tuple[Place, ...] = ()
 
 
-ORDER_NOTES = ("order_given_up", "order_cut_off", "order_never_given")
-"""Kinds of notes on orders; a performer may have several of one kind."""
-
-
 @dataclass(frozen=True, slots=True)
 class TakeNote:
     """A message to the author: stopped, toppled, dropped, clamped, drawn, or an order note.
@@ -269,9 +265,9 @@ class OrderRecord:
         text: the order as its author wrote it.
         step: from which it was given.
         end: step at which it ended, -1 while it lasts.
-        outcome: "done", "begun" for what has no end, "replaced" by another order, "given up", or
-            "cut off" by the end of the film.
-        reason: why it was given up.
+        outcome: "done", "begun" for what has no end, "replaced" by another order, "given up",
+            "cut off" by the end of the film, or "never given".
+        reason: why it was given up or never given.
     """
 
     who: str

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.production.run.notes import take_notes
+from pipeline.simulation.clock import Clock
 from pipeline.simulation.event_monitor import convex_distance
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import read_scene
+
+CLOCK = Clock(Fraction(24), 48)
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 
@@ -94,7 +100,7 @@ def test_order_that_waits_in_vain_is_noted() -> None:
         ],
         "terrain: {kind: flat, size: [200, 200]}",
     )
-    texts = {note.kind: note.text for note in take.notes}
+    texts = {note.kind: note.text for note in take_notes(take, CLOCK)}
     assert "bug and post never came within 1 m" in texts["order_never_given"]
     assert texts["order_cut_off"] == "has not finished go_to [50, 0] at the end of the film"
 
@@ -104,7 +110,7 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
     (record,) = take.orders
     assert record.outcome == "done"
     assert record.end > record.step
-    assert not take.notes
+    assert not take_notes(take, CLOCK)
 
 
 @pytest.mark.parametrize(

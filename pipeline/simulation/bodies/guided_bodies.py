@@ -31,8 +31,8 @@ from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.spatial import Array, cross, matrix, quaternion, turn, turn_inverse
 from pipeline.simulation.take import Node
-from pipeline.spec.body import Body, Many
-from pipeline.spec.prop import Prop
+from pipeline.spec.body import Many
+from pipeline.spec.prop import Prop, PropHold
 
 HOLDER_DEPTH = 1e-3
 """Depth in its holder below which a released body meets it at once, in sizes of the body."""
@@ -130,7 +130,7 @@ class GuidedBodies:
                 AuthoredGrip(
                     node_of(hold.by, f"{path}.held[{k}].by"),
                     (self._row_at(hold.at), self._row_at(hold.until)),
-                    isinstance(member, Body) or hold.then == "fall",
+                    not isinstance(hold, PropHold) or hold.then == "fall",
                 )
                 for k, hold in enumerate(holds)
             )

@@ -90,7 +90,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     for troupe in troupes:
         troupe.bind(recorder.nodes, recorder.meshes, names)
     if pushed is not None:
-        _refuse_late_carriers(pushed, troupes, attachments, recorder)
+        _refuse_late_carriers(pushed, troupes, attachments)
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
@@ -115,7 +115,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
 
 
 def _refuse_late_carriers(
-    pushed: Troupe, troupes: Sequence[Troupe], attachments: Sequence[Attachment], recorder: Recorder
+    pushed: Troupe, troupes: Sequence[Troupe], attachments: Sequence[Attachment]
 ) -> None:
     """Refuses that bodies go with what is itself attached to bodies.
 
@@ -123,13 +123,18 @@ def _refuse_late_carriers(
         SceneError: if any does.
     """
     _, late = split_attachments(attachments, node_range(troupes, pushed))
-    for attachment in late:
-        if not set(pushed.carriers).isdisjoint(attachment.nodes.tolist()):
-            message = (
-                f"things that may fall cannot go with '{attachment.name}', which goes with "
-                f"another such thing or a body; name that one instead"
-            )
-            raise SceneError([Problem("cast", message)])
+    problems = [
+        Problem(
+            pushed.carriers[node],
+            f"'{attachment.name}' goes with a body itself, and nothing that falls can go with it; "
+            f"name that body",
+        )
+        for attachment in late
+        for node in attachment.nodes.tolist()
+        if node in pushed.carriers
+    ]
+    if problems:
+        raise SceneError(problems)
 
 
 def _places(scene: Scene, ground: Ground) -> dict[str, Array]:

@@ -183,9 +183,9 @@ class Troupe:
         return False
 
     @property
-    def carriers(self) -> Collection[int]:
-        """Numbers of the nodes that its members go with by the scene, once it is bound."""
-        return ()
+    def carriers(self) -> Mapping[int, str]:
+        """Nodes that its members go with by the scene, and the paths that name them."""
+        return {}
 
     def movable_solids(self) -> list[Obstacle]:
         """Returns its solids; node numbers start at its own first node."""

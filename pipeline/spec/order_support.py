@@ -27,8 +27,10 @@ from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import (
     ANYBODY,
     ANYTHING,
+    GRASPABLE,
     JOINTED_CHARACTER,
     MEMBER_TEXTS,
+    MOVABLE,
     UNKNOWN,
     Cast,
     faults_of_target,
@@ -145,6 +147,8 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         yield from faults_of_target(
             target, name, fitting, (*order, field), named.cast, named.places
         )
+        if fitting in (GRASPABLE, MOVABLE) and isinstance(target, str):
+            yield from _faults_of_scale(target, (*order, field), named.cast)
     if key in ("hop_over", "jump") and value_at(member, "pose"):
         yield Fault(order, f"'{name}' has a pose, which conflicts with jumps; remove pose")
     if key == "urge":
@@ -178,6 +182,14 @@ def _faults_of_part(do: object, path: Path, cast: Cast) -> Iterator[Fault]:
     elif part not in PARTS:
         message = f"no part of '{target}' is called '{part}', {hint(part, PARTS)}"
         yield Fault((*path, "part"), message)
+
+
+def _faults_of_scale(target: str, path: Path, cast: Cast) -> Iterator[Fault]:
+    """Find a prop for hands or feet whose size changes."""
+    keys = items_of(value_at(cast.get(target), "keyframes"))
+    if any(value_at(key, "scale") is not None for _, key in keys):
+        message = f"keyframes change the scale of '{target}', and hands hold what has one size"
+        yield Fault(path, f"{message}; remove scale there")
 
 
 def _faults_of_urges(name: str, member: object, do: object, path: Path) -> Iterator[Fault]:

@@ -151,3 +151,18 @@ def targets_of(do: object) -> list[str]:
 def verbs_of(performer: str) -> list[str]:
     """Return the orders that a kind of performer can do."""
     return [key for key, verb in VERBS.items() if performer in verb.performers]
+
+
+def verb_table() -> str:
+    """Return all orders as a table in Markdown, as the documentation shows them."""
+    rows = [
+        f"| `{key}` | {verb.meaning} | {', '.join(verb.performers)} | {_target_text(verb)} |"
+        for key, verb in VERBS.items()
+    ]
+    head = "| order | meaning | who | targets |\n|---|---|---|---|"
+    return "\n".join([head, *rows])
+
+
+def _target_text(verb: Verb) -> str:
+    texts = [f"`{key}`: {kind.text.partition(';')[0]}" for key, kind in verb.targets.items()]
+    return "; ".join(texts)

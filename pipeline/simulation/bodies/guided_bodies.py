@@ -50,6 +50,10 @@ class GuidedBodies:
         solver: of all bodies; its last kinematic bodies are the stand-ins.
         obstacles: its other kinematic bodies.
         clock: grid of steps and rows.
+
+    Attributes:
+        guides: what moves each of them.
+        carriers: nodes that they go with by the scene, and the paths that name them.
     """
 
     def __init__(
@@ -61,6 +65,7 @@ class GuidedBodies:
         clock: Clock,
     ) -> None:
         self.guides = [one.guide for one in guided]
+        self.carriers: dict[int, str] = {}
         self._guided, self._bodies, self._solver = guided, bodies, solver
         self._obstacles, self._clock = obstacles, clock
         self._row_time = clock.dt * (clock.steps // clock.samples)
@@ -99,11 +104,6 @@ class GuidedBodies:
         met[[self.guides[k].body for k in self._held_by_people]] = False
         return met
 
-    @property
-    def carriers(self) -> set[int]:
-        """Numbers of the nodes that bodies go with by the scene."""
-        return {node for guide in self.guides for node in guide.carriers}
-
     def bind(self, nodes: Sequence[Node], names: NodeNames) -> None:
         """Resolves parents and hands.
 
@@ -117,6 +117,7 @@ class GuidedBodies:
             if isinstance(found, str):
                 problems.append(Problem(path, found))
                 return -1
+            self.carriers[found] = path
             return found
 
         self._first_node = names.nodes[self._bodies[0].name]

@@ -33,6 +33,7 @@ class Simulation:
     Attributes:
         step_number: number of steps taken.
         aliases: names of drawing nodes for the nodes of creatures.
+        order_log: orders given so far, and their outcomes.
 
     Raises:
         SceneError: if the scene asks for something impossible.
@@ -51,7 +52,7 @@ class Simulation:
         self._members, self._monitor = parts.members, parts.monitor
         self._detection = parts.detection
         groups = [member.name for member in scene.cast if isinstance(member, Group)]
-        self._order_log = OrderLog(groups)
+        self.order_log = OrderLog(groups)
         self.step_number = 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
@@ -77,7 +78,7 @@ class Simulation:
         self.scheduler.buffer_step(self.step_number)
         self._collect_facts()
         self._detection.record_step(self._facts, self.step_number)
-        self._order_log.end(self.step_number, self._facts)
+        self.order_log.end(self.step_number, self._facts)
 
     def add_instruction(self, instruction: Instruction) -> None:
         """Adds an instruction from outside; one without delay is given in the next step.
@@ -97,13 +98,13 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        self._order_log.finish(self.step_number, self.script.never_given)
+        self.order_log.finish(self.step_number, self.script.never_given)
         return replace(
             self.recorder.take(),
             mechanisms=mechanisms,
             legs=tuple(self.legs()),
             aliases=self.aliases,
-            orders=tuple(self._order_log.records),
+            orders=tuple(self.order_log.records),
         )
 
     def legs(self) -> list[Leg]:
@@ -121,8 +122,7 @@ class Simulation:
 
     def _give_orders(self) -> Orders:
         orders = self.script.orders(self.step_number, self._events())
-        self.recorder.add_orders(self.step_number, orders)
-        self._order_log.give(self.step_number, orders)
+        self.order_log.give(self.step_number, orders)
         return orders
 
     def _events(self) -> set[Event]:

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from pipeline.spec.behaviour import NAMES
+from pipeline.spec.body import body_count
 from pipeline.spec.character_kinds import PARTS, PEOPLE
 from pipeline.spec.group import DIRECTED
 from pipeline.spec.model_base import Fault
@@ -69,7 +70,8 @@ class NamedThings:
         bodies: dict[str, object] = {
             f"{name}_{n + 1}": {"body": {}}
             for name, member in cast.items()
-            for n in range(getattr(value_at(member, "many"), "total", 0))
+            if (many := value_at(member, "many")) is not None
+            for n in range(body_count(many))
         }
         places = value_at(scene, "places")
         return NamedThings(

@@ -309,8 +309,9 @@ def test_falling_props_are_events(event: str) -> None:
     script = f"script: [{{when: {{{event}}}, who: bug, do: {{look_at: pot}}}}]"
     bug = "{name: bug, figure: beetle, at: [1.6, 0], walk: {speed: 0.1}}"
     take = simulate(scene_of(pot, shelf, bug, duration=3, more=script))
-    (told,) = take.told
-    assert told.step > 24
+    (order,) = take.orders
+    assert order.outcome == "done"
+    assert order.step > 24
 
 
 @pytest.mark.parametrize(

@@ -86,6 +86,8 @@ class Simulation:
         Raises:
             SceneError: if its performer cannot carry it out; the state is unchanged.
         """
+        if problems := self._members.problems(instruction, COMMAND):
+            raise SceneError(problems)
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)

@@ -9,6 +9,7 @@ from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
+from pipeline.production.run.picture_notes import camera_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.casting import MACHINE_CODE, makes_machine_code
@@ -53,8 +54,8 @@ def check_scene(
             reporter.note(MACHINE_CODE)
         take = _take_of(simulation, scene.n_frames, reporter)
         # What the renderer needs of a take can be wrong too.
-        ShotBuilder(scene, take)
-        notes += take_notes(take, clock_of(scene))
+        shooting = ShotBuilder(scene, take)
+        notes += take_notes(take, clock_of(scene)) + camera_notes(scene, shooting)
     if notes and strict:
         raise NotesRefused(notes)
     if notes:

@@ -41,7 +41,7 @@ SIGHT_END = 0.98
 GROUND_STEPS = np.linspace(0.05, 0.95, 24)
 """Fractions of a line of sight at which the ground is looked up."""
 
-HIDDEN = 0.9
+HIDDEN = 0.8
 """Share of a subject's points in the frame from which it counts as hidden."""
 
 GROUND = "terrain"
@@ -245,6 +245,9 @@ def _box_hits(low: Array, high: Array, eye: Array, ways: Array) -> NDArray[np.bo
 
 def _hits(triangles: Array, eye: Array, ways: Array) -> NDArray[np.bool_]:
     """Return which segments from `eye` along `ways` (n, 3) meet any triangle (T, 3, 3)."""
+    ends = np.concatenate([eye[None], eye + ways])
+    near = (triangles.max(axis=1) >= ends.min(axis=0)) & (triangles.min(axis=1) <= ends.max(axis=0))
+    triangles = triangles[near.all(axis=-1)]
     corner = triangles[:, 0]
     edge, other = triangles[:, 1] - corner, triangles[:, 2] - corner
     origin = eye - corner

@@ -18,7 +18,6 @@ app = typer.Typer(
     name="pronk",
     help="One YAML scene in; a path-traced film and a frame-exact score out.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -43,6 +42,7 @@ for command in (
     direct,
 ):
     app.command()(command)
+app.command("compile")(scene_files.compile_code)
 app.command("list")(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")

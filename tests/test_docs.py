@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.production.reports.figure_sheet import drawn_figures
+from pipeline.simulation.figure_analysis import check_figure
 from pipeline.spec import read_scene
+from pipeline.spec.verbs import verb_table
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
@@ -16,9 +19,9 @@ WALKER = "cast: [{name: mare, figure: horse, walk: {}}]\n"
 
 
 def blocks() -> list[tuple[str, str]]:
-    """Return (name, YAML text) of the scenes in README.md and docs/scenes.md."""
+    """Return (name, YAML text) of the scenes in the README and the pages on the language."""
     found = []
-    for page in (ROOT / "README.md", ROOT / "docs" / "scenes.md"):
+    for page in (ROOT / "README.md", ROOT / "docs" / "scenes.md", ROOT / "docs" / "scripts.md"):
         texts = BLOCK.findall(page.read_text(encoding="utf-8"))
         found += [(f"{page.name} {n}", text) for n, text in enumerate(texts, start=1)]
     return found
@@ -30,6 +33,41 @@ def test_documented_scenes_are_valid(name: str, text: str) -> None:
     header = "" if text.startswith("pronk:") else "pronk: 1\nduration: 40\n"
     scene = read_scene(header + text + ("" if "cast:" in text else WALKER), name)
     assert scene.cast
+
+
+def test_the_documented_orders_are_those_of_the_language() -> None:
+    assert verb_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+
+
+def figure_blocks() -> list[str]:
+    """Return the figures of docs/figures.md as YAML text, and check that no block is overlooked."""
+    text = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
+    marked = re.findall(r"<!-- (?:figure|scene) -->\n```yaml\n", text)
+    assert len(marked) == len(BLOCK.findall(text))
+    return re.findall(r"<!-- figure -->\n```yaml\n(.*?)```", text, re.DOTALL)
+
+
+@pytest.mark.parametrize("step", range(1, 11))
+def test_a_documented_figure_stands_without_mistakes(step: int, tmp_path: Path) -> None:
+    file = tmp_path / "giraffe.yaml"
+    file.write_text(figure_blocks()[step - 1], encoding="utf-8")
+    (drawn,) = drawn_figures(str(file))
+    assert not [remark for remark in check_figure(drawn.figure) if remark.is_fault]
+    assert len(drawn.figure.skeleton.legs) == (0 if step == 1 else 4)
+
+
+def test_the_scene_of_the_documented_figures_is_accepted(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
+    (scene,) = re.findall(r"<!-- scene -->\n```yaml\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "giraffe.yaml").write_text(figure_blocks()[-1], encoding="utf-8")
+    walking = ["cast[0].material=coat", "cast[0].walk={}"]
+    assert read_scene(scene, "show.yaml", tmp_path, walking).cast
+
+
+def test_pictures_of_the_documented_figures_are_small() -> None:
+    pictures = sorted((ROOT / "docs" / "figures").glob("*.png"))
+    assert len(pictures) == 10
+    assert sum(picture.stat().st_size for picture in pictures) < 400_000
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.commands.completion import completion
 from pipeline.commands.options import (
     Assignments,
     BackendName,
@@ -19,7 +20,9 @@ from pipeline.commands.options import (
 Scenes = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="SCENE", help="Files or names of shipped scenes; default: all with a golden."
+        metavar="SCENE",
+        help="Files or names of shipped scenes; default: all with a golden.",
+        autocompletion=completion("scenes", with_files=True),
     ),
 ]
 Goldens = Annotated[

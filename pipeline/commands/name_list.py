@@ -7,11 +7,17 @@ from typing import Annotated
 
 import typer
 
+from pipeline.commands.completion import complete_kind
+
 
 def list_names(
     kind: Annotated[
         str | None,
-        typer.Argument(metavar="[KIND]", help="Kind of names; the kinds themselves if left out."),
+        typer.Argument(
+            metavar="[KIND]",
+            help="Kind of names; the kinds themselves if left out.",
+            autocompletion=complete_kind,
+        ),
     ] = None,
     json_lines: Annotated[bool, typer.Option("--json", help="Print JSON lines.")] = False,
 ) -> None:

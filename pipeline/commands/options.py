@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_type_hints
 
 import typer
 
+from pipeline.commands.completion import completion
 from pipeline.errors import PronkError, UsageError, located
 
 if TYPE_CHECKING:
@@ -44,9 +45,21 @@ class BackendName(enum.StrEnum):
     scalar = "scalar"
 
 
-SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="File or name of a shipped scene.")]
+SceneName = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE",
+        help="File or name of a shipped scene.",
+        autocompletion=completion("scenes", with_files=True),
+    ),
+]
 SceneNames = Annotated[
-    list[str], typer.Argument(metavar="SCENE", help="Files or names of shipped scenes.")
+    list[str],
+    typer.Argument(
+        metavar="SCENE",
+        help="Files or names of shipped scenes.",
+        autocompletion=completion("scenes", with_files=True),
+    ),
 ]
 OutFolder = Annotated[Path, typer.Option(help="Folder for the output folders of scenes.")]
 Assignments = Annotated[

@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.commands.completion import completion
 from pipeline.commands.options import (
+    BackendName,
+    BackendOption,
     CheckOptions,
     Reporting,
     SceneNames,
@@ -50,7 +53,7 @@ def check(
         scene = options.scene(name)
         reporter.result(f"{name}: {check_scene(scene, reporter, name, simulate, strict)}")
         for remark in figure_remarks(scene):
-            reporter.note(f"note: {remark}", detail=True)
+            reporter.note(f"note: {remark.problem}", detail=simulate or not remark.is_fault)
 
     options.run_each(scenes, examine)
 
@@ -62,6 +65,7 @@ def figure(
         typer.Argument(
             metavar="FIGURE...",
             help="Figure files, names of shipped figures, scenes, or SCENE:FIGURE.",
+            autocompletion=completion("figures", "scenes", with_files=True),
         ),
     ],
     options: Reporting,
@@ -69,15 +73,23 @@ def figure(
     denavit: Annotated[
         bool, typer.Option("--dh", help="Print the Denavit-Hartenberg parameters of all limbs.")
     ] = False,
+    walk: Annotated[
+        bool, typer.Option("--walk", help="Also render one cycle of its gait on level ground.")
+    ] = False,
+    backend: BackendOption = BackendName.auto,
 ) -> None:
-    """Report the parts and masses of a figure and draw it standing."""
-    from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
+    """Report the parts and masses of a figure, draw it standing, and warn of likely mistakes."""
+    from pipeline.production.reports.figure_sheet import drawn_figures, figure_sheet
+    from pipeline.production.reports.figure_walk import walk_sheet
 
     reporter = options.reporter()
-    for drawing in (drawing for name in names for drawing in figures_of(name)):
-        sheet = figure_sheet(drawing, out, denavit)
+    for drawn in (drawn for name in names for drawn in drawn_figures(name)):
+        sheet = figure_sheet(drawn, out, denavit)
         files = ", ".join(str(file) for file in sheet.files)
         reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}", figure=sheet.facts)
+        if walk:
+            walked = walk_sheet(drawn.figure, drawn.scene, out, backend.value, reporter)
+            reporter.result(f"  {'walk':<11} {walked.file}: {walked.text}", walk=walked.facts)
 
 
 def schema(
@@ -114,3 +126,12 @@ def doctor(
             typer.echo(f"{mark} {finding.what:<13} {finding.text}")
     if any(not finding.ok and finding.needed for finding in findings):
         raise typer.Exit(1)
+
+
+@with_options
+def compile_code(options: Reporting) -> None:
+    """Compile the simulations of people and bodies for this machine ahead of their first scene."""
+    from pipeline.production.run.compile_progress import compile_ahead
+
+    reporter = options.reporter()
+    reporter.result(compile_ahead(reporter))

@@ -116,11 +116,17 @@ def coupling_of(
     # A carried solid moves with its carrier.
     _, carried = split_attachments(attachments, node_range(troupes, troupe))
     carried_nodes = {int(node) for attachment in carried for node in attachment.nodes}
-    fixed = [o for o in obstacles() if o.performer in hard and o.node not in carried_nodes]
     owner = pushed_troupe(troupes)
-    movable = list[Obstacle]()
+    movable, pushed_nodes = list[Obstacle](), range(0)
     if owner is not None:
-        first = node_range(troupes, owner).start
+        pushed_nodes = node_range(troupes, owner)
+    fixed = [
+        o
+        for o in obstacles()
+        if o.performer in hard and o.node not in carried_nodes and o.node not in pushed_nodes
+    ]
+    if owner is not None:
+        first = pushed_nodes.start
         movable = [replace(solid, node=first + solid.node) for solid in owner.movable_solids()]
     if not fixed and not movable:
         return None

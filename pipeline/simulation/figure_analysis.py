@@ -8,6 +8,7 @@ from pipeline.simulation.figures.denavit_hartenberg import (
 )
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.figure_checks import check_figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, analyse
@@ -28,6 +29,7 @@ __all__ = [
     "MassProperties",
     "analyse",
     "build_figure",
+    "check_figure",
     "denavit_table",
     "draw",
     "to_denavit",

@@ -18,6 +18,7 @@ from pipeline.spec.model_base import (
     Fault,
     Length,
     LengthOrZero,
+    MaterialName,
     Name,
     Number,
     fault_error,
@@ -83,7 +84,7 @@ class Drum(ConfigModel):
     )
     radius: Length = Field(0.15, description="Its radius [m].")
     height: Length = Field(0.2, description="Its height [m].")
-    material: Name = Field("leather", description="What it is made of, by name.")
+    material: MaterialName = Field("leather", description="What it is made of, by name.")
 
 
 class Subtask(ConfigModel):

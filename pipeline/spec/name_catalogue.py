@@ -36,6 +36,9 @@ LIBRARY_GROUP = "library"
 HEAD_BYTES = 4096
 """Of a file for its description: comments and title stand at the top."""
 
+EDITOR_COMMENT = "yaml-language-server:"
+"""Begins a comment for editors, which names the schema."""
+
 SHOWN_OF_MATERIAL = ("metallic", "clearcoat", "sheen", "transmission", "glow")
 
 
@@ -121,10 +124,13 @@ def _description(path: Path) -> str:
             head = stream.read(HEAD_BYTES).decode("utf-8", "replace")
     except OSError:
         return ""
-    comment = re.match(r"\s*((?:#.*\n?)+)", head.removeprefix("\ufeff"))
-    if comment is not None:
-        text = " ".join(line.lstrip("# ").rstrip() for line in comment[1].splitlines())
-        return re.split(r"(?<=[.!?]) ", text.strip())[0]
+    comment = re.match(r"(?:\s*#.*\n?)+", head.removeprefix("\ufeff"))
+    lines = comment[0].splitlines() if comment is not None else []
+    paragraphs = "\n".join(line.lstrip("# ").rstrip() for line in lines).split("\n\n")
+    for paragraph in paragraphs:
+        text = " ".join(paragraph.split())
+        if text and not text.startswith(EDITOR_COMMENT):
+            return re.split(r"(?<=[.!?]) ", text)[0]
     title = re.search(r"^title:\s*(.+?)\s*$", head, re.MULTILINE)
     return title[1].strip("'\"") if title else ""
 

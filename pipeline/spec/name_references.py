@@ -129,6 +129,11 @@ def _owners(scene: object) -> Iterator[tuple[Path, Any]]:
         nodes = value_at(figure, "nodes")
         for node in text_keys(nodes):
             yield ("figures", key, "nodes", node), value_at(nodes, node)
+    dances = value_at(scene, "dances")
+    for key in text_keys(dances):
+        drums = value_at(value_at(dances, key), "drums")
+        for drum in text_keys(drums):
+            yield ("dances", key, "drums", drum), value_at(drums, drum)
     yield from ((("cast", i), member) for i, member in _members(scene))
 
 

@@ -157,9 +157,14 @@ def find_figure(name: str) -> tuple[Path, str]:
     except UsageError:
         if is_path(name):
             raise UsageError(missing_file_message(Path(), name)) from None
-    own = {*files_beside(Path(), FIGURES, FIGURE), *scenes_in(Path()), *shipped_scenes()}
-    shipped = names_in(library() / FIGURES)
-    raise UsageError(f"no figure or scene is called {name!r}, {hint(name, shipped, FIGURES, own)}")
+    own = {*files_beside(Path(), FIGURES, FIGURE), *scenes_in(Path())}
+    figures, scenes = names_in(library() / FIGURES), shipped_scenes()
+    close = close_names(name, {*figures, *scenes, *own})
+    if close and close[0] in scenes:
+        near = hint(name, scenes, SCENES, {*figures, *own})
+    else:
+        near = hint(name, figures, FIGURES, {*own, *(scenes if close else ())})
+    raise UsageError(f"no figure or scene is called {name!r}, {near}")
 
 
 def _not_found(name: str) -> str:

@@ -63,10 +63,14 @@ def _chain(references: Sequence[Schema], definitions: Mapping[str, Schema]) -> S
     """Return the chain of conditions that decides between references to mappings."""
     blocks = [_block(reference, definitions) or {} for reference in references]
     tag = _tag(blocks)
-    result = _tags_alone(tag, blocks) if tag else _keys_alone(blocks)
+    undecided = result = _tags_alone(tag, blocks) if tag else _keys_alone(blocks)
     for reference, block in reversed(list(zip(references, blocks, strict=True))):
         condition = _tag_condition(tag, block) if tag else {"required": block["required"][:1]}
-        result = {"if": condition, "then": reference, "else": result}
+        # What is not there yet has no key either: editors then offer the keys that decide.
+        result = {"if": {"type": "object", **condition}, "then": reference, "else": result}
+    if tag and len(keys := _tag_keys(tag, blocks)) > 1:
+        has_none = {"not": {"anyOf": [{"required": [key]} for key in keys]}}
+        result = {"if": has_none, "then": undecided, "else": result}
     return {"type": "object", **result}
 
 
@@ -94,12 +98,10 @@ def _tag_keys(tag: str, blocks: Sequence[Schema]) -> list[str]:
 def _tag_condition(tag: str, block: Schema) -> Schema:
     """Return the condition that a mapping has the tag of a block, or leaves out its default."""
     properties = {key: {"enum": _values(key, block)} for key in _tag_keys(tag, [block])}
-    condition: Schema = {"properties": properties}
-    if "oneOf" in block:
-        condition["oneOf"] = block["oneOf"]
-    elif tag in block.get("required", ()):
-        condition["required"] = [tag]
-    return condition
+    return {
+        "properties": properties,
+        **({"required": [tag]} if tag in block.get("required", ()) else {}),
+    }
 
 
 def _tags_alone(tag: str, blocks: Sequence[Schema]) -> Schema:

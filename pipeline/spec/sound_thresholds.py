@@ -248,4 +248,4 @@ class Detect(ConfigModel):
 class SceneSound(Sound):
     """The sound of a scene, with the thresholds of its detection."""
 
-    detect: Detect = Field(Detect(), description="Detection thresholds of each cause.")
+    detect: Detect = Field(Detect(), description="Causes that are heard, with their thresholds.")

@@ -219,3 +219,15 @@ def test_score_tempo_changes_key_of_locked_dances_only() -> None:
     ]
     assert keys[0] == keys[1]
     assert keys[2] != keys[3]
+
+
+def test_the_material_of_a_drum_must_exist():
+    with pytest.raises(SceneError) as caught:
+        read_scene(
+            "pronk: 1\nframes: 24\ncast: [{dancer: torso, dance: d}]\ndances:\n  d:\n"
+            "    subtasks: [{touch: tom}]\n"
+            "    drums: {tom: {at: [0.4, 0.9, 0.2], material: lether}}\n"
+        )
+    (problem,) = caught.value.problems
+    assert problem.path == "dances.d.drums.tom.material"
+    assert "no material is called 'lether', did you mean 'leather'?" in problem.message

@@ -12,8 +12,10 @@ from typer.testing import CliRunner
 
 from audio.general_midi import DRUMS, INSTRUMENTS
 from pipeline.cli import app
-from pipeline.errors import UsageError
-from pipeline.spec import library, shipped_scenes
+from pipeline.commands.completion import MAX_TEXT_LENGTH, completion
+from pipeline.errors import SceneError, UsageError
+from pipeline.production.run.starter_scene import write_starter
+from pipeline.spec import library, read_scene, shipped_scenes
 from pipeline.spec.behaviour import NAMES
 from pipeline.spec.mood import MOODS
 from pipeline.spec.name_catalogue import LIBRARY_GROUP, NAME_KINDS, OWN_GROUP, names_of
@@ -62,6 +64,7 @@ def test_own_files_are_listed_by_what_they_hold(tmp_path: Path) -> None:
     (tmp_path / "stool.yaml").write_text("# A stool. It walks.\n" + figure)
     (tmp_path / "figures" / "beetle.yaml").write_text(figure)
     (tmp_path / "play.yaml").write_text("pronk: 1\ntitle: A play\ncast: []\n")
+    write_starter("hello", tmp_path)
     (tmp_path / "other.yaml").write_text("services: {}\n")
     (tmp_path / "broken.yaml").write_text("figure: [")
     figures = names_of("figures", tmp_path)
@@ -71,7 +74,8 @@ def test_own_files_are_listed_by_what_they_hold(tmp_path: Path) -> None:
     assert "beetle" not in [entry.name for entry in figures if entry.group == LIBRARY_GROUP]
     scenes = names_of("scenes", tmp_path)
     assert [(entry.name, entry.text) for entry in scenes if entry.group == OWN_GROUP] == [
-        ("play", "A play")
+        ("hello", "Hello: a scene for pronk."),
+        ("play", "A play"),
     ]
 
 
@@ -117,3 +121,67 @@ def test_a_hint_names_the_close_and_the_command_that_lists_the_rest() -> None:
     assert hint("zzz", ["b", "a"]) == "known: a, b"
     assert hint("zzz", []) == "there are none"
     assert hint("zzz", [f"n{i:03}" for i in range(102)]).endswith("n099 and 2 more")
+
+
+def completed(words: str, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return what bash would offer for the last of the words."""
+    environment = {
+        "_PRONK_COMPLETE": "complete_bash",
+        "COMP_WORDS": words,
+        "COMP_CWORD": str(words.count(" ")),
+    }
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    return CliRunner().invoke(app, prog_name="pronk").stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        ("pronk figure scor", ["scorpion", "scorched.yaml"]),
+        ("pronk check stai", ["stairs"]),
+        ("pronk check sub/", ["sub/play.yaml"]),
+        ("pronk render s", ["sub/"]),
+        ("pronk list m", ["materials", "moods"]),
+        ("pronk render stairs --preset d", ["draft"]),
+    ],
+)
+def test_shells_complete_names_and_files(
+    words: str, offered: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "play.yaml").write_text("pronk: 1\n")
+    (tmp_path / "sub" / "notes.txt").write_text("")
+    (tmp_path / "scorched.yaml").write_text("pronk: 1\n")
+    assert set(offered) <= set(found := completed(words, monkeypatch))
+    start = words.rpartition(" ")[2]
+    assert all(name.startswith(start) for name in found)
+
+
+def test_descriptions_beside_completions_stay_on_one_line() -> None:
+    for kind in NAME_KINDS:
+        for _, text in completion(kind)(""):
+            assert len(text) <= MAX_TEXT_LENGTH
+            assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("member", "order", "message"),
+    [
+        ("", "{grb: kim}", "no order is called 'grb', did you mean 'grab'? `pronk list verbs`"),
+        ("", "{zzz: kim}", "no order is called 'zzz', `pronk list verbs` has all"),
+        ("", "{}", "needs one of the keys gait, mood, go_to"),
+        (", behaviours: [{plya: kim}]", "stop", "no behaviour is called 'plya', did you mean"),
+    ],
+)
+def test_a_mapping_without_a_deciding_key_is_refused_once(
+    member: str, order: str, message: str
+) -> None:
+    with pytest.raises(SceneError) as caught:
+        read_scene(
+            f"pronk: 1\nframes: 24\ncast: [{{character: child, name: kim{member}}}]\n"
+            f"script: [{{at: 0.5, who: kim, do: {order}}}]\n"
+        )
+    (problem,) = caught.value.problems
+    assert message in problem.message

@@ -9,8 +9,8 @@ from pipeline.production.direct.protocol import Protocol, notification
 from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder
 from pipeline.production.direct.session import Session
 from pipeline.production.direct.transport import Disconnected, MessageStream, Transport
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.interrupts import answered
-from pipeline.simulation.casting import makes_machine_code
 from pipeline.spec import Scene
 
 NOTIFICATION_METHOD = "happened"
@@ -27,18 +27,17 @@ def direct(scene: Scene, recorder: SceneRecorder, transport: Transport) -> Recor
         PronkError: the scene cannot start, fails, or cannot be written.
     """
     recorder.check()
-    if makes_machine_code(scene):
-        recorder.reporter.note("making machine code; that takes a minute, once")
-    session = Session(scene, recorder)
-    try:
-        with transport(recorder.reporter.note) as stream:
-            serve(session, stream)
-        # The same Ctrl-C can have stopped the other program a moment earlier.
+    with compile_progress(recorder.reporter):
+        session = Session(scene, recorder)
+        try:
+            with transport(recorder.reporter.note) as stream:
+                serve(session, stream)
+            # The same Ctrl-C can have stopped the other program a moment earlier.
+            return session.recorded or session.finish()
+        except KeyboardInterrupt:
+            answered()
+            recorder.reporter.note("stopped; the scene goes to its end, unless it is stopped again")
         return session.recorded or session.finish()
-    except KeyboardInterrupt:
-        answered()
-        recorder.reporter.note("stopped; the scene goes to its end, unless it is stopped again")
-    return session.recorded or session.finish()
 
 
 def serve(session: Session, stream: MessageStream) -> None:

@@ -26,6 +26,7 @@ from pipeline.production.goldens.verdict import (
     SceneVerdict,
     exit_code,
 )
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.workers import children_ignore_interrupts, worker_pool
 from render.backend import Choice
@@ -56,7 +57,7 @@ def check(
     made = Content(case.name)
     verdicts = []
     wanted = layers or card.layers
-    with stage(reporter, case.name, len(wanted)) as current:
+    with stage(reporter, case.name, len(wanted)) as current, compile_progress(reporter, current):
         for done, layer in enumerate(wanted, start=1):
             began = time.monotonic()
             verdict, made = _check_layer(case, card, layer, candidate, renderer, made)

@@ -24,6 +24,7 @@ from pipeline.production.goldens.golden_content import (
 )
 from pipeline.production.goldens.motion_golden import golden_of
 from pipeline.production.goldens.verdict import LAYERS, Layer
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.progress import Reporter, stage
 from render.comparison.image_statistics import seed_spread
 
@@ -79,14 +80,20 @@ def make_content(
     """Return the content of a golden of the scene as it is now."""
     content = Content(case.name)
     if "motion" in layers:
-        with stage(reporter, f"{case.name}: motion", 1) as current:
+        with (
+            stage(reporter, f"{case.name}: motion", 1) as current,
+            compile_progress(reporter, current),
+        ):
             content = replace(
                 content, motion=golden_of(candidate.take, case.name), cues=candidate.cues
             )
             current.result = f"{len(candidate.take.nodes)} nodes, {len(candidate.cues.notes)} notes"
     if "frames" in layers:
         framing = framing_of(case.scene)
-        with stage(reporter, f"{case.name}: frames", len(framing.numbers)) as current:
+        with (
+            stage(reporter, f"{case.name}: frames", len(framing.numbers)) as current,
+            compile_progress(reporter, current),
+        ):
             frames: dict[int, Picture] = {}
             for number, picture in candidate.frames(framing, renderer.loaded):
                 frames[number] = picture

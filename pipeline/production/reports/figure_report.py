@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.errors import Problem
 from pipeline.simulation.figure_analysis import (
     BODY,
     DenavitRow,
@@ -40,8 +41,8 @@ def headline(figure: Figure) -> str:
     return ", ".join([figure.style, *(limbs or ["no limbs"]), joints, size])
 
 
-def report(figure: Figure, inertia: FigureMass) -> str:
-    """Return all that the analysis found, one part a line, with masses."""
+def report(figure: Figure, inertia: FigureMass, remarks: Sequence[Problem] = ()) -> str:
+    """Return all that the analysis found: parts, masses, what limbs were taken for, remarks."""
     drawing, anatomy = figure.drawing, figure.anatomy
     nodes = counted(len(drawing.names), "node")
     connections = counted(len(drawing.connections), "connection")
@@ -56,8 +57,29 @@ def report(figure: Figure, inertia: FigureMass) -> str:
         lines += _wrapped(limb.name, text)
     if anatomy.ignored:
         lines += _wrapped("ignored", _names(figure, anatomy.ignored))
-    lines += [line for remark in anatomy.warnings for line in _wrapped("warning", str(remark))]
+    lines += _limb_table(figure)
+    lines += [line for remark in remarks for line in _wrapped("warning", _placed(remark))]
     return "\n".join(lines)
+
+
+def _limb_table(figure: Figure) -> Iterator[str]:
+    """Yield a table of what limbs were taken for and why, twins of both sides in one row."""
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for limb, appendage in zip(figure.skeleton.limbs, figure.anatomy.appendages, strict=True):
+        tip = figure.drawing.names[appendage.nodes[-1]]
+        length = f"{limb.length:.3g} m"
+        twins = rows.setdefault((limb.kind, length, appendage.reason), [])
+        twins.append(f"{limb.name} ({tip})")
+    if rows:
+        yield f"  {'taken for':<11} {'because':<58} limbs (tips)"
+    for (kind, _, reason), twins in rows.items():
+        yield f"  {kind:<11} {reason:<58} {', '.join(twins)}"
+
+
+def _placed(remark: Problem) -> str:
+    """Return a remark after the file and line that it is about."""
+    place = f"{remark.file}:{remark.line}: " if remark.line else ""
+    return f"{place}{remark.message}"
 
 
 def counted(n: int, thing: str) -> str:
@@ -119,8 +141,8 @@ def _denavit_lines(limb: str, rows: list[DenavitRow]) -> Iterator[str]:
         yield DENAVIT_ROW.format(joint, after.strip(), row.kind, *numbers)
 
 
-def facts(figure: Figure, inertia: FigureMass) -> dict[str, Any]:
-    """Return masses, centres of mass and inertias of a figure and its links.
+def facts(figure: Figure, inertia: FigureMass, remarks: Sequence[Problem] = ()) -> dict[str, Any]:
+    """Return limbs, remarks, masses, centres of mass and inertias of a figure and its links.
 
     Those of the whole figure are in its rest pose, in the body's frame.
     """
@@ -135,7 +157,24 @@ def facts(figure: Figure, inertia: FigureMass) -> dict[str, Any]:
         for link, mass in zip(skeleton.links, inertia.links, strict=True)
     ]
     whole = _mass_facts(inertia.at_rest)
-    return {"name": figure.name, "density": figure.density, "rest": whole, "links": links}
+    limbs = [
+        {
+            "name": limb.name,
+            "kind": limb.kind,
+            "nodes": [figure.drawing.names[n] for n in appendage.nodes],
+            "length": limb.length,
+            "reason": appendage.reason,
+        }
+        for limb, appendage in zip(skeleton.limbs, figure.anatomy.appendages, strict=True)
+    ]
+    return {
+        "name": figure.name,
+        "density": figure.density,
+        "rest": whole,
+        "links": links,
+        "limbs": limbs,
+        "warnings": [asdict(remark) for remark in remarks],
+    }
 
 
 def denavit_facts(figure: Figure) -> list[dict[str, Any]]:

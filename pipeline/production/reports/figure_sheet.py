@@ -10,7 +10,7 @@ from typing import Any
 import drawsvg
 import numpy as np
 
-from pipeline.errors import SceneError, StoreError
+from pipeline.errors import Problem, SceneError, StoreError
 from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
 from pipeline.production.reports.figure_drawing import (
     FRONT,
@@ -30,8 +30,9 @@ from pipeline.production.reports.figure_report import (
 )
 from pipeline.production.reports.plot_colors import BODY_COLOR, FAINT, INK, WARNING, limb_colors
 from pipeline.production.reports.plot_files import write_pictures
+from pipeline.production.run.scene_check import remarks_on
 from pipeline.simulation.figure_analysis import Figure, FigureMass, build_figure
-from pipeline.spec import load_figures
+from pipeline.spec import Scene, load_figures
 
 WIDTH, TOP, GAP = 1600, 92, 20
 """Of the page, above its panels and between them [pixels]."""
@@ -58,8 +59,23 @@ class Sheet:
     files: tuple[Path, ...]
 
 
-def figures_of(name: str) -> list[Figure]:
-    """Return the figures of a name, at the size they are drawn in.
+@dataclass(frozen=True, eq=False)
+class DrawnFigure:
+    """A figure as its author drew it.
+
+    Attributes:
+        figure: at the size it is drawn in.
+        scene: that holds it, under its name.
+        remarks: on its drawing and on how it stands, at their lines.
+    """
+
+    figure: Figure
+    scene: Scene
+    remarks: tuple[Problem, ...]
+
+
+def drawn_figures(name: str) -> list[DrawnFigure]:
+    """Return the figures of a name.
 
     Args:
         name: of a figure file, a shipped figure, a scene, or `scene:figure`.
@@ -69,40 +85,52 @@ def figures_of(name: str) -> list[Figure]:
         SceneError: a figure is wrong.
     """
     scene, names = load_figures(name)
+    found = []
     try:
-        return [build_figure(figure, scene.figures[figure], 1.0) for figure in names]
+        for figure_name in names:
+            figure = build_figure(figure_name, scene.figures[figure_name], 1.0)
+            remarks = tuple(remark.problem for remark in remarks_on(scene, figure))
+            found.append(DrawnFigure(figure, scene, remarks))
     except SceneError as error:
         raise scene.source_map.with_locations(error) from None
+    return found
 
 
-def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:
+def figures_of(name: str) -> list[Figure]:
+    """Return the figures of a name, see `drawn_figures`."""
+    return [drawn.figure for drawn in drawn_figures(name)]
+
+
+def figure_sheet(drawn: DrawnFigure, out: Path, denavit: bool = False) -> Sheet:
     """Write the pictures of a figure into a folder and return the report on it.
 
     Args:
-        figure: any.
+        drawn: any figure.
         out: the folder.
         denavit: whether to report its Denavit-Hartenberg parameters.
 
     Raises:
         StoreError: the pictures cannot be written.
     """
+    figure = drawn.figure
     try:
         out.mkdir(parents=True, exist_ok=True)
-        files = write_pictures(out / figure.name.replace(" ", "_"), figure_svg(figure))
+        pictures = figure_svg(figure, drawn.remarks)
+        files = write_pictures(out / figure.name.replace(" ", "_"), pictures)
     except OSError as error:
         raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
     inertia = FigureMass(figure)
-    text, plain = report(figure, inertia), facts(figure, inertia)
+    text, plain = report(figure, inertia, drawn.remarks), facts(figure, inertia, drawn.remarks)
     if denavit:
         text, plain = f"{text}\n{denavit_text(figure)}", {**plain, "denavit": denavit_facts(figure)}
     return Sheet(text, plain, files)
 
 
-def figure_svg(figure: Figure) -> str:
-    """Return the picture of a figure as SVG."""
+def figure_svg(figure: Figure, remarks: Sequence[Problem] = ()) -> str:
+    """Return the picture of a figure as SVG, with the first few remarks on it."""
     standing = StandingFigure(figure)
     colors = limb_colors([(limb.kind, limb.side) for limb in figure.skeleton.limbs])
-    remarks = figure.anatomy.warnings[:MAX_REMARKS]
+    remarks = remarks[:MAX_REMARKS]
     rows = -(-(len(figure.skeleton.limbs) + 1) // COLUMNS)
     height = TOP + HEIGHT + 32 + 24 * rows + 22 * len(remarks) + MARGIN // 2
     canvas = Canvas.page(WIDTH, height, figure.name)
@@ -115,7 +143,7 @@ def figure_svg(figure: Figure) -> str:
     y = TOP + HEIGHT + 34
     _legend(canvas, figure, colors, y)
     for i, remark in enumerate(remarks):
-        text = str(remark)
+        text = remark.message
         short = text if len(text) < MAX_REMARK_LENGTH else f"{text[: MAX_REMARK_LENGTH - 3]}..."
         canvas.text(short, (MARGIN, y + 24 * rows + 22 * i), 13, WARNING)
     return canvas.svg

@@ -43,6 +43,7 @@ def examine(fresh: bool) -> list[Finding]:
         _packages,
         lambda: _backend(fresh),
         _library,
+        _code,
         _machine,
     )
     return [finding for check in checks for finding in check()]
@@ -106,6 +107,17 @@ def _library() -> Iterator[Finding]:
         yield Finding("scenes", True, f"{len(scenes)} shipped, in {library()}")
     else:
         yield Finding("scenes", False, f"none in {library()}; install pronk again")
+
+
+def _code() -> Iterator[Finding]:
+    """Report what is compiled for people and bodies."""
+    from pipeline.simulation.code_samples import code_folder
+
+    folder = code_folder()
+    count = sum(1 for _ in folder.glob("*")) if folder.is_dir() else 0
+    text = f"{count} files in {folder}" if count else f"none in {folder}"
+    advice = "" if count else "; the first scene with people or bodies makes it, or pronk compile"
+    yield Finding("compiled code", bool(count), text + advice, needed=False)
 
 
 def _machine() -> Iterator[Finding]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,15 +17,22 @@ from audio.score import Score
 from audio.wav_file import write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.notes import Note, NotesRefused, clock_of, read_notes, take_notes
+from pipeline.production.run.notes import (
+    Note,
+    NotesRefused,
+    clock_of,
+    read_notes,
+    refuse_notes,
+    take_notes,
+)
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
 from pipeline.production.run.picture_notes import camera_notes, level_notes
 from pipeline.production.run.progress import Reporter, Stage, stage
-from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import (
     frame_levels,
@@ -43,7 +49,6 @@ from pipeline.production.sound.sound_report import (
     quantisation_summary,
     wav_facts,
 )
-from pipeline.simulation.casting import MACHINE_CODE, makes_machine_code
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
@@ -81,9 +86,9 @@ class Production:
     seconds: dict[str, float] = field(default_factory=dict)
     changed: bool = False
 
-    def record_time(self, name: str, began: float) -> None:
+    def record_time(self, stage: Stage) -> None:
         """Record the time of a stage that had something to do."""
-        self.seconds[name] = round(time.monotonic() - began, 3)
+        self.seconds[stage.name] = round(stage.seconds, 3)
         self.changed = True
 
     def kept_notes(self) -> list[Note]:
@@ -102,8 +107,8 @@ class Production:
         Raises:
             NotesRefused: there are some.
         """
-        if self.order.strict and self.notes:
-            raise NotesRefused(self.notes)
+        if self.order.strict:
+            refuse_notes(self.notes)
 
 
 def render(order: Order, reporter: Reporter) -> Outputs:
@@ -228,7 +233,7 @@ def take_of(run: Production) -> Take:
     clock = clock_of(scene)
     key = take_key(scene)
     run.notes = notes_after_end(scene)
-    with stage(run.reporter, "simulate", scene.n_frames) as current:
+    with stage(run.reporter, "simulate", scene.n_frames, "s", float(1 / scene.rate)) as current:
         stored = _stored_take(run, key)
         if stored is not None:
             current.keep(scene.n_frames)
@@ -236,17 +241,20 @@ def take_of(run: Production) -> Take:
             run.notes += take_notes(stored, clock)
             run.refuse_notes()
             return stored
-        if makes_machine_code(scene):
-            run.reporter.note(MACHINE_CODE)
-        began = time.monotonic()
-        take = simulate(scene, key, lambda done, _: current.advance(done))
+        with compile_progress(run.reporter, current) as compiling:
+
+            def progress(done: int, _: int) -> None:
+                compiling.close()
+                current.advance(done)
+
+            take = simulate(scene, key, progress)
         current.done = scene.n_frames
         current.result = (
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
         run.notes += take_notes(take, clock)
         run.refuse_notes()
-        run.record_time("simulate", began)
+        run.record_time(current)
         _store_take(run, take)
     return take
 
@@ -296,8 +304,7 @@ def _stored_take(run: Production, key: str) -> Take | None:
 
 def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
-    with stage(run.reporter, "score", 3) as current:
-        began = time.monotonic()
+    with stage(run.reporter, "score", 3, "files") as current:
         score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
         changed = write_events(run.outputs, take) | write_cues(
             run.outputs, score, _whole_film(run).name
@@ -307,7 +314,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
         current.advance(2)
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
-            run.record_time("score", began)
+            run.record_time(current)
         current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
             f", {late} after the last frame" if late else ""
         )
@@ -330,7 +337,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
 
 def _frames(run: Production, shooting: ShotBuilder, frames: tuple[int, ...]) -> dict[int, str]:
     """Render the frames that are due and return the keys of all."""
-    with stage(run.reporter, "render", len(frames)) as current:
+    with stage(run.reporter, "render", len(frames), "frames") as current:
         return with_gpu_fallback(
             run.order.backend,
             run.reporter,
@@ -346,7 +353,7 @@ def _rendered_on(
     current: Stage,
 ) -> dict[int, str]:
     """Render the frames that are due on one backend and return the keys of all."""
-    order, outputs, began = run.order, run.outputs, time.monotonic()
+    order, outputs = run.order, run.outputs
     for line in backend.describe():
         run.reporter.note(line, detail=True)
     with held_back():
@@ -360,29 +367,18 @@ def _rendered_on(
         return keys
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
-    estimate = Estimate(order.name, shooting.film, backend, jobs, len(missing))
-    _note(run, estimate.before())
-
-    def progress(done: int) -> None:
-        current.advance(kept + done)
-        _note(run, estimate.after(done, time.monotonic() - began))
-
     if jobs > 1:
         batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
-        split = film_in_processes(batch, jobs, progress)
+        split = film_in_processes(
+            batch, jobs, lambda done, pace: current.advance_together(kept + done, pace)
+        )
     else:
         for done, _ in enumerate(render_frames(renderer, shooting, outputs, wanted), start=1):
-            progress(done)
+            current.advance(kept + done)
         split = renderer.timings
-    estimate.store()
-    run.record_time("render", began)
+    run.record_time(current)
     current.result = _render_summary(split, current.seconds * jobs, kept)
     return keys
-
-
-def _note(run: Production, text: str | None) -> None:
-    if text is not None:
-        run.reporter.note(text)
 
 
 def _render_summary(split: Timings, seconds: float, kept: int) -> str:
@@ -407,15 +403,14 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
     if order.sound and sound is None:
         run.reporter.note("film: frames with gaps between them have no sound")
     key = _film_key(run, [keys[frame] for frame in frames], sound, frames[0])
-    with stage(run.reporter, "film", len(frames)) as current:
+    with stage(run.reporter, "film", len(frames), "frames") as current:
         if film_key(place) == key:
             current.result = f"{place.name} is up to date"
             return
-        began = time.monotonic()
         rate = order.scene.rate
         began_at = (frames[0] - 1) / rate
         write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
-        run.record_time("film", began)
+        run.record_time(current)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
 

@@ -9,27 +9,24 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TaskID
+from rich.text import Text
 
 from pipeline.production.run.notes import Note, counted_notes, summary
+from pipeline.production.run.time_estimate import TimeEstimate
 
-LOG_INTERVAL = 5.0
-"""Time between two progress lines of a log [s]."""
+MIN_LOG_INTERVAL, MAX_LOG_INTERVAL = 10.0, 300.0
+"""Shortest and longest time between two progress lines of a log [s]."""
+
+LOG_LINES = 6
+"""Progress lines of a stage in a log, about."""
 
 
 @dataclass(slots=True)
@@ -40,39 +37,93 @@ class Stage:
         reporter: of its progress.
         name: of the work, such as "render".
         total: number of things to do.
+        unit: of the things, such as "frames".
+        scale: units in a thing.
+        label: name for people; the name by default.
+        estimated: whether the time left is estimated.
         done: number of things done.
         kept: those of them that an earlier run had done.
         started: on the monotonic clock [s].
         result: summary, reported at the end; empty for a stage that was stopped.
+        estimate: of the time left.
     """
 
     reporter: Reporter
     name: str
     total: int
+    unit: str = ""
+    scale: float = 1.0
+    label: str = ""
+    estimated: bool = True
     done: int = 0
     kept: int = 0
-    started: float = field(default_factory=time.monotonic)
+    started: float = field(default_factory=lambda: time.monotonic())
     result: str = ""
+    estimate: TimeEstimate = field(init=False)
+    _paused: float = 0.0
+    _paused_at: float | None = None
+
+    def __post_init__(self) -> None:
+        self.estimate = TimeEstimate(self.total)
+        self.label = self.label or self.name
 
     def advance(self, done: int) -> None:
         """Report that `done` things are done."""
         self.done = done
+        self.estimate.measure(done, self.seconds)
         self.reporter.advance(self)
+
+    def advance_together(self, done: int, pace: float | None) -> None:
+        """Report that `done` things are done, several at once.
+
+        Args:
+            done: number of things.
+            pace: time per thing [s], None before it is measured.
+        """
+        self.done = done
+        self.estimate.set_pace(done, self.seconds, pace)
+        self.reporter.advance(self)
+
+    def pause(self) -> None:
+        """Stop the clock of the stage, for work that belongs to another one."""
+        if self._paused_at is None:
+            self._paused_at = time.monotonic()
+
+    def resume(self) -> None:
+        """Let the clock go on."""
+        if self._paused_at is not None:
+            self._paused += time.monotonic() - self._paused_at
+            self._paused_at = None
 
     def keep(self, kept: int) -> None:
         """Report that an earlier run has done `kept` things."""
-        self.kept = kept
-        self.advance(kept)
+        self.kept = self.done = kept
+        # No measure of the pace.
+        self.reporter.advance(self)
 
     @property
     def seconds(self) -> float:
-        """Time since the start [s]."""
-        return time.monotonic() - self.started
+        """Time since the start without pauses [s]."""
+        now = time.monotonic() if self._paused_at is None else self._paused_at
+        return now - self.started - self._paused
 
     @property
     def eta(self) -> float | None:
-        """Time left at this pace [s], None before anything is done."""
-        return self.seconds / self.done * (self.total - self.done) if self.done else None
+        """Time left [s], None before it is known."""
+        return self.estimate.left(self.seconds) if self.estimated else None
+
+    @property
+    def amount(self) -> str:
+        """What is done of all there is to do, such as "12 of 144 frames"."""
+        if self.scale == 1.0:
+            return f"{self.done} of {self.total} {self.unit}".rstrip()
+        return f"{self.done * self.scale:.1f} of {self.total * self.scale:g} {self.unit}"
+
+    @property
+    def time_text(self) -> str:
+        """The time left, or the time since the start before it is known."""
+        eta = self.eta
+        return f"{self.seconds:.0f} s" if eta is None else f"{clock(eta)} left"
 
 
 @dataclass(slots=True)
@@ -181,9 +232,11 @@ class Reporter:
 
 
 @contextmanager
-def stage(reporter: Reporter, name: str, total: int) -> Iterator[Stage]:
-    """Report a stage from its start to its end."""
-    current = Stage(reporter, name, total)
+def stage(
+    reporter: Reporter, name: str, total: int, unit: str = "", scale: float = 1.0, label: str = ""
+) -> Iterator[Stage]:
+    """Report a stage from its start to its end; see `Stage`."""
+    current = Stage(reporter, name, total, unit, scale, label)
     reporter.begin(current)
     try:
         yield current
@@ -198,7 +251,8 @@ class LogReporter(Reporter):
     def __init__(self, stream: TextIO, verbose: bool = False) -> None:
         self._stream = stream
         self._verbose = verbose
-        self._last = 0.0
+        self._next = dict[int, float]()
+        self._estimated = set[int]()
 
     def scene(self, name: str, number: int, total: int) -> None:
         """Write a line."""
@@ -211,20 +265,29 @@ class LogReporter(Reporter):
 
     def begin(self, stage: Stage) -> None:
         """Write a line if there is more than one thing to do."""
-        self._last = time.monotonic()
+        self._next[id(stage)] = time.monotonic() + MIN_LOG_INTERVAL
         if stage.total > 1:
-            self._print(f"{stage.name}: {stage.total} to do")
+            whole = f"{stage.total * stage.scale:g} {stage.unit}".rstrip()
+            self._print(f"{stage.label}: {whole} to do")
 
     def advance(self, stage: Stage) -> None:
-        """Write a line every few seconds."""
-        now = time.monotonic()
-        if now - self._last >= LOG_INTERVAL and stage.done < stage.total:
-            self._last = now
-            eta = f", {clock(stage.eta)} left" if stage.eta is not None else ""
-            self._print(f"{stage.name}: {stage.done}/{stage.total}{eta}")
+        """Write a line for the first estimate, and some until the end."""
+        now, eta = time.monotonic(), stage.eta
+        first = eta is not None and eta > MIN_LOG_INTERVAL and id(stage) not in self._estimated
+        if stage.done >= stage.total or not (first or now >= self._next[id(stage)]):
+            return
+        if first:
+            self._estimated.add(id(stage))
+        # Without an estimate a stage may take as long again as it has.
+        whole = stage.seconds + (stage.seconds * LOG_LINES if eta is None else eta)
+        interval = min(max(whole / LOG_LINES, MIN_LOG_INTERVAL), MAX_LOG_INTERVAL)
+        self._next[id(stage)] = now + interval
+        self._print(f"{stage.label}: {stage.amount}, {stage.time_text}")
 
     def end(self, stage: Stage) -> None:
         """Write the result of the stage."""
+        self._next.pop(id(stage), None)
+        self._estimated.discard(id(stage))
         self._print(f"{stage.name}: {stage.result or 'stopped'} ({stage.seconds:.1f} s)")
 
     def note(self, text: str, detail: bool = False) -> None:
@@ -247,40 +310,54 @@ class LogReporter(Reporter):
         print(text, file=self._stream, flush=True)
 
 
+class _StageColumn(ProgressColumn):
+    """A column of a bar with a text of its stage."""
+
+    def __init__(self, text: Callable[[Stage], str]) -> None:
+        super().__init__()
+        self._text = text
+
+    def render(self, task: Task) -> Text:
+        """Return the text as it is now."""
+        return Text(self._text(task.fields["stage"]))
+
+
 class TerminalReporter(LogReporter):
-    """Reports as progress bars."""
+    """Reports as progress bars, which move between two reports as well."""
 
     def __init__(self, stream: TextIO, verbose: bool = False) -> None:
         super().__init__(stream, verbose)
         self._console = Console(file=stream, highlight=False)
         self._progress: Progress | None = None
+        self._bars = dict[int, TaskID]()
 
     def begin(self, stage: Stage) -> None:
-        """Show a bar."""
-        self._progress = Progress(
-            SpinnerColumn(),
-            TextColumn("{task.description:<9}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-            console=self._console,
-            transient=True,
-        )
-        self._progress.start()
-        self._progress.add_task(stage.name, total=stage.total)
+        """Show a bar, below those of stages under way."""
+        if self._progress is None:
+            self._progress = Progress(
+                SpinnerColumn(),
+                _StageColumn(lambda stage: f"{stage.label:<9}"),
+                BarColumn(),
+                _StageColumn(lambda stage: stage.amount),
+                _StageColumn(lambda stage: stage.time_text),
+                console=self._console,
+                transient=True,
+            )
+            self._progress.start()
+        self._bars[id(stage)] = self._progress.add_task(stage.name, total=stage.total, stage=stage)
 
     def advance(self, stage: Stage) -> None:
         """Move the bar."""
         if self._progress is not None:
-            self._progress.update(self._progress.task_ids[0], completed=stage.done)
+            self._progress.update(self._bars[id(stage)], completed=stage.done, total=stage.total)
 
     def end(self, stage: Stage) -> None:
         """Replace the bar by the result of the stage."""
         if self._progress is not None:
-            self._progress.stop()
-            self._progress = None
+            self._progress.remove_task(self._bars.pop(id(stage)))
+            if not self._bars:
+                self._progress.stop()
+                self._progress = None
         mark = "[green]✓[/]" if stage.result else "[yellow]■[/]"
         text = f"{stage.name:<9} {stage.result or 'stopped'}"
         self._console.print(f"{mark} {text} [dim]{stage.seconds:.1f} s[/]")

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
+from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
-from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
+from pipeline.production.run.notes import clock_of, refuse_notes, take_notes
 from pipeline.production.run.picture_notes import camera_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
-from pipeline.simulation.casting import MACHINE_CODE, makes_machine_code
-from pipeline.simulation.figure_analysis import analyse, draw
+from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
@@ -44,20 +45,19 @@ def check_scene(
         PronkError: a figure is wrong, a performer cannot start its part, or the simulation fails.
     """
     reporter = reporter or Reporter()
-    simulation = Simulation(scene)
+    with compile_progress(reporter):
+        simulation = Simulation(scene)
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)
     camera_parents(scene, names)
     focus_nodes(scene, names)
     notes = notes_after_end(scene)
     if simulated:
-        if makes_machine_code(scene):
-            reporter.note(MACHINE_CODE)
         take = _take_of(simulation, scene.n_frames, reporter)
         # What the renderer needs of a take can be wrong too.
         shooting = ShotBuilder(scene, take)
         notes += take_notes(take, clock_of(scene)) + camera_notes(scene, shooting)
-    if notes and strict:
-        raise NotesRefused(notes)
+    if strict:
+        refuse_notes(notes)
     if notes:
         reporter.notes(name, notes, None)
     return _summary(scene, simulation)
@@ -66,7 +66,10 @@ def check_scene(
 def _take_of(simulation: Simulation, frames: int, reporter: Reporter) -> Take:
     """Take all steps of a simulation and return its take."""
     clock = simulation.world.clock
-    with stage(reporter, "simulate", frames) as current:
+    with (
+        stage(reporter, "simulate", frames, "s", float(1 / clock.rate)) as current,
+        compile_progress(reporter, current),
+    ):
         while not simulation.finished:
             simulation.step()
             if simulation.step_number % (PROGRESS_FRAMES * clock.steps) == 0:
@@ -84,11 +87,28 @@ def _summary(scene: Scene, simulation: Simulation) -> str:
     return f"right: {length}; {cast}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
 
 
-def figure_remarks(scene: Scene) -> Iterator[Problem]:
-    """Yield remarks on the drawings of a scene's figures, with their places."""
+@dataclass(frozen=True, slots=True)
+class FigureRemark:
+    """A remark on a figure.
+
+    Attributes:
+        problem: the remark at its place.
+        is_fault: whether it is likely a mistake.
+    """
+
+    problem: Problem
+    is_fault: bool
+
+
+def figure_remarks(scene: Scene) -> Iterator[FigureRemark]:
+    """Yield remarks on the figures of a scene's creatures."""
     for name in dict.fromkeys(member.figure for _, member in scene.creatures):
-        config = scene.figures[name]
-        drawing = draw(config)
-        for remark in analyse(drawing, config.parts, config.style, config.pitch_deg).warnings:
-            path = f"figures.{name}.{drawing.path_of(remark.node)}"
-            yield scene.source_map.with_location(Problem(path, str(remark)))
+        yield from remarks_on(scene, build_figure(name, scene.figures[name], 1.0))
+
+
+def remarks_on(scene: Scene, figure: Figure) -> Iterator[FigureRemark]:
+    """Yield remarks on one figure of a scene."""
+    for remark in check_figure(figure):
+        path = f"figures.{figure.name}.{figure.drawing.path_of(remark.node)}"
+        problem = scene.source_map.with_location(Problem(path, remark.text))
+        yield FigureRemark(problem, remark.is_fault)

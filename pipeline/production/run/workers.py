@@ -7,7 +7,8 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -34,6 +35,9 @@ MAX_BATCH = 16
 
 BATCHES_PER_PROCESS = 4
 """Batches per worker that keep all workers busy to the end."""
+
+FIRST_BATCH = 5
+"""Frames of the first batch of a worker: enough to measure its pace after building its scene."""
 
 T = TypeVar("T")
 
@@ -108,22 +112,41 @@ class FrameBatch:
     backend: Backend
     keys: dict[int, str]
 
-    def split(self, size: int) -> list[FrameBatch]:
-        """Return batches of `size` successive frames."""
-        frames = list(self.keys)
-        return [
-            replace(self, keys={frame: self.keys[frame] for frame in frames[first : first + size]})
-            for first in range(0, len(frames), size)
-        ]
+    def split(self, size: int, first_size: int = 0, first_count: int = 0) -> list[FrameBatch]:
+        """Return batches of `size` successive frames, the first ones of another size."""
+        frames, batches = list(self.keys), list[FrameBatch]()
+        while frames:
+            count = first_size if len(batches) < first_count else size
+            batches.append(
+                replace(self, keys={frame: self.keys[frame] for frame in frames[:count]})
+            )
+            del frames[:count]
+        return batches
 
 
-def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], None]) -> Timings:
+@dataclass(frozen=True, slots=True)
+class BatchResult:
+    """Result of a batch.
+
+    Attributes:
+        timings: of the renderer.
+        pace: time per frame after a worker's first ones [s], None if not measured.
+    """
+
+    timings: Timings
+    pace: float | None
+
+
+def film_in_processes(
+    frames: FrameBatch, jobs: int, progress: Callable[[int, float | None], None]
+) -> Timings:
     """Render frames in `jobs` processes.
 
     Args:
         frames: all of them.
         jobs: number of processes.
-        progress: called with the number of frames done.
+        progress: called with the number of frames done, and the latest time per frame of all
+            processes together [s], None before it is measured.
 
     Returns:
         Render times, summed over the processes.
@@ -134,9 +157,10 @@ def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], N
     """
     total = Timings()
     death = FilmingError("a process that rendered has died; if memory was short, try fewer --jobs")
+    pace: float | None = None
     for share in frames.split(jobs * FRAMES_PER_PROCESS):
         size = min(MAX_BATCH, max(1, len(share.keys) // (jobs * BATCHES_PER_PROCESS)))
-        batches = share.split(size)
+        batches = share.split(size, min(size, FIRST_BATCH), jobs)
         with worker_pool(min(jobs, len(batches)), death) as pool:
             with children_ignore_interrupts():
                 futures = [pool.submit(_film_batch, batch) for batch in batches]
@@ -148,8 +172,10 @@ def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], N
                     raise FilmingError(part)
                 for quantity in fields(total):
                     name = quantity.name
-                    setattr(total, name, getattr(total, name) + getattr(part, name))
-                progress(total.frames)
+                    setattr(total, name, getattr(total, name) + getattr(part.timings, name))
+                if part.pace is not None:
+                    pace = part.pace / min(jobs, len(batches))
+                progress(total.frames, pace)
     return total
 
 
@@ -182,19 +208,34 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _film_batch(batch: FrameBatch) -> Timings | str | DeviceMemoryShort:
-    """Render one batch and return its render times; an error is returned as its message."""
+def _film_batch(batch: FrameBatch) -> BatchResult | str | DeviceMemoryShort:
+    """Render one batch and return its times; an error is returned as its message."""
     global _equipment
     try:
+        first, times = _equipment is None, [time.monotonic()]
         if _equipment is None:
             shooting = ShotBuilder(batch.scene, read_take(batch.take))
             _equipment = shooting, Renderer(batch.backend)
         shooting, renderer = _equipment
         renderer.timings = Timings()
         for _ in render_frames(renderer, shooting, batch.outputs, batch.keys):
-            pass
+            times.append(time.monotonic())
     except DeviceMemoryShort as error:
         return error
     except (FilmingError, RenderError) as error:
         return str(error)
-    return renderer.timings
+    return BatchResult(renderer.timings, _batch_pace(times, first))
+
+
+def _batch_pace(times: Sequence[float], first: bool) -> float | None:
+    """Return the time per frame of a batch [s], None if it is too short to tell.
+
+    Args:
+        times: of the start and of each frame as it is written, one frame after it is rendered.
+        first: whether scenes were built and kernels compiled for its first frame.
+    """
+    if not first:
+        return (times[-1] - times[0]) / (len(times) - 1)
+    # The second frame is rendered when the first is written.
+    count = len(times) - 3
+    return (times[-1] - times[1]) / count if count > 0 else None

@@ -1,8 +1,7 @@
 """Compiled code: loops over bodies as machine code, compiled when first run and cached.
 
-The cache lies in the user's cache folder, never beside the package, in a folder named by a digest
-of the sources of all rooms that compile: numba alone does not notice changes in called functions.
-Where no folder is writable the code is compiled anew each time.
+`code_cache` says where they are stored. What is compiled is reported to the observer of
+`pipeline.simulation.compilation`.
 
 Compiled functions take numbers, tuples of them, and records, which are passed as one address:
 tuples of many arrays cost as much as the work. Vectors are triples and rotations three rows, so
@@ -12,13 +11,17 @@ alike beside any others, and with NUMBA_DISABLE_JIT=1 in plain Python as well.
 
 from __future__ import annotations
 
-import hashlib
-import os
+import inspect
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numba
+from numba.core import event, sigutils
+from numba.core.ccallback import CFunc
+from numba.core.registry import CPUDispatcher
+
+from pipeline.simulation.compilation import observer
+from pipeline.simulation.dynamics.code_cache import ROOMS, StoredCode
 
 Record = Any
 """A row of a structured array: numbers and small arrays by name."""
@@ -26,35 +29,11 @@ Record = Any
 Records = Any
 """A structured array."""
 
+COMPILE_EVENT = "numba:compile"
+"""Numba's event around the compilation of a function."""
+
 P = ParamSpec("P")
 T = TypeVar("T")
-
-
-def _set_cache_folder() -> bool:
-    """Sets numba's cache folder unless the user has; returns whether it is writable."""
-    if numba.config.CACHE_DIR:
-        return True
-    here = Path(__file__).parent
-    rooms = (here, here.parent / "characters")
-    sources = b"".join(path.read_bytes() for room in rooms for path in sorted(room.rglob("*.py")))
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    name = hashlib.blake2b(sources, digest_size=8).hexdigest()
-    folder = Path(base, "pronk", "compiled", name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    numba.config.CACHE_DIR = str(folder)
-    return os.access(folder, os.W_OK)
-
-
-CACHE_WRITABLE = _set_cache_folder()
-"""Whether machine code can be cached."""
-
-
-def is_cached(room: str) -> bool:
-    """Returns whether machine code of a room is in the cache."""
-    return CACHE_WRITABLE and any(Path(numba.config.CACHE_DIR).glob(f"{room}_*/*.nbi"))
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
@@ -73,5 +52,73 @@ def inlined(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def entry(function: Callable[P, T]) -> Callable[P, T]:
-    """Compiles a function that Python calls; its machine code is cached."""
-    return numba.njit(cache=CACHE_WRITABLE, error_model="numpy")(function)
+    """Compiles a function that Python calls; its machine code is stored."""
+    dispatcher = numba.njit(error_model="numpy")(function)
+    if not numba.config.DISABLE_JIT:
+        dispatcher._cache = StoredCode(function)
+    return dispatcher
+
+
+def native(function: Callable[..., Any], signature: Any) -> Any:
+    """Returns compiled code with the interface of C; its machine code is stored."""
+    made: Any = CFunc(function, sigutils.normalize_signature(signature), {}, {})
+    compile_function = made._compile_uncached
+
+    def compile_reported() -> Any:
+        # Numba itself reports only functions that Python or compiled code calls.
+        with event.trigger_event(COMPILE_EVENT, data={"dispatcher": made}):
+            return compile_function()
+
+    made.py_func, made._compile_uncached = function, compile_reported
+    made._cache = StoredCode(function)
+    made.compile()
+    return made
+
+
+def reachable(function: Callable[..., Any]) -> set[Any]:
+    """Returns the compiled functions that a Python function calls, directly or not."""
+    found, pending = set[Any](), [function]
+    while pending:
+        outer = inspect.getclosurevars(pending.pop())
+        for value in (*outer.globals.values(), *outer.nonlocals.values()):
+            if isinstance(value, CPUDispatcher) and value not in found:
+                found.add(value)
+                pending.append(value.py_func)
+    return found
+
+
+class _CompilerListener(event.Listener):  # type: ignore[misc]
+    """Passes on to the observer what numba compiles, outermost functions with all that they call.
+
+    A function may be compiled for several types of arguments and is counted once.
+    """
+
+    def __init__(self) -> None:
+        self._outermost: Any = None
+        self._pending = set[Any]()
+
+    def on_start(self, event: Any) -> None:
+        """Reports the outermost function of the project."""
+        dispatcher = event.data["dispatcher"]
+        if self._outermost is None and (room := _room(dispatcher.py_func)) is not None:
+            called = {one for one in reachable(dispatcher.py_func) if not one.overloads}
+            self._outermost, self._pending = dispatcher, called | {dispatcher}
+            observer().begin(room, len(self._pending))
+
+    def on_end(self, event: Any) -> None:
+        """Reports a function, and the end of the outermost one."""
+        dispatcher = event.data["dispatcher"]
+        if dispatcher in self._pending:
+            self._pending.remove(dispatcher)
+            observer().advance()
+        if dispatcher is self._outermost:
+            self._outermost = None
+            observer().end()
+
+
+def _room(function: Callable[..., Any]) -> str | None:
+    """Returns what a function simulates, None for one of numba's own."""
+    return next((ROOMS[part] for part in function.__module__.split(".") if part in ROOMS), None)
+
+
+event.register(COMPILE_EVENT, _CompilerListener())

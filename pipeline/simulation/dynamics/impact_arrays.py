@@ -19,8 +19,6 @@ THING = np.dtype(
         ("inverse_inertia", "f8", (3, 3)),
         # Largest speed that a unit impulse gives any point of it [1/kg].
         ("gives", "f8"),
-        # Of balls, otherwise 0 [m].
-        ("radius", "f8"),
         # Present motion while in contact: angular and linear velocity in the world at its centre
         # [rad/s, m/s], centre [m], rotation matrix.
         ("velocity", "f8", 6),
@@ -57,8 +55,6 @@ LAW_STATE = np.dtype(
         # Length of the step [s]; number of bodies.
         ("h", "f8"),
         ("bodies", "i8"),
-        # Whether the ground is a height field.
-        ("uneven", "?"),
         # Half of `pairs` of the step before, its length, and number of strikes recorded.
         ("half", "i8"),
         ("known", "i8"),
@@ -78,7 +74,6 @@ class ContactSet(NamedTuple):
             negative for none: normal, two of sliding, spin and rolling.
         things: (g,) the thing that each geom belongs to.
         springs: (k, 4) of rows; the first two become stiffness [1/s²] and damping [1/s].
-        depths: (k,) of rows: distances that the springs see [m].
         velocity: (m, 6) angular and linear velocities of all things in the world, at their centres
             [rad/s, m/s].
         centre: (m, 3) of all things [m].
@@ -88,7 +83,6 @@ class ContactSet(NamedTuple):
     contacts: Records
     things: NDArray[np.int32]
     springs: Array
-    depths: Array
     velocity: Array
     centre: Array
     attitude: Array

@@ -51,15 +51,6 @@ ROUNDING_FACTOR = 0.999
 MAX_BOUNCE_DURATION = 1.5
 """Longest duration of a bounce, in its duration by the formula."""
 
-SAME_PLANE_COSINE = 0.999
-"""Cosine between normals of one plane."""
-
-RIM_HEIGHT = 0.02
-"""Height above a plane that counts as zero, in radii of the ball."""
-
-DISABLING_ACCELERATION = 1e6
-"""Acceleration towards each other that disables a contact [m/s²]."""
-
 MEASURED_BOUNCINESS = {
     0.0: (0.000, 0.000),
     0.2: (0.196, 0.214),
@@ -105,8 +96,6 @@ def set_springs(t: ContactSet, law: ImpactLaw, time: float) -> None:
         pairs[count].key, pairs[count].onset = key, begun
         count += 1
         _set_pair_springs(t, law, first, end, bounces)
-        if now.uneven and a == 0 and other.radius > 0.0 and end - first > 1:
-            _disable_rim_contacts(t, first, end, other.radius)
     if not ordered:
         sort_pairs(pairs, count)
     now.half, now.known = 1 - now.half, count
@@ -277,39 +266,3 @@ def _compliance(thing: Record, place: Vector, n: Vector) -> float:
     total += v * (J[1, 0] * u + J[1, 1] * v + J[1, 2] * w)
     total += w * (J[2, 0] * u + J[2, 1] * v + J[2, 2] * w)
     return total
-
-
-@compiled
-def _disable_rim_contacts(t: ContactSet, first: int, end: int, radius: float) -> None:
-    """Disables contacts of a ball with the rim of triangles that it is not over.
-
-    MuJoCo treats each prism of a height field alone, so its neighbours push a sunken ball sideways
-    though their surfaces lie in one plane: 0.95 m/s after an impact at 6 m/s. A contact counts if
-    it lies above the plane of the deepest one, or has the same normal.
-
-    Args:
-        t: contacts; the terrain comes first, normals are upward, and positions are halfway between
-            both surfaces.
-        first: first contact of ball and ground.
-        end: end of them.
-        radius: of the ball [m].
-    """
-    deepest = first
-    for i in range(first, end):
-        if t.contacts[i].dist < t.contacts[deepest].dist:
-            deepest = i
-    up = triple(t.contacts[deepest].frame)
-    ground = _ground_point(t, deepest)
-    for i in range(first, end):
-        at = t.contacts[i].efc_address
-        alike = dot(up, triple(t.contacts[i].frame))
-        above = dot(up, minus(_ground_point(t, i), ground))
-        if at >= 0 and alike < SAME_PLANE_COSINE and above < RIM_HEIGHT * radius:
-            t.springs[at, 0], t.springs[at, 1], t.depths[at] = -DISABLING_ACCELERATION, 0.0, -1.0
-
-
-@compiled
-def _ground_point(t: ContactSet, i: int) -> Vector:
-    """Returns the point on the ground of contact `i` [m]."""
-    down = times(0.5 * t.contacts[i].dist, triple(t.contacts[i].frame))
-    return minus(triple(t.contacts[i].pos), down)

@@ -14,10 +14,8 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_arrays import THING
 from pipeline.simulation.dynamics.mujoco_model import (
     add_ground,
-    is_level,
     log_warnings,
     memory_for,
-    use_upward_collision,
 )
 from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel
 from pipeline.simulation.spatial import Array
@@ -59,7 +57,7 @@ def impact_things(builds: Sequence[BodyModel], pushers: int) -> Records:
     # Ground and kinematic bodies have none of their own: the body's bounciness holds.
     things.bounciness = np.inf
     own = things[1 : 1 + len(builds)]
-    own.bounciness, own.radius = bodies.bounciness, bodies.radius
+    own.bounciness = bodies.bounciness
     own.inverse_mass, own.inverse_inertia = 1.0 / bodies.mass, bodies.inverse
     turns = np.linalg.eigvalsh(bodies.inverse)[:, -1]
     # Contacts may lie a little outside the body.
@@ -79,30 +77,27 @@ def build_model(
 
     log_warnings(mujoco)
     spec = mujoco.MjSpec()
-    _set_options(spec, mujoco, not is_level(field))
+    _set_options(spec, mujoco)
     matter = {"contype": FIXED_BIT, "conaffinity": 0, **_contact_options(0.0, 0.0)}
-    lying = [c.build.hull.vertices for c in colliders if c.build.hull is not None]
-    add_ground(spec, mujoco, field, lying, matter)
+    add_ground(spec, mujoco, field, matter)
     for i, collider in enumerate(colliders):
         _add_body(spec, mujoco, f"body {i}", collider)
     heaviest = max(c.build.mass.mass for c in colliders)
     for k, corners in enumerate(pushers):
         _add_kinematic_body(spec, mujoco, f"pusher {k}", corners, KINEMATIC_MASS_RATIO * heaviest)
-    spec.nuserdata = 1
+    spec.nuserdata = 2
     spec.memory = memory_for(len(colliders) + len(pushers))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco
 
 
-def _set_options(spec: Any, mujoco: Any, is_uneven: bool) -> None:
+def _set_options(spec: Any, mujoco: Any) -> None:
     option = spec.option
     option.gravity = [0.0, -GRAVITY, 0.0]
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     option.sleep_tolerance = SLEEP_SPEED
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
-    if is_uneven:
-        use_upward_collision(option, mujoco)
 
 
 def _contact_options(friction: float, rolling: float) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import CACHE_WRITABLE, Records
+from pipeline.simulation.dynamics.compiled import Records, native
 from pipeline.simulation.dynamics.impact_arrays import (
     LAW_STATE,
     PAIR,
@@ -42,7 +42,7 @@ CONTACT_FIELDS = ("dist", "pos", "frame", "friction", "dim", "geom", "efc_addres
 COUNT_FIELDS = ("ncon", "nefc")
 """Fields of the data: numbers of contacts, and of their rows."""
 
-ARRAY_FIELDS = ("efc_KBIP", "efc_pos", "userdata")
+ARRAY_FIELDS = ("efc_KBIP", "userdata")
 """Fields of the data that hold addresses of arrays."""
 
 
@@ -145,10 +145,27 @@ def _array_at(address: int, count: int, kind: Any) -> Callable[..., Any]:
 
 def native_callback(function: Callable[[int, int], None]) -> Any:
     """Returns machine code that MuJoCo or Python calls with two addresses."""
+    address = numba.types.intp
+    return function if numba.config.DISABLE_JIT else _native(function, numba.void(address, address))
+
+
+def native_collision(function: Callable[[int, int, int, int, int, float], int]) -> Any:
+    """Returns machine code for MuJoCo's table of collision functions.
+
+    Args:
+        function: addresses of model, data and contacts to fill, numbers of two geoms, largest gap
+            -> number of contacts.
+    """
     if numba.config.DISABLE_JIT:
-        return function
-    nothing, address = numba.types.void, numba.types.intp
-    made = numba.cfunc(nothing(address, address), cache=CACHE_WRITABLE)(function)
+        address, number = ctypes.c_ssize_t, ctypes.c_int
+        kinds = (number, address, address, address, number, number, ctypes.c_double)
+        return ctypes.CFUNCTYPE(*kinds)(function)
+    address, number = numba.types.intp, numba.types.intc
+    return _native(function, number(address, address, address, number, number, numba.types.float64))
+
+
+def _native(function: Callable[..., Any], signature: Any) -> Any:
+    made = native(function, signature)
     # The machine code lives as long as this object.
     result = made.ctypes
     result.made = made
@@ -182,9 +199,8 @@ class ImpactCallback:
     Args:
         things: (m,) constants of the things.
         bodies: number of bodies.
-        uneven: whether the ground is a height field.
         model: of MuJoCo.
-        data: its state, with room for one user value.
+        data: its state, with room for two user values.
         mujoco: the module.
 
     Attributes:
@@ -194,11 +210,9 @@ class ImpactCallback:
         callback: function for MuJoCo's passive-force callback.
     """
 
-    def __init__(
-        self, things: Records, bodies: int, uneven: bool, model: Any, data: Any, mujoco: Any
-    ) -> None:
+    def __init__(self, things: Records, bodies: int, model: Any, data: Any, mujoco: Any) -> None:
         now = np.zeros(1, dtype=LAW_STATE)
-        now["uneven"], now["bodies"] = uneven, bodies
+        now["bodies"] = bodies
         self.strikes = np.zeros(
             BASE_IMPACT_CAPACITY + IMPACT_CAPACITY_PER_BODY * len(things), dtype=STRIKE
         )
@@ -236,7 +250,6 @@ def _compile_callback(layout: Layout) -> Any:
             array_at(data.contact, data.ncon, contact_kind),
             array_at(at.owners, at.geoms, INT32),
             array_at(data.efc_KBIP, 4 * data.nefc, FLOAT64).reshape(-1, 4),
-            array_at(data.efc_pos, data.nefc, FLOAT64),
             array_at(at.velocity, 6 * at.kinds, FLOAT64).reshape(-1, 6),
             array_at(at.centre, 3 * at.kinds, FLOAT64).reshape(-1, 3),
             array_at(at.attitude, 9 * at.kinds, FLOAT64).reshape(-1, 9),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -35,10 +35,6 @@ GROUND_THICKNESS = 5.0
 
 QUAD_SUBDIVISION = 4
 """Cells that replace a cell of quadrilaterals, along each side: MuJoCo has triangles."""
-
-TILE_CELLS = 5
-"""Cells along a tile: each is two prisms with one contact per body, and MuJoCo keeps 50 contacts
-of two geoms."""
 
 BASE_MEMORY = 2**25
 """Memory of a model for contacts, committed as it is used [bytes]."""
@@ -70,16 +66,13 @@ def use_upward_collision(option: Any, mujoco: Any) -> None:
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
 
 
-def add_ground(
-    spec: Any, mujoco: Any, field: HeightField, corners: Sequence[Array], matter: Mapping[str, Any]
-) -> None:
+def add_ground(spec: Any, mujoco: Any, field: HeightField, matter: Mapping[str, Any]) -> None:
     """Adds the terrain to a model.
 
     Args:
         spec: the model.
         mujoco: the module.
         field: the terrain.
-        corners: (V, 3) of each solid but balls that may lie on it, in its own frame [m].
         matter: common options of its geoms.
     """
     c, s = math.cos(0.5 * field.heading), math.sin(0.5 * field.heading)
@@ -99,72 +92,20 @@ def add_ground(
     quat = np.zeros(4)
     mujoco.mju_mulQuat(quat, turned, np.array([0.5, -0.5, -0.5, -0.5]))
     heights = _triangulated_heights(field)
-    whole = (0, heights.shape[1] - 1, 0, heights.shape[0] - 1)
-    spans = _tiles(whole) if _needs_tiles(field, whole, corners) else [whole]
-    for k, span in enumerate(spans):
-        _add_tile(spec, f"terrain {k}", field, heights, span, low)
-        x, z = _span_middle(field, whole, span)
-        spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_HFIELD,
-            hfieldname=f"terrain {k}",
-            pos=[x, _span_heights(heights, span).min(), z],
-            quat=quat,
-            **matter,
-        )
-
-
-Span = tuple[int, int, int, int]
-"""Cells along x from the first up to the second, and along z likewise."""
-
-
-def _span_heights(heights: Array, span: Span) -> Array:
-    a, b, c, d = span
-    return heights[c : d + 1, a : b + 1]
-
-
-def _needs_tiles(field: HeightField, whole: Span, corners: Sequence[Array]) -> bool:
-    """Returns whether a solid can touch more cells than a height field may have contacts."""
-    cells = np.array(field.size) / (whole[1], whole[3])
-    for one in corners:
-        _, b, a = np.sort(np.ptp(one, axis=0))
-        if (a / cells[0] + 1.0) * (b / cells[1] + 1.0) > TILE_CELLS * TILE_CELLS:
-            return True
-    return False
-
-
-def _tiles(whole: Span) -> Iterator[Span]:
-    for c in range(0, whole[3], TILE_CELLS):
-        for a in range(0, whole[1], TILE_CELLS):
-            yield a, min(a + TILE_CELLS, whole[1]), c, min(c + TILE_CELLS, whole[3])
-
-
-def _span_middle(field: HeightField, whole: Span, span: Span) -> tuple[float, float]:
-    """Returns the centre of some cells, x and z [m]."""
-    x, z = (
-        (0.5 * (first + last) / count - 0.5) * size
-        for first, last, count, size in zip(
-            span[::2], span[1::2], whole[1::2], field.size, strict=True
-        )
-    )
-    at_x, at_z = field.to_world(np.array(x), np.array(z))
-    return float(at_x), float(at_z)
-
-
-def _add_tile(
-    spec: Any, name: str, field: HeightField, heights: Array, span: Span, lowest: float
-) -> None:
-    """Adds the height field of a span, `GROUND_THICKNESS` deep below the lowest height."""
-    own = _span_heights(heights, span)
-    low, high = float(own.min()), float(own.max())
-    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
-    a, b, c, d = span
-    x, z = 0.5 * (b - a) / columns * field.size[0], 0.5 * (d - c) / rows * field.size[1]
+    high, (size_x, size_z) = float(heights.max()), field.size
     spec.add_hfield(
-        name=name,
-        nrow=own.T.shape[0],
-        ncol=own.T.shape[1],
-        size=[z, x, max(high - low, MIN_FIELD_HEIGHT), GROUND_THICKNESS + low - lowest],
-        userdata=own.T.ravel().tolist(),
+        name="terrain",
+        nrow=heights.T.shape[0],
+        ncol=heights.T.shape[1],
+        size=[0.5 * size_z, 0.5 * size_x, max(high - low, MIN_FIELD_HEIGHT), GROUND_THICKNESS],
+        userdata=heights.T.ravel().tolist(),
+    )
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD,
+        hfieldname="terrain",
+        pos=[field.at[0], low, field.at[1]],
+        quat=quat,
+        **matter,
     )
 
 

@@ -20,6 +20,7 @@ from pipeline.simulation.dynamics.body_record import (
     records_of,
     zero_records,
 )
+from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.contact_solver import SOLVER_CONTACT
 from pipeline.simulation.dynamics.free_motion import MAX_ORDER, SERIES_COLUMNS
 from pipeline.simulation.dynamics.rigid_body import Bodies, State, dot, rotate
@@ -73,13 +74,7 @@ class TerrainBodies:
         self._records, self._shapes = records_of(bodies, state)
         self.state = State(*(self._records[name] for name in ("p", "q", "v", "w")))
         self.awake: NDArray[np.bool_] = self._records["awake"]
-        vertices, edges = (int(self._records[name][:, 1].max()) for name in ("corners", "edges"))
-        self._room = Workspace(
-            np.zeros((max(vertices, 1), 3)),
-            np.zeros((max(edges, 1), 12)),
-            np.zeros((MAX_ORDER + 1, SERIES_COLUMNS)),
-            zero_records(MAX_CONTACTS, SOLVER_CONTACT),
-        )
+        self._room = workspace_of(self._records)
         self.find_contacts()
 
     def find_contacts(self) -> None:
@@ -120,3 +115,14 @@ class TerrainBodies:
             for body, time, x, y, z, n_x, n_y, n_z, speed, energy in strikes.tolist()
         ]
         return sorted(impacts, key=lambda one: (one.time, one.body))
+
+
+def workspace_of(records: Records) -> Workspace:
+    """Returns a workspace with room for each of some bodies."""
+    vertices, edges = (int(records[name][:, 1].max()) for name in ("corners", "edges"))
+    return Workspace(
+        np.zeros((max(vertices, 1), 3)),
+        np.zeros((max(edges, 1), 12)),
+        np.zeros((MAX_ORDER + 1, SERIES_COLUMNS)),
+        zero_records(MAX_CONTACTS, SOLVER_CONTACT),
+    )

@@ -11,6 +11,11 @@ those of the body beside the other, so it is a direction in which they can be se
 deep in a wall is measured from that wall, not from the top. The gap counts along the normal of the
 contact: the facet's, or that of both edges.
 
+A contact that is deep along its normal although the body hardly overlaps the ground in another
+direction is none: beside a wall, an edge of the ground above the bottom of the body is in front of
+it, and the wall is what the body meets. Steep edges that cross far apart, seen from above, may be
+nearest to one another beyond their ends.
+
 Source: Gregorius 2013 (arcs of the Gauss map that cross), for edges of two convex solids.
 """
 
@@ -46,6 +51,9 @@ PARALLEL_EDGES = 1e-6
 
 EDGE_IN_PLANE = 1e-3
 """Sine of the angle to a plane at which an edge counts as lying in it."""
+
+DEEP_OVERLAP = 1e-3
+"""Depth beyond which a contact must be the direction of least overlap, in sizes of the body."""
 
 UPWARD_FACET = 1e-3
 """Vertical component of the normal above which nothing below can touch a facet."""
@@ -100,7 +108,7 @@ def add_edge_contacts(
             else:
                 if edges < 0:
                     edges = _downward_edges(shapes, body, R, room)
-                _add_crossings(room.edges, edges, body, p, c, minus(d, c), grid.sides[k], slack)
+                _add_crossings(room, edges, body, p, c, minus(d, c), grid.sides[k], slack)
 
 
 @compiled
@@ -137,7 +145,7 @@ def _add_vertex_on_facet(
     """
     lever = minus(peak, p)
     place = inverse_turned(R, lever)
-    most, which = -np.inf, -1
+    most, which, beside = -np.inf, -1, -np.inf
     # Where the vertical line through it enters and leaves the body.
     low, high = -np.inf, np.inf
     first, count = body.facets
@@ -149,17 +157,21 @@ def _add_vertex_on_facet(
             low = max(low, -away / up)
             if away > most:
                 most, which = away, k
-        elif up > LEVEL_NORMAL:
-            high = min(high, -away / up)
-        elif away > 0.0:
-            return
+        else:
+            beside = max(beside, away)
+            if up > LEVEL_NORMAL:
+                high = min(high, -away / up)
+            elif away > 0.0:
+                return
+    if most < -DEEP_OVERLAP * body.size and beside > most:
+        return
     if which >= 0 and low <= high:
         insert_new_contact(body, most, times(-1.0, turned(R, row(facets, which))), lever)
 
 
 @compiled
 def _add_crossings(
-    edges: Array,
+    room: Workspace,
     n: int,
     body: Record,
     p: Vector,
@@ -169,6 +181,7 @@ def _add_crossings(
     slack: float,
 ) -> None:
     """Adds the crossings of n edges of a body with an edge of the ground that starts at c."""
+    edges = room.edges
     for e in range(n):
         x, z = edges[e, 3], edges[e, 5]
         between_x, between_z = c[0] - edges[e, 0], c[2] - edges[e, 2]
@@ -186,8 +199,25 @@ def _add_crossings(
                 (edges[e, 9], edges[e, 10], edges[e, 11]),
             )
             if _separates(along, row(sides, 0), row(sides, 1)) and _separates(ground, one, other):
-                rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
-                _add_crossing(body, along, ground, rise, minus(plus(c, times(t, ground)), p), slack)
+                place = plus(c, times(t, ground))
+                start = row(edges, e)
+                rise = start[1] + s * along[1] - place[1]
+                normal = cross(along, ground)
+                size = length(normal)
+                if size <= PARALLEL_EDGES * length(along) * length(ground):
+                    continue
+                normal = times(math.copysign(1.0 / size, normal[1]), normal)
+                gap = rise * normal[1]
+                if gap > slack:
+                    continue
+                if gap < -DEEP_OVERLAP * body.size:
+                    s, t = _nearest_of_lines(minus(c, start), along, ground)
+                    if min(s, t) < 0.0 or max(s, t) > 1.0:
+                        continue
+                    place = plus(c, times(t, ground))
+                    if gap < _lowest_over_planes(body, room.world, sides, place):
+                        continue
+                insert_new_contact(body, gap, normal, minus(place, p))
 
 
 @compiled
@@ -199,14 +229,26 @@ def _separates(way: Vector, one: Vector, other: Vector) -> bool:
 
 
 @compiled
-def _add_crossing(
-    body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
-) -> None:
-    """Adds the contact of two edges that cross, seen from above, one above the other."""
+def _nearest_of_lines(between: Vector, along: Vector, ground: Vector) -> tuple[float, float]:
+    """Returns where two lines are nearest to one another, in extents of each.
+
+    Args:
+        between: from the start of the one to that of the other [m].
+        along: extent of the one [m].
+        ground: extent of the other [m].
+    """
     normal = cross(along, ground)
     square = dot(normal, normal)
-    if square > PARALLEL_EDGES * PARALLEL_EDGES * dot(along, along) * dot(ground, ground):
-        normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
-        gap = rise * normal[1]
-        if gap <= slack:
-            insert_new_contact(body, gap, normal, lever)
+    return dot(cross(between, ground), normal) / square, dot(cross(between, along), normal) / square
+
+
+@compiled
+def _lowest_over_planes(body: Record, world: Array, sides: Array, place: Vector) -> float:
+    """Returns the largest height over two planes through a place of a body's lowest vertex [m]."""
+    most = -np.inf
+    for side in range(2):
+        least, normal = np.inf, row(sides, side)
+        for k in range(body.corners[1]):
+            least = min(least, dot(normal, minus(row(world, k), place)))
+        most = max(most, least)
+    return most

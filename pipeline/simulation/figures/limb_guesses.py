@@ -39,7 +39,7 @@ TWIGS = (FEELER, HORN)
 Chain = tuple[int, ...]
 Style = Literal["insect", "mammal"]
 
-TRUNK_WIDTH = 0.02
+TRUNK_WIDTH = 0.01
 """Distance from the midline at which a node is on the trunk, and within which limbs hang in one
 row, in the drawing's size."""
 
@@ -59,8 +59,9 @@ longer one is a neck, and what hangs at its base is no twig on a head."""
 LEGLESS = 0.15
 """Length of a figure's longest limb, in its trunk's, below which it is no leg."""
 
-FORWARD_COSINE = math.cos(math.radians(30.0))
-"""Of the direction of an antenna."""
+FORWARD_DEG, ANTENNA_DEG, ANTENNA = 30.0, 40.0, 0.8
+"""Greatest angle between straight ahead and an antenna of any length, and one of less than this
+part of the legs' length."""
 
 CLAW_DEG, CLAW_TURN_DEG = 35.0, 25.0
 """Greatest angle between straight ahead and the last link of an arm with a claw, and least angle
@@ -81,7 +82,7 @@ SMALLEST_LEG = 0.25
 HANGING = 0.65
 """A mammal's limb is an arm if its length is less than this part of its height above ground."""
 
-MAMMAL_WING, INSECT_WING = 1.5, 1.8
+MAMMAL_WING, INSECT_WING = 1.35, 1.8
 """Least length of wings, in that of the last legs, and in the median of an insect's limbs."""
 
 
@@ -203,8 +204,8 @@ def _branch(
     drawing: Drawing, adjacency: Adjacency, root: tuple[int, int], given: Mapping[int, str]
 ) -> Branch:
     """Return the branch of a tree whose first connection is `root`."""
-    chains, edge = {root[1]: root}, [root[1]]
-    tips = []
+    chains: dict[int, Chain] = {root[1]: root}
+    edge, tips = [root[1]], list[int]()
     while edge:
         node = edge.pop()
         onward = [n for n in sorted(adjacency[node]) if n not in chains and n != root[0]]
@@ -307,8 +308,9 @@ def _head_twig_reason(
     ratio = branch.length / max(leg.length for leg in behind)
     if ratio < SHORT:
         return f"ahead of the legs, on the head, {_percent(ratio)} of their length"
-    straight = _cosine(drawing, branch.chain[0], branch.chain[-1]) >= FORWARD_COSINE
-    if straight and len(behind) >= ANTENNA_LEGS:
+    limit = math.radians(ANTENNA_DEG if ratio < ANTENNA else FORWARD_DEG)
+    ahead = _cosine(drawing, branch.chain[0], branch.chain[-1]) >= math.cos(limit)
+    if ahead and len(behind) >= ANTENNA_LEGS:
         return "ahead of the legs, on the head, pointing straight ahead"
     return ""
 

@@ -307,7 +307,7 @@ def _reason(
     """Return why an appendage is of its kind."""
     tip = chain[-1]
     if tip in given_kinds:
-        return f"parts says so of '{drawing.names[tip]}'"
+        return "parts says so"
     if tip in guesses.reasons:
         return guesses.reasons[tip]
     if kind == HEAD:
@@ -441,13 +441,17 @@ def _close_nodes(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
 
 def _side_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
     """Yield hints about loops beside the midline, which make a limb a part of the body."""
-    middle = midline(drawing)
-    for loop in loop_groups(adjacency):
-        x = drawing.places[sorted(loop), 0] - middle
-        if (x > 0.0).all() or (x < 0.0).all():
-            around = list_names(drawing, loop)
-            text = f"the loop of {around} lies beside the midline: it and its limb are body and "
-            yield Remark(drawing.names[min(loop)], f"{text}do not bend; open the loop", True)
+    x = drawing.places[:, 0] - midline(drawing)
+    beside = [
+        loop
+        for loop in loop_groups(adjacency)
+        if all(x[n] > 0.0 for n in loop) or all(x[n] < 0.0 for n in loop)
+    ]
+    if beside:
+        around = " and of ".join(list_names(drawing, loop, 3) for loop in beside[:2])
+        loops, lie = ("the loop", "lies") if len(beside) == 1 else ("the loops", "lie")
+        text = f"{loops} of {around} {lie} beside the midline: loops and the limbs that carry them "
+        yield Remark(drawing.names[min(beside[0])], f"{text}are body and do not bend", True)
 
 
 def _joined_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:

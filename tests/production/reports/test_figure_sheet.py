@@ -14,7 +14,12 @@ from pipeline.errors import SceneError, UsageError
 from pipeline.production.reports.canvas import Panel
 from pipeline.production.reports.figure_drawing import FRONT, SIDE, StandingFigure
 from pipeline.production.reports.figure_report import report
-from pipeline.production.reports.figure_sheet import figure_sheet, figure_svg, figures_of
+from pipeline.production.reports.figure_sheet import (
+    drawn_figures,
+    figure_sheet,
+    figure_svg,
+    figures_of,
+)
 from pipeline.production.reports.plot_files import png_of
 from pipeline.production.shots.solid_preview import PreviewSolid, render_preview
 from pipeline.simulation.figures.figure import Figure
@@ -99,13 +104,16 @@ def test_the_report_has_all_parts(folder: Path, beetle: Figure) -> None:
     lines = report(beetle, FigureMass(beetle)).splitlines()
     assert lines[0].startswith("beetle: insect, 6 legs, 1 head, 1 tail, 2 feelers, 47 joints")
     for limb in beetle.skeleton.limbs:
-        (line,) = [line for line in lines if line.split()[0] == limb.name]
+        (line,) = [line for line in lines if line.split()[0] == limb.name and " link" in line]
         assert f"{limb.kind}, {len(limb.links)} link" in line
     assert any("hip1_l - knee1_l - ankle1_l - foot1_l" in line for line in lines)
-    worm = figures_of("play:worm")[0]
-    text = report(worm, FigureMass(worm))
+    (table,) = [i for i, line in enumerate(lines) if line.split()[:2] == ["taken", "for"]]
+    assert lines[table + 1].endswith("l1 (foot1_l), r1 (foot1_r)")
+    assert any(line.split()[0] == "feeler" and "parts says so" in line for line in lines[table:])
+    (worm,) = drawn_figures("play:worm")
+    text = report(worm.figure, FigureMass(worm.figure), worm.remarks)
     assert "ignored     x" in text
-    assert "warning     'x' is not connected to the rest and ignored" in text
+    assert "warning     play.yaml:4: 'x' is not connected to the rest and ignored" in text
 
 
 @pytest.mark.nightly
@@ -134,8 +142,8 @@ def test_the_png_shows_the_svg_with_its_texts(beetle: Figure) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["play:worm", "play:dot", "tripod", "hopper", "person"])
 def test_figures_of_all_kinds_are_drawn(folder: Path, name: str) -> None:
-    (figure,) = figures_of(name)
-    sheet = figure_sheet(figure, folder / "sheets")
+    (drawn,) = drawn_figures(name)
+    sheet = figure_sheet(drawn, folder / "sheets")
     assert [file.suffix for file in sheet.files] == [".svg", ".png"]
     assert all(file.stat().st_size > 5_000 for file in sheet.files)
 

@@ -65,6 +65,8 @@ class Recording(Reporter):
 
 def test_a_line_says_what_happened_to_whom_and_when() -> None:
     assert summary([STOPPED]) == ["bug.l1 stopped at 2.1 s: no foothold ahead"]
+    lost = replace(STOPPED, kind="order_given_up", part="kid", text="could not grab ball: too wide")
+    assert summary([lost]) == ["kid at 2.1 s: could not grab ball: too wide"]
 
 
 def test_equal_notes_have_one_line() -> None:
@@ -106,7 +108,7 @@ def test_a_run_tells_its_notes_again_when_the_take_is_up_to_date(pronk: Pronk, e
     manifest = json.loads((edge / "out/edge/manifest.json").read_text())
     never, stopped = manifest["notes"]
     assert (never["kind"], never["source"], never["place"]) == (
-        "never_given",
+        "order_never_given",
         "scene",
         "edge.yaml:7",
     )
@@ -125,7 +127,7 @@ def test_json_has_a_line_with_a_kind_for_each_note(pronk: Pronk, edge: Path) -> 
     lines = [json.loads(line) for line in pronk("simulate", "edge", "--json")[1].splitlines()]
     notes = [line for line in lines if line["event"] == "note" and "kind" in line]
     assert [(n["kind"], n["source"], n["scene"]) for n in notes] == [
-        ("never_given", "scene", "edge"),
+        ("order_never_given", "scene", "edge"),
         ("stopped", "simulation", "edge"),
     ]
 
@@ -152,7 +154,7 @@ def test_strict_refuses_a_stored_take_too(pronk: Pronk, edge: Path) -> None:
     code, out, _ = pronk("midi", "edge", "--strict", "--json")
     error = json.loads(out.splitlines()[-1])
     assert (code, error["event"], error["exit_code"]) == (1, "error", 1)
-    assert [note["kind"] for note in error["notes"]] == ["never_given", "stopped"]
+    assert [note["kind"] for note in error["notes"]] == ["order_never_given", "stopped"]
     assert not (edge / "out/edge/edge.mid").exists()
 
 
@@ -220,7 +222,7 @@ def test_what_begins_after_the_end_is_told_with_its_line() -> None:
         "- {at: 4, position: [0, 1, 0]}": "never_begins",
         "- {at: 5, position: [0, 1, 0], ease: hold}": "never_begins",
         "- {by: bug.l1, at: 2.5}": "never_begins",
-        "- {at: 1.99, who: bug, do: stop}": "never_given",
+        "- {at: 1.99, who: bug, do: stop}": "order_never_given",
         "- {start: 1.96, follow: bug}": "never_begins",
     }
     assert {note.frame for note in notes} == {None}

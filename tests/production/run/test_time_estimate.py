@@ -1,130 +1,121 @@
-"""Time estimates: reported before rendering, corrected, and stored."""
+"""Time estimates: from the pace of the work itself, by recorded times."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import io
 
 import pytest
 
-from pipeline.production.run.time_estimate import (
-    MAX_PACES,
-    Estimate,
-    frame_work,
-    rounded_duration,
-    stored_paces,
-)
-from render.backend import Backend
-from render.config import Film
+from pipeline.production.run.progress import LogReporter, Reporter, Stage
+from pipeline.production.run.time_estimate import TimeEstimate
+from tests.production.run.conftest import Clock
 
-BACKEND = Backend("llvm_ad_rgb", "", "23.1", "for a test")
+# Times between two frames [s], as the dice were rendered on two cores: the first is of building
+# the scene, compiling kernels and two frames, the last of writing alone.
+DICE = [23.9, 4.28, 4.92, 3.99, 4.03, 4.18, 4.09, 3.31, 3.1, 3.07, 3.18, 3.0, 2.79, 3.1, 2.79, 2.86]
+DICE += [2.9, 3.18, 3.44, 3.97, 3.18, 2.94, 2.83, 3.08, 2.89, 3.35, 3.95, 3.18, 3.22, 3.28, 0.14]
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+def first_estimate(intervals: list[float], total: int, kept: int = 0) -> tuple[int, float, float]:
+    """Return the count at the first estimate, the estimate and the truth [s]."""
+    estimate, now = TimeEstimate(total), 0.0
+    for i, interval in enumerate(intervals, start=1):
+        now += interval
+        estimate.measure(kept + i, now)
+        left = estimate.left(now)
+        if left is not None:
+            return i, left, sum(intervals[i:])
+    raise AssertionError("no estimate")
 
 
-def estimate(name: str = "a", total: int = 100, **config: object) -> Estimate:
-    return Estimate(name, Film.model_validate(config).resolved(), BACKEND, 1, total)
+def test_three_frames_give_an_estimate_without_the_start() -> None:
+    count, left, truth = first_estimate(DICE, len(DICE))
+    assert count == 3
+    assert truth / 1.5 < left < truth * 1.5
 
 
-def filmed(film: Estimate, each: float, first: float = 20.0) -> list[str]:
-    """Estimate a film of constant pace after a slow first frame; return the reports."""
-    reports = [film.after(done, first + each * (done - 1)) for done in range(1, film.total + 1)]
-    film.store()
-    return [text for text in reports if text is not None]
+def test_frames_of_an_earlier_run_do_not_count() -> None:
+    rest = [20.0, 2.0, 2.0, 2.0, 2.0]
+    count, left, truth = first_estimate(rest, total=105, kept=100)
+    assert (count, left) == (3, pytest.approx(truth))
 
 
-def test_without_earlier_films_the_first_frames_give_the_estimate() -> None:
-    one = estimate()
-    assert one.before() is None
-    assert filmed(one, 2.0) == [
-        "render: about 3 min for 96 frames of 640x360, by the first of them"
-    ]
+def test_quick_work_is_measured_for_a_second_first() -> None:
+    count, left, truth = first_estimate([1.0, *[0.1] * 99], 100)
+    assert count == 11
+    assert left == pytest.approx(truth)
 
 
-def test_the_same_film_takes_as_long_as_it_did() -> None:
-    filmed(estimate(), 2.0)
-    again = estimate()
-    assert again.before() == "render: about 4 min for 100 frames of 640x360, by the last time"
-    assert filmed(again, 2.1) == []
-    slower = estimate()
-    slower.before()
-    (reports,) = filmed(slower, 5.0)
-    assert "about 8 min for 96 frames" in reports
+def test_the_latest_half_decides() -> None:
+    estimate = TimeEstimate(100)
+    for i in range(1, 21):
+        estimate.measure(i, float(i))
+    for i in range(21, 41):
+        estimate.measure(i, 20.0 + 3.0 * (i - 20))
+    assert estimate.left(80.0) == pytest.approx(180.0)
 
 
-def test_another_film_takes_as_long_as_its_work() -> None:
-    filmed(estimate(), 2.0)
-    other = estimate("b", size=(1280, 720))
-    assert other.before() == (
-        "render: about 14 min for 100 frames of 1280x720, by other films on this machine"
-    )
-    assert frame_work(other.film) == pytest.approx(4 * frame_work(estimate().film))
+def test_the_time_left_runs_down_between_two_reports() -> None:
+    estimate = TimeEstimate(10)
+    for i in range(1, 5):
+        estimate.measure(i, 10.0 * i)
+    assert estimate.left(44.0) == pytest.approx(56.0)
+    assert estimate.left(400.0) == 0.0
 
 
-def test_tiny_frames_predict_only_their_own_film() -> None:
-    filmed(estimate("tiny", size=(64, 36)), 0.3)
-    assert estimate().before() is None
-    assert "by the last time" in str(estimate("tiny", size=(64, 36)).before())
+def test_a_pace_of_several_processes_is_taken_as_given() -> None:
+    estimate = TimeEstimate(100)
+    estimate.set_pace(5, 30.0, None)
+    assert estimate.left(30.0) is None
+    estimate.set_pace(10, 31.0, 0.5)
+    assert estimate.left(31.0) == pytest.approx(45.0)
 
 
-def test_estimates_include_the_start() -> None:
-    filmed(estimate(), 2.0, first=302.0)
-    assert "about 8 min for 100 frames" in str(estimate().before())
+def logged(stage: Stage, clock: Clock, intervals: list[float]) -> None:
+    stage.reporter.begin(stage)
+    for done, interval in enumerate(intervals, start=1):
+        clock.now += interval
+        stage.advance(done)
+    stage.result = "done"
+    stage.reporter.end(stage)
 
 
-def test_a_long_start_is_replaced_by_a_shorter_one() -> None:
-    filmed(estimate(), 2.0, first=302.0)
-    filmed(estimate(), 2.0, first=22.0)
-    filmed(estimate(), 2.0, first=102.0)
-    assert "about 4 min for 100 frames" in str(estimate().before())
+def test_a_log_of_a_long_film_is_short(clock: Clock) -> None:
+    out = io.StringIO()
+    stage = Stage(LogReporter(out), "render", 3000, "frames", started=clock.now)
+    logged(stage, clock, [30.0, *[2.0] * 2999])
+    lines = out.getvalue().splitlines()
+    assert lines[0] == "render: 3000 frames to do"
+    # The first report starts the measurement, so that the third gives the first estimate.
+    assert "render: 3 of 3000 frames, 1:39:54 left" in lines[1:3]
+    assert len(lines) < 25
+    assert lines[-1].startswith("render: done (")
 
 
-def test_short_films_report_nothing() -> None:
-    assert filmed(estimate(total=20), 0.1, first=0.5) == []
-    assert estimate(total=20).before() is None
+def test_a_log_of_a_short_film_has_no_estimates(clock: Clock) -> None:
+    out = io.StringIO()
+    stage = Stage(LogReporter(out), "render", 20, "frames", started=clock.now)
+    logged(stage, clock, [1.0, *[0.2] * 19])
+    assert out.getvalue().splitlines() == ["render: 20 frames to do", "render: done (4.8 s)"]
 
 
-@pytest.mark.parametrize("content", ["", "[1]", '{"a": "x"}', '{"a": -1}', "\x00"])
-def test_damaged_paces_are_ignored(tmp_path: Path, content: str) -> None:
-    place = tmp_path / "pronk" / "paces.json"
-    place.parent.mkdir()
-    place.write_text(content)
-    assert stored_paces() == {}
-    filmed(estimate(), 2.0)
-    assert estimate().before() is not None
+def test_a_simulation_counts_seconds_of_the_film(clock: Clock) -> None:
+    stage = Stage(Reporter(), "simulate", 480, "s", 1 / 24, started=clock.now)
+    for done in range(0, 80, 8):
+        clock.now += 1.0
+        stage.advance(done)
+    assert (stage.amount, stage.time_text) == ("3.0 of 20 s", "0:51 left")
 
 
-@pytest.mark.slow
-def test_the_oldest_paces_are_dropped() -> None:
-    filmed(estimate("first"), 2.0)
-    for i in range(MAX_PACES - 2):
-        filmed(estimate(f"s{i}", total=5), 1.0)
-    assert len(stored_paces()) == MAX_PACES
-    assert "by other films" in str(estimate("first").before())
-    assert "by the last time" in str(estimate(f"s{MAX_PACES - 3}").before())
-
-
-def test_paces_that_cannot_be_stored_do_no_harm(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    filmed(estimate(), 2.0)
-    assert estimate().before() is None
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [
-        (3, "5 s"),
-        (42, "40 s"),
-        (100, "2 min"),
-        (720, "12 min"),
-        (7200, "2 h 0 min"),
-        (9000, "2 h 30 min"),
-    ],
-)
-def test_durations_are_rounded(seconds: float, text: str) -> None:
-    assert rounded_duration(seconds) == text
+def test_a_pause_counts_neither_as_time_nor_in_the_estimate(clock: Clock) -> None:
+    stage = Stage(Reporter(), "simulate", 10, started=clock.now)
+    for done in range(1, 4):
+        clock.now += 1.0
+        stage.advance(done)
+    stage.pause()
+    clock.now += 500.0
+    assert stage.seconds == pytest.approx(3.0)
+    stage.resume()
+    clock.now += 1.0
+    stage.advance(4)
+    assert (stage.seconds, stage.eta) == (pytest.approx(4.0), pytest.approx(6.0))

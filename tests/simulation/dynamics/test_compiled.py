@@ -50,31 +50,77 @@ def test_compiled_code_matches_python() -> None:
 
 COMPILE_ONE = """
 import numpy as np
-from pipeline.simulation.dynamics.compiled import is_cached
+from pipeline.simulation.code_samples import code_folder
+from pipeline.simulation.compilation import CompilationObserver, observed
 from pipeline.simulation.dynamics.free_motion import rotate_freely
+
+class Printer(CompilationObserver):
+    def begin(self, room, functions): print("begin", room, functions)
+    def advance(self): print("one")
+    def end(self): print("end")
+    def warn(self, text): print("warn", text)
+
 q, one = np.array([[1.0, 0.0, 0.0, 0.0]]), np.eye(3)[None]
-before = is_cached("dynamics")
-rotate_freely(q, np.ones((1, 3)), one, one, 0.01)
-print(rotate_freely.stats.cache_path, before, is_cached("dynamics"))
+with observed(Printer()):
+    rotate_freely(q, np.ones((1, 3)), one, one, 0.01)
+print(q.sum())
+print(code_folder())
 """
 
 
 @pytest.mark.slow
-def test_compiled_code_is_stored_in_the_users_cache(tmp_path: Path) -> None:
-    folder, *is_cached = run_python(
-        COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""
-    ).split()
-    assert is_cached == ["False", "True"]
+def test_compiled_code_is_stored_and_a_damaged_file_replaced(tmp_path: Path) -> None:
+    def lines() -> list[str]:
+        return run_python(
+            COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""
+        ).splitlines()
+
+    begin, *ones, end, result, folder = lines()
+    functions = len(ones)
+    assert (begin, end) == (f"begin bodies {functions}", "end")
+    assert functions > 5
+    assert set(ones) == {"one"}
     assert Path(folder).is_relative_to(tmp_path / "pronk" / "compiled")
-    assert list(Path(folder).glob("*.nbc"))
+    assert lines() == [result, folder]
+    (file,) = Path(folder).iterdir()
+    whole = file.read_bytes()
+    for damaged in (b"", whole[:-100], whole[:5000] + b"x" + whole[5001:]):
+        file.write_bytes(damaged)
+        assert lines() == [begin, *ones, end, result, folder]
+        assert lines() == [result, folder]
 
 
 @pytest.mark.slow
-def test_compilation_works_without_a_writable_cache(tmp_path: Path) -> None:
+def test_where_nothing_can_be_stored_it_works_with_a_warning(tmp_path: Path) -> None:
     # No folder can be made below a file.
     (tmp_path / "file").touch()
-    output = run_python(COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
-    assert output.split() == ["None", "False", "False"]
+    out = run_python(COMPILE_ONE, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
+    (warning,) = [line for line in out.splitlines() if line.startswith("warn")]
+    assert f"{tmp_path}/file/pronk/compiled" in warning
+    assert "set XDG_CACHE_HOME to a folder that is writable" in warning
+
+
+@pytest.mark.nightly
+def test_all_of_it_can_be_compiled_ahead(tmp_path: Path) -> None:
+    code = """
+from pipeline.production.run.compile_progress import compile_ahead
+from pipeline.production.run.progress import Reporter
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import library, load_scene
+compile_ahead(Reporter())
+print(compile_ahead(Reporter()))
+from pipeline.production.run.compile_progress import compile_progress
+with compile_progress(Reporter()) as progress:
+    for name in ("dice", "boulders", "dominoes", "ragdolls_stairs", "sitting_circle"):
+        scene = load_scene(library() / f"{name}.yaml", ["duration=0.5"])
+        simulate(scene)
+print(progress.functions)
+"""
+    ready, functions = run_python(
+        code, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""
+    ).splitlines()
+    assert ready.endswith(": up to date")
+    assert functions == "0"
 
 
 @pytest.mark.parametrize("cast", ["{figure: beetle, walk: {}}", "{prop: {shape: ball}}"])

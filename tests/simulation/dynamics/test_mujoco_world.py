@@ -166,16 +166,13 @@ def test_fast_bodies_do_not_tunnel(speed: float) -> None:
     assert world.state.v[0, 1] == pytest.approx(0.5 * speed, rel=0.05)
 
 
-@pytest.mark.parametrize("size", [1.0, 45.0])
-def test_collision_geometry_of_the_ground_is_its_surface(size: float) -> None:
-    """Large bodies collide with tiles of the same surface."""
+def test_collision_geometry_of_the_ground_is_its_surface() -> None:
     rng = np.random.default_rng(1)
     for kind in (HeightField, QuadField):
         field = kind(rng.random((8, 12)), (5.0, 4.0), (1.0, -2.0), 0.7)
         spec = mujoco.MjSpec()
-        add_ground(spec, mujoco, field, [size * np.array(CUBE)], {})
+        add_ground(spec, mujoco, field, {})
         model = spec.compile()
-        assert (model.ngeom > 1) == (size > 2.0)
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         worst, hit = 0.0, np.zeros(1, dtype=np.int32)

@@ -31,7 +31,7 @@ MIN_JOINT_ROOM = 1e-6
 # Frequencies of the springs, in that of a hanging rod as long as the limb, and damping ratios:
 # muscles hold heads, and hardly tails; horns are stiff.
 FREQUENCY = {TAIL: 1.6, FEELER: 2.2, ARM: 2.0, HEAD: 4.5, HORN: 40.0, WING: 2.0}
-DAMPING = {TAIL: 0.30, FEELER: 0.25, ARM: 0.45, HEAD: 0.60, HORN: 1.0, WING: 0.60}
+DAMPING = {TAIL: 0.30, FEELER: 0.25, ARM: 0.45, HEAD: 0.60, HORN: 0.9, WING: 0.60}
 
 # Frequency of a joint's spring, in that of the joint before.
 FREQUENCY_RATIO = 0.85

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from pipeline.errors import SceneError
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.assembly import assemble
 from pipeline.simulation.event_monitor import reported_events
 from pipeline.simulation.mechanism import Leg
@@ -15,6 +15,7 @@ from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.group import Group
+from pipeline.spec.handled_members import refusal_of_handling
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -53,7 +54,7 @@ class Simulation:
         self._detection = parts.detection
         groups = [member.name for member in scene.cast if isinstance(member, Group)]
         self.order_log = OrderLog(groups)
-        self.step_number = 0
+        self._scene, self.step_number = scene, 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
 
@@ -86,7 +87,11 @@ class Simulation:
         Raises:
             SceneError: if its performer cannot carry it out; the state is unchanged.
         """
-        if problems := self._members.problems(instruction, COMMAND):
+        problems = self._members.problems(instruction, COMMAND)
+        refusal = refusal_of_handling(instruction.do, self._scene, self.world.directed)
+        if refusal is not None:
+            problems.append(Problem(COMMAND, refusal))
+        if problems:
             raise SceneError(problems)
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)

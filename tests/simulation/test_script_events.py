@@ -120,7 +120,10 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
         ("{when: {fell: nobody}, who: bug, do: stop}", "nobody in the cast is called 'nobody'"),
         ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
         ("{at: 0, who: post, do: stop}", "people can carry, throw or kick it"),
-        ("{at: 0, who: bug, do: {grab: post}}", "which cannot grab; it can go_to, follow, chase"),
+        (
+            "{at: 0, who: bug, do: {grab: post}}",
+            "for which grab is no order; write go_to, follow, chase",
+        ),
         ("{at: 0, who: bug, do: {chase: bug}}", "cannot do that to itself"),
         ("{at: 0, who: bug, do: {go_to: gat}}", "did you mean 'gate'"),
         ("{at: 0, who: bug, do: {go_to: post.top}}", r"do\.go_to: 'post' has no part 'top'"),

@@ -150,7 +150,8 @@ class ColliderTroupe(BodyTroupe):
         state, R = self.solver.state, matrix(self.solver.state.q)
         is_supported = self.solver.asleep | self.solver.touching | ~self.guided.free
         is_present = self.alive & self.guided.met_by_people
-        return SolidMotion(state.p, R, state.v, turn(R, state.w), is_present, is_supported)
+        flags = is_present, is_supported, self.guided.pushable
+        return SolidMotion(state.p, R, state.v, turn(R, state.w), *flags)
 
     def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """See `Troupe`."""

@@ -98,6 +98,13 @@ class GuidedBodies:
         return is_free
 
     @property
+    def pushable(self) -> NDArray[np.bool_]:
+        """(N,) which bodies of the troupe people can push: free ones, and those to be kicked."""
+        can_be_pushed = self.free
+        can_be_pushed[[self.guides[k].body for k in self._kicked]] = True
+        return can_be_pushed
+
+    @property
     def met_by_people(self) -> NDArray[np.bool_]:
         """(N,) which bodies of the troupe people collide with."""
         met = self._apart_until <= self._row

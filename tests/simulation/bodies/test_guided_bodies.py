@@ -16,7 +16,8 @@ from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import pushed_troupe
-from pipeline.spec.script import Kick
+from pipeline.spec.handled_members import handled_members
+from pipeline.spec.script import Instruction, Kick
 from tests.simulation.conftest import scene_of
 
 ROW_RATE = 96.0
@@ -273,9 +274,11 @@ def test_only_a_kick_that_was_ordered_sets_a_prop_free() -> None:
     simulation.step()
     simulation.last_row()
     assert guide.state is GuideState.ON_PATH
+    assert not troupe.solid_motion().gives_way[0]
     troupe.read({"kid": [Kick(kick="ball")]})
     troupe.push_solids(none, none)
     assert guide.state is GuideState.ON_PATH
+    assert troupe.solid_motion().gives_way[0]
     troupe.push_solids(push, none)
     assert guide.state is GuideState.FREE
     simulation.step()
@@ -349,3 +352,34 @@ def test_hands_hold_no_prop_whose_size_changes() -> None:
     order = "script: [{at: 1, who: kid, do: {grab: a}}]"
     with pytest.raises(SceneError, match="hands hold what has one size"):
         scene_of(prop, "{name: kid, character: child}", more=order)
+
+
+def test_a_directed_scene_with_people_lets_them_take_what_goes_with_nothing() -> None:
+    names = {"table": "{shape: box}, at: [3, 0]", "lone": "{shape: ball}, at: [5, 0]"}
+    cast = [f"{{name: {name}, prop: {keys}}}" for name, keys in names.items()]
+    cup = "{name: cup, prop: {shape: ball}, parent: table, at: [0, 0.5, 0]}"
+    body = "{name: soft, body: {shape: sphere, soft: 0.1}, at: [7, 0]}"
+    scene = scene_of(*cast, cup, body, "{name: kid, character: child}")
+    assert handled_members(scene, directed=False) == frozenset()
+    simulation = Simulation(scene, directed=True)
+    assert [one.name for one in colliders(simulation).bodies] == ["lone", "soft"]
+    (note,) = simulation.recorder.notes
+    assert (note.kind, note.part) == ("rigid", "soft")
+    order = {"at": 1, "who": "kid"}
+    simulation.add_instruction(Instruction(**order, do={"kick": "lone"}))
+    with pytest.raises(SceneError, match="'cup' goes with others"):
+        simulation.add_instruction(Instruction(**order, do={"grab": "cup"}))
+
+
+def test_what_orders_name_is_simulated_as_bodies() -> None:
+    ball = "{name: ball, prop: {shape: ball}, at: [3, 0]}"
+    crate = "{name: crate, body: {shape: box}, at: [5, 0]}"
+    wall = "{name: wall, many: {of: brick, rows: 2, columns: 2}, at: [7, 0]}"
+    orders = "{do: {kick: ball}}", "{do: {carry: crate, to: [0, 0]}}", "{do: {grab: wall_2}}"
+    script = ", ".join(order.replace("{", "{at: 1, who: kid, ", 1) for order in orders)
+    kid = "{name: kid, character: child}"
+    simulation = Simulation(scene_of(ball, crate, wall, kid, more=f"script: [{script}]"))
+    troupe = colliders(simulation)
+    guided = {troupe.bodies[guide.body].name for guide in troupe.guided.guides}
+    assert guided == {"ball", "crate", "wall_2"}
+    assert len(troupe.bodies) == 6

@@ -215,7 +215,12 @@ class WalkerTroupe(Troupe):
         contacts = *self.sequencer.contacts.contacts, *self.leaps.contacts
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
-        return Facts(contacts, notes, tuple(self._arrived), outcomes=tuple(self.pursuits.outcomes))
+        return Facts(
+            contacts,
+            notes,
+            tuple(self._arrived),
+            outcomes=(*self.pursuits.outcomes, *self.leaps.outcomes),
+        )
 
     def mechanisms(self) -> list[Mechanism]:
         """Return the joints and masses of the creatures."""

@@ -57,7 +57,7 @@ def test_commands_replay_to_the_same_bytes_whatever_is_queried(
     assert len({one["digest"] for one in kept}) == 1
     again = replayed(kept[0]["scene"])
     assert again.digest == kept[0]["digest"] == read_take(Path(kept[0]["take"])).digest
-    assert len(again.told) == len(PLAN) + len(stage().script)
+    assert len(again.orders) == len(PLAN) + len(stage().script)
     assert again.digest != simulate(stage()).digest
 
 

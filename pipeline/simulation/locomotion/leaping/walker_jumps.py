@@ -54,6 +54,7 @@ from pipeline.simulation.locomotion.step_sequencer import (
     is_astray,
     phase_before_lift,
 )
+from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, TakeNote
@@ -124,7 +125,7 @@ class WalkerJumps:
     Attributes:
         hoppers: jump constants of the creatures that the script lets jump.
         trips: jumps in progress.
-        contacts, notes: of the last step.
+        contacts, notes, outcomes: of the last step.
         arrived: creatures that reached the end of their route by a jump in the last step.
     """
 
@@ -146,7 +147,9 @@ class WalkerJumps:
         self.contacts: list[Contact] = []
         self.notes: list[TakeNote] = []
         self.arrived: list[str] = []
+        self.outcomes: list[Outcome] = []
         self._pending_notes: list[TakeNote] = []
+        self._pending_outcomes: list[Outcome] = []
         self._members: Members = {}
         self._recorder = HopEventRecorder(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
@@ -241,6 +244,7 @@ class WalkerJumps:
                     redirect(progress, c, turned)
         if reason:
             self._pending_notes.append(TakeNote("stopped", step, self.herd.names[c], reason))
+            self._pending_outcomes.append(Outcome(self.herd.names[c], order, reason))
         else:
             self.trips[c] = WalkerJump(order, route, distance)
 
@@ -259,6 +263,7 @@ class WalkerJumps:
         self.contacts.clear()
         self.arrived.clear()
         self.notes, self._pending_notes = self._pending_notes, []
+        self.outcomes, self._pending_outcomes = self._pending_outcomes, []
         time = (step + 1) * self.world.clock.dt
         for c, trip in sorted(self.trips.items()):
             if trip.stage == "coming" and trip.is_ready:
@@ -290,6 +295,7 @@ class WalkerJumps:
         if is_blocked(self.progress, c):
             text, step = "its way to the jump is barred", round(time / self.world.clock.dt)
             self._pending_notes.append(TakeNote("stopped", step, hopper.name, text))
+            self._pending_outcomes.append(Outcome(hopper.name, trip.order, text))
             del self.trips[c]
             return
         R, p = self._standing_pose(c)
@@ -368,6 +374,8 @@ class WalkerJumps:
         progress, simulation = self.progress, trip.simulation
         assert simulation is not None
         del self.trips[c]
+        reason = "" if simulation.state.jump_count else "it did not leave the ground"
+        self._pending_outcomes.append(Outcome(self.herd.names[c], trip.order, reason))
         here = progress.trajectory.routes[c]
         if simulation.state.jump_count:
             landed = here.xz[-1], float(here.heading[-1])

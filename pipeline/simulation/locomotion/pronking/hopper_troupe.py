@@ -21,6 +21,7 @@ from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.pronking.hop_events import HopEventRecorder
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
+from pipeline.simulation.locomotion.pronking.hop_state import JumpOrder
 from pipeline.simulation.locomotion.pronking.hopper import build_hoppers
 from pipeline.simulation.locomotion.pronking.hopper_fall import Fall, RagdollFall, RigidFall
 from pipeline.simulation.locomotion.pronking.hopper_pose import (
@@ -30,12 +31,13 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
 )
 from pipeline.simulation.locomotion.pronking.jump_orders import apply_order, scripted_jump
 from pipeline.simulation.members import MemberState, members_named
+from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature, Pronk
-from pipeline.spec.script import Instruction, JumpOnce, LookAhead, LookAt
+from pipeline.spec.script import Do, Instruction, JumpOnce, LookAhead, LookAt
 
 FOOTHOLD_MISS = 1e-4
 """Distance between a foot and its foothold that is worth a note [m]."""
@@ -44,6 +46,10 @@ PHASE_INTERVALS = {"flight": (0.0, 0.5), "landing": (0.5, 0.25), "pushing": (0.7
 """Start and length of each phase in a cycle from 0 to 1."""
 
 FALL_MODELS: dict[str, Callable[[Figure], Fall]] = {"ragdoll": RagdollFall, "rigid": RigidFall}
+
+
+FALLEN = "it has fallen"
+"""Why a creature follows no order any more."""
 
 
 class HopperTroupe(Troupe):
@@ -91,6 +97,8 @@ class HopperTroupe(Troupe):
         self._pending_notes: list[TakeNote] = []
         self._row_notes: list[TakeNote] = []
         self._arrived: list[str] = []
+        self._outcomes: list[Outcome] = []
+        self._followed: list[list[tuple[Do, JumpOrder]]] = [[] for _ in herd.names]
         self._members: Mapping[str, MemberState] = {}
 
     def members_needed(self, orders: Orders) -> Collection[str]:
@@ -119,7 +127,33 @@ class HopperTroupe(Troupe):
                 if isinstance(order, LookAt | LookAhead):
                     self._look(c, order)
                 elif self.simulations[c].state.phase != "fallen":
-                    apply_order(self.simulations[c], order, self._members)
+                    self._take(c, order)
+                else:
+                    self._outcomes.append(Outcome(name, order, FALLEN))
+
+    def _take(self, c: int, order: Do) -> None:
+        """Let a creature follow an order, and remember the jumps that it stands for."""
+        queue = self.simulations[c].state.queue
+        before = list(queue.orders)
+        apply_order(self.simulations[c], order, self._members)
+        added = [jump for jump in queue.orders if all(jump is not known for known in before)]
+        self._followed[c] += [(order, jump) for jump in added]
+
+    def _end_orders(self, c: int, reasons: Sequence[str]) -> None:
+        """Report the orders of which the jumps are done, replaced, or dropped for `reasons`."""
+        state, left = self.simulations[c].state, []
+        for order, jump in self._followed[c]:
+            if any(jump is waiting for waiting in state.queue.orders):
+                if state.phase != "fallen":
+                    left.append((order, jump))
+                    continue
+            elif state.phase == "flight":
+                # The last jump leaves the queue at its take-off.
+                left.append((order, jump))
+                continue
+            reason = FALLEN if state.phase == "fallen" else "; ".join(reasons)
+            self._outcomes.append(Outcome(self.herd.names[c], order, reason))
+        self._followed[c] = left
 
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None
@@ -142,6 +176,7 @@ class HopperTroupe(Troupe):
             contacts, notes = self._recorder.records(step, c, simulation.events)
             self._contacts += contacts
             self._notes += notes
+            self._end_orders(c, [note.text for note in notes if note.kind == "stopped"])
         self._arrived = [
             self.herd.names[c]
             for c, simulation in enumerate(self.simulations)
@@ -190,7 +225,8 @@ class HopperTroupe(Troupe):
         """Return the contacts and notes of the last step."""
         # Rows may also have been written before the step.
         notes, self._row_notes = (*self._notes, *self._row_notes), []
-        return Facts(tuple(self._contacts), notes, tuple(self._arrived))
+        outcomes, self._outcomes = tuple(self._outcomes), []
+        return Facts(tuple(self._contacts), notes, tuple(self._arrived), outcomes=outcomes)
 
 
 def cycle_phase(simulation: HopSimulation) -> float:

@@ -126,9 +126,17 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
         ),
         ("{at: 0, who: bug, do: {chase: bug}}", "cannot do that to itself"),
         ("{at: 0, who: bug, do: {go_to: gat}}", "did you mean 'gate'"),
+        ("{at: 0, who: bug, do: {go_to: post.top}}", r"do\.go_to: 'post' has no part 'top'"),
+        ("{when: {near: [bug, post.top]}, who: bug, do: stop}", r"near\[1\]: 'post' has no part"),
     ],
 )
 def test_impossible_conditions_and_orders_are_refused(script: str, message: str) -> None:
     cast = [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"]
     with pytest.raises(SceneError, match=message):
         take_of(cast, [script], "places: {gate: [1, 2]}")
+
+
+def test_one_of_many_bodies_is_a_target() -> None:
+    cast = [BUG, "{name: wall, many: {of: brick, rows: 1, columns: 2}, at: [1.5, 0]}"]
+    take = take_of(cast, ["{at: 0.1, who: bug, do: {go_to: wall_1}}"], duration=6.0)
+    assert [order.outcome for order in take.orders] == ["done"]

@@ -19,7 +19,7 @@ BRIGHT_PERCENTILE = 99.0
 TOP = 0.9
 """Luma from which a pixel is white: AgX rolls highlights off, and hardly anything reaches 1."""
 
-MEASURED_PIXELS = 40_000
+MEASURED_PIXELS = 10_000
 """Number of pixels that are measured, about; a grid of them tells as much as all."""
 
 

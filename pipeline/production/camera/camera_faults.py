@@ -116,7 +116,7 @@ def _findings(
     rows = np.array([clock.row_of_frame(frame) for frame in frames], dtype=np.int64)
     subjects = camera_subjects(visibility.take, camera, rows)
     several = camera.follow is None
-    result = []
+    result: list[list[_Finding]] = []
     for frame in sampled:
         cast, pose = visibility.at(int(rows[frame - frames[0]])), poses[frame - 1]
         if cast is None:

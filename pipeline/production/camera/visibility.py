@@ -176,7 +176,7 @@ class PosedCast:
     def surrounding(self, eye: Array) -> str:
         """Return the performer inside whose mesh a point (3,) lies, "" for none."""
         around = ((self.low < eye) & (eye < self.high)).all(axis=-1) & self.shown & self.solid
-        for i in np.flatnonzero(around):
+        for i in np.flatnonzero(around).tolist():
             if _winding_number(self._triangles(i) - eye) > 0.5:
                 return self.parts[i].performer
         return ""
@@ -194,13 +194,15 @@ class PosedCast:
         """Return which points (n, 3) are hidden from the eye, and the name of what hides most."""
         ways = SIGHT_END * (points - eye)
         line = eye + GROUND_STEPS[:, None, None] * ways
-        hidden = (self.ground.height(line) > line[..., 1]).any(axis=0)
+        hidden: NDArray[np.bool_] = np.asarray(
+            (self.ground.height(line) > line[..., 1]).any(axis=0)
+        )
         crossed = others[:, None] & _box_hits(self.low, self.high, eye, ways)
         if (hidden | crossed.any(axis=0)).mean() < HIDDEN:
             # Triangles can only hide fewer points than their boxes.
             return hidden, ""
         counts = {GROUND: int(hidden.sum())}
-        for i in np.flatnonzero(crossed.any(axis=1)):
+        for i in np.flatnonzero(crossed.any(axis=1)).tolist():
             left = np.flatnonzero(crossed[i] & ~hidden)
             if not left.size:
                 continue

@@ -39,6 +39,7 @@ from pipeline.simulation.locomotion.pronking.hop_state import BodyState, JumpOrd
 from pipeline.simulation.locomotion.pronking.hopper import Hopper, build_hopper
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState, RigidFall
 from pipeline.simulation.locomotion.pronking.jump_orders import (
+    FALLEN,
     HurdleJump,
     Members,
     jump_once,
@@ -95,6 +96,7 @@ class WalkerJump:
         stage_start: start of the jump, then of the landed stage [s].
         simulation: of the jump, once it is made.
         pending_orders: orders that wait for its end.
+        is_over: whether its outcome is told.
     """
 
     order: HopOver | JumpOnce
@@ -105,6 +107,7 @@ class WalkerJump:
     stage_start: float = 0.0
     simulation: HopSimulation | None = None
     pending_orders: list[Do] = field(default_factory=list)
+    is_over: bool = False
 
 
 LEADING_ORDERS = (GoTo, Follow, Chase, Flee, TurnBy, Wait)
@@ -148,7 +151,6 @@ class WalkerJumps:
         self.notes: list[TakeNote] = []
         self.arrived: list[str] = []
         self.outcomes: list[Outcome] = []
-        self._pending_notes: list[TakeNote] = []
         self._pending_outcomes: list[Outcome] = []
         self._members: Members = {}
         self._recorder = HopEventRecorder(self.herd, world, materials)
@@ -202,23 +204,25 @@ class WalkerJumps:
         """Take in where the members are that are to be jumped over."""
         self._members = {**self._members, **members}
 
-    def take(self, step: int, c: int, order: Do) -> bool:
+    def take(self, c: int, order: Do) -> bool:
         """Take an order; return whether it is for a jump, or waits for the end of one."""
         trip = self.trips.get(c)
         jumps = isinstance(order, HopOver | JumpOnce)
         if trip is None:
             if isinstance(order, HopOver | JumpOnce):
-                self._begin(step, c, order)
+                self._begin(c, order)
             return jumps
         leads = isinstance(order, LEADING_ORDERS) or order in ("stop", "walk")
         if trip.stage == "coming" and leads:
             del self.trips[c]
             return False
-        if jumps or leads:
+        if trip.simulation is not None and trip.simulation.state.phase == "fallen":
+            self._pending_outcomes.append(Outcome(self.herd.names[c], order, FALLEN))
+        elif jumps or leads:
             trip.pending_orders.append(order)
         return jumps or leads
 
-    def _begin(self, step: int, c: int, order: HopOver | JumpOnce) -> None:
+    def _begin(self, c: int, order: HopOver | JumpOnce) -> None:
         """Let a creature approach its take-off place."""
         progress, hopper = self.progress, self.hoppers[c]
         route, distance = progress.trajectory.routes[c], float(progress.distance[c])
@@ -243,7 +247,6 @@ class WalkerJumps:
                 if turned is not None:
                     redirect(progress, c, turned)
         if reason:
-            self._pending_notes.append(TakeNote("stopped", step, self.herd.names[c], reason))
             self._pending_outcomes.append(Outcome(self.herd.names[c], order, reason))
         else:
             self.trips[c] = WalkerJump(order, route, distance)
@@ -262,7 +265,7 @@ class WalkerJumps:
         """Advance to the end of a step, after all have walked."""
         self.contacts.clear()
         self.arrived.clear()
-        self.notes, self._pending_notes = self._pending_notes, []
+        self.notes = []
         self.outcomes, self._pending_outcomes = self._pending_outcomes, []
         time = (step + 1) * self.world.clock.dt
         for c, trip in sorted(self.trips.items()):
@@ -273,7 +276,7 @@ class WalkerJumps:
             elif trip.stage == "leaping":
                 self._advance_jump(step, c, trip, time)
             elif time - trip.stage_start >= HANDOVER_TIME and self._is_resting(c):
-                self._resume_walking(step, c, trip)
+                self._resume_walking(c, trip)
 
     def is_coming(self, name: str) -> bool:
         """Return whether a creature rests only in order to jump."""
@@ -293,9 +296,7 @@ class WalkerJumps:
         """Hand a standing creature over to its jump."""
         hopper, own, trip.is_ready = self.hoppers[c], self.herd.owner == c, False
         if is_blocked(self.progress, c):
-            text, step = "its way to the jump is barred", round(time / self.world.clock.dt)
-            self._pending_notes.append(TakeNote("stopped", step, hopper.name, text))
-            self._pending_outcomes.append(Outcome(hopper.name, trip.order, text))
+            self.outcomes.append(Outcome(hopper.name, trip.order, "its way to the jump is barred"))
             del self.trips[c]
             return
         R, p = self._standing_pose(c)
@@ -343,10 +344,20 @@ class WalkerJumps:
         self.contacts += contacts
         self.notes += notes
         state = simulation.state
+        if state.phase == "fallen":
+            self._end(c, trip, FALLEN)
         if state.phase == "standing" and not math.isfinite(state.phase_end):
             trip.stage, trip.stage_start = "landed", time
+            reasons = [reason for _, reason in state.queue.dropped]
+            self._end(c, trip, "" if state.jump_count else (reasons or ["it cannot lift off"])[0])
             if state.jump_count:
                 self._set_down(c, simulation)
+
+    def _end(self, c: int, trip: WalkerJump, reason: str) -> None:
+        """Tell the outcome of a jump, once."""
+        if not trip.is_over:
+            self.outcomes.append(Outcome(self.herd.names[c], trip.order, reason))
+            trip.is_over = True
 
     def _set_down(self, c: int, simulation: HopSimulation) -> None:
         """Let a creature stand, as a walker, where it has landed."""
@@ -369,13 +380,11 @@ class WalkerJumps:
             sequencer, c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
         )
 
-    def _resume_walking(self, step: int, c: int, trip: WalkerJump) -> None:
+    def _resume_walking(self, c: int, trip: WalkerJump) -> None:
         """Let a landed creature walk on."""
         progress, simulation = self.progress, trip.simulation
         assert simulation is not None
         del self.trips[c]
-        reason = "" if simulation.state.jump_count else "it did not leave the ground"
-        self._pending_outcomes.append(Outcome(self.herd.names[c], trip.order, reason))
         here = progress.trajectory.routes[c]
         if simulation.state.jump_count:
             landed = here.xz[-1], float(here.heading[-1])
@@ -387,7 +396,7 @@ class WalkerJumps:
             elif trip.route_before.length > trip.route_distance + 1e-9:
                 self.arrived.append(self.herd.names[c])
         for order in trip.pending_orders:
-            if not self.take(step, c, order):
+            if not self.take(c, order):
                 self._apply(c, order)
 
     # --- rows ---------------------------------------------------------------------

@@ -29,7 +29,7 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
     HopperPoser,
     HopperSnapshot,
 )
-from pipeline.simulation.locomotion.pronking.jump_orders import apply_order, scripted_jump
+from pipeline.simulation.locomotion.pronking.jump_orders import FALLEN, apply_order, scripted_jump
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.row_slice import Rows
@@ -46,10 +46,6 @@ PHASE_INTERVALS = {"flight": (0.0, 0.5), "landing": (0.5, 0.25), "pushing": (0.7
 """Start and length of each phase in a cycle from 0 to 1."""
 
 FALL_MODELS: dict[str, Callable[[Figure], Fall]] = {"ragdoll": RagdollFall, "rigid": RigidFall}
-
-
-FALLEN = "it has fallen"
-"""Why a creature follows no order any more."""
 
 
 class HopperTroupe(Troupe):
@@ -97,8 +93,9 @@ class HopperTroupe(Troupe):
         self._pending_notes: list[TakeNote] = []
         self._row_notes: list[TakeNote] = []
         self._arrived: list[str] = []
+        self._given: list[tuple[int, Do, JumpOrder]] = []
         self._outcomes: list[Outcome] = []
-        self._followed: list[list[tuple[Do, JumpOrder]]] = [[] for _ in herd.names]
+        self._pending_outcomes: list[Outcome] = []
         self._members: Mapping[str, MemberState] = {}
 
     def members_needed(self, orders: Orders) -> Collection[str]:
@@ -126,34 +123,12 @@ class HopperTroupe(Troupe):
             for order in orders.get(name, ()):
                 if isinstance(order, LookAt | LookAhead):
                     self._look(c, order)
-                elif self.simulations[c].state.phase != "fallen":
-                    self._take(c, order)
+                elif self.simulations[c].state.phase == "fallen":
+                    self._pending_outcomes.append(Outcome(name, order, FALLEN))
                 else:
-                    self._outcomes.append(Outcome(name, order, FALLEN))
-
-    def _take(self, c: int, order: Do) -> None:
-        """Let a creature follow an order, and remember the jumps that it stands for."""
-        queue = self.simulations[c].state.queue
-        before = list(queue.orders)
-        apply_order(self.simulations[c], order, self._members)
-        added = [jump for jump in queue.orders if all(jump is not known for known in before)]
-        self._followed[c] += [(order, jump) for jump in added]
-
-    def _end_orders(self, c: int, reasons: Sequence[str]) -> None:
-        """Report the orders of which the jumps are done, replaced, or dropped for `reasons`."""
-        state, left = self.simulations[c].state, []
-        for order, jump in self._followed[c]:
-            if any(jump is waiting for waiting in state.queue.orders):
-                if state.phase != "fallen":
-                    left.append((order, jump))
-                    continue
-            elif state.phase == "flight":
-                # The last jump leaves the queue at its take-off.
-                left.append((order, jump))
-                continue
-            reason = FALLEN if state.phase == "fallen" else "; ".join(reasons)
-            self._outcomes.append(Outcome(self.herd.names[c], order, reason))
-        self._followed[c] = left
+                    jumps = apply_order(self.simulations[c], order, self._members)
+                    if jumps is not None:
+                        self._given.append((c, order, jumps))
 
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None
@@ -168,6 +143,7 @@ class HopperTroupe(Troupe):
         """Advance from `step` to the next."""
         self._contacts.clear()
         self._notes, self._pending_notes = self._pending_notes, []
+        self._outcomes, self._pending_outcomes = self._pending_outcomes, []
         stood = [simulation.state.phase == "standing" for simulation in self.simulations]
         end = (step + 1) * self.world.clock.dt
         for c, simulation in enumerate(self.simulations):
@@ -176,13 +152,31 @@ class HopperTroupe(Troupe):
             contacts, notes = self._recorder.records(step, c, simulation.events)
             self._contacts += contacts
             self._notes += notes
-            self._end_orders(c, [note.text for note in notes if note.kind == "stopped"])
         self._arrived = [
             self.herd.names[c]
             for c, simulation in enumerate(self.simulations)
             if simulation.state.phase == "standing" and not stood[c]
         ]
+        self._end_orders()
         self.step = step + 1
+
+    def _end_orders(self) -> None:
+        """Record the outcomes of the orders whose jumps have ended."""
+        lasting = []
+        for c, order, jumps in self._given:
+            state = self.simulations[c].state
+            reasons = [reason for dropped, reason in state.queue.dropped if dropped is jumps]
+            if state.phase == "fallen":
+                reasons.append(FALLEN)
+            is_over = not any(jumps is other for other in state.queue.orders)
+            if reasons or (is_over and state.phase != "flight"):
+                reason = reasons[0] if reasons else ""
+                self._outcomes.append(Outcome(self.herd.names[c], order, reason))
+            else:
+                lasting.append((c, order, jumps))
+        self._given = lasting
+        for simulation in self.simulations:
+            simulation.state.queue.dropped.clear()
 
     def buffer_row(self) -> None:
         """Append the current state as the next row."""
@@ -222,10 +216,10 @@ class HopperTroupe(Troupe):
             first = here.stop
 
     def facts(self) -> Facts:
-        """Return the contacts and notes of the last step."""
+        """Return the contacts, notes and outcomes of the last step."""
         # Rows may also have been written before the step.
         notes, self._row_notes = (*self._notes, *self._row_notes), []
-        outcomes, self._outcomes = tuple(self._outcomes), []
+        outcomes = tuple(self._outcomes)
         return Facts(tuple(self._contacts), notes, tuple(self._arrived), outcomes=outcomes)
 
 

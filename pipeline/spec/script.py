@@ -253,7 +253,6 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "mood": ChangeMood,
     "go_to": GoTo,
     "turn_deg": TurnBy,
-    "speed": SetSpeed,
     "wait": Wait,
     "look_at": LookAt,
     "look": LookAhead,
@@ -274,6 +273,8 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "sit": SitOn,
     "urge": SetUrges,
     "dance": Perform,
+    # Last, for a kick has a speed as well.
+    "speed": SetSpeed,
 }
 """Orders by the key that selects them."""
 

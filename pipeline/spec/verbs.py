@@ -93,7 +93,6 @@ VERBS: Mapping[str, Verb] = {
     "hop": Verb("hop straight on", (HOPPER,)),
     "wait": Verb("stop, and go on later", ALL_SINGLE),
     "turn_deg": Verb("turn by an angle", (*CREATURES, PERSON)),
-    "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON), is_aside=True),
     "gait": Verb("change to another gait", (WALKER,), is_aside=True),
     "mood": Verb("move in another mood", (WALKER,), is_aside=True),
     "hop_over": Verb("jump over something and go on", CREATURES, {"hop_over": OBSTACLE}, ends=True),
@@ -129,6 +128,8 @@ VERBS: Mapping[str, Verb] = {
     "freeze": Verb("keep quite still until another order", (PERSON, DANCER)),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),
     "dance": Verb("dance something from now on, or some bars of it", (DANCER,)),
+    # Last, for a kick has a speed as well.
+    "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON), is_aside=True),
 }
 """All orders by the word or key that selects them."""
 

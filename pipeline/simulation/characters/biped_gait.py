@@ -83,7 +83,7 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
         dt: the sub-step [s].
     """
     if person.kick_foot >= 0:
-        _kick(person, person.kick_foot, frame, vertices)
+        _kick(person, person.kick_foot, frame, vertices, dt)
         return
     leg = leg_length(person)
     speed = ground_speed(person)
@@ -111,8 +111,10 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
 
 
 @compiled
-def _kick(person: Record, k: int, frame: Record, vertices: Array) -> None:
+def _kick(person: Record, k: int, frame: Record, vertices: Array, dt: float) -> None:
     """Lead a kicking foot, and stand on the other one."""
+    for c in range(3):
+        person.kick_place[c] += person.kick_velocity[c] * dt
     person.stepping = False
     person.foot_state[k] = SWING
     person.yaw[k], person.pitch[k] = person.heading, person.kick_pitch

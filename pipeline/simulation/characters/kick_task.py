@@ -90,7 +90,7 @@ class KickThing(Task):
         thing = controller.view.state(self.thing)
         self.time += dt
         if self.swings:
-            self._swing(controller, thing)
+            self._swing(controller, thing, dt)
             return False
         self._run_up(controller, thing, dt)
         if not self.failure and self.time > KICK_PATIENCE:
@@ -183,10 +183,11 @@ class KickThing(Task):
         impact[1] = min(max(float(thing.centre[1]), floor + float(person.ankle)), highest)
         self.path = (np.array(person.ankles[k]), ends[0], impact, ends[1])
         person.kick_foot = k
-        person.kick_place[:], person.kick_pitch = self.path[0], 0.0
+        person.kick_place[:], person.kick_velocity[:] = self.path[0], 0.0
+        person.kick_pitch = 0.0
         self.swings, self.time = True, 0.0
 
-    def _swing(self, controller: PersonController, thing: MemberState) -> None:
+    def _swing(self, controller: PersonController, thing: MemberState, dt: float) -> None:
         """Lead the foot back, through the thing, and let it come down."""
         person, (start, back, impact, end) = controller.record, self.path
         speed = min(max(self.speed, SLOWEST_FOOT), FASTEST_FOOT)
@@ -204,7 +205,7 @@ class KickThing(Task):
         else:
             share = 1.0 - (1.0 - min((time - there) / on, 1.0)) ** 2
             place, pitch = impact + share * (end - impact), -0.1
-        person.kick_place[:], person.kick_pitch = place, pitch
+        person.kick_velocity[:], person.kick_pitch = (place - person.kick_place) / dt, pitch
         if time >= there and not self.is_hit:
             self._hit(controller, thing)
         if time > there + on + RECOVERY_TIME:

@@ -126,10 +126,11 @@ PERSON = np.dtype(
         ("pace", "f8"),
         ("sidestep", "f8", 2),
         # Velocity added to keep off what it avoids [m/s]; the foot that kicks, -1 for none; the
-        # place of that ankle [m] and its pitch, toes up [rad].
+        # place [m] and velocity [m/s] of that ankle, and its pitch, toes up [rad].
         ("evasion", "f8", 2),
         ("kick_foot", "i8"),
         ("kick_place", "f8", 3),
+        ("kick_velocity", "f8", 3),
         ("kick_pitch", "f8"),
         # Owner for whom it does not step aside, or NOBODY; heading to stand in [rad].
         ("partner", "i8"),

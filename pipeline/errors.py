@@ -85,6 +85,8 @@ class SceneError(PronkError):
 
 def located(error: PronkError, file: object) -> str:
     """Return the message of an error, with the file of its scene before all that has no line."""
+    if isinstance(error, SimulationError):
+        return "\n".join(f"{file}: {line}" for line in str(error).splitlines())
     if not isinstance(error, SceneError):
         return f"{file}: {error}"
     return "\n".join(

@@ -8,7 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from pipeline.simulation.attachment import attachments_of
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.attachment import Attachment, attachments_of, split_attachments
 from pipeline.simulation.casting import drawing_notes, figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
@@ -23,7 +24,7 @@ from pipeline.simulation.scheduler import RowScheduler
 from pipeline.simulation.script import Script
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
-from pipeline.simulation.troupe import Troupe, World
+from pipeline.simulation.troupe import Troupe, World, node_range, pushed_troupe
 from pipeline.simulation.versions import header_of
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
@@ -83,9 +84,13 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     recorder.add_facts((), (), drawing_notes(figures))
     aliases = node_aliases(figures, recorder.nodes)
     names = NodeNames.joined(recorder.nodes, aliases)
-    attachments = attachments_of(scene.cast, names, recorder.nodes, clock)
+    pushed = pushed_troupe(troupes)
+    falling = {node.performer for node in pushed.inventory.nodes} if pushed is not None else set()
+    attachments = attachments_of(scene.cast, names, recorder.nodes, clock, falling)
     for troupe in troupes:
         troupe.bind(recorder.nodes, recorder.meshes, names)
+    if pushed is not None:
+        _refuse_late_carriers(pushed, troupes, attachments)
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
@@ -107,6 +112,29 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
         coupling=coupling,
         scheduler=scheduler,
     )
+
+
+def _refuse_late_carriers(
+    pushed: Troupe, troupes: Sequence[Troupe], attachments: Sequence[Attachment]
+) -> None:
+    """Refuses that bodies go with what is itself attached to bodies.
+
+    Raises:
+        SceneError: if any does.
+    """
+    _, late = split_attachments(attachments, node_range(troupes, pushed))
+    problems = [
+        Problem(
+            pushed.carriers[node],
+            f"'{attachment.name}' goes with a body itself, and nothing that falls can go with it; "
+            f"name that body",
+        )
+        for attachment in late
+        for node in attachment.nodes.tolist()
+        if node in pushed.carriers
+    ]
+    if problems:
+        raise SceneError(problems)
 
 
 def _places(scene: Scene, ground: Ground) -> dict[str, Array]:

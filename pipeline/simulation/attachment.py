@@ -1,4 +1,4 @@
-"""Attachment: performers that move with others, and props that are taken and put down.
+"""Attachment: performers that move with others, and props that are taken and put down for good.
 
 It follows all motion of a step, parents first, so that nothing lags behind.
 
@@ -8,7 +8,7 @@ Source: Sims 1987, 3.2.1 (parents and children).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 
@@ -120,14 +120,18 @@ def attachments_of(
     names: NodeNames,
     nodes: Sequence[Node],
     clock: Clock,
+    falling: Collection[str] = (),
 ) -> list[Attachment]:
     """Returns all attachments of a scene, parents first.
+
+    What may fall goes with others as its troupe says (see `bodies.guided_bodies`).
 
     Args:
         cast: of the scene.
         names: of all nodes and parts.
         nodes: of all performers.
         clock: of the scene.
+        falling: names of performers that may fall.
 
     Raises:
         SceneError: if a part does not exist, or attachments form a ring.
@@ -145,7 +149,8 @@ def attachments_of(
     for i, member in enumerate(cast):
         holds = member.held if isinstance(member, Prop) else ()
         # Groups follow their parents themselves: flames leave a moving source.
-        if isinstance(member, Group) or (member.parent is None and not holds):
+        is_attached = member.parent is not None or holds
+        if isinstance(member, Group) or member.name in falling or not is_attached:
             continue
         own = [k for k, node in enumerate(nodes) if node.performer == member.name]
         parent = -1 if member.parent is None else node_of(member.parent, f"cast[{i}].parent")

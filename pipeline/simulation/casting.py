@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import TypeGuard
 
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
@@ -15,13 +16,16 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
+from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.take import TakeNote
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
+from pipeline.spec.cast import Member
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.group import Group
+from pipeline.spec.handled_members import handled_members
 from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
@@ -33,14 +37,23 @@ CREATURE_MATERIAL, PROP_MATERIAL = "brown chitin", "wood"
 
 
 def figures_of(scene: Scene) -> dict[str, Figure]:
-    """Returns the figure of each creature by its name; equal ones are shared."""
+    """Returns the figure of each creature by its name; equal ones are shared.
+
+    Raises:
+        SceneError: if figures cannot be built; holds the problems of all.
+    """
     built = cache(lambda name, scale: build_figure(name, scene.figures[name], scale))
-    return {member.name: built(member.figure, member.scale) for _, member in scene.creatures}
+    figures, refusals = dict[str, Figure](), Refusals()
+    for _, member in scene.creatures:
+        with refusals.gathered():
+            figures[member.name] = built(member.figure, member.scale)
+    refusals.refuse()
+    return figures
 
 
 def drawing_notes(figures: Mapping[str, Figure]) -> list[TakeNote]:
     """Returns notes on likely mistakes in the drawings of creatures, once for each figure."""
-    owners = {figure.name: name for name, figure in reversed(figures.items())}
+    owners = {figure.name: name for name, figure in reversed(list(figures.items()))}
     return [
         TakeNote("drawn", 0, f"{name}.{remark.node}", remark.text)
         for name, figure in figures.items()
@@ -51,48 +64,73 @@ def drawing_notes(figures: Mapping[str, Figure]) -> list[TakeNote]:
 
 
 def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
-    """Returns the troupes of a scene, in the order of their nodes."""
-    cast = list(enumerate(scene.cast))
-    troupes = [*_creatures(scene, figures, world)]
-    props = [member for _, member in cast if isinstance(member, Prop)]
+    """Returns the troupes of a scene, in the order of their nodes.
+
+    Raises:
+        SceneError, SimulationError: if performers cannot do what is asked; tells of all troupes.
+    """
+    cast, refusals = list(enumerate(scene.cast)), Refusals()
+    troupes = _creatures(scene, figures, world, refusals)
+    handled = handled_members(scene, world.directed)
+    meeting = [(i, member) for i, member in cast if _meets_all(member, handled)]
+    bodies = [member.name for _, member in meeting]
+    props = [m for _, m in cast if isinstance(m, Prop) and m.name not in bodies]
     if props:
-        troupes.append(PropTroupe(props, world, [m.material or PROP_MATERIAL for m in props]))
+        with refusals.gathered():
+            troupes.append(PropTroupe(props, world, [m.material or PROP_MATERIAL for m in props]))
     # Rooms that load MuJoCo or a compiler are imported only where they are needed.
     if scene.dancers:
         from pipeline.simulation.dancers.dancer_troupe import DancerTroupe
 
-        troupes.append(DancerTroupe(scene.dancers, scene.dances, world))
+        with refusals.gathered():
+            troupes.append(DancerTroupe(scene.dancers, scene.dances, world))
     # Characters push bodies through the contact coupling instead.
     pushing = [troupe.inventory for troupe in troupes]
     characters = [member for _, member in cast if isinstance(member, Character)]
     if characters:
         from pipeline.simulation.characters.characters import Characters
 
-        troupes.append(Characters(characters, world))
-    bodies = [(i, member) for i, member in cast if isinstance(member, Body)]
-    on_ground = [(i, member) for i, member in bodies if member.body.collide == "terrain"]
+        with refusals.gathered():
+            troupes.append(Characters(characters, world))
+    on_ground = [(i, m) for i, m in cast if isinstance(m, Body) and m.name not in bodies]
     if on_ground:
         from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 
         materials = [member.material or PROP_MATERIAL for _, member in on_ground]
-        troupes.append(GroundBodyTroupe(on_ground, world, materials))
-    meeting = [
-        (i, member)
-        for i, member in cast
-        if isinstance(member, Many) or (isinstance(member, Body) and member.body.collide == "all")
-    ]
+        with refusals.gathered():
+            troupes.append(GroundBodyTroupe(on_ground, world, materials))
     if meeting:
         from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 
         materials = [member.material or PROP_MATERIAL for _, member in meeting]
-        troupes.append(ColliderTroupe(meeting, world, materials, obstacles_of(pushing)))
+        with refusals.gathered():
+            obstacles = obstacles_of(pushing)
+            troupes.append(ColliderTroupe(meeting, world, materials, obstacles, handled))
     groups = [(i, member) for i, member in cast if isinstance(member, Group)]
     if groups:
-        troupes.append(GroupTroupe(groups, world))
+        with refusals.gathered():
+            troupes.append(GroupTroupe(groups, world))
+    refusals.refuse()
     return troupes
 
 
-def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
+def _meets_all(member: Member, handled: Collection[str]) -> TypeGuard[Body | Many | Prop]:
+    """Returns whether a member is simulated as bodies that meet one another.
+
+    Args:
+        member: of the cast.
+        handled: names of what people may hold or kick.
+    """
+    if isinstance(member, Body):
+        return member.body.collide == "all" or bool(member.held) or member.name in handled
+    if isinstance(member, Prop):
+        return member.may_fall or member.name in handled
+    return isinstance(member, Many)
+
+
+def _creatures(
+    scene: Scene, figures: dict[str, Figure], world: World, refusals: Refusals
+) -> list[Troupe]:
     """Returns the troupes of creatures; on a parent they stand on level ground of their own."""
     troupes = list[Troupe]()
     for level in dict.fromkeys(_parent_level(member) for _, member in scene.creatures):
@@ -103,11 +141,14 @@ def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         ground = world.ground if level is None else level_ground(level, world.ground)
         there = replace(world, ground=ground)
         if walkers:
-            troupes.append(WalkerTroupe(walkers, there, _default_materials(walkers)))
+            with refusals.gathered():
+                troupes.append(WalkerTroupe(walkers, there, _default_materials(walkers)))
         if hoppers:
-            troupes.append(HopperTroupe(hoppers, there, _default_materials(hoppers)))
+            with refusals.gathered():
+                troupes.append(HopperTroupe(hoppers, there, _default_materials(hoppers)))
         if worms:
-            troupes.append(InchwormTroupe(worms, there, _default_materials(worms)))
+            with refusals.gathered():
+                troupes.append(InchwormTroupe(worms, there, _default_materials(worms)))
     return troupes
 
 

@@ -76,6 +76,7 @@ class ContactCoupling:
             turn(here.R, speeds[:, 3:]),
             recorder.alive[row, nodes],
             np.ones(len(nodes), dtype=bool),
+            np.zeros(len(nodes), dtype=bool),
         )
         if self.owner is not None:
             motion = motion.joined(self.owner.solid_motion().selected(self._movable))
@@ -116,11 +117,17 @@ def coupling_of(
     # A carried solid moves with its carrier.
     _, carried = split_attachments(attachments, node_range(troupes, troupe))
     carried_nodes = {int(node) for attachment in carried for node in attachment.nodes}
-    fixed = [o for o in obstacles() if o.performer in hard and o.node not in carried_nodes]
     owner = pushed_troupe(troupes)
-    movable = list[Obstacle]()
+    movable, pushed_nodes = list[Obstacle](), range(0)
     if owner is not None:
-        first = node_range(troupes, owner).start
+        pushed_nodes = node_range(troupes, owner)
+    fixed = [
+        o
+        for o in obstacles()
+        if o.performer in hard and o.node not in carried_nodes and o.node not in pushed_nodes
+    ]
+    if owner is not None:
+        first = pushed_nodes.start
         movable = [replace(solid, node=first + solid.node) for solid in owner.movable_solids()]
     if not fixed and not movable:
         return None

@@ -18,7 +18,7 @@ from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.spec.model_base import Goal
-from pipeline.spec.script import GoTo
+from pipeline.spec.verbs import targets_of
 
 HEAD_PARTS = ("head",)
 """Parts that are looked at, in the order of preference."""
@@ -183,13 +183,10 @@ class Members:
         return obstacle.corners * recorder.scales[self._row, recorder.scaled.index(node)]
 
 
-def goals_named(names: Collection[str], orders: Orders) -> set[str]:
-    """Returns the members that some performers are to go to by `orders`."""
+def members_named(names: Collection[str], orders: Orders) -> set[str]:
+    """Returns the members that the orders to some performers name."""
     return {
-        order.go_to
-        for name in names
-        for order in orders.get(name, ())
-        if isinstance(order, GoTo) and isinstance(order.go_to, str)
+        target for name in names for order in orders.get(name, ()) for target in targets_of(order)
     }
 
 

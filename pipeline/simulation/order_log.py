@@ -1,17 +1,17 @@
 """Order log: what became of every order of the script.
 
 An order that has an end is done, given up with a reason, replaced by another order, or cut off by
-the end of the film. The last two and orders that were never given become notes.
+the end of the film.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
-from pipeline.simulation.take import OrderRecord, TakeNote
+from pipeline.simulation.take import NEVER_GIVEN, OrderRecord
 from pipeline.simulation.troupe import Facts
 from pipeline.spec.script import Do, Instruction, order_text
 from pipeline.spec.verbs import VERBS, key_of_order
@@ -33,12 +33,18 @@ class _Open:
 class OrderLog:
     """The orders given so far, and their outcomes.
 
+    Args:
+        groups: names of the groups, which never arrive.
+
     Attributes:
         records: of all orders, in the order of time.
+        ended: of those that ended, in that order.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, groups: Collection[str] = ()) -> None:
+        self._groups = groups
         self.records: list[OrderRecord] = []
+        self.ended: list[OrderRecord] = []
         self._open: dict[str, _Open] = {}
 
     def give(self, step: int, orders: Orders) -> None:
@@ -49,7 +55,7 @@ class OrderLog:
 
     def _give(self, step: int, who: str, order: Do) -> None:
         verb = VERBS[key_of_order(order) or ""]
-        if not verb.ends:
+        if not verb.ends or who in self._groups:
             outcome = "done" if verb.is_aside else "begun"
         else:
             outcome = ""
@@ -61,56 +67,52 @@ class OrderLog:
         if not outcome:
             self._open[who] = _Open(order, len(self.records) - 1)
 
-    def end(self, step: int, facts: Facts) -> list[TakeNote]:
-        """Records the ends of orders in a step; returns notes on those that were given up."""
-        notes = []
+    def end(self, step: int, facts: Facts) -> None:
+        """Records the ends of orders in a step."""
         for outcome in facts.outcomes:
-            if (note := self._end(step, outcome)) is not None:
-                notes.append(note)
+            self._end(step, outcome)
         for who in facts.arrived:
             if (last := self._open.pop(who, None)) is not None:
                 self._close(last.number, step, "done")
-        return notes
 
-    def _end(self, step: int, outcome: Outcome) -> TakeNote | None:
-        last = self._open.get(outcome.who)
+    def _end(self, step: int, outcome: Outcome) -> None:
+        last, end = self._open.get(outcome.who), "given up" if outcome.reason else "done"
         if last is not None and last.order is outcome.order:
             del self._open[outcome.who]
-            self._close(last.number, step, "given up" if outcome.reason else "done", outcome.reason)
-        if not outcome.reason:
-            return None
-        text = f"could not {order_text(outcome.order)}: {outcome.reason}"
-        return TakeNote("order_given_up", step, outcome.who, text)
+            self._close(last.number, step, end, outcome.reason)
+        elif outcome.reason:
+            text = order_text(outcome.order)
+            self.records.append(OrderRecord(outcome.who, text, step, step, end, outcome.reason))
 
-    def finish(self, step: int, waiting: Sequence[Instruction]) -> list[TakeNote]:
-        """Records orders that the film's end cuts off; returns notes on them.
+    def finish(self, step: int, waiting: Sequence[Instruction]) -> None:
+        """Records orders that the film's end cuts off, and those that were never given.
 
         Args:
             step: the last one.
             waiting: instructions that were never given.
         """
-        notes = []
-        for who, last in sorted(self._open.items()):
+        for last in self._open.values():
             self._close(last.number, step, "cut off")
-            text = f"has not finished {order_text(last.order)} at the end of the film"
-            notes.append(TakeNote("order_cut_off", step, who, text))
-        for instruction in waiting:
-            text = f"was never told {order_text(instruction.do)}: {_awaited_text(instruction)}"
-            notes.append(TakeNote("order_never_given", step, instruction.who, text))
-        return [*notes]
+        self._open.clear()
+        # What is due after the end is known, and told, before the simulation.
+        for one in waiting:
+            if one.when is not None:
+                text, reason = order_text(one.do), _awaited_text(one)
+                record = OrderRecord(one.who, text, step, step, NEVER_GIVEN, reason)
+                self.records.append(record)
 
     def _close(self, number: int, step: int, outcome: str, reason: str = "") -> None:
         record = self.records[number]
-        self.records[number] = OrderRecord(
+        self.records[number] = ended = OrderRecord(
             record.who, record.text, record.step, step, outcome, reason
         )
+        self.ended.append(ended)
 
 
 def _awaited_text(instruction: Instruction) -> str:
     """Returns why an instruction was never given."""
     when = instruction.when
-    if when is None:
-        return f"{instruction.at:g} s is after the end of the film"
+    assert when is not None
     key = when.event
     value = getattr(when, key)
     names: Iterable[str] = [value] if isinstance(value, str) else value

@@ -18,20 +18,16 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory, join_inventories, shifted_look
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.row_storage import allocate_rows, release_rows
-from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
-    ORDER_NOTES,
     Contact,
     Header,
     SoundEvent,
     Take,
     TakeNote,
     TerrainRecord,
-    Told,
 )
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.script import order_text
 
 
 class Recorder:
@@ -58,8 +54,7 @@ class Recorder:
         self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self._notes: dict[tuple[str, str, str], TakeNote] = {}
-        self.told: list[Told] = []
+        self._notes: dict[tuple[str, str], TakeNote] = {}
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
         """Sets the parents of attached nodes that have none."""
@@ -148,14 +143,11 @@ class Recorder:
         events: Iterable[SoundEvent],
         notes: Iterable[TakeNote],
     ) -> None:
-        """Adds facts of one step; of notes of one kind on one part the earliest is kept.
-
-        Every order has a note of its own.
-        """
+        """Adds facts of one step; of notes of one kind on one part the earliest is kept."""
         self.contacts.extend(contacts)
         self.events.extend(events)
         for note in notes:
-            key = note.kind, note.part, note.text if note.kind in ORDER_NOTES else ""
+            key = note.kind, note.part
             # Some notes are known only when their rows are written.
             if key not in self._notes or note.step < self._notes[key].step:
                 self._notes[key] = note
@@ -164,11 +156,6 @@ class Recorder:
     def notes(self) -> list[TakeNote]:
         """Notes so far, in the order of time."""
         return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
-
-    def add_orders(self, step: int, orders: Orders) -> None:
-        """Adds the orders that the script gave at `step`."""
-        for performer, given in orders.items():
-            self.told.extend(Told(step, performer, order_text(order)) for order in given)
 
     def take(self) -> Take:
         """Returns the finished take."""
@@ -199,7 +186,6 @@ class Recorder:
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self.notes),
-            told=tuple(self.told),
         )
 
 

@@ -109,7 +109,9 @@ class RowScheduler:
             self.batch_size = self.batch_size if self._deferred else 1
 
     def _deferrable(self, collider: Troupe, attachments: Sequence[Attachment]) -> list[Troupe]:
-        """Returns the troupes that are no obstacles; none if anything is attached to `collider`."""
+        """Returns the troupes that are no obstacles; none if anything goes with `collider`."""
+        if self._pushed is not None and self._pushed.goes_with_others:
+            return []
         if split_attachments(attachments, node_range(self.troupes, collider))[1]:
             return []
         return [collider, *self._last]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from pipeline.errors import SceneError
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.assembly import assemble
 from pipeline.simulation.event_monitor import reported_events
 from pipeline.simulation.mechanism import Leg
@@ -13,7 +13,9 @@ from pipeline.simulation.order_log import OrderLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Take
-from pipeline.simulation.troupe import Facts
+from pipeline.simulation.troupe import Facts, pushed_troupe
+from pipeline.spec.group import Group
+from pipeline.spec.handled_members import refusal_of_handling
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -32,6 +34,7 @@ class Simulation:
     Attributes:
         step_number: number of steps taken.
         aliases: names of drawing nodes for the nodes of creatures.
+        order_log: orders given so far, and their outcomes.
 
     Raises:
         SceneError: if the scene asks for something impossible.
@@ -48,8 +51,10 @@ class Simulation:
         self.script, self.coupling, self.scheduler = parts.script, parts.coupling, parts.scheduler
         self.aliases = parts.aliases
         self._members, self._monitor = parts.members, parts.monitor
-        self._detection, self._order_log = parts.detection, OrderLog()
-        self.step_number = 0
+        self._detection = parts.detection
+        groups = [member.name for member in scene.cast if isinstance(member, Group)]
+        self.order_log = OrderLog(groups)
+        self._scene, self.step_number = scene, 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
 
@@ -65,6 +70,7 @@ class Simulation:
 
     def step(self) -> None:
         """Advances the world by one step."""
+        self._change_grips()
         orders = self._give_orders()
         self._show_members(orders)
         self._update_obstacles()
@@ -73,7 +79,7 @@ class Simulation:
         self.scheduler.buffer_step(self.step_number)
         self._collect_facts()
         self._detection.record_step(self._facts, self.step_number)
-        self._record_outcomes()
+        self.order_log.end(self.step_number, self._facts)
 
     def add_instruction(self, instruction: Instruction) -> None:
         """Adds an instruction from outside; one without delay is given in the next step.
@@ -81,6 +87,9 @@ class Simulation:
         Raises:
             SceneError: if its performer cannot carry it out; the state is unchanged.
         """
+        refusal = refusal_of_handling(instruction.do, self._scene, self.world.directed)
+        if refusal is not None:
+            raise SceneError([Problem(COMMAND, refusal)])
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)
@@ -93,14 +102,13 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        unfinished = self._order_log.finish(self.step_number, self.script.never_given)
-        self.recorder.add_facts((), (), unfinished)
+        self.order_log.finish(self.step_number, self.script.never_given)
         return replace(
             self.recorder.take(),
             mechanisms=mechanisms,
             legs=tuple(self.legs()),
             aliases=self.aliases,
-            orders=tuple(self._order_log.records),
+            orders=tuple(self.order_log.records),
         )
 
     def legs(self) -> list[Leg]:
@@ -109,10 +117,16 @@ class Simulation:
 
     # --- the passes of the step -------------------------------------------------------
 
+    def _change_grips(self) -> None:
+        """Passes what hands took and released in the last step to the troupe of the things."""
+        changes = self._facts.grips
+        if changes and (pushed := pushed_troupe(self.troupes)) is not None:
+            self.scheduler.flush()
+            pushed.change_grips(changes, [self._members.node(one.hand) for one in changes])
+
     def _give_orders(self) -> Orders:
         orders = self.script.orders(self.step_number, self._events())
-        self.recorder.add_orders(self.step_number, orders)
-        self._order_log.give(self.step_number, orders)
+        self.order_log.give(self.step_number, orders)
         return orders
 
     def _events(self) -> set[Event]:
@@ -144,9 +158,6 @@ class Simulation:
 
     def _collect_facts(self) -> None:
         self._facts = Facts.merged([troupe.facts() for troupe in self.troupes])
-
-    def _record_outcomes(self) -> None:
-        self.recorder.add_facts((), (), self._order_log.end(self.step_number, self._facts))
 
 
 def simulate(

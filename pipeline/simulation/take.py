@@ -33,11 +33,11 @@ ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = (
     *("nodes", "channels", "parts", "contacts", "events"),
-    *("notes", "told", "mechanisms", "legs", "aliases", "orders"),
+    *("notes", "mechanisms", "legs", "aliases", "orders"),
 )
 """Attributes of a take that are tables of records."""
 
-OPTIONAL_TABLES = ("told", "mechanisms", "legs", "aliases", "orders")
+OPTIONAL_TABLES = ("mechanisms", "legs", "aliases", "orders")
 """Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
@@ -243,13 +243,9 @@ class SoundEvent:
     places: tuple[Place, ...] = ()
 
 
-ORDER_NOTES = ("order_given_up", "order_cut_off", "order_never_given")
-"""Kinds of notes on orders; a performer may have several of one kind."""
-
-
 @dataclass(frozen=True, slots=True)
 class TakeNote:
-    """A message to the author: stopped, toppled, dropped, clamped, drawn, or an order note.
+    """A message to the author: stopped, toppled, dropped, clamped, drawn, rigid, or an order note.
 
     `drawn` is about a likely mistake in a figure's drawing; see `ORDER_NOTES` for the others.
     """
@@ -258,6 +254,9 @@ class TakeNote:
     step: int
     part: str
     text: str
+
+
+NEVER_GIVEN = "never given"
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,9 +268,9 @@ class OrderRecord:
         text: the order as its author wrote it.
         step: from which it was given.
         end: step at which it ended, -1 while it lasts.
-        outcome: "done", "begun" for what has no end, "replaced" by another order, "given up", or
-            "cut off" by the end of the film.
-        reason: why it was given up.
+        outcome: "done", "begun" for what has no end, "replaced" by another order, "given up",
+            "cut off" by the end of the film, or "never given".
+        reason: why it was given up or never given.
     """
 
     who: str
@@ -280,15 +279,6 @@ class OrderRecord:
     end: int
     outcome: str
     reason: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """An instruction of the script, given to performer `who` at `step`."""
-
-    step: int
-    who: str
-    text: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,7 +320,6 @@ class Take:
         contacts: in the order of time.
         events: sound events in the order of time.
         notes: messages to the author.
-        told: instructions given by the script, in the order of time.
         mechanisms: joints and masses of the creatures on legs.
         legs: legs of these creatures, with the stances that their gaits planned.
         aliases: names of drawing nodes for the nodes of creatures.
@@ -352,7 +341,6 @@ class Take:
     contacts: tuple[Contact, ...]
     events: tuple[SoundEvent, ...]
     notes: tuple[TakeNote, ...]
-    told: tuple[Told, ...] = ()
     mechanisms: tuple[Mechanism, ...] = ()
     legs: tuple[Leg, ...] = ()
     aliases: tuple[NodeAlias, ...] = ()

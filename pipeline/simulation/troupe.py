@@ -177,6 +177,16 @@ class Troupe:
     def advance_to_row(self, step: int, p: Array, R: Array) -> None:
         """Advances to the row at `step`; p (J, 3) and R (J, 3, 3) are all nodes at that row."""
 
+    @property
+    def goes_with_others(self) -> bool:
+        """Whether `advance_to_row` needs the nodes of all troupes that come before it."""
+        return False
+
+    @property
+    def carriers(self) -> Mapping[int, str]:
+        """Nodes that its members go with by the scene, and the paths that name them."""
+        return {}
+
     def movable_solids(self) -> list[Obstacle]:
         """Returns its solids; node numbers start at its own first node."""
         return []

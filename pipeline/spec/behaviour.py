@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import Field
 
 from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, keyed_union
+from pipeline.spec.suggestions import decided_by_key
 from pipeline.spec.targets import BALL, CHARACTER, JOINTED_CHARACTER, TargetKind
 
 Part = Annotated[Number, Field(ge=0, le=1)]
@@ -162,4 +163,7 @@ TARGETS: Mapping[str, TargetKind] = {
 if TYPE_CHECKING:
     Behaviour = Urge
 else:
-    Behaviour = keyed_union(FORMS, default="Approach")
+    Behaviour = Annotated[
+        keyed_union(FORMS, default="Approach"),
+        decided_by_key(FORMS, "behaviour", "behaviours", NAMES),
+    ]

@@ -6,8 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError, model_validator
 
+from pipeline.spec.hold import Hold, faults_of_holds
 from pipeline.spec.keyframes import Turn
 from pipeline.spec.model_base import (
     ConfigModel,
@@ -21,7 +22,7 @@ from pipeline.spec.model_base import (
     Position,
     raise_faults,
 )
-from pipeline.spec.performer import At, Performer, Velocity
+from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
 from render.config.base import TURN_DESCRIPTION
 
 AROUND_IT = "Diameter of the sphere around it [m]."
@@ -295,6 +296,17 @@ Layout = Annotated[
 ]
 
 
+_LAYOUT: TypeAdapter[Arrangement] = TypeAdapter(Layout)
+
+
+def body_count(many: object) -> int:
+    """Return how many bodies a layout makes, typed or raw; the most that may be, of a wrong one."""
+    try:
+        return _LAYOUT.validate_python(many).total
+    except ValidationError:
+        return MAX_BODIES
+
+
 class Body(Performer):
     """A rigid body that falls, bounces and rolls."""
 
@@ -312,6 +324,17 @@ class Body(Performer):
         (0.0, 0.0, 0.0),
         description="Its spin at the start, about x, y and z of the world [degrees/s].",
     )
+    held: Annotated[tuple[Hold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (), description="Hands that hold it, and when; released it moves on as the hand did."
+    )
+
+    @model_validator(mode="after")
+    def _check_holds(self) -> Self:
+        raise_faults(list(faults_of_holds(self.held)))
+        if self.held and self.body.soft > 0.0:
+            message = "conflicts with soft; what hands hold is rigid"
+            raise_faults([Fault(("held",), message, at_key=True)])
+        return self
 
     @model_validator(mode="after")
     def _check_parent(self) -> Self:

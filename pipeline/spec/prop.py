@@ -1,4 +1,4 @@
-"""Prop: a thing moved by keyframes, velocity, force, a parent or a hand (Sims, ch. 3.1)."""
+"""Prop: a thing moved by keyframes, velocity, force, a parent, hands or gravity (Sims, ch. 3.1)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from pipeline.spec.hold import Hold, faults_of_holds
 from pipeline.spec.keyframes import Keyframe, Rates, Time, Turn, faults_of_order, faults_of_tangents
 from pipeline.spec.model_base import (
     ConfigModel,
@@ -15,7 +16,6 @@ from pipeline.spec.model_base import (
     Length,
     LengthOrZero,
     Number,
-    fault_error,
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
@@ -73,26 +73,12 @@ Shape = Annotated[
 ]
 
 
-class Hold(ConfigModel):
-    """Somebody has the prop in a hand: it goes with that link, as it was when it was taken."""
+class PropHold(Hold):
+    """Somebody has the prop in a hand for a while."""
 
-    by: str = Field(
-        min_length=1,
-        max_length=200,
-        description="The hand that holds it, such as arm.hand: a performer and a node of its "
-        "drawing or a link.",
+    then: Literal["stay", "fall"] = Field(
+        "stay", description="What it does when it is released: stay where it is, or fall."
     )
-    at: Time = Field(description="Time at which it is taken [s].")
-    until: Time | None = Field(
-        None,
-        description="Time at which it is released and stays where it is [s]; never if left out.",
-    )
-
-    @model_validator(mode="after")
-    def _ends_later(self) -> Self:
-        if self.until is not None and self.until <= self.at:
-            raise fault_error(f"should be later than it is taken, at {self.at:g}", "until")
-        return self
 
 
 Push = Annotated[Number, Field(ge=-1e9, le=1e9)]
@@ -188,7 +174,7 @@ def _keyed(velocity: PropVelocity | None) -> TypeGuard[tuple[VelocityKey, ...]]:
 
 
 class Prop(Performer):
-    """A thing that moves only as its keys say."""
+    """A thing that moves as its keys say, until hands take it or it falls."""
 
     prop: Shape = Field(description="Its shape.")
     at: At = Field(
@@ -221,8 +207,13 @@ class Prop(Performer):
     force: ForceMotion | None = Field(
         None, description="What pushes and turns it, as its mass lets it."
     )
-    held: Annotated[tuple[Hold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
-        (), description="Hands that hold it, and when."
+    held: Annotated[tuple[PropHold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (), description="Hands that hold it, and when; its own motion ends with the first."
+    )
+    falls: Time | None = Field(
+        None,
+        description="From then on it falls freely, with the velocity that it has, and collides "
+        "with the terrain, bodies and props [s].",
     )
 
     @model_validator(mode="after")
@@ -231,12 +222,9 @@ class Prop(Performer):
             *faults_of_order(self.keyframes, "keyframes"),
             *faults_of_tangents(self.keyframes, "keyframes"),
             *self._faults_of_moving(),
+            *faults_of_holds(self.held),
+            *self._faults_of_falling(),
         ]
-        for i in range(1, len(self.held)):
-            before = self.held[i - 1]
-            if before.until is None or self.held[i].at < before.until:
-                message = f"'{before.by}' still holds it then; let it go with `until` first"
-                faults.append(Fault(("held", i, "at"), message))
         raise_faults(faults)
         return self
 
@@ -255,10 +243,26 @@ class Prop(Performer):
             yield Fault(("spin_deg",), message, at_key=True)
         if _keyed(self.velocity):
             yield from faults_of_order(self.velocity, "velocity")
-        moving = [*ways, *(["spin_deg"] if self.spin_deg is not None else [])]
-        if moving and self.held:
-            message = f"conflicts with {moving[0]}; remove one"
-            yield Fault(("held",), message, at_key=True)
+
+    def _faults_of_falling(self) -> Iterator[Fault]:
+        if not self.is_scaled:
+            return
+        message = "conflicts with the scale of keyframes; a thing that falls has one size"
+        if self.falls is not None:
+            yield Fault(("falls",), message, at_key=True)
+        for i, hold in enumerate(self.held):
+            if hold.then == "fall":
+                yield Fault(("held", i, "then"), message)
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether keyframes change its size."""
+        return any(key.scale is not None for key in self.keyframes)
+
+    @property
+    def may_fall(self) -> bool:
+        """Whether it falls at some time as the scene says."""
+        return self.falls is not None or any(hold.then == "fall" for hold in self.held)
 
     @property
     def kind_name(self) -> str:

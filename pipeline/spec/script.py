@@ -26,6 +26,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.mood import MoodMix
+from pipeline.spec.suggestions import decided_by_key
 from pipeline.spec.verbs import VERBS
 from pipeline.spec.walk import GAIT, Gait, Manner
 
@@ -273,16 +274,19 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "sit": SitOn,
     "urge": SetUrges,
     "dance": Perform,
-    # Last, for a kick has a speed as well.
+    # Last, for gait and kick have a key of this name too.
     "speed": SetSpeed,
 }
-"""Orders by the key that selects them."""
+"""Orders by the key that selects them; the first of these keys that an order has decides."""
 
 
 if TYPE_CHECKING:
     Do = Plain | ConfigModel
 else:
-    Do = keyed_union(FORMS, default="GoTo", word=Plain)
+    Do = Annotated[
+        keyed_union(FORMS, default="GoTo", word=Plain),
+        decided_by_key(FORMS, "order", "verbs", VERBS),
+    ]
 
 
 def order_text(do: Do) -> str:

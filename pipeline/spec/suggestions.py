@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from difflib import SequenceMatcher
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel
+from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
 
-from pipeline.spec.model_base import PathSegment
+from pipeline.spec.model_base import PathSegment, fault_error
 
 # Matching is quadratic: bounds on the names compared and on their lengths.
 MAX_COMPARED = 500
@@ -76,6 +76,31 @@ def hint(name: str, known: Iterable[str], kind: str = "", own: Iterable[str] = (
         names = sorted({*listed, *own_names})
         return f"known: {_enumerated(names)}" if names else "there are none"
     return f"known here: {_enumerated(own_names)}; {command}" if own_names else command
+
+
+def decided_by_key(
+    forms: Collection[str], noun: str, kind: str = "", known: Iterable[str] = ()
+) -> BeforeValidator:
+    """Return a validator that refuses a mapping with none of the keys that decide what it is.
+
+    Args:
+        forms: these keys.
+        noun: what they are called in messages, such as "order".
+        kind: what `pronk list` calls them, empty if it does not list them.
+        known: names that it lists, if they are not the keys.
+    """
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, Mapping) or any(key in value for key in forms):
+            return value
+        for key in value:
+            if close_names(str(key), forms) or len(value) == 1:
+                near = hint(str(key), known or forms, kind)
+                message = f"no {noun} is called '{key}', {near}"
+                raise fault_error(message, str(key), at_key=True)
+        raise fault_error(f"needs one of the keys {', '.join(forms)}")
+
+    return BeforeValidator(check)
 
 
 def _enumerated(names: list[str]) -> str:

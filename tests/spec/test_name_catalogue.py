@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 from audio.general_midi import DRUMS, INSTRUMENTS
 from pipeline.cli import app
 from pipeline.commands.completion import MAX_TEXT_LENGTH, completion
-from pipeline.errors import UsageError
+from pipeline.errors import SceneError, UsageError
 from pipeline.production.run.starter_scene import write_starter
-from pipeline.spec import library, shipped_scenes
+from pipeline.spec import library, read_scene, shipped_scenes
 from pipeline.spec.behaviour import NAMES
 from pipeline.spec.mood import MOODS
 from pipeline.spec.name_catalogue import LIBRARY_GROUP, NAME_KINDS, OWN_GROUP, names_of
@@ -164,3 +164,24 @@ def test_descriptions_beside_completions_stay_on_one_line() -> None:
         for _, text in completion(kind)(""):
             assert len(text) <= MAX_TEXT_LENGTH
             assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("member", "order", "message"),
+    [
+        ("", "{grb: kim}", "no order is called 'grb', did you mean 'grab'? `pronk list verbs`"),
+        ("", "{zzz: kim}", "no order is called 'zzz', `pronk list verbs` has all"),
+        ("", "{}", "needs one of the keys gait, mood, go_to"),
+        (", behaviours: [{plya: kim}]", "stop", "no behaviour is called 'plya', did you mean"),
+    ],
+)
+def test_a_mapping_without_a_deciding_key_is_refused_once(
+    member: str, order: str, message: str
+) -> None:
+    with pytest.raises(SceneError) as caught:
+        read_scene(
+            f"pronk: 1\nframes: 24\ncast: [{{character: child, name: kim{member}}}]\n"
+            f"script: [{{at: 0.5, who: kim, do: {order}}}]\n"
+        )
+    (problem,) = caught.value.problems
+    assert message in problem.message

@@ -9,6 +9,7 @@ from typing import Protocol
 from pipeline.errors import Problem
 from pipeline.production.run.notes import Note, clock_of
 from pipeline.spec import Scene
+from pipeline.spec.body import Body
 from pipeline.spec.creature import Creature
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.prop import Prop, VelocityKey
@@ -48,12 +49,14 @@ class Beginning:
         path: of the value that says when, such as `script[2].at`.
         part: whom or what it is about.
         lost: what happens if the film is over by then, such as "never given".
+        kind: of the note on it.
     """
 
     time: float
     path: str
     part: str
     lost: str = "never begins"
+    kind: str = "never_begins"
 
 
 def notes_after_end(scene: Scene) -> list[Note]:
@@ -69,8 +72,8 @@ def notes_after_end(scene: Scene) -> list[Note]:
 def _note(scene: Scene, beginning: Beginning, length: str) -> Note:
     found = scene.source_map.with_location(Problem(beginning.path, ""))
     place = f"{found.file}:{found.line}" if found.line else found.file or beginning.path
-    kind, text = beginning.lost.replace(" ", "_"), f"{beginning.lost}; {length}"
-    return Note(kind, "scene", beginning.part, round(beginning.time, 3), None, text, place)
+    time, text = round(beginning.time, 3), f"{beginning.lost}; {length}"
+    return Note(beginning.kind, "scene", beginning.part, time, None, text, place)
 
 
 def _simulated(scene: Scene) -> Iterator[Beginning]:
@@ -78,7 +81,8 @@ def _simulated(scene: Scene) -> Iterator[Beginning]:
     for i, order in enumerate(scene.script):
         if order.at is not None:
             part = f"{order.who}: {order_text(order.do)}"
-            yield Beginning(order.at, f"script[{i}].at", part, "never given")
+            path = f"script[{i}].at"
+            yield Beginning(order.at, path, part, "never given", "order_never_given")
     for i, dancer in scene.dancers:
         key = "start" if dancer.beat is None else "beat"
         yield Beginning(dancer.start, f"cast[{i}].{key}", f"{dancer.name}: dance")
@@ -89,6 +93,8 @@ def _simulated(scene: Scene) -> Iterator[Beginning]:
             yield Beginning(member.pronk.start, f"{path}.pronk.start", f"{name}: pronk")
         if isinstance(member, Prop):
             yield from _prop(member, path)
+        for k, hold in enumerate(member.held if isinstance(member, Prop | Body) else ()):
+            yield Beginning(hold.at, f"{path}.held[{k}].at", f"{name}: held by {hold.by}")
 
 
 def _prop(prop: Prop, path: str) -> Iterator[Beginning]:
@@ -97,9 +103,8 @@ def _prop(prop: Prop, path: str) -> Iterator[Beginning]:
     yield from _keys(velocities, "velocity", f"{path}.velocity", prop.name)
     if prop.force is not None:
         yield from _keys(prop.force.keys, "force", f"{path}.force.keys", prop.name)
-    for i, hold in enumerate(prop.held):
-        part = f"{prop.name}: held by {hold.by}"
-        yield Beginning(hold.at, f"{path}.held[{i}].at", part)
+    if prop.falls is not None:
+        yield Beginning(prop.falls, f"{path}.falls", f"{prop.name}: falls")
 
 
 def _keys(keys: Sequence[EasedKey], kind: str, path: str, name: str) -> Iterator[Beginning]:

@@ -78,23 +78,50 @@ class NotesRefused(PronkError):
         return {"notes": [note.facts for note in self.notes]}
 
 
+def refuse_notes(notes: Sequence[Note]) -> None:
+    """Refuse all notes but advisory ones.
+
+    Raises:
+        NotesRefused: there are others.
+    """
+    if any(note.kind not in ADVISORY for note in notes):
+        raise NotesRefused(notes)
+
+
 def clock_of(scene: Scene) -> Clock:
     """Return the grid of a scene's steps and frames."""
     return Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
 
 
+ORDER_TEXTS = {
+    "given up": "could not {text}: {reason}",
+    "cut off": "has not finished {text} at the end of the film",
+    "never given": "was never told {text}: {reason}",
+}
+"""Texts of notes on orders, by their outcome; other outcomes leave no note."""
+
+ADVISORY = ("order_cut_off",)
+"""Kinds of notes that `--strict` allows: a film may end while somebody walks on."""
+
+
 def take_notes(take: Take, clock: Clock) -> list[Note]:
-    """Return the notes of a simulation, in the order of time."""
+    """Return the notes of a simulation and of its orders, in the order of time."""
+    found = [(note.kind, note.step, note.part, note.text) for note in take.notes]
+    for order in take.orders:
+        if order.outcome in ORDER_TEXTS:
+            text = ORDER_TEXTS[order.outcome].format(text=order.text, reason=order.reason)
+            kind = f"order_{order.outcome.replace(' ', '_')}"
+            found.append((kind, order.end, order.who, text))
     return [
         Note(
-            note.kind,
+            kind,
             "simulation",
-            note.part,
-            round(float(clock.time_of(note.step)), 3),
-            min(clock.frame_of(note.step, 0.0), clock.frames),
-            note.text,
+            part,
+            round(float(clock.time_of(step)), 3),
+            min(clock.frame_of(step, 0.0), clock.frames),
+            text,
         )
-        for note in take.notes
+        for kind, step, part, text in sorted(found, key=lambda note: note[1])
     ]
 
 
@@ -148,4 +175,6 @@ def _line(group: Sequence[Note]) -> str:
     moments = len({note.seconds for note in group})
     when = f"at {first.seconds:.1f} s" if moments == 1 else f"from {first.seconds:.1f} s on"
     times = f", {len(group)} times" if len(group) > len(subjects) else ""
-    return f"{named} {first.kind.replace('_', ' ')} {when}{times}: {first.text}"
+    # The text on an order is a sentence of its own.
+    verb = "" if first.kind.startswith("order_") else f" {first.kind.replace('_', ' ')}"
+    return f"{named}{verb} {when}{times}: {first.text}"

@@ -21,7 +21,14 @@ from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.notes import Note, NotesRefused, clock_of, read_notes, take_notes
+from pipeline.production.run.notes import (
+    Note,
+    NotesRefused,
+    clock_of,
+    read_notes,
+    refuse_notes,
+    take_notes,
+)
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
@@ -101,9 +108,8 @@ class Production:
         Raises:
             NotesRefused: there are some.
         """
-        notes = self.shown_notes()
-        if self.order.strict and notes:
-            raise NotesRefused(notes)
+        if self.order.strict:
+            refuse_notes(self.shown_notes())
 
 
 def render(order: Order, reporter: Reporter) -> Outputs:

@@ -10,7 +10,7 @@ from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
-from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
+from pipeline.production.run.notes import clock_of, refuse_notes, take_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
@@ -55,8 +55,8 @@ def check_scene(
         # What the renderer needs of a take can be wrong too.
         ShotBuilder(scene, take)
         notes += take_notes(take, clock_of(scene))
-    if notes and strict:
-        raise NotesRefused(notes)
+    if strict:
+        refuse_notes(notes)
     if notes:
         reporter.notes(name, notes, None)
     return _summary(scene, simulation)

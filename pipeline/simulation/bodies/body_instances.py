@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -17,16 +17,21 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.arrangements import Placements, arrange
 from pipeline.simulation.bodies.body_meshes import visible_solids
 from pipeline.simulation.bodies.body_model import build_body
+from pipeline.simulation.bodies.prop_bodies import collider_of_prop
+from pipeline.simulation.bodies.prop_paths import path_of_prop
+from pipeline.simulation.bodies.prop_shapes import prop_solid
 from pipeline.simulation.dynamics.mujoco_bodies import Collider
 from pipeline.simulation.dynamics.rigid_body import BodyModel, State, rotate_inverse
 from pipeline.simulation.inventory import Inventory, rigid_mesh
 from pipeline.simulation.keyframe_track import rotation_from_angles
+from pipeline.simulation.obstacles import directions
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, quaternion, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import World
 from pipeline.spec.body import Body, Box, Brick, Cube, Many
+from pipeline.spec.prop import Prop
 
 PERIMETER_SAMPLES = 33
 """Points around a body at which the height of the ground is sampled."""
@@ -50,6 +55,7 @@ class BodyInstance:
         v: (3,) [m/s].
         w: (3,) in the world [rad/s].
         on_ground: whether it is put on the ground below it.
+        origin: (3,) of its node from its centre of mass, in its frame [m].
     """
 
     name: str
@@ -65,6 +71,7 @@ class BodyInstance:
     v: Array
     w: Array
     on_ground: bool
+    origin: Array = field(default_factory=partial(np.zeros, 3))
 
     @property
     def model(self) -> BodyModel:
@@ -73,7 +80,7 @@ class BodyInstance:
 
 
 def instantiate_bodies(
-    cast: Sequence[tuple[int, Body | Many]], world: World, materials: Sequence[str]
+    cast: Sequence[tuple[int, Body | Many | Prop]], world: World, materials: Sequence[str]
 ) -> list[BodyInstance]:
     """Returns all bodies of performers, each with its number in the cast.
 
@@ -82,6 +89,9 @@ def instantiate_bodies(
     """
     instances, problems = list[BodyInstance](), list[Problem]()
     for (i, member), material in zip(cast, materials, strict=True):
+        if isinstance(member, Prop):
+            instances.append(_instance_of_prop(i, member, world, material))
+            continue
         try:
             instances += _instances_of(i, member, world, material)
         except SceneError as error:
@@ -118,6 +128,36 @@ def _instances_of(i: int, member: Body | Many, world: World, material: str) -> l
         w = np.radians(np.array(member.spin_deg, dtype=float))
         return [replace(instance, R=instance.R @ own, w=w)]
     return _arranged_instances(member, instance, world)
+
+
+def _instance_of_prop(number: int, member: Prop, world: World, material: str) -> BodyInstance:
+    """Returns a prop as a body; where its path begins.
+
+    Args:
+        number: of the prop in the cast.
+        member: the prop.
+        world: constants of the scene.
+        material: by name.
+    """
+    solid = prop_solid(member.prop)
+    collider, centre = collider_of_prop(member)
+    p, R = path_of_prop(member, world).at(np.zeros(1))
+    return BodyInstance(
+        name=member.name,
+        performer=member.name,
+        part="",
+        path=f"cast[{number}].at",
+        config=member.prop,
+        material=material,
+        collider=collider,
+        size=float(np.ptp(solid.vertices, axis=0).max()),
+        p=p[0] + R[0] @ centre,
+        R=R[0],
+        v=np.zeros(3),
+        w=np.zeros(3),
+        on_ground=False,
+        origin=-centre,
+    )
 
 
 def _arranged_instances(member: Many, shared: BodyInstance, world: World) -> list[BodyInstance]:
@@ -198,6 +238,12 @@ def _bounding_box(model: BodyModel) -> tuple[Array, Array]:
     if model.hull is None:
         return np.full(3, -model.radius), np.full(3, model.radius)
     return model.hull.vertices.min(axis=0), model.hull.vertices.max(axis=0)
+
+
+def corners_of(instance: BodyInstance) -> Array:
+    """Returns corners (V, 3) of a body about its centre of mass; of a ball many on its surface."""
+    model = instance.model
+    return model.hull.vertices if model.hull is not None else model.radius * directions()
 
 
 def initial_state(instances: Sequence[BodyInstance]) -> State:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import MassError
+from pipeline.simulation.bodies.prop_shapes import SHAPE_SOLIDS, prop_solid
 from pipeline.simulation.dynamics.hull import Hull, hull_of
 from pipeline.simulation.dynamics.rigid_body import BodyModel
 from pipeline.simulation.figures.solids import Solid, ball_solid
@@ -119,6 +120,8 @@ def pips(edge: float) -> Solid:
 
 def visible_solids(config: Any, build: BodyModel, material: str) -> list[tuple[str, Solid, str]]:
     """Returns the visible solids of a body: suffix of the part's name, solid and material."""
+    if type(config) in SHAPE_SOLIDS:
+        return [("", prop_solid(config), material)]
     if build.hull is None:
         return [("", ball_solid(np.zeros(3), build.radius), material)]
     seen = [("", bevelled(build.hull), material)]

@@ -22,7 +22,17 @@ from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.rigid_body import BodyModel
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.height_files import MeshError, obj_vertices, ply_vertices
-from pipeline.spec.body import Box, Brick, Cube, HullBody, MeshBody, Regular, Sphere, Upright
+from pipeline.spec.body import (
+    Box,
+    Brick,
+    Cube,
+    HullBody,
+    Matter,
+    MeshBody,
+    Regular,
+    Sphere,
+    Upright,
+)
 from pipeline.spec.model_base import WORLD_LIMIT
 
 GOLDEN_RATIO = (1.0 + 5.0**0.5) / 2.0
@@ -152,6 +162,13 @@ def build_body(config: Any, path: str) -> BodyModel:
         hull = body_hull(config, path)
         own, radius = mass_of_solid(hull.vertices, hull.faces, config.density), 0.0
         hull = replace(hull, vertices=hull.vertices - own.centre)
+    return model_of_matter(config, own, hull, radius)
+
+
+def model_of_matter(
+    config: Matter, own: MassProperties, hull: Hull | None, radius: float
+) -> BodyModel:
+    """Returns the model of a body of some matter, its hull about its centre of mass."""
     if config.inertia == "scalar":
         own = _isotropic(own)
     return BodyModel(

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.bodies.body_instances import body_inventory, instantiate_bodies
+from pipeline.simulation.bodies.body_instances import BodyInstance, body_inventory
 from pipeline.simulation.bodies.sliding_tracker import SlidingInterval, SlidingTracker
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
-from pipeline.spec.body import Body, Many
 
 if TYPE_CHECKING:
     from pipeline.simulation.dynamics.mujoco_world import Strike
@@ -33,28 +32,22 @@ class BodyTroupe(Troupe):
     """Bodies, their contacts and notes.
 
     Args:
-        cast: performers with their numbers in the cast.
+        bodies: in the order of their nodes.
         world: constants of the scene.
-        materials: of each performer that names none.
         dt: interval between two observations of sliding [s].
 
     Attributes:
         bodies: all bodies.
         alive: (N,) which of them are not removed.
-
-    Raises:
-        SceneError: if a shape is no solid.
     """
 
     def __init__(
         self,
-        cast: Sequence[tuple[int, Body | Many]],
+        bodies: Sequence[BodyInstance],
         world: World,
-        materials: Sequence[str],
         dt: float,
     ) -> None:
-        self.world = world
-        self.bodies = instantiate_bodies(cast, world, materials)
+        self.world, self.bodies = world, bodies
         self.inventory = body_inventory(self.bodies, world.clock.rows)
         self.alive = np.ones(len(self.bodies), dtype=bool)
         self._floor = float(world.ground.field.heights.min()) - DROP_DEPTH
@@ -71,11 +64,16 @@ class BodyTroupe(Troupe):
         return facts
 
     def _remove_lost(self, step: int, heights: Array) -> NDArray[np.int64]:
-        """Marks bodies far below the terrain as removed; returns their numbers."""
+        """Marks bodies far below the terrain as removed; returns their numbers.
+
+        Args:
+            step: the present one.
+            heights: (N,) of the bodies that move by themselves, infinite for others [m].
+        """
         lost = np.flatnonzero(self.alive & (heights < self._floor))
         self.alive[lost] = False
         text = f"left the terrain; removed {DROP_DEPTH:g} m below it"
-        self._notes += [TakeNote("dropped", step, self.bodies[i].name, text) for i in lost]
+        self._notes += [TakeNote("dropped", step, self.bodies[i].name, text) for i in lost.tolist()]
         return lost
 
     def _contact(

@@ -10,23 +10,35 @@ Source: Sims 1987, 7.1 and 13.1.1.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.body_instances import BodyInstance, initial_state
+from pipeline.simulation.bodies.body_instances import (
+    BodyInstance,
+    corners_of,
+    initial_state,
+    instantiate_bodies,
+)
 from pipeline.simulation.bodies.body_troupe import MAX_START_DEPTH, BodyTroupe, lower_to_ground
+from pipeline.simulation.bodies.guided_bodies import GuidedBodies
+from pipeline.simulation.bodies.guided_members import guided_members, rigid_notes
 from pipeline.simulation.bodies.sliding_tracker import ROLLING_SLIP_RATIO, SlidingInterval
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
-from pipeline.simulation.obstacles import Obstacle, ObstacleMass, SolidMotion, directions
+from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.obstacles import Obstacle, ObstacleMass, SolidMotion
+from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.row_slice import Rows
+from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, matrix, turn
-from pipeline.simulation.take import Contact
+from pipeline.simulation.take import Contact, Mesh, Node
 from pipeline.simulation.troupe import World, WriteStage
 from pipeline.spec.body import Body, Many
+from pipeline.spec.prop import Prop
+from pipeline.spec.script import Kick
 
 BISECTIONS = 48
 
@@ -39,6 +51,7 @@ class ColliderTroupe(BodyTroupe):
         world: constants of the scene.
         materials: of each performer that names none.
         obstacles: solids that push the bodies.
+        handled: names of members that people may hold or kick.
 
     Raises:
         SceneError: if a shape is no solid, or bodies overlap at the start.
@@ -48,23 +61,28 @@ class ColliderTroupe(BodyTroupe):
 
     def __init__(
         self,
-        cast: Sequence[tuple[int, Body | Many]],
+        cast: Sequence[tuple[int, Body | Many | Prop]],
         world: World,
         materials: Sequence[str],
         obstacles: Sequence[Obstacle],
+        handled: Collection[str] = (),
     ) -> None:
         self.row_steps = world.clock.steps // world.clock.samples
         row = world.clock.dt * self.row_steps
-        super().__init__(cast, world, materials, row)
+        super().__init__(instantiate_bodies(cast, world, materials), world, row)
         self.obstacles = obstacles
+        guided = guided_members(cast, self.bodies, world, handled)
+        stand_ins = [corners_of(self.bodies[one.guide.body]) for one in guided]
         state = initial_state(self.bodies)
         self.solver = MujocoWorld(
             [body.collider for body in self.bodies],
             state,
             world.ground.field,
-            [obstacle.corners for obstacle in obstacles],
+            [*(obstacle.corners for obstacle in obstacles), *stand_ins],
             row,
         )
+        self.guided = GuidedBodies(guided, self.bodies, self.solver, obstacles, world.clock)
+        self._notes += rigid_notes(self.bodies)
         self._lower_to_ground(state.p)
         self.step = 0
         self._last_strikes: dict[tuple[int, int], float] = {}
@@ -77,16 +95,31 @@ class ColliderTroupe(BodyTroupe):
         Raises:
             SceneError: if bodies overlap at the start.
         """
-        nodes = [obstacle.node for obstacle in self.obstacles]
-        poses = Poses(p[nodes], R[nodes]) if nodes else None
+        poses = self._pusher_poses(step // self.row_steps, p, R)
         if step > 0:
             self._advance_to(step, poses)
-        else:
-            if poses is not None:
-                self.solver.place_pushers(poses)
+        elif poses is not None:
+            self.solver.place_pushers(poses)
+        if self.guided:
+            self.guided.settle()
+        if step == 0:
             self._refuse_overlap()
+        self._rows.append((*self._node_poses(), self.alive.copy()))
+
+    def _node_poses(self) -> tuple[Array, Array]:
+        """Returns positions (N, 3) [m] and rotations (N, 3, 3) of its nodes."""
+        if self.guided:
+            return self.guided.node_poses()
         state = self.solver.state
-        self._rows.append((state.p, matrix(state.q), self.alive.copy()))
+        return state.p, matrix(state.q)
+
+    def _pusher_poses(self, row: int, p: Array, R: Array) -> Poses | None:
+        """Returns the poses of obstacles and stand-ins at the end of a row, None without any."""
+        nodes = [obstacle.node for obstacle in self.obstacles]
+        if not self.guided:
+            return Poses(p[nodes], R[nodes]) if nodes else None
+        goals = self.guided.targets(row, p, R)
+        return Poses(np.concatenate([p[nodes], goals.p]), np.concatenate([R[nodes], goals.R]))
 
     def _advance_to(self, step: int, poses: Poses | None) -> None:
         for strike in self.solver.advance(poses):
@@ -94,9 +127,11 @@ class ColliderTroupe(BodyTroupe):
                 self._contacts.append(self._strike_contact(strike))
         self._contacts += [self._ended_contact(i) for i in self._ended_intervals(step)]
         self.step = step
-        lost = self._remove_lost(step, self.solver.state.p[:, 1])
+        heights = np.where(self.guided.free, self.solver.state.p[:, 1], np.inf)
+        lost = self._remove_lost(step, heights)
         if len(lost):
             self.solver.drop(lost)
+            self.guided.drop(lost)
 
     def write(self, rows: Rows) -> None:
         """See `Troupe`."""
@@ -113,12 +148,41 @@ class ColliderTroupe(BodyTroupe):
     def solid_motion(self) -> SolidMotion:
         """See `Troupe`."""
         state, R = self.solver.state, matrix(self.solver.state.q)
-        is_supported = self.solver.asleep | self.solver.touching
-        return SolidMotion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), is_supported)
+        is_supported = self.solver.asleep | self.solver.touching | ~self.guided.free
+        is_present = self.alive & self.guided.met_by_people
+        flags = is_present, is_supported, self.guided.pushable
+        return SolidMotion(state.p, R, state.v, turn(R, state.w), *flags)
 
     def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """See `Troupe`."""
-        self.solver.push(impulses, angular_impulses)
+        self.solver.push(*self.guided.pushed(impulses, angular_impulses))
+
+    # --- hands and paths --------------------------------------------------------------
+
+    @property
+    def carriers(self) -> Mapping[int, str]:
+        """See `Troupe`."""
+        return self.guided.carriers
+
+    @property
+    def goes_with_others(self) -> bool:
+        """See `Troupe`."""
+        return bool(self.guided)
+
+    def bind(self, nodes: Sequence[Node], meshes: Sequence[Mesh], names: NodeNames) -> None:
+        """See `Troupe`."""
+        self.guided.bind(nodes, names)
+
+    def read(self, orders: Orders) -> None:
+        """See `Troupe`."""
+        for given in orders.values():
+            for order in given:
+                if isinstance(order, Kick):
+                    self.guided.expect_kick(order.kick)
+
+    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[int]) -> None:
+        """See `Troupe`."""
+        self.guided.change_grips(changes, hands)
 
     # --- start ------------------------------------------------------------------------
 
@@ -162,7 +226,13 @@ class ColliderTroupe(BodyTroupe):
         if number == TERRAIN:
             return {"other": "terrain", "surface": self.world.ground.material}
         count = len(self.bodies)
-        thing = self.bodies[number] if number < count else self.obstacles[number - count]
+        thing: BodyInstance | Obstacle
+        if number < count:
+            thing = self.bodies[number]
+        elif number < count + len(self.obstacles):
+            thing = self.obstacles[number - count]
+        else:
+            thing = self.bodies[self.guided.guides[number - count - len(self.obstacles)].body]
         return {"other": thing.name, "surface": thing.material}
 
     def _is_new(self, strike: Strike) -> bool:
@@ -200,8 +270,7 @@ class ColliderTroupe(BodyTroupe):
 
 def _as_obstacle(number: int, body: BodyInstance) -> Obstacle:
     """Returns a body as an obstacle that gives way."""
-    model = body.model
-    corners = model.hull.vertices if model.hull is not None else model.radius * directions()
+    model, corners = body.model, corners_of(body)
     inverse = np.linalg.inv(model.mass.inertia).astype(np.float64)
     mass = ObstacleMass(model.mass.mass, inverse, model.friction, model.bounciness)
     return Obstacle(number, body.name, body.performer, body.material, corners, mass)

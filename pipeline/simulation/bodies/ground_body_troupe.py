@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.body_instances import initial_state
+from pipeline.simulation.bodies.body_instances import initial_state, instantiate_bodies
 from pipeline.simulation.bodies.body_troupe import MAX_START_DEPTH, BodyTroupe, lower_to_ground
 from pipeline.simulation.bodies.sliding_tracker import ROLLING_SLIP_RATIO, SlidingInterval
 from pipeline.simulation.dynamics.rigid_body import Bodies, dot
@@ -35,7 +35,7 @@ class GroundBodyTroupe(BodyTroupe):
     def __init__(
         self, cast: Sequence[tuple[int, Body]], world: World, materials: Sequence[str]
     ) -> None:
-        super().__init__(cast, world, materials, world.clock.dt)
+        super().__init__(instantiate_bodies(cast, world, materials), world, world.clock.dt)
         models = Bodies.of([body.model for body in self.bodies])
         self.dynamics = TerrainBodies(models, initial_state(self.bodies), world.ground)
         self._lower_to_ground()

@@ -17,11 +17,12 @@ from pipeline.simulation.bodies.integrated_motion import (
     IntegratedMotion,
     PiecewisePolynomial,
 )
-from pipeline.simulation.bodies.prop_shapes import prop_solid
+from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.keyframe_track import CyclicTrack, Key, Track, rotation_from_angles
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.troupe import World
 from pipeline.spec.keyframes import Keyframe
 from pipeline.spec.prop import ForceKey, ForceMotion, Prop, Shape, VelocityKey
 
@@ -98,6 +99,22 @@ class ForcePath:
     def at(self, times: Array) -> tuple[Array, Array]:
         """See `PropPath`."""
         return self.places.at(times)[0], self.attitude.at(times)
+
+
+def path_of_prop(member: Prop, world: World) -> PropPath:
+    """Returns the path of a prop until hands take it or it falls."""
+    return prop_path(member, _start(member, world))
+
+
+def _start(member: Prop, world: World) -> Array:
+    """Returns the initial position of a prop without keyframes (3,) [m]."""
+    if len(member.at) == 3:
+        return np.array(member.at)
+    x, z = member.at
+    floor = 0.0
+    if member.parent is None:
+        floor = float(world.ground.height(np.array(x), np.array(z))) + prop_depth(member.prop)
+    return np.array([x, floor, z])
 
 
 def prop_path(member: Prop, start: Array) -> PropPath:

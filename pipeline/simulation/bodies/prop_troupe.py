@@ -1,4 +1,4 @@
-"""Props: performers that move only as their author says.
+"""Props: performers that move only as their author says; those that fall are bodies.
 
 They follow keyframes, a velocity or a force, relative to their parents; attachment to a parent or
 a hand comes after all have moved (see `attachment.py`).
@@ -13,11 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.bodies.prop_paths import prop_path, prop_scale
-from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
+from pipeline.simulation.bodies.prop_paths import path_of_prop, prop_scale
+from pipeline.simulation.bodies.prop_shapes import prop_solid
 from pipeline.simulation.inventory import Inventory, rigid_mesh
 from pipeline.simulation.row_slice import Rows
-from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.prop import Prop
@@ -28,7 +27,7 @@ class PropTroupe(Troupe):
 
     def __init__(self, cast: Sequence[Prop], world: World, materials: Sequence[str]) -> None:
         self.world = world
-        self.paths = [prop_path(member, _start(member, world)) for member in cast]
+        self.paths = [path_of_prop(member, world) for member in cast]
         scales = [prop_scale(member) for member in cast]
         self.scales = [track for track in scales if track is not None]
         scaled = tuple(i for i, track in enumerate(scales) if track is not None)
@@ -53,17 +52,6 @@ class PropTroupe(Troupe):
             rows.scales[:, n] = track(times)
         rows.alive[:] = True
         self._steps.clear()
-
-
-def _start(member: Prop, world: World) -> Array:
-    """Returns the initial position of a prop without keyframes (3,) [m]."""
-    if len(member.at) == 3:
-        return np.array(member.at)
-    x, z = member.at
-    floor = 0.0
-    if member.parent is None:
-        floor = float(world.ground.height(np.array(x), np.array(z))) + prop_depth(member.prop)
-    return np.array([x, floor, z])
 
 
 def _inventory(cast: Sequence[Prop], materials: Sequence[str], rows: int) -> Inventory:

@@ -193,6 +193,7 @@ class SolidTracker:
             for obstacle in self.obstacles
         ]
         self._inverse = np.array(inverse).reshape(-1, 3, 3)
+        self._inverse_masses = self.solids.bodies["inverse_mass"].copy()
         self._enclosing: NDArray[np.bool_] | None = None
         self._movable = np.array(
             [obstacle.mass_properties is not None for obstacle in self.obstacles], dtype=bool
@@ -237,6 +238,8 @@ class SolidTracker:
         bodies["v"], bodies["w"] = motion.v, motion.w
         R = motion.R
         bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
+        bodies["inverse_inertia"][~motion.gives_way] = 0.0
+        bodies["inverse_mass"] = np.where(motion.gives_way, self._inverse_masses, 0.0)
         bodies["fall_acceleration"] = np.where(self._movable & ~motion.is_supported, GRAVITY, 0.0)
         bodies["impulse"] = bodies["angular_impulse"] = 0.0
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES
 from pipeline.simulation.dancers.torso import HANDS
+from pipeline.simulation.members import MemberState
 from pipeline.spec.script import Do, LetGo, LookAhead, LookAt, Perform, Reach, Wait
 
 PRACTICE_START = 0.5
@@ -35,6 +36,10 @@ class ScriptedDancer:
         programme: its schedule.
         own: converts a world position to the dancer's frame [m].
         dt: duration of a world step [s].
+
+    Attributes:
+        watched: member that it is to look at, wherever it goes; None without any.
+        seen: states of members, of the watched one at least.
     """
 
     def __init__(
@@ -45,12 +50,17 @@ class ScriptedDancer:
         dt: float,
     ) -> None:
         self.dancing, self.programme, self.own, self.dt = dancing, programme, own, dt
+        self.watched: str | None = None
+        self.seen: Mapping[str, MemberState] = {}
         self._practised = {programme.plan.request}
 
     def follow(self, orders: Sequence[Do]) -> None:
         """Starts to carry out instructions."""
         for do in orders:
             self._follow(do)
+        if self.watched is not None:
+            x, y, z = self.seen[self.watched].face.tolist()
+            self.dancing.look(np.array(self.own((x, y, z))))
 
     def finish_bars(self) -> bool:
         """Returns whether the bars of the plan have just ended; starts what comes next."""
@@ -76,9 +86,12 @@ class ScriptedDancer:
                 self.dancing.hold_at(side, number, now + REACH_TIME)
         elif isinstance(do, LetGo):
             self._release(SIDES[do.let_go])
-        elif isinstance(do, LookAt) and not isinstance(do.look_at, str):
-            self.dancing.look(np.array(self.own(do.look_at)))
+        elif isinstance(do, LookAt):
+            self.watched = do.look_at if isinstance(do.look_at, str) else None
+            if not isinstance(do.look_at, str):
+                self.dancing.look(np.array(self.own(do.look_at)))
         elif isinstance(do, LookAhead):
+            self.watched = None
             self.dancing.look(None)
 
     def _follow_word(self, do: str) -> None:

@@ -6,7 +6,7 @@ Source: Matarić, Zordan and Mason 1998.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -22,6 +22,7 @@ from pipeline.simulation.dancers.hand_contacts import HandStrike
 from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions, is_child
+from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.row_slice import Rows
@@ -67,6 +68,16 @@ class DancerTroupe(Troupe):
         self._rows: list[tuple[Array, Array, Array]] = []
         self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
         self._arrived = list[str]()
+
+    def members_needed(self, orders: Orders) -> Collection[str]:
+        """Returns the members that dancers look at."""
+        named = members_named([member.name for member in self.members], orders)
+        return named | {dancer.watched for dancer in self.directed if dancer.watched is not None}
+
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Receives where the members are that dancers look at."""
+        for dancer in self.directed:
+            dancer.seen = members
 
     def read(self, orders: Orders) -> None:
         """Passes orders on to the dancers they name."""

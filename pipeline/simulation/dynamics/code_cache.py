@@ -31,6 +31,9 @@ DIGEST_BYTES = 16
 ROOMS = {"characters": "people", "dynamics": "bodies"}
 """Folders that hold functions to compile, and what they simulate."""
 
+SOURCES = (*ROOMS, "people")
+"""Folders of these functions and of the constants compiled into them."""
+
 
 @cache
 def code_folder() -> Path:
@@ -38,8 +41,8 @@ def code_folder() -> Path:
     simulation = Path(__file__).parent.parent
     versions = (sys.version_info[:2], numba.__version__, llvmlite.__version__)
     state = hashlib.blake2b(repr(versions).encode(), digest_size=8)
-    for room in ROOMS:
-        for path in sorted((simulation / room).rglob("*.py")):
+    for folder in SOURCES:
+        for path in sorted((simulation / folder).rglob("*.py")):
             state.update(path.read_bytes())
     return _base_folder() / state.hexdigest()
 

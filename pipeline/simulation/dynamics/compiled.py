@@ -59,21 +59,17 @@ def entry(function: Callable[P, T]) -> Callable[P, T]:
     return dispatcher
 
 
-class _NativeFunction(CFunc):  # type: ignore[misc]
-    """A function with the interface of C, whose compilation is reported as that of others is."""
-
-    @property
-    def py_func(self) -> Callable[..., Any]:
-        return self._pyfunc
-
-    def _compile_uncached(self) -> Any:
-        with event.trigger_event(COMPILE_EVENT, data={"dispatcher": self}):
-            return super()._compile_uncached()
-
-
 def native(function: Callable[..., Any], signature: Any) -> Any:
     """Returns compiled code with the interface of C; its machine code is stored."""
-    made = _NativeFunction(function, sigutils.normalize_signature(signature), {}, {})
+    made: Any = CFunc(function, sigutils.normalize_signature(signature), {}, {})
+    compile_function = made._compile_uncached
+
+    def compile_reported() -> Any:
+        # Numba itself reports only functions that Python or compiled code calls.
+        with event.trigger_event(COMPILE_EVENT, data={"dispatcher": made}):
+            return compile_function()
+
+    made.py_func, made._compile_uncached = function, compile_reported
     made._cache = StoredCode(function)
     made.compile()
     return made

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, quaternion
 
@@ -49,6 +50,18 @@ class KinematicBodies:
         self.begin = np.concatenate([poses.p, quaternion(poses.R)], axis=1)
         return self.begin
 
+    @property
+    def now(self) -> Poses:
+        """Poses at the start of the next step; valid once they were put."""
+        assert self._now is not None
+        return self._now
+
+    def move(self, which: NDArray[np.int64], poses: Poses) -> None:
+        """Places some of them without motion."""
+        p, R = self.now.p.copy(), self.now.R.copy()
+        p[which], R[which] = poses.p, poses.R
+        self._now = Poses(p, R)
+
     def motion(self, poses: Poses | None) -> Array:
         """Returns velocities (P, 6), v and w, that reach `poses` at the end of the step."""
         before = self._now
@@ -57,7 +70,7 @@ class KinematicBodies:
         self.begin = np.concatenate([before.p, quaternion(before.R)], axis=1)
         self._now = poses
         v = (poses.p - before.p) / self.step
-        w = _rotation_vector(np.swapaxes(before.R, -1, -2) @ poses.R) / self.step
+        w = rotation_vectors(np.swapaxes(before.R, -1, -2) @ poses.R) / self.step
         self.speed = np.sqrt((v * v).sum(axis=1))
         leaps = self.speed > TELEPORT_SPEED
         if leaps.any():
@@ -77,7 +90,7 @@ class KinematicBodies:
         return np.column_stack([self.begin[:, :3], reach, self.speed])
 
 
-def _rotation_vector(R: Array) -> Array:
+def rotation_vectors(R: Array) -> Array:
     """Returns the vectors (P, 3), axis times angle, of rotations (P, 3, 3)."""
     q = quaternion(R)
     q = np.where(q[:, :1] < 0.0, -q, q)

@@ -22,11 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.collision_masks import CollisionMasks
 from pipeline.simulation.dynamics.contact_sliding import (
     Contacts,
     SlidingMotion,
     sliding_motion,
 )
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
 from pipeline.simulation.dynamics.mujoco_bodies import Collider, build_model, impact_things
 from pipeline.simulation.dynamics.mujoco_callback import ImpactCallback
@@ -41,6 +43,9 @@ from pipeline.simulation.terrain.heightfield import HeightField
 
 TERRAIN = -1
 """Number of the terrain among things: bodies are numbered from 0, then kinematic bodies."""
+
+FLIGHT_TOLERANCE = 1e-9
+"""Difference from the velocity of a free flight below which a body met nothing [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +89,11 @@ class MujocoWorld:
         field: the terrain.
         pushers: corners (V, 3) of P convex kinematic bodies, each in its own frame [m].
         step: length of a step [s].
+
+    Attributes:
+        masks: which bodies and kinematic bodies meet.
+        ballistic: (N,) which bodies fly along exact parabolas while they meet nothing; the others
+            are off by half a sub-step of gravity, as the solver integrates.
     """
 
     def __init__(
@@ -107,6 +117,8 @@ class MujocoWorld:
         things, own = impact_things(builds, len(pushers)), (self.model, self.data, self._mujoco)
         self.law = ImpactCallback(things, self.count, *own)
         self._terrain = None if is_level(field) else TerrainCollision(builds, state, field, *own)
+        self.masks = CollisionMasks(self.model, self.data, self._mujoco, self.count)
+        self.ballistic = np.zeros(self.count, dtype=bool)
         self._any_gone = False
         self._cut = 0
         self._is_pushed = False
@@ -158,10 +170,20 @@ class MujocoWorld:
 
     def drop(self, which: NDArray[np.int64]) -> None:
         """Removes bodies from the world."""
-        self.substeps.limits.gone[which] = self._any_gone = True
-        geoms = self.model.body_geomadr[which + 1]
-        self.model.geom_contype[geoms] = self.model.geom_conaffinity[geoms] = 0
+        for body in which.tolist():
+            self.set_present(body, False)
         self._qvel[which] = 0.0
+
+    def set_present(self, body: int, is_present: bool) -> None:
+        """Lets a body meet others and be moved by the solver, or neither."""
+        self.substeps.limits.gone[body] = not is_present
+        self._any_gone = bool(self.substeps.limits.gone.any())
+        self.masks.show_body(body, is_present)
+
+    def put(self, which: NDArray[np.int64], state: State) -> None:
+        """Sets pose and velocity of some bodies."""
+        self._qpos[which, :3], self._qpos[which, 3:] = state.p, state.q
+        self._qvel[which, :3], self._qvel[which, 3:] = state.v, state.w
 
     # --- what the world is asked --------------------------------------------------
 
@@ -222,6 +244,7 @@ class MujocoWorld:
         law.told[0] = 0
         if self._any_gone:
             self._qvel[: self.count][self.substeps.limits.gone] = 0.0
+        speeds = self._qvel[: self.count, :3].copy() if self.ballistic.any() else None
         before = self._mujoco.get_mjcb_passive()
         self._mujoco.set_mjcb_passive(law.callback)
         try:
@@ -229,10 +252,27 @@ class MujocoWorld:
                 self._go(n, motion)
         finally:
             self._mujoco.set_mjcb_passive(before)
+        if speeds is not None:
+            self._correct_flights(speeds, self.step / n)
         told = law.told.item()
         if not told:
             return []
         return [self._strike(*values, began) for values in law.strikes[:told].tolist()]
+
+    def _correct_flights(self, before: Array, h: float) -> None:
+        """Moves bodies in free flight onto their parabolas.
+
+        The solver moves a body by the velocity at the end of each sub-step `h` [s], and so by
+        g t h / 2 too low.
+
+        Args:
+            before: (N, 3) velocities at the start of the step [m/s].
+            h: length of its sub-steps [s].
+        """
+        free = before - np.array([0.0, GRAVITY * self.step, 0.0])
+        off = np.abs(self._qvel[: self.count, :3] - free).max(axis=1)
+        flies = self.ballistic & (off < FLIGHT_TOLERANCE)
+        self._qpos[: self.count, 1][flies] += 0.5 * GRAVITY * self.step * h
 
     def _terrain_installed(self) -> AbstractContextManager[None]:
         return nullcontext() if self._terrain is None else self._terrain.installed()

@@ -15,6 +15,7 @@ from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
 from pipeline.simulation.locomotion.gaits.pace import Pace, choose_pace
 from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
+from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.spatial import Array
 from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
@@ -103,7 +104,7 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         moods: all known moods, by name.
 
     Raises:
-        SceneError: if a creature cannot walk as configured.
+        SceneError: if creatures cannot walk as configured; holds the problems of all.
     """
     owner, limbs = list[int](), []
     for c, (_, _, figure) in enumerate(cast):
@@ -114,12 +115,15 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
     tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
     owners = np.array(owner, dtype=np.int64)
     layouts, neutral, paces = list[LegLayout](), list[Pace](), list[Pace]()
+    refusals = Refusals()
     for c, (number, member, figure) in enumerate(cast):
         own = owners == c
         layouts.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own]))
-        neutral.append(choose_pace(f"cast[{number}].walk", member.walk, figure, layouts[-1]))
-        effect = blend_moods(member.mood, moods)
-        paces.append(apply_mood(neutral[-1], effect, figure, layouts[-1]))
+        with refusals.gathered():
+            neutral.append(choose_pace(f"cast[{number}].walk", member.walk, figure, layouts[-1]))
+            effect = blend_moods(member.mood, moods)
+            paces.append(apply_mood(neutral[-1], effect, figure, layouts[-1]))
+    refusals.refuse()
     spans = [
         np.abs(tips[owners == c][:, [0, 2]]).max(axis=0, initial=0.05) for c in range(len(cast))
     ]

@@ -24,7 +24,7 @@ def place_feet(sequencer: StepSequencer) -> None:
     """Place every foot where it would be if its creature had come walking.
 
     Raises:
-        SimulationError: if a foot has no foothold.
+        SimulationError: if a foot has no foothold; names one leg of each such creature.
     """
     herd, feet, progress = sequencer.herd, sequencer.feet, sequencer.progress
     walks = herd.walks[herd.owner]
@@ -37,13 +37,17 @@ def place_feet(sequencer: StepSequencer) -> None:
     )
     requests = [_initial_request(herd, leg, float(at)) for leg, at in enumerate(down)]
     sequencer.planner.predict(requests)
+    lost: dict[int, int] = {}  # first leg without a foothold, by creature
     for leg, request in enumerate(requests):
         hold = sequencer.planner.predicted(leg) or sequencer.planner.search.find_initial(request)
         if hold is None:
-            raise SimulationError(_no_start(herd, leg))
+            lost.setdefault(int(herd.owner[leg]), leg)
+            continue
         feet.start[leg] = feet.end[leg] = hold.tip
         feet.lowering[:, leg] = hold.lowering
         feet.footholds.append(hold)
+    if lost:
+        raise SimulationError("\n".join(_no_start(herd, leg) for leg in lost.values()))
     predict_footholds(
         sequencer, [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()]
     )

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
-from pipeline.simulation.locomotion.body_motion.gaze import initial_look_targets
+from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
@@ -32,6 +32,7 @@ from pipeline.simulation.locomotion.inventory import (
 from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.pursuit import Pursuits
 from pipeline.simulation.locomotion.routes.route import plan_route
 from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
 from pipeline.simulation.locomotion.routes.speed_control import advance
@@ -44,14 +45,14 @@ from pipeline.simulation.locomotion.step_sequencer import (
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
-from pipeline.simulation.members import MemberState
+from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature
-from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
+from pipeline.spec.script import ChangeGait, ChangeMood, Chase, Do, Flee, Instruction, SetSpeed
 
 # Greatest factor on a creature's speed by a change of mood or speed, and by unknown orders.
 MAX_SPEEDUP, UNKNOWN_SPEEDUP = 2.0, 10.0
@@ -87,12 +88,13 @@ class WalkerTroupe(Troupe):
         )
         self.inventory = describe_herd(herd, free_joints, table, materials, world.clock.rows)
         self.step = 0
-        targets = initial_look_targets(herd, cast)
-        self.progress = start_progress(herd, trajectory, moods, world.clock.dt, targets)
+        looks = LookTargets(herd, cast)
+        self.progress = start_progress(herd, trajectory, moods, world.clock.dt, looks)
+        self.pursuits = Pursuits(self.progress, world.ground)
         swings = SwingPlanner.of(cast, self.progress, world.ground)
         contacts = FootContacts(herd, world, self.authored_poses, materials)
         self.sequencer = StepSequencer.of(world, self.progress, swings, contacts)
-        self.leaps = WalkerJumps(cast, world, self.progress, self.sequencer, materials)
+        self.leaps = WalkerJumps(cast, world, self.progress, self.sequencer, materials, self._apply)
         self._order_notes: list[TakeNote] = []
         self._pose_notes: list[TakeNote] = []
         self._arrived: list[str] = []
@@ -118,12 +120,16 @@ class WalkerTroupe(Troupe):
     # --- the passes of the step -------------------------------------------------
 
     def members_needed(self, orders: Orders) -> Collection[str]:
-        """Return the members that creatures are to jump over."""
-        return self.leaps.sought(orders)
+        """Return the members that creatures are to jump over, to pursue and to look at."""
+        ordered = members_named(self.herd.names, orders)
+        own_needs = self.pursuits.members_needed() | self.progress.look_targets.members_needed
+        return {*self.leaps.sought(orders), *ordered, *own_needs}
 
     def see_members(self, members: Mapping[str, MemberState]) -> None:
         """Take in where these members are."""
         self.leaps.see(members)
+        self.pursuits.see_members(members)
+        self.progress.look_targets.see_members(members)
 
     def read(self, orders: Orders) -> None:
         """Take in the orders from this step on."""
@@ -134,11 +140,18 @@ class WalkerTroupe(Troupe):
             for order in given:
                 if self.leaps.take(self.step, c, order):
                     continue
-                unable = apply_order(self.progress, c, order)
-                if c in self.progress.transition_ends:
-                    self.sequencer.feet.changing.add(c)
-                if unable is not None:
-                    self._order_notes.append(TakeNote("clamped", self.step, name, unable))
+                self._apply(c, order)
+        self.pursuits.advance()
+
+    def _apply(self, c: int, order: Do) -> None:
+        if self.pursuits.take(c, order):
+            return
+        unable = apply_order(self.progress, c, order)
+        if c in self.progress.transition_ends:
+            self.sequencer.feet.changing.add(c)
+        if unable is not None:
+            name = self.herd.names[c]
+            self._order_notes.append(TakeNote("clamped", self.step, name, unable))
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
@@ -152,6 +165,7 @@ class WalkerTroupe(Troupe):
         self.leaps.advance(step)
         self._arrived = [name for name in arrived if not self.leaps.is_coming(name)]
         self._arrived += self.leaps.arrived
+        self._arrived += [self.herd.names[c] for c in self.pursuits.arrived]
         self._notes = [*self._order_notes, *sequencer.notes, *self.leaps.notes]
         self._order_notes = []
         self.step = step + 1
@@ -174,7 +188,7 @@ class WalkerTroupe(Troupe):
             trajectory.style,
             trajectory.route_set,
             self.leaps.routes(),
-            progress.look_targets,
+            progress.look_targets.current,
             self.leaps.aloft(self.step * self.world.clock.dt),
         )
         self._buffered.append(snapshot)
@@ -201,7 +215,7 @@ class WalkerTroupe(Troupe):
         contacts = *self.sequencer.contacts.contacts, *self.leaps.contacts
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
-        return Facts(contacts, notes, tuple(self._arrived))
+        return Facts(contacts, notes, tuple(self._arrived), outcomes=tuple(self.pursuits.outcomes))
 
     def mechanisms(self) -> list[Mechanism]:
         """Return the joints and masses of the creatures."""
@@ -229,7 +243,7 @@ class WalkerTroupe(Troupe):
                 pace = moods.neutral_pace(c, do, f"script[{i}].do")
                 stride[c] = max(stride[c], pace.stride)
                 speed[c] = max(speed[c], pace.stride / pace.cycle)
-            elif isinstance(do, SetSpeed | ChangeMood):
+            elif isinstance(do, SetSpeed | ChangeMood | Chase | Flee):
                 speed[c] *= MAX_SPEEDUP
         if self.world.directed:
             speed *= UNKNOWN_SPEEDUP
@@ -248,4 +262,6 @@ class WalkerTroupe(Troupe):
         for c in arrived:
             closing = float(progress.closing_phase[c])
             progress.closing_phase[c] = phase_before_lift(self.sequencer, c, closing)
-        return [self.herd.names[c] for c in arrived if not is_blocked(progress, c)]
+        pursuits = self.pursuits
+        here = [c for c in arrived if not is_blocked(progress, c) and not pursuits.is_active(c)]
+        return [self.herd.names[c] for c in here]

@@ -21,7 +21,7 @@ from pipeline.spec.operations.drawing import (
 )
 from pipeline.spec.operations.drawing_edits import Connect, Copy, Delete, Mirror, Move
 from pipeline.spec.operations.node_selection import Select
-from pipeline.spec.suggestions import hint
+from pipeline.spec.suggestions import decided_by_key
 
 OPERATIONS: Mapping[str, type[DrawingOperation]] = {
     # A copy and a move may have the key mirror too, so their keys come first.
@@ -35,26 +35,21 @@ OPERATIONS: Mapping[str, type[DrawingOperation]] = {
 """All operations by the key that selects them."""
 
 
-def _require_key(value: Any) -> Any:
-    """Raise a fault if a value is no mapping with the key of an operation."""
-    if isinstance(value, DrawingOperation):
+def _require_mapping(value: Any) -> Any:
+    """Refuse what has no keys."""
+    if isinstance(value, DrawingOperation | Mapping):
         return value
-    known = ", ".join(OPERATIONS)
-    if not isinstance(value, Mapping):
-        raise fault_error(f"should be a mapping with one of the keys {known}")
-    if not any(key in value for key in OPERATIONS):
-        for key in value:
-            suggestion = hint(str(key), OPERATIONS)
-            if suggestion.startswith("did") or len(value) == 1:
-                raise fault_error(f"no operation is called '{key}', {suggestion}", key, at_key=True)
-        raise fault_error(f"needs one of the keys {known}")
-    return value
+    raise fault_error(f"should be a mapping with one of the keys {', '.join(OPERATIONS)}")
 
 
 if TYPE_CHECKING:
     Operation = DrawingOperation
 else:
-    Operation = Annotated[keyed_union(OPERATIONS, default="Mirror"), BeforeValidator(_require_key)]
+    Operation = Annotated[
+        keyed_union(OPERATIONS, default="Mirror"),
+        decided_by_key(OPERATIONS, "operation"),
+        BeforeValidator(_require_mapping),
+    ]
 
 
 def carry_out(operations: Sequence[DrawingOperation], sheet: Sheet) -> tuple[Sheet, list[Fault]]:

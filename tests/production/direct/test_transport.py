@@ -275,7 +275,7 @@ def test_ctrl_c_leaves_a_finished_take(folder: Path) -> None:
     assert (code, "Traceback" in err) == (0, False), err
     take = read_take(folder / "out/stage_directed/take.zarr")
     assert take.digest == replayed(folder / "out/stage_directed/stage_directed.yaml").digest
-    assert take.told[0].text == "stop"
+    assert take.orders[0].text == "stop"
 
 
 @pytest.mark.slow

@@ -218,3 +218,36 @@ def test_an_interrupt_behind_another_error_ends_all(monkeypatch: pytest.MonkeyPa
     with pytest.raises(ValueError, match="torn"):
         run_batch(["one", "two"], work, Reporter(), lambda *_: None)
     assert worked == ["one"]
+
+
+TROUPES = """\
+pronk: 1
+duration: 1
+cast:
+  - {name: bug, figure: beetle, walk: {gait: tripod, stride: 50, speed: 0.9}}
+  - {name: bee, figure: beetle, at: [1, 1], walk: {gait: tripod, body_height: 9}}
+  - {name: roo, figure: kangaroo, at: [2, 1], pronk: {distance: 9, height: 0.001, speed: 100}}
+light: studio
+"""
+
+
+def test_check_tells_what_none_of_several_performers_can_do(pronk: Pronk, folder: Path) -> None:
+    (folder / "many.yaml").write_text(TROUPES)
+    code, out, err = pronk("check", "many")
+    assert (code, out) == (3, "")
+    for place in ("many.yaml:4:", "many.yaml:5:", "many.yaml:6:"):
+        assert place in err
+
+
+def test_check_tells_of_all_creatures_without_foothold(pronk: Pronk, folder: Path) -> None:
+    text = (folder / "fail.yaml").read_text()
+    (folder / "fail.yaml").write_text(
+        text.replace("materials:", "  - {name: bee, figure: beetle, walk: {}}\nmaterials:")
+    )
+    code, _, err = pronk("check", "fail")
+    assert code == 4
+    lines = err.splitlines()
+    assert [line[:32] for line in lines] == [
+        "error: fail.yaml: bug: leg l1 fi",
+        "fail.yaml: bee: leg l1 finds no ",
+    ]

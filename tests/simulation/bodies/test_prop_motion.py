@@ -294,7 +294,11 @@ def test_scale_does_not_apply_to_children() -> None:
         ("force: {mas: 2}", "did you mean 'mass'"),
         ("force: {mass: 0}", "greater than 0"),
         ("force: {keys: [{at: 0, torque: [0, 0, 1], ease: jump}]}", "'hold'"),
-        ("velocity: [1, 0, 0], held: [{by: b, at: 1}]", "conflicts with velocity"),
+        ("falls: 1, keyframes: [{at: 0, scale: 2}]", "conflicts with the scale"),
+        (
+            "held: [{by: b, at: 1, until: 2, then: fall}], keyframes: [{at: 0, scale: 2}]",
+            "conflicts with the scale",
+        ),
         ("keyframes: [{at: 0, position: [0, 0, 0], tangent: {scale: [1, 1, 1]}}]", "needs the sc"),
         (
             "keyframes: [{at: 0, position: [0, 0, 0], tangent: {position: [1, 1, 1]}}]",

@@ -375,7 +375,7 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         simulation.step()
         step = simulation.step_number
         hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
-    followed = [order for order in simulation.recorder.told if order.who == "c"]
+    followed = [order for order in simulation.order_log.records if order.who == "c"]
     (step, hugger, hugged), *others = hugs
     assert (hugger, hugged, others) == ("b", "a", [])
     # The trigger fires once, in the next step; that of the reverse hug does not.

@@ -290,7 +290,7 @@ def test_later_order_does_not_change_earlier_motion() -> None:
         ("do: {dance: autt}", "", "script[0].do.dance", "no dance is called 'autt', "),
         ("do: {reach: tor}", "", "script[0].do.reach", "give the place of 'tor', [x, y, z]"),
         ("do: {reach: [3, 1, 0]}", "", "script[0].do.reach", "m from the shoulder"),
-        ("do: {look_at: tor}", "", "script[0].do.look_at", "follows nobody"),
+        ("do: {look_at: toro}", "", "script[0].do.look_at", "toro"),
         (
             *("do: {dance: out, tempo_bpm: 100}", "beat: 1", "script[0].do.tempo_bpm"),
             "do not fit beat 1 of a score at 120",

@@ -27,7 +27,7 @@ from pipeline.simulation.bodies.groups.rain import RainRule
 from pipeline.simulation.bodies.groups.school import SchoolRule
 from pipeline.simulation.bodies.groups.swarm import SwarmRule
 from pipeline.simulation.inventory import join_inventories
-from pipeline.simulation.members import MemberState, goal_place, goals_named
+from pipeline.simulation.members import MemberState, goal_place, members_named
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
@@ -69,7 +69,7 @@ class GroupTroupe(Troupe):
 
     def members_needed(self, orders: Orders) -> Collection[str]:
         """See `Troupe`."""
-        return goals_named(self.rules, orders)
+        return members_named(self.rules, orders)
 
     def see_members(self, members: Mapping[str, MemberState]) -> None:
         """See `Troupe`."""

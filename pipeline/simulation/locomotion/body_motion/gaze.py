@@ -29,6 +29,7 @@ from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import pitched_and_rolled
 from pipeline.simulation.locomotion.routes.route import Route, heading_vector
+from pipeline.simulation.members import MemberState
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.creature import Creature
 from pipeline.spec.model_base import Target
@@ -109,55 +110,64 @@ class BodyMotion:
 # --- look targets -------------------------------------------------------------------
 
 
-def resolve_look_target(herd: Herd, c: int, target: Target) -> LookTarget:
-    """Return what creature `c` of a herd is ordered to look at.
-
-    Raises:
-        ValueError: with the reason why it cannot.
-    """
-    if all(limb.kind != HEAD for limb in herd.figures[c].skeleton.limbs):
-        raise ValueError(f"'{herd.names[c]}' has no head to turn")
-    if not isinstance(target, str):
-        return np.array(target)
-    if target not in herd.names:
-        raise ValueError(f"'{target}' does not walk on the same ground; give a place, [x, y, z]")
-    return herd.names.index(target)
-
-
-def set_look_target(
-    targets: Mapping[int, LookTarget], herd: Herd, c: int, target: Target | None
-) -> Mapping[int, LookTarget]:
-    """Return the look targets with another one for creature `c`; ahead again if None.
-
-    Raises:
-        ValueError: see `resolve_look_target`.
-    """
-    others = {owner: known for owner, known in targets.items() if owner != c}
-    return others if target is None else {**others, c: resolve_look_target(herd, c, target)}
-
-
-def initial_look_targets(
-    herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]
-) -> Mapping[int, LookTarget]:
-    """Return the look targets of the configs of a herd, by creature.
+class LookTargets:
+    """What the creatures of a herd are to look at.
 
     Args:
-        herd: of the cast.
+        herd: the creatures.
         cast: place in the scene's cast, config and figure of each.
 
+    Attributes:
+        current: target by creature; the others look where they go. Replaced, never changed.
+
     Raises:
-        SceneError: if one cannot look there.
+        SceneError: if a creature cannot look where its config says.
     """
-    targets, problems = dict[int, LookTarget](), []
-    for c, (number, member, _) in enumerate(cast):
-        try:
-            if member.look_at is not None:
-                targets[c] = resolve_look_target(herd, c, member.look_at)
-        except ValueError as error:
-            problems.append(Problem(f"cast[{number}].look_at", str(error)))
-    if problems:
-        raise SceneError(problems)
-    return targets
+
+    def __init__(self, herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> None:
+        self.current: Mapping[int, LookTarget] = {}
+        self._herd = herd
+        self._watched: dict[int, str] = {}
+        problems = []
+        for c, (number, member, _) in enumerate(cast):
+            try:
+                if member.look_at is not None:
+                    self.set(c, member.look_at)
+            except ValueError as error:
+                problems.append(Problem(f"cast[{number}].look_at", str(error)))
+        if problems:
+            raise SceneError(problems)
+
+    @property
+    def members_needed(self) -> set[str]:
+        """Members of other herds that are looked at."""
+        return set(self._watched.values())
+
+    def set(self, c: int, target: Target | None) -> None:
+        """Lets creature `c` look at another target; ahead again if None.
+
+        Raises:
+            ValueError: with the reason why it cannot.
+        """
+        herd = self._herd
+        if target is not None and all(limb.kind != HEAD for limb in herd.figures[c].skeleton.limbs):
+            raise ValueError(f"'{herd.names[c]}' has no head to turn")
+        self._watched.pop(c, None)
+        others = {owner: known for owner, known in self.current.items() if owner != c}
+        if isinstance(target, str) and target not in herd.names:
+            self._watched[c] = target
+            self.current = others
+        elif target is not None:
+            own = herd.names.index(target) if isinstance(target, str) else np.array(target)
+            self.current = {**others, c: own}
+        else:
+            self.current = others
+
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Follows the members of other herds that are looked at."""
+        if self._watched:
+            places = {c: members[name].face for c, name in self._watched.items() if name in members}
+            self.current = {**self.current, **places}
 
 
 # --- gaze angles --------------------------------------------------------------------

@@ -10,7 +10,7 @@ Source: Sims 1987, 3.2.4 and ch. 11.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Literal
@@ -59,7 +59,18 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import World
 from pipeline.spec.creature import Creature, Pronk
-from pipeline.spec.script import Do, GoTo, HopOver, Instruction, JumpOnce, TurnBy, Wait
+from pipeline.spec.script import (
+    Chase,
+    Do,
+    Flee,
+    Follow,
+    GoTo,
+    HopOver,
+    Instruction,
+    JumpOnce,
+    TurnBy,
+    Wait,
+)
 
 HANDOVER_TIME = 0.35
 """Blend time of a body from its walking pose to its jumping pose, and back [s]."""
@@ -95,8 +106,20 @@ class WalkerJump:
     pending_orders: list[Do] = field(default_factory=list)
 
 
+LEADING_ORDERS = (GoTo, Follow, Chase, Flee, TurnBy, Wait)
+"""Orders that say where to go: they end the approach to a jump, and wait for the end of one."""
+
+
 class WalkerJumps:
     """The jumps of a herd.
+
+    Args:
+        cast: place in the scene's cast, config and figure of each creature.
+        world: constants of the scene.
+        progress: of the herd on its routes.
+        sequencer: of its steps.
+        materials: default material of each creature.
+        apply: carries out an order that waited for the end of a jump.
 
     Attributes:
         hoppers: jump constants of the creatures that the script lets jump.
@@ -112,8 +135,9 @@ class WalkerJumps:
         progress: RouteProgress,
         sequencer: StepSequencer,
         materials: Sequence[str],
+        apply: Callable[[int, Do], None],
     ) -> None:
-        self.world, self.progress = world, progress
+        self.world, self.progress, self._apply = world, progress, apply
         self.sequencer, self.feet = sequencer, sequencer.feet
         self.herd: Herd = progress.herd
         self.hoppers: dict[int, Hopper] = {}
@@ -183,7 +207,7 @@ class WalkerJumps:
             if isinstance(order, HopOver | JumpOnce):
                 self._begin(step, c, order)
             return jumps
-        leads = isinstance(order, GoTo | TurnBy | Wait) or order in ("stop", "walk")
+        leads = isinstance(order, LEADING_ORDERS) or order in ("stop", "walk")
         if trip.stage == "coming" and leads:
             del self.trips[c]
             return False
@@ -356,7 +380,7 @@ class WalkerJumps:
                 self.arrived.append(self.herd.names[c])
         for order in trip.pending_orders:
             if not self.take(step, c, order):
-                apply_order(progress, c, order)
+                self._apply(c, order)
 
     # --- rows ---------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.body_motion.gaze import initial_look_targets, set_look_target
+from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import build_herd
@@ -29,13 +29,13 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
     HopperSnapshot,
 )
 from pipeline.simulation.locomotion.pronking.jump_orders import apply_order, scripted_jump
-from pipeline.simulation.members import MemberState, goals_named
+from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature, Pronk
-from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
+from pipeline.spec.script import Instruction, JumpOnce, LookAhead, LookAt
 
 FOOTHOLD_MISS = 1e-4
 """Distance between a foot and its foothold that is worth a note [m]."""
@@ -72,7 +72,7 @@ class HopperTroupe(Troupe):
             herd, world.ground, free_joints, table, shortest_reaches(herd), row_dt
         )
         self.pose_buffer = HopperPoseBuffer(self.poser, world.clock.dt)
-        self.looks = initial_look_targets(herd, cast)
+        self.looks = LookTargets(herd, cast)
         self.simulations = [
             HopSimulation(
                 hopper,
@@ -94,18 +94,13 @@ class HopperTroupe(Troupe):
         self._members: Mapping[str, MemberState] = {}
 
     def members_needed(self, orders: Orders) -> Collection[str]:
-        """Return the members that creatures are to jump over or go to."""
-        jumped_over = {
-            order.hop_over
-            for name in self.herd.names
-            for order in orders.get(name, ())
-            if isinstance(order, HopOver)
-        }
-        return jumped_over | goals_named(self.herd.names, orders)
+        """Return the members that creatures are to jump over, go to or look at."""
+        return members_named(self.herd.names, orders) | self.looks.members_needed
 
     def see_members(self, members: Mapping[str, MemberState]) -> None:
         """Take in where these members are."""
         self._members = members
+        self.looks.see_members(members)
 
     def prepare(self, instruction: Instruction, path: str) -> None:
         """Check a scripted jump.
@@ -129,7 +124,7 @@ class HopperTroupe(Troupe):
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None
         try:
-            self.looks = set_look_target(self.looks, self.herd, c, at)
+            self.looks.set(c, at)
         except ValueError as error:
             self._pending_notes.append(
                 TakeNote("clamped", self.step, self.herd.names[c], str(error))
@@ -169,7 +164,7 @@ class HopperTroupe(Troupe):
                 speed=np.array(
                     [np.hypot(*simulation.state.v[[0, 2]]) for simulation in self.simulations]
                 ),
-                looks=self.looks,
+                looks=self.looks.current,
                 limp=np.array(
                     [simulation.state.phase == "fallen" for simulation in self.simulations]
                 ),

@@ -92,6 +92,11 @@ class Route:
         """(n - 1,) whether the body moves between two entries, or turns in place."""
         return np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
 
+    def turns_at(self, s: float) -> bool:
+        """Return whether the body turns in place at a distance [m]."""
+        i = int(np.searchsorted(self.s, s, side="right")) - 1
+        return 0 <= i < len(self._moves) and not self._moves[i]
+
     @cached_property
     def _rests(self) -> Array:
         """Distances at which a turn in place starts or ends, and the route's end [m]."""

@@ -10,14 +10,13 @@ Source: Sims 1987, 3.2.3 and 10.1; Alexander 1989 for how stride and cadence gro
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.locomotion.body_motion.gaze import LookTarget
+from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace import Pace
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
@@ -93,7 +92,7 @@ class RouteProgress:
         blocked_at: (C,) distance at which a barrier ends its route, NaN without one [m].
         transition_ends: phases at which changes of pace end, by creature.
         stopping_distances: from full speed, of creatures without a foothold [m].
-        look_targets: ordered, by creature; the others look where they go.
+        look_targets: of the creatures.
         steps: done since the start.
         next_slope_sample: number of the sample.
         limits: bounds on the speed.
@@ -120,7 +119,7 @@ class RouteProgress:
     blocked_at: Array
     transition_ends: dict[int, float]
     stopping_distances: dict[int, float]
-    look_targets: Mapping[int, LookTarget]
+    look_targets: LookTargets
     limits: SpeedLimits
     steps: int = 0
     next_slope_sample: int = 0
@@ -162,7 +161,7 @@ def start_progress(
     trajectory: BodyTrajectory,
     moods: MoodSchedule,
     dt: float,
-    look_targets: Mapping[int, LookTarget],
+    look_targets: LookTargets,
 ) -> RouteProgress:
     """Return the progress of a herd that comes walking at full speed."""
     count, walking = len(herd.names), np.where(herd.walks, 1.0, 0.0)

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.locomotion.body_motion.gaze import set_look_target
 from pipeline.simulation.locomotion.routes.route import (
     Route,
     heading_vector,
@@ -77,8 +76,13 @@ def _walk(progress: RouteProgress, c: int, _order: Do) -> None:
 
 
 def _go_to(progress: RouteProgress, c: int, order: GoTo) -> None:
-    """Go to a place: along an arc and straight on, or by a turn in place."""
-    here, target = _route_so_far(progress, c, TURN_LEAD), np.array(order.go_to)
+    """Go to a place; members are gone to by `pursuit`."""
+    go_to_point(progress, c, np.array(order.go_to))
+
+
+def go_to_point(progress: RouteProgress, c: int, target: Array) -> None:
+    """Let creature `c` go to a place (2,) [m]: along an arc and straight on, or by a turn there."""
+    here = _route_so_far(progress, c, TURN_LEAD)
     way = target - here.xz[-1]
     if np.linalg.norm(way) < SAME_PLACE * progress.stride[c]:
         redirect(progress, c, here)
@@ -123,26 +127,30 @@ def _turn(progress: RouteProgress, c: int, order: TurnBy) -> None:
 
 def _set_speed(progress: RouteProgress, c: int, order: SetSpeed) -> str | None:
     """Change the speed, as far as the legs can: the stride grows with its root."""
-    pace = progress.paces.last(c)
-    full = pace.stride / pace.cycle
-    most = full * max(pace.longest / pace.stride, 1.0) ** 2
+    full, fraction = speed_range(progress, c)
+    most = full * fraction
     request_speed(progress, c, min(order.speed, most) / full)
     if order.speed <= most:
         return None
     return f"goes at {most:.3g} m/s, the most that its legs can do, instead of {order.speed:g}"
 
 
+def speed_range(progress: RouteProgress, c: int) -> tuple[float, float]:
+    """Return the speed of a creature's pace [m/s], and its factor at the legs' highest speed."""
+    pace = progress.paces.last(c)
+    return pace.stride / pace.cycle, max(pace.longest / pace.stride, 1.0) ** 2
+
+
 def _look_at(progress: RouteProgress, c: int, order: LookAt) -> str | None:
-    targets, herd = progress.look_targets, progress.herd
     try:
-        progress.look_targets = set_look_target(targets, herd, c, order.look_at)
+        progress.look_targets.set(c, order.look_at)
     except ValueError as error:
         return str(error)
     return None
 
 
 def _look_ahead(progress: RouteProgress, c: int, _order: LookAhead) -> None:
-    progress.look_targets = set_look_target(progress.look_targets, progress.herd, c, None)
+    progress.look_targets.set(c, None)
 
 
 def _change_gait(progress: RouteProgress, c: int, order: ChangeGait) -> None:

@@ -1,0 +1,347 @@
+"""Pursuit: creatures that go to, follow, chase, flee from and avoid members of the cast.
+
+The route of a pursuing creature is planned anew when its goal has moved; in between it is walked
+as any other route, so that feet are placed and speeds change as always.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, request_speed
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order, go_to_point, speed_range
+from pipeline.simulation.members import MemberState
+from pipeline.simulation.order_outcome import Outcome
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
+from pipeline.spec.model_base import Target
+from pipeline.spec.script import (
+    Avoid,
+    Chase,
+    Do,
+    Flee,
+    Follow,
+    GoTo,
+    HopOver,
+    JumpOnce,
+    TurnBy,
+    Wait,
+)
+
+PURSUITS = (GoTo, Follow, Chase, Flee)
+"""Orders that are carried out by planning routes again and again."""
+
+
+@dataclass(frozen=True, slots=True)
+class PursuitLimits:
+    """When routes are planned again, and where they end.
+
+    Attributes:
+        interval: least time between two plans [s].
+        shift: of the target from which on a route is planned again, in strides.
+        share: of the distance to the target that counts as a stride where that is more.
+        tolerance: distance from its goal at which a creature has arrived, in strides.
+        slack: by which the gap of a follower may grow before it sets out again, in strides.
+        prediction: longest time for which the target's motion is predicted [s].
+        overrun: distance beyond a chased target to which a route is planned, so that nobody brakes
+            before it, in strides.
+        escape: distance of the next goal of a creature that flees, in strides.
+        edge: distance from the edge of the terrain that goals keep, in footprints.
+        reserve: factor on the distance at which an avoided member is far enough again.
+        patience: time without getting nearer after which a creature gives up [s].
+        progress: by which it has to get nearer within that time, in strides.
+    """
+
+    interval: float = 0.25
+    shift: float = 0.25
+    share: float = 0.5
+    tolerance: float = 0.1
+    slack: float = 0.3
+    prediction: float = 1.0
+    overrun: float = 2.0
+    escape: float = 4.0
+    edge: float = 1.5
+    reserve: float = 1.15
+    patience: float = 5.0
+    progress: float = 0.25
+
+
+LIMITS = PursuitLimits()
+
+
+@dataclass(eq=False, slots=True)
+class Pursuit:
+    """A creature's pursuit.
+
+    Attributes:
+        order: `GoTo` a name, `Follow`, `Chase` or `Flee`.
+        planned_for: (2,) place of the target for which the route was planned [m]; None where there
+            is no such route.
+        planned: time of that plan [s].
+        nearest: least distance to the target so far [m]; of one that flees, the greatest, negative.
+        since: time at which that was reached [s].
+        speed: fraction of the pace's speed before it hurried; None if it does not.
+    """
+
+    order: GoTo | Follow | Chase | Flee
+    planned_for: Array | None = None
+    planned: float = -math.inf
+    nearest: float = math.inf
+    since: float = 0.0
+    speed: float | None = None
+
+    @property
+    def target(self) -> Target:
+        """Name or place (3,) that it is about."""
+        order = self.order
+        if isinstance(order, GoTo):
+            assert isinstance(order.go_to, str)
+            return order.go_to
+        if isinstance(order, Follow):
+            return order.follow
+        return order.chase if isinstance(order, Chase) else order.flee
+
+
+class Pursuits:
+    """The pursuits of a herd.
+
+    Args:
+        progress: of the herd on its routes.
+        ground: the terrain.
+
+    Attributes:
+        outcomes: orders that ended in the last step.
+        arrived: numbers of creatures that have reached what they went to or chased.
+    """
+
+    def __init__(self, progress: RouteProgress, ground: Ground) -> None:
+        self.progress, self.ground = progress, ground
+        self.outcomes: list[Outcome] = []
+        self.arrived: list[int] = []
+        self._active: dict[int, Pursuit] = {}
+        self._avoided: dict[int, Avoid] = {}
+        self._interrupted: dict[int, Do] = {}
+        self._members: Mapping[str, MemberState] = {}
+
+    def is_active(self, c: int) -> bool:
+        """Return whether a creature pursues something, so that the end of a route is no arrival."""
+        return c in self._active
+
+    def members_needed(self) -> set[str]:
+        """Return the members on which pursuits depend."""
+        targets = [pursuit.target for pursuit in self._active.values()]
+        targets += [order.avoid for order in self._avoided.values()]
+        return {target for target in targets if isinstance(target, str)}
+
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Take in where members are."""
+        self._members = members
+
+    def take(self, c: int, order: Do) -> bool:
+        """Take an order; return whether it is carried out here."""
+        if isinstance(order, Avoid):
+            self._avoided[c] = order
+            return True
+        is_pursuit = isinstance(order, PURSUITS)
+        if isinstance(order, GoTo) and not isinstance(order.go_to, str):
+            is_pursuit = False
+        if is_pursuit or _leads(order):
+            self._interrupted.pop(c, None)
+            self._end(c)
+        if is_pursuit:
+            assert isinstance(order, PURSUITS)
+            self._begin(c, order)
+        return is_pursuit
+
+    def advance(self) -> None:
+        """Plan the routes of all pursuing creatures again where their goals have moved."""
+        self.arrived, self.outcomes = [], []
+        for c, order in self._avoided.items():
+            self._keep_off(c, order)
+        for c, pursuit in list(self._active.items()):
+            if self.progress.halted[c]:
+                self._give_up(c, pursuit, "found no foothold on its way")
+            else:
+                self._pursue(c, pursuit)
+
+    # --- one creature -------------------------------------------------------------------
+
+    def _begin(self, c: int, order: GoTo | Follow | Chase | Flee) -> None:
+        pursuit = self._active[c] = Pursuit(order, since=self.progress.time)
+        if isinstance(order, Chase | Flee):
+            # Those who chase or flee go as fast as their legs can.
+            pursuit.speed = float(self.progress.requested_fraction[c])
+            request_speed(self.progress, c, speed_range(self.progress, c)[1])
+
+    def _end(self, c: int) -> None:
+        pursuit = self._active.pop(c, None)
+        if pursuit is not None and pursuit.speed is not None:
+            request_speed(self.progress, c, pursuit.speed)
+
+    def _give_up(self, c: int, pursuit: Pursuit, reason: str) -> None:
+        self._end(c)
+        if not self.progress.halted[c]:
+            apply_order(self.progress, c, "stop")
+        self.outcomes.append(Outcome(self.progress.herd.names[c], pursuit.order, reason))
+
+    def _pursue(self, c: int, pursuit: Pursuit) -> None:
+        state = self._state(pursuit.target)
+        here = self._place(c)
+        offset = state.centre[[0, 2]] - here
+        distance = float(np.hypot(*offset))
+        order = pursuit.order
+        if not state.is_present:
+            self._give_up(c, pursuit, f"'{pursuit.target}' is gone")
+        elif isinstance(order, Flee):
+            self._flee(c, pursuit, order.distance, offset, distance - state.radius)
+        elif isinstance(order, Chase):
+            self._chase(c, pursuit, state, offset, distance)
+        else:
+            self._approach(c, pursuit, state, offset, distance)
+
+    def _approach(
+        self, c: int, pursuit: Pursuit, state: MemberState, offset: Array, distance: float
+    ) -> None:
+        """Go up to a target, and after it if it moves."""
+        order, stride = pursuit.order, float(self.progress.stride[c])
+        follows = isinstance(order, Follow)
+        gap = order.gap if isinstance(order, Follow | GoTo) and order.gap is not None else None
+        reach = self._reach(c) + state.radius + (0.1 * stride if gap is None else gap)
+        beyond = distance - reach
+        if beyond <= LIMITS.tolerance * stride:
+            if not follows:
+                self._end(c)
+                self.arrived.append(c)
+            if pursuit.planned_for is not None and not self.progress.arrived[c]:
+                apply_order(self.progress, c, "stop")
+            pursuit.planned_for = None
+            return
+        if follows and pursuit.planned_for is None and beyond <= LIMITS.slack * stride:
+            return
+        if not follows and not self._gets_nearer(pursuit, stride, distance):
+            self._give_up(c, pursuit, f"cannot get nearer than {max(beyond, 0.0):.2g} m")
+            return
+        # Where a moving target will be, so that nobody brakes behind it again and again.
+        here, lead = self._place(c), state.v[[0, 2]] * LIMITS.prediction
+        self._plan(c, pursuit, here + offset, here + offset * (beyond / distance) + lead)
+
+    def _chase(
+        self, c: int, pursuit: Pursuit, state: MemberState, offset: Array, distance: float
+    ) -> None:
+        """Run to where a target will be."""
+        stride = float(self.progress.stride[c])
+        if distance <= self._reach(c) + state.radius:
+            self._end(c)
+            apply_order(self.progress, c, "stop")
+            self.arrived.append(c)
+            return
+        if not self._gets_nearer(pursuit, stride, distance):
+            self._give_up(c, pursuit, f"is not fast enough; still {distance:.2g} m off")
+            return
+        speed = max(math.prod(speed_range(self.progress, c)), 1e-6)
+        ahead = min(distance / speed, LIMITS.prediction)
+        goal = self._place(c) + offset + state.v[[0, 2]] * ahead
+        way = goal - self._place(c)
+        length = max(float(np.hypot(*way)), 1e-6)
+        self._plan(c, pursuit, goal, goal + way * (LIMITS.overrun * stride / length))
+
+    def _flee(
+        self, c: int, pursuit: Pursuit, enough: float, offset: Array, distance: float
+    ) -> None:
+        """Run away from a target, along the edge of the terrain if need be."""
+        stride = float(self.progress.stride[c])
+        if distance - self._reach(c) >= enough:
+            self._end(c)
+            apply_order(self.progress, c, "stop")
+            self.arrived.append(c)
+            return
+        if not self._gets_nearer(pursuit, stride, -distance):
+            self._give_up(c, pursuit, f"cannot get farther than {distance:.2g} m")
+            return
+        here, away = self._place(c), -offset / max(float(np.hypot(*offset)), 1e-6)
+        length = max(enough - distance + self._reach(c), LIMITS.escape * stride)
+        ways = [away, *(_turned(away, side * turn) for turn in (0.8, 1.6) for side in (1.0, -1.0))]
+        goals = [self._inside(c, here + length * way) for way in ways]
+        # Away as far as the ground reaches, else along its edge.
+        farthest = max(goals, key=lambda goal: round(float(np.hypot(*(goal - here - offset))), 3))
+        self._plan(c, pursuit, here + offset, farthest)
+
+    def _keep_off(self, c: int, order: Avoid) -> None:
+        """Step away from an avoided member that is near, and then go on as before."""
+        state = self._state(order.avoid)
+        offset = state.centre[[0, 2]] - self._place(c)
+        distance = float(np.hypot(*offset)) - state.radius - self._reach(c)
+        flight = self._active.get(c)
+        if flight is not None and isinstance(flight.order, Flee):
+            return
+        if distance < order.distance:
+            if flight is not None:
+                self._interrupted[c] = flight.order
+                self._end(c)
+            escape = Flee(flee=order.avoid, distance=LIMITS.reserve * order.distance)
+            self._begin(c, escape)
+        elif c in self._interrupted:
+            again = self._interrupted.pop(c)
+            assert isinstance(again, PURSUITS)
+            self._begin(c, again)
+
+    def _plan(self, c: int, pursuit: Pursuit, target: Array, goal: Array) -> None:
+        """Plan the route to a goal (2,) again if the target (2,) moved, or the route is over."""
+        progress, here = self.progress, self._place(c)
+        if pursuit.planned_for is not None:
+            moved = float(np.hypot(*(target - pursuit.planned_for)))
+            far = LIMITS.shift * max(
+                float(progress.stride[c]), LIMITS.share * float(np.hypot(*(target - here)))
+            )
+            is_over = progress.arrived[c] and progress.time > pursuit.planned + LIMITS.interval
+            is_recent = progress.time < pursuit.planned + LIMITS.interval
+            # Planned again within a turn in place, it would never come to its end.
+            turns = progress.trajectory.routes[c].turns_at(float(progress.distance[c]))
+            if is_recent or turns or (moved < far and not is_over):
+                return
+        pursuit.planned_for, pursuit.planned = target, progress.time
+        go_to_point(progress, c, self._inside(c, goal))
+
+    def _gets_nearer(self, pursuit: Pursuit, stride: float, distance: float) -> bool:
+        """Return whether the distance has shrunk within the time that is waited for that."""
+        now = self.progress.time
+        if distance < pursuit.nearest - LIMITS.progress * stride:
+            pursuit.nearest, pursuit.since = distance, now
+        return now - pursuit.since <= LIMITS.patience
+
+    def _state(self, target: Target) -> MemberState:
+        if isinstance(target, str):
+            return self._members[target]
+        return MemberState.of_place(np.array(target))
+
+    def _place(self, c: int) -> Array:
+        """Return where a creature is (2,) [m]."""
+        route = self.progress.trajectory.routes[c]
+        place: Array = route.at(self.progress.distance[c : c + 1])[0][0]
+        return place
+
+    def _reach(self, c: int) -> float:
+        """Return how far a creature's feet stand ahead of its middle [m]."""
+        return float(self.progress.herd.footprint[c].max())
+
+    def _inside(self, c: int, goal: Array) -> Array:
+        """Return the place on the terrain nearest to a goal (2,) [m]."""
+        field = self.ground.field
+        half = np.array(field.size) / (2.0 if field.heading == 0.0 else 2.0 * math.sqrt(2.0))
+        half = np.maximum(half - LIMITS.edge * self._reach(c), 0.0)
+        middle = np.array(field.at)
+        return np.clip(goal, middle - half, middle + half)
+
+
+def _leads(order: Do) -> bool:
+    """Return whether an order says where to go, so that a pursuit ends."""
+    return isinstance(order, GoTo | TurnBy | Wait | HopOver | JumpOnce) or order in ("stop", "walk")
+
+
+def _turned(way: Array, angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * way[0] - s * way[1], s * way[0] + c * way[1]])

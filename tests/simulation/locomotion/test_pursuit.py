@@ -1,0 +1,98 @@
+"""Creatures that go to, follow, chase, flee from and avoid members of the cast."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.take import Take
+from pipeline.spec import read_scene
+
+SCENE = """
+pronk: 1
+duration: {duration}
+terrain: {{kind: flat, size: [60, 60]}}
+places: {{gate: [4, 2]}}
+cast:
+  - {{name: bug, figure: beetle, scale: 0.5, walk: {{}}}}
+  - {{name: cart, prop: {{shape: box, size: [0.6, 0.4, 0.4]}}, {cart}}}
+script:
+  - {{at: 0.2, who: bug, do: {order}}}
+"""
+
+
+def take_of(order: str, cart: str = "at: [3, 0.2, 2]", duration: float = 12.0) -> Take:
+    return simulate(read_scene(SCENE.format(order=order, cart=cart, duration=duration)))
+
+
+def distances(take: Take, other: str = "cart") -> np.ndarray:
+    """Returns the distance between the middles of bug and another, at every row [m]."""
+    names = NodeNames.of(take)
+    nodes = [names.find(name) for name in ("bug", other)]
+    apart = take.positions[:, nodes[0]] - take.positions[:, nodes[1]]
+    return np.hypot(apart[:, 0], apart[:, 2])
+
+
+def outcome_of(take: Take) -> tuple[str, str]:
+    (record,) = take.orders
+    return record.outcome, record.reason
+
+
+def test_go_to_a_member_stops_beside_it() -> None:
+    take = take_of("{go_to: cart}")
+    assert outcome_of(take)[0] == "done"
+    apart = distances(take)
+    # Half the cart and half the stance lie between the middles.
+    assert 0.5 < apart[-1] < 1.4
+    assert np.ptp(apart[-48:]) < 0.02
+
+
+def test_go_to_keeps_the_asked_gap() -> None:
+    near, far = (distances(take_of(f"{{go_to: cart, gap: {gap}}}"))[-1] for gap in (0.1, 0.9))
+    assert far - near == pytest.approx(0.8, abs=0.15)
+
+
+def test_go_to_a_place_by_name() -> None:
+    take = take_of("{go_to: gate}")
+    assert outcome_of(take)[0] == "done"
+    at = take.positions[-1, NodeNames.of(take).find("bug")]
+    assert np.hypot(at[0] - 4.0, at[2] - 2.0) < 0.9
+
+
+def test_go_to_a_member_that_moves_goes_after_it() -> None:
+    take = take_of("{go_to: cart}", "at: [1.5, 0.2, 1], velocity: [0.1, 0, 0]", 16.0)
+    assert outcome_of(take)[0] == "done"
+    assert distances(take).min() < 1.4
+
+
+def test_follower_keeps_its_distance_from_who_walks_on() -> None:
+    take = take_of("{follow: cart, gap: 0.5}", "at: [2, 0.2, 1], velocity: [0.15, 0, 0]", 20.0)
+    assert outcome_of(take)[0] == "begun"
+    assert np.all((distances(take)[-96:] > 0.8) & (distances(take)[-96:] < 2.4))
+
+
+def test_chaser_catches_who_is_slower() -> None:
+    take = take_of("{chase: cart}", "at: [2, 0.2, 1], velocity: [0.1, 0, 0]", 20.0)
+    assert outcome_of(take)[0] == "done"
+
+
+def test_chaser_of_who_is_faster_gives_up_with_a_note() -> None:
+    take = take_of("{chase: cart}", "at: [2, 0.2, 1], velocity: [2, 0, 0]")
+    outcome, reason = outcome_of(take)
+    assert outcome == "given up"
+    assert "is not fast enough" in reason
+
+
+def test_flight_ends_far_enough_away() -> None:
+    take = take_of("{flee: cart, distance: 3}", "at: [0.8, 0.2, 0.3]", 16.0)
+    assert outcome_of(take)[0] == "done"
+    assert distances(take)[-1] > 3.0
+
+
+def test_who_avoids_something_steps_away_and_stays_there() -> None:
+    take = take_of("{avoid: cart, distance: 1.5}", "at: [0.8, 0.2, 0.3]", 16.0)
+    apart = distances(take)
+    assert apart[0] < 1.0
+    assert apart[-1] > 1.8

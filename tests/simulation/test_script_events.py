@@ -1,0 +1,131 @@
+"""Events that instructions wait for, and what becomes of orders."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.production.run.notes import take_notes
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.event_monitor import convex_distance
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.take import Take
+from pipeline.spec import read_scene
+
+CLOCK = Clock(Fraction(24), 48)
+
+CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+
+
+def take_of(cast: list[str], script: list[str], more: str = "", duration: float = 2.0) -> Take:
+    lines = "".join(f"\n  - {line}" for line in cast)
+    orders = "".join(f"\n  - {line}" for line in script)
+    text = f"pronk: 1\nduration: {duration}\n{more}\ncast:{lines}\nscript:{orders}\n"
+    return simulate(read_scene(text))
+
+
+def given_at(take: Take, text: str) -> float:
+    (step,) = [record.step for record in take.orders if record.text == text]
+    return step / (take.header.steps * float(take.header.rate))
+
+
+BUG = "{name: bug, figure: beetle, walk: {}}"
+
+
+@pytest.mark.parametrize(
+    ("offset", "distance"),
+    [
+        ((3.0, 0.0, 0.0), 2.0),
+        ((2.0, 3.0, 0.0), np.hypot(1.0, 2.0)),
+        ((2.0, 2.0, 2.0), np.sqrt(3.0)),
+        ((0.5, 0.5, 0.5), 0.0),
+    ],
+)
+def test_convex_distance_of_cubes(offset: tuple[float, ...], distance: float) -> None:
+    assert convex_distance(CUBE, CUBE + offset) == pytest.approx(distance, abs=2e-5)
+
+
+def test_convex_distance_of_edge_and_face_is_not_that_of_corners() -> None:
+    edge = np.array([[0.2, 1.5, 0.5], [0.8, 2.5, 0.5]])
+    assert convex_distance(CUBE, edge) == pytest.approx(0.5, abs=2e-5)
+
+
+def test_near_happens_at_the_asked_distance() -> None:
+    cast = [
+        "{name: cart, prop: {shape: box, size: [1, 1, 1]}, at: [0, 0.5, 0], velocity: [1, 0, 0]}",
+        "{name: post, prop: {shape: box, size: [1, 1, 1]}, at: [3, 0.5, 0]}",
+        "{name: bug, figure: beetle, at: [0, 5], walk: {}}",
+    ]
+    script = ["{when: {near: [post, cart], within: 0.5}, who: bug, do: stop}"]
+    # The surfaces are 2 m apart, and 0.5 m after 1.5 s.
+    assert given_at(take_of(cast, script), "stop") == pytest.approx(1.5, abs=0.03)
+
+
+def test_touch_of_two_props_is_an_event() -> None:
+    cast = [
+        "{name: cart, prop: {shape: box, size: [1, 1, 1]}, at: [0, 0.5, 0], velocity: [1, 0, 0]}",
+        "{name: post, prop: {shape: box, size: [1, 1, 1]}, at: [2, 0.5, 0]}",
+        "{name: bug, figure: beetle, at: [0, 5], walk: {}}",
+    ]
+    take = take_of(cast, ["{when: {touch: [cart, post]}, who: bug, do: stop}"])
+    assert given_at(take, "stop") == pytest.approx(1.0, abs=0.03)
+
+
+def test_prop_that_stops_comes_to_rest_once() -> None:
+    keys = "[{at: 0, position: [0, 1, 0]}, {at: 1, position: [1, 1, 0], ease: linear}]"
+    cast = [f"{{name: cart, prop: {{shape: box}}, keyframes: {keys}}}", BUG]
+    script = ["{when: {at_rest: cart}, who: bug, do: stop}"]
+    assert 1.2 < given_at(take_of(cast, script), "stop") < 1.4
+
+
+def test_prop_that_sinks_has_fallen() -> None:
+    keys = (
+        "[{at: 0, position: [0, 2, 0]}, {at: 1, position: [0, 2, 0], ease: linear}, "
+        "{at: 1.4, position: [0, 0.2, 0], ease: linear}]"
+    )
+    cast = [f"{{name: crate, prop: {{shape: box}}, keyframes: {keys}}}", BUG]
+    take = take_of(cast, ["{when: {fell: crate}, who: bug, do: stop}"])
+    assert 1.0 < given_at(take, "stop") < 1.2
+
+
+def test_order_that_waits_in_vain_is_noted() -> None:
+    take = take_of(
+        [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"],
+        [
+            "{when: {near: [bug, post]}, who: bug, do: stop}",
+            "{at: 0.1, who: bug, do: {go_to: [50, 0]}}",
+        ],
+        "terrain: {kind: flat, size: [200, 200]}",
+    )
+    texts = {note.kind: note.text for note in take_notes(take, CLOCK)}
+    assert "bug and post never came within 1 m" in texts["order_never_given"]
+    assert texts["order_cut_off"] == "has not finished go_to [50, 0] at the end of the film"
+
+
+def test_finished_order_is_done_and_leaves_no_note() -> None:
+    take = take_of([BUG], ["{at: 0.1, who: bug, do: {go_to: [1.2, 0]}}"], duration=6.0)
+    (record,) = take.orders
+    assert record.outcome == "done"
+    assert record.end > record.step
+    assert not take_notes(take, CLOCK)
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        ("{when: {near: [bug, bug]}, who: bug, do: stop}", "cannot come near itself"),
+        ("{when: {fell: nobody}, who: bug, do: stop}", "nobody in the cast is called 'nobody'"),
+        ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
+        ("{at: 0, who: post, do: stop}", "people can carry, throw or kick it"),
+        ("{at: 0, who: bug, do: {grab: post}}", "which cannot grab; it can go_to, follow, chase"),
+        ("{at: 0, who: bug, do: {chase: bug}}", "cannot do that to itself"),
+        ("{at: 0, who: bug, do: {go_to: gat}}", "did you mean 'gate'"),
+    ],
+)
+def test_impossible_conditions_and_orders_are_refused(script: str, message: str) -> None:
+    cast = [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"]
+    with pytest.raises(SceneError, match=message):
+        take_of(cast, [script], "places: {gate: [1, 2]}")

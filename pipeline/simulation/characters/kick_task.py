@@ -230,10 +230,12 @@ class KickThing(Task):
             controller.pushed_bodies.append((self.thing, v - thing.v))
         else:
             node = f"{controller.name}.foot_{'lr'[self.foot]}"
-            controller.grip_changes += [
-                GripChange(controller.name, node, self.thing, True),
-                GripChange(controller.name, node, self.thing, False, v),
-            ]
+            controller.grip_changes.extend(
+                [
+                    GripChange(controller.name, node, self.thing, True),
+                    GripChange(controller.name, node, self.thing, False, v),
+                ]
+            )
 
     def _launch(self, controller: PersonController, thing: MemberState) -> Array:
         """Return the velocity (3,) with which the thing leaves the foot [m/s]."""

@@ -221,7 +221,8 @@ class TaskDispatcher:
         target, owner = self._look_targets[k], self._glances[k]
         if owner < 0:
             owner = getattr(self._tasks[k], "owner", NOBODY)
-        name = self._tasks[k].members[:1] if owner < 0 and self._tasks[k] is not None else ()
+        task = self._tasks[k]
+        name = task.members[:1] if owner < 0 and task is not None else ()
         if isinstance(target, str):
             number = self.view.owner(target)
             is_own = number >= 0

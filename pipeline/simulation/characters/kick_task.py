@@ -42,8 +42,8 @@ HIGHEST_KICK = 0.4  # of what is kicked above the ground, in leg lengths
 BACKSWING_TIME, RECOVERY_TIME = 0.2, 0.16  # [s]
 SLOWEST_FOOT, FASTEST_FOOT = 2.5, 12.0  # of the visible swing [m/s]
 KICK_PATIENCE = 15.0  # of all [s]
-BACK, FORWARD = (-0.45, 0.28), (0.62, 0.42)
-"""Ends of the swing from below the hip: ahead and above the ground, in leg lengths."""
+BACK, FORWARD = (-0.45, 0.28), (0.45, 0.35)
+"""Ends of the swing, ahead of the hip and of the impact, and above the ground, in leg lengths."""
 
 
 @dataclass
@@ -172,16 +172,16 @@ class KickThing(Task):
         person.has_facing, person.facing = True, math.atan2(-along[1], along[0])
         hip = np.array(person.targets[HIP + k])
         ahead = np.array([along[0], 0.0, along[1]])
-        ends = []
-        for part, height in (BACK, FORWARD):
-            end = hip + part * leg * ahead
-            end[1] = floor + float(person.ankle) + height * leg
-            ends.append(end)
+        back = hip + BACK[0] * leg * ahead
+        back[1] = floor + float(person.ankle) + BACK[1] * leg
         half = 0.5 * float(np.ptp(_points(thing) @ ahead))
         impact = thing.centre - (half + FOOT_LENGTH * person.height) * ahead
         highest = floor + HIGHEST_KICK * leg
         impact[1] = min(max(float(thing.centre[1]), floor + float(person.ankle)), highest)
-        self.path = (np.array(person.ankles[k]), ends[0], impact, ends[1])
+        # The body goes on meanwhile.
+        end = impact + FORWARD[0] * leg * ahead
+        end[1] = floor + float(person.ankle) + FORWARD[1] * leg
+        self.path = (np.array(person.ankles[k]), back, impact, end)
         person.kick_foot = k
         person.kick_place[:], person.kick_velocity[:] = self.path[0], 0.0
         person.kick_pitch = 0.0

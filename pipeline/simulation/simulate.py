@@ -87,9 +87,12 @@ class Simulation:
         Raises:
             SceneError: if its performer cannot carry it out; the state is unchanged.
         """
+        problems = self._members.problems(instruction, COMMAND)
         refusal = refusal_of_handling(instruction.do, self._scene, self.world.directed)
         if refusal is not None:
-            raise SceneError([Problem(COMMAND, refusal)])
+            problems.append(Problem(COMMAND, refusal))
+        if problems:
+            raise SceneError(problems)
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)

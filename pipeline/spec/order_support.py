@@ -139,7 +139,7 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         return
     if performer not in VERBS[key].performers:
         can = ", ".join(verbs_of(performer))
-        message = f"'{name}' is {PERFORMERS[performer]}, which cannot {key}; it can {can}"
+        message = f"'{name}' is {PERFORMERS[performer]}, for which {key} is no order; write {can}"
         yield _at_order(do, key, order, message)
         return
     for field, fitting in VERBS[key].targets.items():

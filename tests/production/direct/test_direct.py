@@ -107,7 +107,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         (
             {"who": "roo", "do": {"gait": "trot"}},
             "do.gait",
-            "hops, which cannot gait",
+            "hops, for which gait is no order",
         ),
         (
             {"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}},

@@ -285,7 +285,12 @@ def test_later_order_does_not_change_earlier_motion() -> None:
 @pytest.mark.parametrize(
     ("script", "config", "path", "message"),
     [
-        ("do: walk", "", "script[0].do", "'ada' is a dancer, which cannot walk; it can look_at"),
+        (
+            "do: walk",
+            "",
+            "script[0].do",
+            "'ada' is a dancer, for which walk is no order; write look_at",
+        ),
         ("do: {go_to: [1, 1]}", "", "script[0].do.go_to", "'ada' is a dancer"),
         ("do: {dance: autt}", "", "script[0].do.dance", "no dance is called 'autt', "),
         ("do: {reach: tor}", "", "script[0].do.reach", "give the place of 'tor', [x, y, z]"),
@@ -339,7 +344,7 @@ def test_script_and_pose_round_trip() -> None:
 
 
 def test_dance_order_needs_dancer() -> None:
-    with pytest.raises(SceneError, match="is a creature that walks, which cannot dance"):
+    with pytest.raises(SceneError, match="is a creature that walks, for which dance is no order"):
         read_scene(
             "pronk: 1\nduration: 1\ncast: [{figure: beetle, name: a, walk: {}}]\n"
             "script: [{at: 0.5, who: a, do: dance}]\n"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem
+from pipeline.simulation.convex_distance import box_distance, nearest_points
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
@@ -60,6 +61,19 @@ class MemberState:
         level = max(float(np.hypot(dx, dz)) - self.radius - other.radius, 0.0)
         rise = max(float(other.low[1] - self.high[1]), float(self.low[1] - other.high[1]), 0.0)
         return float(np.hypot(level, rise))
+
+    def nearest(self, place: Array) -> Array:
+        """Returns the point (3,) of its solids that is nearest to a place (3,) [m]."""
+        point, least = self.centre, np.inf
+        nearness = [(box_distance(solid, place[None]), k) for k, solid in enumerate(self.solids)]
+        for bound, k in sorted(nearness):
+            if bound >= least:
+                break
+            found, _ = nearest_points(self.solids[k], place[None])
+            distance = float(np.linalg.norm(found - place))
+            if distance < least:
+                point, least = found, distance
+        return point
 
 
 class Members:

@@ -75,7 +75,10 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
     ground = build_ground(scene.terrain, scene.seed)
     detect = scene.sound.detect
-    world = World(ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed)
+    places = _places(scene, ground)
+    world = World(
+        ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed, places
+    )
     figures = figures_of(scene)
     troupes = troupes_of(scene, figures, world)
     inventories = [troupe.inventory for troupe in troupes]
@@ -94,7 +97,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
-    members = Members(recorder, names, obstacles, _places(scene, ground))
+    members = Members(recorder, names, obstacles, places)
     _refuse_unknown_parts(scene, members)
     monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)

@@ -41,6 +41,7 @@ class World:
         moods: moods by name.
         detect: thresholds of the sound detectors.
         directed: whether further instructions may arrive while the simulation runs.
+        places: named places (3,) of the scene [m].
     """
 
     ground: Ground
@@ -50,6 +51,7 @@ class World:
     moods: Mapping[str, Mood] = field(default_factory=dict)
     detect: Detect = field(default_factory=Detect)
     directed: bool = False
+    places: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -241,6 +241,18 @@ def test_ordered_hand_reaches_its_place_until_let_go(by: str) -> None:
 
 
 @EACH_CONTROLLER
+@pytest.mark.parametrize("place", ["shelf", "[0.4, 1.3, 0.35]"])
+def test_ordered_hand_is_at_its_place_when_the_order_is_done(by: str, place: str) -> None:
+    order = f"{{at: 1, who: ada, do: {{reach: {place}}}}}"
+    more = "places: {shelf: [0.4, 1.3, 0.35]}"
+    simulation = build_simulation(order, config=f"controller: {by}", duration=4.0, more=more)
+    while not (ended := simulation.order_log.ended):
+        simulation.step()
+    assert [record.outcome for record in ended] == ["done"]
+    assert is_close(run_until(simulation, ada(simulation).now)[0], (0.4, 1.3, 0.35), 0.06)
+
+
+@EACH_CONTROLLER
 def test_posed_joint_holds_its_angle_until_released(by: str) -> None:
     pose = (
         "[{at: 1.5, limb: arm_l, reach: [0.4, 1.4, -0.3]}, "

@@ -245,9 +245,9 @@ class SoundEvent:
 
 @dataclass(frozen=True, slots=True)
 class TakeNote:
-    """A message to the author: stopped, toppled, dropped, clamped, drawn, rigid, or an order note.
+    """A message to the author: stopped, toppled, dropped, clamped, drawn or rigid.
 
-    `drawn` is about a likely mistake in a figure's drawing; see `ORDER_NOTES` for the others.
+    `drawn` is about a likely mistake in a figure's drawing. Orders have records instead.
     """
 
     kind: str

@@ -178,8 +178,8 @@ class Characters(Troupe):
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
         for controller in self.dispatcher.controllers:
-            for name, change in controller.pushed_bodies:
-                self.solid_tracker.push(name, change)
+            for name, v in controller.kicked_bodies:
+                self.solid_tracker.set_velocity(name, v)
         before = self.arrays.p[self._balls]
         self.move()
         self._roll_balls(before)

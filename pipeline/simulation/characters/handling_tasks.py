@@ -215,7 +215,8 @@ class ThrowAt(TargetTask):
                 for k in self.grip:
                     controller.record.arm_mode[k] = SWINGING
                 controller.record.has_facing = False
-            return self.time > OPENING_TIME
+                self.failure = self._shortfall_text()
+            return self.time > OPENING_TIME and not self.failure
         hands = controller.hands_holding(self.thing)
         if not hands:
             self.failure = f"does not hold '{self.thing}'"
@@ -272,12 +273,12 @@ class ThrowAt(TargetTask):
         for k in self.grip:
             controller.put_hand(k, controller.hand(k))
         self.is_thrown, self.leads_hands, self.time = True, False, 0.0
-        if self.shortfall > 0.0:
-            size = float(np.hypot(offset[0], offset[2]))
-            controller.notes.append(
-                f"throws '{self.thing}' as far as it can, about {size - self.shortfall:.1f} m of "
-                f"{size:.1f} m"
-            )
+
+    def _shortfall_text(self) -> str:
+        """Return that a throw fell short, "" if it did not."""
+        if self.shortfall == 0.0:
+            return ""
+        return f"threw it as hard as it can, which falls {self.shortfall:.1f} m short"
 
     def _strength(self, controller: PersonController) -> float:
         """Return the speed of a throw, as a fraction of that of a light thing."""

@@ -227,7 +227,7 @@ class KickThing(Task):
         if owner >= 0:
             view.set_velocity(owner, v)
         elif self.thing in view.body_masses:
-            controller.pushed_bodies.append((self.thing, v - thing.v))
+            controller.kicked_bodies.append((self.thing, v))
         else:
             node = f"{controller.name}.foot_{'lr'[self.foot]}"
             controller.grip_changes.extend(

@@ -188,9 +188,8 @@ class PersonController:
         view: all characters.
         held_members: members of other rooms in its hands, by the number of the hand.
         grip_changes: of this step.
-        pushed_bodies: bodies of another room that it kicks in this step, and their change of
-            velocity (3,) [m/s].
-        notes: for the author, of this step.
+        kicked_bodies: bodies of another room that it kicks in this step, and their velocities
+            (3,) from then on [m/s].
         avoided: distance at which it keeps off targets, by name [m].
     """
 
@@ -199,8 +198,7 @@ class PersonController:
     view: CharacterView
     held_members: dict[int, str] = field(default_factory=dict)
     grip_changes: list[GripChange] = field(default_factory=list)
-    pushed_bodies: list[tuple[str, Array]] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    kicked_bodies: list[tuple[str, Array]] = field(default_factory=list)
     avoided: dict[str, float] = field(default_factory=dict)
 
     @property

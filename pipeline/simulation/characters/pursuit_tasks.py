@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_tasks import (
+    BLOCKED_TIME,
     Task,
     place_text,
     take_route,
@@ -24,7 +25,8 @@ from pipeline.simulation.characters.visibility_route import Route
 ARRIVAL_TOLERANCE = 0.06  # of the distance to a surface [m]
 SETTING_OUT = 0.3  # by which a target moves off before a follower sets out again [m]
 CLOSING_RATE = 0.8  # speed of a follower beyond that of its target, by the distance [1/s]
-LEAD_TIME = 0.6  # for which a chaser looks ahead at most [s]
+LEAD_TIME = 0.6  # for which one who goes after a target looks ahead at most [s]
+CHASE_PATIENCE = 5.0  # without getting nearer to what is chased [s]
 TOUCH_RANGE = 0.09  # of a hand that touches, in heights
 TOUCH_LEVEL = 0.4  # of a place that hands touch in running; feet run up to lower ones, in heights
 FLIGHT_DISTANCE = 4.0  # to the next place of refuge [m]
@@ -113,7 +115,8 @@ class FollowTarget(TargetTask):
         speed = math.hypot(state.v[0], state.v[2])
         self.pace = min(speed + CLOSING_RATE * max(left, 0.0), controller.best_pace)
         if left > (ARRIVAL_TOLERANCE if controller.record.has_goal else SETTING_OUT):
-            self.walk_to(controller, place, stop)
+            # Where it will be: one who heads for where it is slows down behind it.
+            self.walk_to(controller, place + LEAD_TIME * state.v, stop)
         elif controller.is_standing:
             controller.face_to(state.centre)
         else:
@@ -156,9 +159,12 @@ class ChaseTarget(TargetTask):
             return True
         lead = min(distance / self.pace, LEAD_TIME)
         self.walk_to(controller, place + lead * state.v, 0.0)
-        # One who never runs slower than it flees is chased until the film ends.
-        if self.progress.update(distance, dt, person.at) > 4.0 and not person.frozen:
+        if person.frozen:
+            return False
+        if self.progress.update(distance, dt, person.at) > BLOCKED_TIME:
             self.failure = f"the way is blocked at {place_text(controller)}"
+        elif self.progress.idle_time > CHASE_PATIENCE:
+            self.failure = f"is not fast enough; still {distance:.2g} m off"
         return False
 
 
@@ -191,7 +197,7 @@ class FleeTarget(TargetTask):
         away = at - place[[0, 2]] - 0.4 * state.v[[0, 2]]
         goal = refuge(at, low, high, away, FLIGHT_DISTANCE)
         self.walk_to(controller, np.array([goal[0], 0.0, goal[1]]), 0.0)
-        if self.progress.update(-gap, dt, at) > 4.0 and not person.frozen:
+        if self.progress.update(-gap, dt, at) > BLOCKED_TIME and not person.frozen:
             self.failure = f"is cornered at {place_text(controller)}, {gap:.1f} m from it"
         return False
 

@@ -208,12 +208,15 @@ class SolidTracker:
             for name in (obstacle.performer, obstacle.name)
         }
 
-    def push(self, name: str, change: Array) -> None:
-        """Change the velocity of a movable member by an impulse at its centre [m/s]."""
+    def set_velocity(self, name: str, v: Array) -> None:
+        """Give a movable member a velocity (3,) by an impulse at its centre [m/s].
+
+        What has touched it before, such as the foot that kicks it, adds nothing.
+        """
         for obstacle, solid in zip(self.obstacles, self.solids.bodies, strict=True):
             if name in (obstacle.performer, obstacle.name) and solid["inverse_mass"] > 0.0:
-                solid["impulse"] += change / solid["inverse_mass"]
-                solid["v"] += change
+                solid["impulse"] += (v - solid["v"]) / solid["inverse_mass"]
+                solid["v"] = v
 
     def update(
         self, motion: SolidMotion, characters: Sequence[Array], held: Collection[str] = ()

@@ -37,7 +37,6 @@ from pipeline.simulation.characters.pursuit_tasks import (
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
-from pipeline.simulation.take import TakeNote
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
 from pipeline.spec.keyframes import PoseKey
@@ -160,8 +159,7 @@ class TaskDispatcher:
         self._steps += 1
         for k, controller in enumerate(self.controllers):
             controller.grip_changes.clear()
-            controller.pushed_bodies.clear()
-            controller.notes.clear()
+            controller.kicked_bodies.clear()
             controller.end_distant_embrace()
             task = self._tasks[k]
             if task is not None and not self._waits[k]:
@@ -202,15 +200,11 @@ class TaskDispatcher:
         self._ordered[k] = False
 
     def facts(self) -> Facts:
-        """Return what people did in the last step: orders ended, grips and notes."""
-        notes = (
-            (controller.name, text) for controller in self.controllers for text in controller.notes
-        )
+        """Return what people did in the last step: orders ended, and grips."""
         return Facts(
             arrived=tuple(self._arrived),
             outcomes=tuple(self._outcomes),
             grips=tuple(change for one in self.controllers for change in one.grip_changes),
-            notes=tuple(TakeNote("order_in_part", self._steps, *note) for note in notes),
         )
 
     def _persists(self, k: int) -> bool:

@@ -36,6 +36,8 @@ STANCE_REACH = 0.16  # of the hip behind the place of the kick, in leg lengths
 MISALIGNMENT = math.radians(25.0)  # of the run-up, beyond which it starts again
 START_RANGE = 0.4  # of the place to kick from, within which the foot swings, in leg lengths
 HIT_RANGE = 0.22  # of the foot from the surface that counts as a hit [m]
+BUMP_SPEED = 0.5  # gained in a step by what the leg has met before its time [m/s]
+BUMP_RANGE = 0.6  # of the foot from what it has met so, in leg lengths
 KICK_LIFT = 0.14  # tangent of the elevation of a kick that rolls
 STEEPEST_KICK = 0.6  # tangent of the elevation of a kick that flies
 HIGHEST_KICK = 0.4  # of what is kicked above the ground, in leg lengths
@@ -59,6 +61,7 @@ class KickThing(Task):
         time: since the start, and since the foot swings [s].
         swings: whether the foot swings.
         is_hit: whether it has met the thing.
+        before: (3,) velocity of the thing a step before; None before the foot comes forward [m/s].
         is_over: whether the foot is back.
         route: around obstacles and the thing.
         progress: of the walk.
@@ -73,6 +76,7 @@ class KickThing(Task):
     is_behind: bool = False
     swings: bool = False
     is_hit: bool = False
+    before: Array | None = None
     is_over: bool = False
     route: Route = field(default_factory=Route)
     progress: TaskProgress = field(default_factory=TaskProgress)
@@ -206,19 +210,25 @@ class KickThing(Task):
             share = 1.0 - (1.0 - min((time - there) / on, 1.0)) ** 2
             place, pitch = impact + share * (end - impact), -0.1
         person.kick_velocity[:], person.kick_pitch = (place - person.kick_place) / dt, pitch
-        if time >= there and not self.is_hit:
-            self._hit(controller, thing)
+        if not self.is_hit and time >= 0.0:
+            # A toe or a knee meets what is wide or tall before the instep does.
+            gain = 0.0 if self.before is None else float(np.linalg.norm(thing.v - self.before))
+            self.before = thing.v
+            if gain > BUMP_SPEED:
+                self._hit(controller, thing, BUMP_RANGE * float(person.hip_height))
+            elif time >= there:
+                self._hit(controller, thing, HIT_RANGE)
         if time > there + on + RECOVERY_TIME:
             self.put_foot_down(controller)
 
-    def _hit(self, controller: PersonController, thing: MemberState) -> None:
-        """Set the thing in motion where the foot meets it."""
+    def _hit(self, controller: PersonController, thing: MemberState, reach: float) -> None:
+        """Set the thing in motion if the foot is within a distance of it [m]."""
         view, person = controller.view, controller.record
         self.is_hit = True
         controller.stop()
         foot = view.p[int(person.node) + FOOT + self.foot]
         gap = float(np.linalg.norm(thing.nearest(foot) - foot))
-        if gap > HIT_RANGE:
+        if gap > reach:
             self.failure = f"misses it by {gap:.2f} m at {place_text(controller)}"
             self.put_foot_down(controller)
             return

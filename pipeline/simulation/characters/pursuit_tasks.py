@@ -23,6 +23,7 @@ from pipeline.simulation.characters.terrain_edge import refuge
 from pipeline.simulation.characters.visibility_route import Route
 
 ARRIVAL_TOLERANCE = 0.06  # of the distance to a surface [m]
+EASING = 0.2  # distance too much below which a follower slows down to the target's speed [m]
 SETTING_OUT = 0.3  # by which a target moves off before a follower sets out again [m]
 CLOSING_RATE = 0.8  # speed of a follower beyond that of its target, by the distance [1/s]
 LEAD_TIME = 0.6  # for which one who goes after a target looks ahead at most [s]
@@ -116,7 +117,8 @@ class FollowTarget(TargetTask):
         self.pace = min(speed + CLOSING_RATE * max(left, 0.0), controller.best_pace)
         if left > (ARRIVAL_TOLERANCE if controller.record.has_goal else SETTING_OUT):
             # Where it will be: one who heads for where it is slows down behind it.
-            self.walk_to(controller, place + LEAD_TIME * state.v, stop)
+            lead = LEAD_TIME * min(max(left / EASING, 0.0), 1.0)
+            self.walk_to(controller, place + lead * state.v, stop)
         elif controller.is_standing:
             controller.face_to(state.centre)
         else:

@@ -53,13 +53,34 @@ script:
   - {at: 0, who: hal, do: {go_to: spot}}
 """
 
-KICK = """pronk: 1
+KICKS = """pronk: 1
 duration: 3
 cast:
   - {name: bob, character: adult, at: [0, 8]}
+  - {name: amy, character: child, at: [0, 0]}
+  - {name: rock, body: {shape: cube, size: 0.25, density: 2600}, at: [2, 0.126, 4]}
   - {name: football, body: {shape: sphere, radius: 0.11, density: 80}, at: [1.5, 0.111, 8]}
+  - {name: balloon, body: {shape: sphere, radius: 0.25, density: 40}, at: [1.5, 0.251, 0]}
+  - {name: stool, prop: {shape: box, size: [0.45, 0.45, 0.45]}, at: [-6, 0.225, 6.5]}
 script:
   - {at: 0, who: bob, do: {kick: football, to: [6, 0, 10], speed: 6}}
+  - {at: 0, who: amy, do: {kick: balloon, speed: 6}}
+"""
+
+OUT_OF_REACH = """pronk: 1
+duration: 6
+cast:
+  - {name: amy, character: child, at: [0, 0]}
+  - {name: bob, character: adult, at: [-2, 4]}
+  - {name: kid, character: child, at: [-2, 8]}
+  - {name: marble, body: {shape: sphere, radius: 0.06, density: 400}, at: [0.6, 0.061, 0]}
+  - {name: cart, prop: {shape: box, size: [0.4, 0.4, 0.4]}, at: [0, 0.2, 4], velocity: [0.9, 0, 0]}
+  - {name: car, prop: {shape: box, size: [0.4, 0.4, 0.4]}, at: [0, 0.2, 8], velocity: [6, 0, 0]}
+script:
+  - {at: 0, who: amy, do: {grab: marble}}
+  - {when: {arrived: amy}, who: amy, do: {throw: marble, to: [14, 0, 0]}}
+  - {at: 0, who: bob, do: {follow: cart, gap: 0.8}}
+  - {at: 0, who: kid, do: {chase: car}}
 """
 
 
@@ -135,16 +156,37 @@ def test_people_walk_up_to_members_and_to_places_by_name() -> None:
     assert len(course().arrived["hal"]) == 1
 
 
-def test_a_kick_sends_a_body_off_in_its_direction() -> None:
-    simulation, fastest = Simulation(read_scene(KICK)), 0.0
+def test_kicks_send_bodies_off_in_their_direction() -> None:
+    simulation, fastest = Simulation(read_scene(KICKS)), {"football": 0.0, "balloon": 0.0}
     while not simulation.finished:
         simulation.step()
         simulation._members.update(simulation.last_row())
-        fastest = max(fastest, float(np.linalg.norm(simulation._members.state("football").v)))
+        for name, speed in fastest.items():
+            v = simulation._members.state(name).v
+            fastest[name] = max(speed, float(np.linalg.norm(v)))
     # Nearly as fast as the foot, and past the target.
-    assert 5.0 < fastest < 6.5
+    assert 5.0 < fastest["football"] < 6.5
     path = node_path(simulation, "football")[:, [0, 2]]
     assert np.hypot(*(path - [6.0, 10.0]).T).min() < 0.3
+    # The toes that meet a wide ball first add nothing to the kick.
+    assert 4.0 < fastest["balloon"] < 6.5
+    (kick,) = [order for order in simulation.take().orders if order.who == "amy"]
+    assert kick.outcome == "done"
+
+
+def test_throws_and_chases_beyond_ones_strength_are_given_up() -> None:
+    simulation = Simulation(read_scene(OUT_OF_REACH))
+    while not simulation.finished:
+        simulation.step()
+    orders = {order.text.split()[0]: order for order in simulation.take().orders}
+    assert "as hard as it can" in orders["throw"].reason
+    # It flies nevertheless.
+    assert node_path(simulation, "marble")[:, 0].max() > 5.0
+    assert orders["chase"].reason.startswith("is not fast enough")
+    assert orders["chase"].end < simulation.world.clock.last_step
+    # The follower walks on behind the cart, which is half as wide as 0.4 m.
+    follower, cart = troupe_of(simulation).persons[1], node_path(simulation, "cart")[-1, 0]
+    assert cart - 0.2 - float(follower["at"][0]) == pytest.approx(0.8 + 0.17 * 1.72, abs=0.25)
 
 
 def test_a_grabbed_body_is_handed_over_and_thrown() -> None:

@@ -102,7 +102,7 @@ def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -
 
     kept = _directed(transport_for(None, 0, LOOPBACK), tmp_path, client)
     _assert_complete(kept)
-    assert reset or read_take(kept.take).told[0].text == "turn_deg 90"
+    assert reset or read_take(kept.take).orders[0].text == "turn_deg 90"
 
 
 def test_browsers_are_refused(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
 from pipeline.simulation.event_detection import EventDetection
 from pipeline.simulation.event_monitor import EventMonitor
+from pipeline.simulation.ground_places import GroundPlaces
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import NodeAlias
 from pipeline.simulation.members import Members
@@ -43,6 +44,7 @@ class Assembly:
         aliases: names of drawing nodes for the nodes of creatures.
         script: instructions of the scene.
         members: where all members of the cast are.
+        ground_places: refuses places off the terrain.
         monitor: tests the conditions that instructions wait for.
         detection: detectors of sound events.
         coupling: the troupe that hits obstacles and its obstacles, None without any.
@@ -55,6 +57,7 @@ class Assembly:
     aliases: tuple[NodeAlias, ...]
     script: Script
     members: Members
+    ground_places: GroundPlaces
     monitor: EventMonitor
     detection: EventDetection
     coupling: ContactCoupling | None
@@ -74,6 +77,9 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     """
     clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
     ground = build_ground(scene.terrain, scene.seed)
+    places = _places(scene, ground)
+    ground_places = GroundPlaces(scene, ground, places)
+    ground_places.refuse_off_terrain()
     detect = scene.sound.detect
     world = World(ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed)
     figures = figures_of(scene)
@@ -94,7 +100,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
-    members = Members(recorder, names, obstacles, _places(scene, ground))
+    members = Members(recorder, names, obstacles, places)
     monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)
     scheduler = RowScheduler(
@@ -107,6 +113,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
         aliases=aliases,
         script=script,
         members=members,
+        ground_places=ground_places,
         monitor=monitor,
         detection=detection,
         coupling=coupling,

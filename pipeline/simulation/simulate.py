@@ -12,6 +12,7 @@ from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.order_log import OrderLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
+from pipeline.simulation.start_overlaps import overlap_notes
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.group import Group
@@ -49,7 +50,9 @@ class Simulation:
         self.script, self.coupling, self.scheduler = parts.script, parts.coupling, parts.scheduler
         self.aliases = parts.aliases
         self._members, self._monitor = parts.members, parts.monitor
+        self._ground_places = parts.ground_places
         self._detection = parts.detection
+        self._cast = scene.cast
         groups = [member.name for member in scene.cast if isinstance(member, Group)]
         self._order_log = OrderLog(groups)
         self.step_number = 0
@@ -83,8 +86,10 @@ class Simulation:
         """Adds an instruction from outside; one without delay is given in the next step.
 
         Raises:
-            SceneError: if its performer cannot carry it out; the state is unchanged.
+            SceneError: if its performer cannot carry it out, or it leads off the terrain; the
+                state is unchanged.
         """
+        self._ground_places.refuse_order(instruction, COMMAND)
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)
@@ -96,6 +101,8 @@ class Simulation:
 
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
+        self._members.update(0)
+        self.recorder.add_facts((), (), overlap_notes(self._cast, self._members, self.recorder))
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         self._order_log.finish(self.step_number, self.script.never_given)
         return replace(

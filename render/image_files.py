@@ -15,9 +15,13 @@ from PIL import Image, PngImagePlugin
 
 from pipeline.atomic_file import replaced_when_complete
 from render.errors import FrameFileError
+from render.picture_levels import PictureLevels
 
 KEY = "pronk-key"
 """Name of the text chunk or attribute that holds the key."""
+
+LEVELS = "pronk-levels"
+"""Name of the text chunk or attribute that holds the levels of the picture."""
 
 _LEVEL = 1
 """Deflate level: on rendered frames a tenth larger than level 3, in half the time."""
@@ -25,7 +29,13 @@ _LEVEL = 1
 _PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
 
-def write_png(path: Path, srgb8: NDArray[np.uint8], key: str, level: int = _LEVEL) -> None:
+def write_png(
+    path: Path,
+    srgb8: NDArray[np.uint8],
+    key: str,
+    level: int = _LEVEL,
+    levels: PictureLevels | None = None,
+) -> None:
     """Write an 8-bit sRGB image (H, W, 3) as PNG, completely or not at all.
 
     Args:
@@ -33,6 +43,7 @@ def write_png(path: Path, srgb8: NDArray[np.uint8], key: str, level: int = _LEVE
         srgb8: the image.
         key: stored in the file, for `read_key`.
         level: of deflate, 9 for the smallest file.
+        levels: stored in the file, for `read_levels`.
 
     Raises:
         FrameFileError: it could not be written.
@@ -40,6 +51,8 @@ def write_png(path: Path, srgb8: NDArray[np.uint8], key: str, level: int = _LEVE
     info = PngImagePlugin.PngInfo()
     info.add(b"sRGB", b"\0")
     info.add_text(KEY, key)
+    if levels is not None:
+        info.add_text(LEVELS, str(levels))
     with _image_file(path) as temporary:
         iio.imwrite(temporary, srgb8, plugin="pillow", compress_level=level, pnginfo=info)
 
@@ -56,8 +69,16 @@ def read_png(path: Path) -> NDArray[np.uint8]:
         raise FrameFileError(f"{path} is no readable image: {error}; render it again") from error
 
 
-def write_exr(path: Path, light: NDArray[np.float32], key: str) -> None:
+def write_exr(
+    path: Path, light: NDArray[np.float32], key: str, levels: PictureLevels | None = None
+) -> None:
     """Write linear light (H, W, 3) as EXR of 16-bit floats, completely or not at all.
+
+    Args:
+        path: of the file.
+        light: the image.
+        key: stored in the file, for `read_key`.
+        levels: stored in the file, for `read_levels`.
 
     Raises:
         FrameFileError: it could not be written.
@@ -68,6 +89,8 @@ def write_exr(path: Path, light: NDArray[np.float32], key: str) -> None:
         "type": OpenEXR.scanlineimage,
         KEY: key,
     }
+    if levels is not None:
+        header[LEVELS] = str(levels)
     with _image_file(path) as temporary, OpenEXR.File(header, {"RGB": half}) as file:
         file.write(str(temporary))
 
@@ -90,6 +113,21 @@ def read_key(path: Path) -> str | None:
     """Return the key of a PNG or EXR image; None if it has none, is torn or is missing."""
     try:
         return _exr_key(path) if path.suffix == ".exr" else _png_key(path)
+    except (OSError, SyntaxError, ValueError, RuntimeError):
+        return None
+
+
+def read_levels(path: Path) -> PictureLevels | None:
+    """Return the levels stored in a PNG or EXR image; None if it has none or is missing."""
+    try:
+        if path.suffix == ".exr":
+            path.stat()
+            with OpenEXR.File(str(path), header_only=True) as file:
+                text = file.header().get(LEVELS)
+        else:
+            with Image.open(path) as image:
+                text = image.info.get(LEVELS)
+        return PictureLevels.read(text) if isinstance(text, str) else None
     except (OSError, SyntaxError, ValueError, RuntimeError):
         return None
 

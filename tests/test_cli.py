@@ -380,7 +380,7 @@ def test_a_starter_scene_is_valid_and_not_overwritten(pronk: Pronk, folder: Path
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip the pictures of figures, which take seconds."""
-    monkeypatch.setattr("pipeline.production.reports.figure_sheet.figure_svg", lambda _: "<svg/>")
+    monkeypatch.setattr("pipeline.production.reports.figure_sheet.figure_svg", lambda *_: "<svg/>")
     monkeypatch.setattr("pipeline.production.reports.plot_files.png_of", lambda _: b"")
 
 

@@ -10,6 +10,7 @@ import pytest
 from pipeline.production.reports.figure_sheet import drawn_figures
 from pipeline.simulation.figure_analysis import check_figure
 from pipeline.spec import read_scene
+from pipeline.spec.verbs import verb_table
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
@@ -18,9 +19,9 @@ WALKER = "cast: [{name: mare, figure: horse, walk: {}}]\n"
 
 
 def blocks() -> list[tuple[str, str]]:
-    """Return (name, YAML text) of the scenes in README.md and docs/scenes.md."""
+    """Return (name, YAML text) of the scenes in the README and the pages on the language."""
     found = []
-    for page in (ROOT / "README.md", ROOT / "docs" / "scenes.md"):
+    for page in (ROOT / "README.md", ROOT / "docs" / "scenes.md", ROOT / "docs" / "scripts.md"):
         texts = BLOCK.findall(page.read_text(encoding="utf-8"))
         found += [(f"{page.name} {n}", text) for n, text in enumerate(texts, start=1)]
     return found
@@ -32,6 +33,10 @@ def test_documented_scenes_are_valid(name: str, text: str) -> None:
     header = "" if text.startswith("pronk:") else "pronk: 1\nduration: 40\n"
     scene = read_scene(header + text + ("" if "cast:" in text else WALKER), name)
     assert scene.cast
+
+
+def test_the_documented_orders_are_those_of_the_language() -> None:
+    assert verb_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
 
 
 def figure_blocks() -> list[str]:

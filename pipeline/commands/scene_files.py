@@ -53,7 +53,7 @@ def check(
         scene = options.scene(name)
         reporter.result(f"{name}: {check_scene(scene, reporter, name, simulate, strict)}")
         for remark in figure_remarks(scene):
-            reporter.note(f"note: {remark.problem}", detail=not remark.is_fault)
+            reporter.note(f"note: {remark.problem}", detail=simulate or not remark.is_fault)
 
     options.run_each(scenes, examine)
 

@@ -81,7 +81,9 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     ground_places = GroundPlaces(scene, ground, places)
     ground_places.refuse_off_terrain()
     detect = scene.sound.detect
-    world = World(ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed)
+    world = World(
+        ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed, places
+    )
     figures = figures_of(scene)
     troupes = troupes_of(scene, figures, world)
     inventories = [troupe.inventory for troupe in troupes]
@@ -96,11 +98,12 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     for troupe in troupes:
         troupe.bind(recorder.nodes, recorder.meshes, names)
     if pushed is not None:
-        _refuse_late_carriers(pushed, troupes, attachments, recorder)
+        _refuse_late_carriers(pushed, troupes, attachments)
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
     members = Members(recorder, names, obstacles, places)
+    _refuse_unknown_parts(scene, members)
     monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)
     scheduler = RowScheduler(
@@ -122,7 +125,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
 
 
 def _refuse_late_carriers(
-    pushed: Troupe, troupes: Sequence[Troupe], attachments: Sequence[Attachment], recorder: Recorder
+    pushed: Troupe, troupes: Sequence[Troupe], attachments: Sequence[Attachment]
 ) -> None:
     """Refuses that bodies go with what is itself attached to bodies.
 
@@ -130,13 +133,33 @@ def _refuse_late_carriers(
         SceneError: if any does.
     """
     _, late = split_attachments(attachments, node_range(troupes, pushed))
-    for attachment in late:
-        if not set(pushed.carriers).isdisjoint(attachment.nodes.tolist()):
-            message = (
-                f"things that may fall cannot go with '{attachment.name}', which goes with "
-                f"another such thing or a body; name that one instead"
-            )
-            raise SceneError([Problem("cast", message)])
+    problems = [
+        Problem(
+            pushed.carriers[node],
+            f"'{attachment.name}' goes with a body itself, and nothing that falls can go with it; "
+            f"name that body",
+        )
+        for attachment in late
+        for node in attachment.nodes.tolist()
+        if node in pushed.carriers
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _refuse_unknown_parts(scene: Scene, members: Members) -> None:
+    """Refuses instructions that name parts which members do not have.
+
+    Raises:
+        SceneError: if any does.
+    """
+    problems = [
+        problem
+        for i, instruction in enumerate(scene.script)
+        for problem in members.problems(instruction, f"script[{i}]")
+    ]
+    if problems:
+        raise SceneError(problems)
 
 
 def _places(scene: Scene, ground: Ground) -> dict[str, Array]:

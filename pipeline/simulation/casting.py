@@ -53,7 +53,7 @@ def figures_of(scene: Scene) -> dict[str, Figure]:
 
 def drawing_notes(figures: Mapping[str, Figure]) -> list[TakeNote]:
     """Returns notes on likely mistakes in the drawings of creatures, once for each figure."""
-    owners = {figure.name: name for name, figure in reversed(figures.items())}
+    owners = {figure.name: name for name, figure in reversed(list(figures.items()))}
     return [
         TakeNote("drawn", 0, f"{name}.{remark.node}", remark.text)
         for name, figure in figures.items()

@@ -76,6 +76,7 @@ class ContactCoupling:
             turn(here.R, speeds[:, 3:]),
             recorder.alive[row, nodes],
             np.ones(len(nodes), dtype=bool),
+            np.zeros(len(nodes), dtype=bool),
         )
         if self.owner is not None:
             motion = motion.joined(self.owner.solid_motion().selected(self._movable))

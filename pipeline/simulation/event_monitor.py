@@ -12,12 +12,11 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.convex_distance import box_distance, convex_distance
 from pipeline.simulation.members import Members, MemberState
 from pipeline.simulation.script import Event
-from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Facts
@@ -53,9 +52,6 @@ LIMITS = EventLimits()
 
 CONDITIONS = ("touch", "near", "fell", "at_rest")
 """Events that are conditions on where members are."""
-
-PENALTY = 1e3
-"""Weight of the condition that coefficients of a convex combination add up to 1."""
 
 
 def reported_events(facts: Facts) -> set[Event]:
@@ -153,29 +149,6 @@ def are_near(one: MemberState, other: MemberState, distance: float) -> bool:
         (a, b)
         for a in one.solids or (one.centre[None],)
         for b in other.solids or (other.centre[None],)
-        if _box_distance(a, b) <= distance
+        if box_distance(a, b) <= distance
     )
     return any(convex_distance(a, b) <= distance for a, b in pairs)
-
-
-def _box_distance(a: Array, b: Array) -> float:
-    gaps = np.maximum(b.min(axis=0) - a.max(axis=0), a.min(axis=0) - b.max(axis=0))
-    return float(np.linalg.norm(np.maximum(gaps, 0.0)))
-
-
-def convex_distance(a: Array, b: Array) -> float:
-    """Returns the distance between the convex hulls of points (n, 3) and (m, 3) [m].
-
-    The nearest points are convex combinations: least squares with coefficients that are not
-    negative, and a penalty that makes them add up to 1.
-    """
-    middle = a.mean(axis=0)
-    coordinates = np.hstack([(a - middle).T, -(b - middle).T])
-    scale = max(float(np.abs(coordinates).max()), 1e-9)
-    sums = np.zeros((2, len(a) + len(b)))
-    sums[0, : len(a)] = sums[1, len(a) :] = PENALTY * scale
-    target = np.array([0.0, 0.0, 0.0, PENALTY * scale, PENALTY * scale])
-    weights, _ = nnls(np.vstack([coordinates, sums]), target)
-    own, others = weights[: len(a)], weights[len(a) :]
-    gap = own @ a / own.sum() - others @ b / others.sum()
-    return float(np.linalg.norm(gap))

@@ -11,13 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.errors import Problem
+from pipeline.simulation.convex_distance import box_distance, nearest_points
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.spec.model_base import Goal
-from pipeline.spec.verbs import targets_of
+from pipeline.spec.partial_scene import value_at
+from pipeline.spec.script import Instruction
+from pipeline.spec.verbs import VERBS, key_of_order, targets_of
 
 HEAD_PARTS = ("head",)
 """Parts that are looked at, in the order of preference."""
@@ -58,6 +62,19 @@ class MemberState:
         rise = max(float(other.low[1] - self.high[1]), float(self.low[1] - other.high[1]), 0.0)
         return float(np.hypot(level, rise))
 
+    def nearest(self, place: Array) -> Array:
+        """Returns the point (3,) of its solids that is nearest to a place (3,) [m]."""
+        point, least = self.centre, np.inf
+        nearness = [(box_distance(solid, place[None]), k) for k, solid in enumerate(self.solids)]
+        for bound, k in sorted(nearness):
+            if bound >= least:
+                break
+            found, _ = nearest_points(self.solids[k], place[None])
+            distance = float(np.linalg.norm(found - place))
+            if distance < least:
+                point, least = found, distance
+        return point
+
 
 class Members:
     """The states of all members in the last written row, computed where they are asked for.
@@ -96,6 +113,26 @@ class Members:
         if name not in self._states:
             self._states[name] = self._measured(name)
         return self._states[name]
+
+    def problems(self, instruction: Instruction, path: str) -> list[Problem]:
+        """Returns the problems of an instruction that names parts which members do not have.
+
+        Args:
+            instruction: the instruction.
+            path: its path in error messages.
+        """
+        do, when = instruction.do, instruction.when
+        key = key_of_order(do)
+        targets = VERBS[key].targets if key is not None else ()
+        named = {f"{path}.do.{target}": value_at(do, target) for target in targets}
+        if when is not None and when.near is not None:
+            named |= {f"{path}.when.near[{k}]": name for k, name in enumerate(when.near)}
+        return [
+            Problem(place, message)
+            for place, name in named.items()
+            if isinstance(name, str) and "." in name
+            if isinstance(message := self._names.find(name), str)
+        ]
 
     def node(self, name: str) -> int:
         """Returns the number of the root node of a member, or of the node of a part."""
@@ -153,15 +190,17 @@ class Members:
         return moved / (clock.dt * (clock.steps // clock.samples))
 
     def _nodes_of(self, name: str) -> list[int]:
-        """Returns the nodes of a member, or the one node of a part."""
+        """Returns the nodes of a member, or the one node of a part or of one of many bodies."""
         if name not in self._nodes:
-            if "." in name:
-                self._nodes[name] = [self.node(name)]
-            else:
-                self._nodes[name] = [
-                    i for i, node in enumerate(self._recorder.nodes) if node.performer == name
-                ]
+            nodes = [i for i, node in enumerate(self._recorder.nodes) if node.performer == name]
+            self._nodes[name] = nodes or [self._own_node(name)]
         return self._nodes[name]
+
+    def _own_node(self, name: str) -> int:
+        """Returns the node of this very name, which `problems` has checked."""
+        found = self._names.find(name)
+        assert isinstance(found, int), found
+        return found
 
     def _solids_by_node(self) -> dict[int, list[Obstacle]]:
         if self._solids is None:

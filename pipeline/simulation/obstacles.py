@@ -68,6 +68,7 @@ class SolidMotion:
         w: (S, 3) in the world [rad/s].
         is_present: (S,) whether a solid exists now.
         is_supported: (S,) whether a solid is supported by something other than those that push it.
+        gives_way: (S,) whether a solid with a mass gives way now.
     """
 
     p: Array
@@ -76,12 +77,13 @@ class SolidMotion:
     w: Array
     is_present: NDArray[np.bool_]
     is_supported: NDArray[np.bool_]
+    gives_way: NDArray[np.bool_]
 
     def selected(self, mask: NDArray[np.bool_]) -> SolidMotion:
         """Returns the motion of some of the solids."""
         return SolidMotion(
             *(self.p[mask], self.R[mask], self.v[mask], self.w[mask]),
-            *(self.is_present[mask], self.is_supported[mask]),
+            *(self.is_present[mask], self.is_supported[mask], self.gives_way[mask]),
         )
 
     def joined(self, other: SolidMotion) -> SolidMotion:
@@ -93,6 +95,7 @@ class SolidMotion:
             np.concatenate([self.w, other.w]),
             np.concatenate([self.is_present, other.is_present]),
             np.concatenate([self.is_supported, other.is_supported]),
+            np.concatenate([self.gives_way, other.gives_way]),
         )
 
 

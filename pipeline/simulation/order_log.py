@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
-from pipeline.simulation.take import OrderRecord
+from pipeline.simulation.take import NEVER_GIVEN, OrderRecord
 from pipeline.simulation.troupe import Facts
 from pipeline.spec.script import Do, Instruction, order_text
 from pipeline.spec.verbs import VERBS, key_of_order
@@ -38,11 +38,13 @@ class OrderLog:
 
     Attributes:
         records: of all orders, in the order of time.
+        ended: of those that ended, in that order.
     """
 
     def __init__(self, groups: Collection[str] = ()) -> None:
         self._groups = groups
         self.records: list[OrderRecord] = []
+        self.ended: list[OrderRecord] = []
         self._open: dict[str, _Open] = {}
 
     def give(self, step: int, orders: Orders) -> None:
@@ -96,14 +98,15 @@ class OrderLog:
         for one in waiting:
             if one.when is not None:
                 text, reason = order_text(one.do), _awaited_text(one)
-                record = OrderRecord(one.who, text, step, step, "never given", reason)
+                record = OrderRecord(one.who, text, step, step, NEVER_GIVEN, reason)
                 self.records.append(record)
 
     def _close(self, number: int, step: int, outcome: str, reason: str = "") -> None:
         record = self.records[number]
-        self.records[number] = OrderRecord(
+        self.records[number] = ended = OrderRecord(
             record.who, record.text, record.step, step, outcome, reason
         )
+        self.ended.append(ended)
 
 
 def _awaited_text(instruction: Instruction) -> str:

@@ -18,7 +18,6 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.inventory import Inventory, join_inventories, shifted_look
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.row_storage import allocate_rows, release_rows
-from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,
@@ -27,10 +26,8 @@ from pipeline.simulation.take import (
     Take,
     TakeNote,
     TerrainRecord,
-    Told,
 )
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.script import order_text
 
 
 class Recorder:
@@ -58,7 +55,6 @@ class Recorder:
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], TakeNote] = {}
-        self.told: list[Told] = []
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
         """Sets the parents of attached nodes that have none."""
@@ -161,11 +157,6 @@ class Recorder:
         """Notes so far, in the order of time."""
         return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
 
-    def add_orders(self, step: int, orders: Orders) -> None:
-        """Adds the orders that the script gave at `step`."""
-        for performer, given in orders.items():
-            self.told.extend(Told(step, performer, order_text(order)) for order in given)
-
     def take(self) -> Take:
         """Returns the finished take."""
         field = self.ground.field
@@ -195,7 +186,6 @@ class Recorder:
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self.notes),
-            told=tuple(self.told),
         )
 
 

@@ -94,8 +94,8 @@ class Script:
 
     @property
     def never_given(self) -> Sequence[Instruction]:
-        """Instructions that still wait, for an event or for a time."""
-        return (*self._late, *self._waiting, *self._waiting_outside)
+        """Instructions of the scene that still wait, for an event or for a time."""
+        return (*self._late, *self._waiting)
 
     def orders(self, step: int, events: Collection[Event]) -> Orders:
         """Returns the orders of a step.

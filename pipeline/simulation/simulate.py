@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from pipeline.errors import SceneError
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.assembly import assemble
 from pipeline.simulation.event_monitor import reported_events
 from pipeline.simulation.mechanism import Leg
@@ -16,6 +16,7 @@ from pipeline.simulation.start_overlaps import overlap_notes
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.group import Group
+from pipeline.spec.handled_members import refusal_of_handling
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -34,6 +35,7 @@ class Simulation:
     Attributes:
         step_number: number of steps taken.
         aliases: names of drawing nodes for the nodes of creatures.
+        order_log: orders given so far, and their outcomes.
 
     Raises:
         SceneError: if the scene asks for something impossible.
@@ -52,10 +54,9 @@ class Simulation:
         self._members, self._monitor = parts.members, parts.monitor
         self._ground_places = parts.ground_places
         self._detection = parts.detection
-        self._cast = scene.cast
         groups = [member.name for member in scene.cast if isinstance(member, Group)]
-        self._order_log = OrderLog(groups)
-        self.step_number = 0
+        self.order_log = OrderLog(groups)
+        self._scene, self.step_number = scene, 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
 
@@ -80,7 +81,7 @@ class Simulation:
         self.scheduler.buffer_step(self.step_number)
         self._collect_facts()
         self._detection.record_step(self._facts, self.step_number)
-        self._order_log.end(self.step_number, self._facts)
+        self.order_log.end(self.step_number, self._facts)
 
     def add_instruction(self, instruction: Instruction) -> None:
         """Adds an instruction from outside; one without delay is given in the next step.
@@ -90,6 +91,12 @@ class Simulation:
                 state is unchanged.
         """
         self._ground_places.refuse_order(instruction, COMMAND)
+        problems = self._members.problems(instruction, COMMAND)
+        refusal = refusal_of_handling(instruction.do, self._scene, self.world.directed)
+        if refusal is not None:
+            problems.append(Problem(COMMAND, refusal))
+        if problems:
+            raise SceneError(problems)
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)
@@ -102,15 +109,16 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         self._members.update(0)
-        self.recorder.add_facts((), (), overlap_notes(self._cast, self._members, self.recorder))
+        notes = overlap_notes(self._scene.cast, self._members, self.recorder)
+        self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        self._order_log.finish(self.step_number, self.script.never_given)
+        self.order_log.finish(self.step_number, self.script.never_given)
         return replace(
             self.recorder.take(),
             mechanisms=mechanisms,
             legs=tuple(self.legs()),
             aliases=self.aliases,
-            orders=tuple(self._order_log.records),
+            orders=tuple(self.order_log.records),
         )
 
     def legs(self) -> list[Leg]:
@@ -128,8 +136,7 @@ class Simulation:
 
     def _give_orders(self) -> Orders:
         orders = self.script.orders(self.step_number, self._events())
-        self.recorder.add_orders(self.step_number, orders)
-        self._order_log.give(self.step_number, orders)
+        self.order_log.give(self.step_number, orders)
         return orders
 
     def _events(self) -> set[Event]:

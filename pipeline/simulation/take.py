@@ -33,11 +33,11 @@ ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = (
     *("nodes", "channels", "parts", "contacts", "events"),
-    *("notes", "told", "mechanisms", "legs", "aliases", "orders"),
+    *("notes", "mechanisms", "legs", "aliases", "orders"),
 )
 """Attributes of a take that are tables of records."""
 
-OPTIONAL_TABLES = ("told", "mechanisms", "legs", "aliases", "orders")
+OPTIONAL_TABLES = ("mechanisms", "legs", "aliases", "orders")
 """Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
@@ -256,6 +256,9 @@ class TakeNote:
     text: str
 
 
+NEVER_GIVEN = "never given"
+
+
 @dataclass(frozen=True, slots=True)
 class OrderRecord:
     """What became of an order.
@@ -276,15 +279,6 @@ class OrderRecord:
     end: int
     outcome: str
     reason: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """An instruction of the script, given to performer `who` at `step`."""
-
-    step: int
-    who: str
-    text: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,7 +320,6 @@ class Take:
         contacts: in the order of time.
         events: sound events in the order of time.
         notes: messages to the author.
-        told: instructions given by the script, in the order of time.
         mechanisms: joints and masses of the creatures on legs.
         legs: legs of these creatures, with the stances that their gaits planned.
         aliases: names of drawing nodes for the nodes of creatures.
@@ -348,7 +341,6 @@ class Take:
     contacts: tuple[Contact, ...]
     events: tuple[SoundEvent, ...]
     notes: tuple[TakeNote, ...]
-    told: tuple[Told, ...] = ()
     mechanisms: tuple[Mechanism, ...] = ()
     legs: tuple[Leg, ...] = ()
     aliases: tuple[NodeAlias, ...] = ()

@@ -32,7 +32,6 @@ from pipeline.simulation.take import (
     Take,
     TakeNote,
     TerrainRecord,
-    Told,
 )
 
 FRAMES_PER_CHUNK = 32
@@ -44,7 +43,6 @@ RECORD_TYPES: dict[str, Any] = {
     "contacts": Contact,
     "events": SoundEvent,
     "notes": TakeNote,
-    "told": Told,
     "mechanisms": Mechanism,
     "legs": Leg,
     "aliases": NodeAlias,

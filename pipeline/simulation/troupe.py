@@ -41,6 +41,7 @@ class World:
         moods: moods by name.
         detect: thresholds of the sound detectors.
         directed: whether further instructions may arrive while the simulation runs.
+        places: named places (3,) of the scene [m].
     """
 
     ground: Ground
@@ -50,6 +51,7 @@ class World:
     moods: Mapping[str, Mood] = field(default_factory=dict)
     detect: Detect = field(default_factory=Detect)
     directed: bool = False
+    places: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,9 +185,9 @@ class Troupe:
         return False
 
     @property
-    def carriers(self) -> Collection[int]:
-        """Numbers of the nodes that its members go with by the scene, once it is bound."""
-        return ()
+    def carriers(self) -> Mapping[int, str]:
+        """Nodes that its members go with by the scene, and the paths that name them."""
+        return {}
 
     def movable_solids(self) -> list[Obstacle]:
         """Returns its solids; node numbers start at its own first node."""

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError, model_validator
 
 from pipeline.spec.hold import Hold, faults_of_holds
 from pipeline.spec.keyframes import Turn
@@ -294,6 +294,17 @@ Layout = Annotated[
     Field(discriminator="layout"),
     BeforeValidator(_with_layout),
 ]
+
+
+_LAYOUT: TypeAdapter[Arrangement] = TypeAdapter(Layout)
+
+
+def body_count(many: object) -> int:
+    """Return how many bodies a layout makes, typed or raw; the most that may be, of a wrong one."""
+    try:
+        return _LAYOUT.validate_python(many).total
+    except ValidationError:
+        return MAX_BODIES
 
 
 class Body(Performer):

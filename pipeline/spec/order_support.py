@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from pipeline.spec.behaviour import NAMES
+from pipeline.spec.body import body_count
 from pipeline.spec.character_kinds import PARTS, PEOPLE
 from pipeline.spec.group import DIRECTED
 from pipeline.spec.model_base import Fault
@@ -26,8 +27,10 @@ from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import (
     ANYBODY,
     ANYTHING,
+    GRASPABLE,
     JOINTED_CHARACTER,
     MEMBER_TEXTS,
+    MOVABLE,
     UNKNOWN,
     Cast,
     faults_of_target,
@@ -67,7 +70,8 @@ class NamedThings:
         bodies: dict[str, object] = {
             f"{name}_{n + 1}": {"body": {}}
             for name, member in cast.items()
-            for n in range(getattr(value_at(member, "many"), "total", 0))
+            if (many := value_at(member, "many")) is not None
+            for n in range(body_count(many))
         }
         places = value_at(scene, "places")
         return NamedThings(
@@ -135,7 +139,7 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         return
     if performer not in VERBS[key].performers:
         can = ", ".join(verbs_of(performer))
-        message = f"'{name}' is {PERFORMERS[performer]}, which cannot {key}; it can {can}"
+        message = f"'{name}' is {PERFORMERS[performer]}, for which {key} is no order; write {can}"
         yield _at_order(do, key, order, message)
         return
     for field, fitting in VERBS[key].targets.items():
@@ -143,6 +147,8 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         yield from faults_of_target(
             target, name, fitting, (*order, field), named.cast, named.places
         )
+        if fitting in (GRASPABLE, MOVABLE) and isinstance(target, str):
+            yield from _faults_of_scale(target, (*order, field), named.cast)
     if key in ("hop_over", "jump") and value_at(member, "pose"):
         yield Fault(order, f"'{name}' has a pose, which conflicts with jumps; remove pose")
     if key == "urge":
@@ -176,6 +182,14 @@ def _faults_of_part(do: object, path: Path, cast: Cast) -> Iterator[Fault]:
     elif part not in PARTS:
         message = f"no part of '{target}' is called '{part}', {hint(part, PARTS)}"
         yield Fault((*path, "part"), message)
+
+
+def _faults_of_scale(target: str, path: Path, cast: Cast) -> Iterator[Fault]:
+    """Find a prop for hands or feet whose size changes."""
+    keys = items_of(value_at(cast.get(target), "keyframes"))
+    if any(value_at(key, "scale") is not None for _, key in keys):
+        message = f"keyframes change the scale of '{target}', and hands hold what has one size"
+        yield Fault(path, f"{message}; remove scale there")
 
 
 def _faults_of_urges(name: str, member: object, do: object, path: Path) -> Iterator[Fault]:

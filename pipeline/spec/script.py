@@ -254,7 +254,6 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "mood": ChangeMood,
     "go_to": GoTo,
     "turn_deg": TurnBy,
-    "speed": SetSpeed,
     "wait": Wait,
     "look_at": LookAt,
     "look": LookAhead,
@@ -275,8 +274,10 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "sit": SitOn,
     "urge": SetUrges,
     "dance": Perform,
+    # Last, for gait and kick have a key of this name too.
+    "speed": SetSpeed,
 }
-"""Orders by the key that selects them."""
+"""Orders by the key that selects them; the first of these keys that an order has decides."""
 
 
 if TYPE_CHECKING:

@@ -93,7 +93,6 @@ VERBS: Mapping[str, Verb] = {
     "hop": Verb("hop straight on", (HOPPER,)),
     "wait": Verb("stop, and go on later", ALL_SINGLE),
     "turn_deg": Verb("turn by an angle", (*CREATURES, PERSON)),
-    "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON), is_aside=True),
     "gait": Verb("change to another gait", (WALKER,), is_aside=True),
     "mood": Verb("move in another mood", (WALKER,), is_aside=True),
     "hop_over": Verb("jump over something and go on", CREATURES, {"hop_over": OBSTACLE}, ends=True),
@@ -129,8 +128,10 @@ VERBS: Mapping[str, Verb] = {
     "freeze": Verb("keep quite still until another order", (PERSON, DANCER)),
     "urge": Verb("have more or less of a mind to do something by itself", (PERSON,), is_aside=True),
     "dance": Verb("dance something from now on, or some bars of it", (DANCER,)),
+    # Last, for gait and kick have a key of this name too.
+    "speed": Verb("go faster or slower from now on", (*CREATURES, PERSON), is_aside=True),
 }
-"""All orders by the word or key that selects them."""
+"""All orders by the word or key that selects them; the first that an order has decides."""
 
 
 def key_of_order(do: object) -> str | None:
@@ -150,3 +151,18 @@ def targets_of(do: object) -> list[str]:
 def verbs_of(performer: str) -> list[str]:
     """Return the orders that a kind of performer can do."""
     return [key for key, verb in VERBS.items() if performer in verb.performers]
+
+
+def verb_table() -> str:
+    """Return all orders as a table in Markdown, as the documentation shows them."""
+    rows = [
+        f"| `{key}` | {verb.meaning} | {', '.join(verb.performers)} | {_target_text(verb)} |"
+        for key, verb in VERBS.items()
+    ]
+    head = "| order | meaning | who | targets |\n|---|---|---|---|"
+    return "\n".join([head, *rows])
+
+
+def _target_text(verb: Verb) -> str:
+    texts = [f"`{key}`: {kind.text.partition(';')[0]}" for key, kind in verb.targets.items()]
+    return "; ".join(texts)

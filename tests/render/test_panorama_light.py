@@ -121,7 +121,7 @@ def test_a_cut_out_sun_lights_the_scene_as_the_full_panorama(
     lit = Light.model_validate({"hdr": {"file": written(tmp_path / "a.exr", sky(600.0))}})
     film = Film(size=(32, 24), samples=1024, depth=3, denoise="off")
     parted = Renderer(renderer.backend).render(make_shot(lit=lit, film=film)).light
-    monkeypatch.setattr(panorama_light, "_SHARE", 2.0)
+    monkeypatch.setattr(panorama_light, "_SUN", panorama_light.SunDetection(min_share=2.0))
     whole = Renderer(renderer.backend).render(make_shot(lit=lit, film=film)).light
     # Both are exposed by a card, which is turned to the key light where there is one.
     ratio = parted / whole

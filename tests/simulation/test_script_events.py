@@ -120,12 +120,23 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
         ("{when: {fell: nobody}, who: bug, do: stop}", "nobody in the cast is called 'nobody'"),
         ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
         ("{at: 0, who: post, do: stop}", "people can carry, throw or kick it"),
-        ("{at: 0, who: bug, do: {grab: post}}", "which cannot grab; it can go_to, follow, chase"),
+        (
+            "{at: 0, who: bug, do: {grab: post}}",
+            "for which grab is no order; write go_to, follow, chase",
+        ),
         ("{at: 0, who: bug, do: {chase: bug}}", "cannot do that to itself"),
         ("{at: 0, who: bug, do: {go_to: gat}}", "did you mean 'gate'"),
+        ("{at: 0, who: bug, do: {go_to: post.top}}", r"do\.go_to: 'post' has no part 'top'"),
+        ("{when: {near: [bug, post.top]}, who: bug, do: stop}", r"near\[1\]: 'post' has no part"),
     ],
 )
 def test_impossible_conditions_and_orders_are_refused(script: str, message: str) -> None:
     cast = [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"]
     with pytest.raises(SceneError, match=message):
         take_of(cast, [script], "places: {gate: [1, 2]}")
+
+
+def test_one_of_many_bodies_is_a_target() -> None:
+    cast = [BUG, "{name: wall, many: {of: brick, rows: 1, columns: 2}, at: [1.5, 0]}"]
+    take = take_of(cast, ["{at: 0.1, who: bug, do: {go_to: wall_1}}"], duration=6.0)
+    assert [order.outcome for order in take.orders] == ["done"]

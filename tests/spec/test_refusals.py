@@ -199,6 +199,9 @@ ONE_MISTAKE = [
     ("walk: {speed: 0.5}", "name: §low_2\n  - {many: {layout: stack, count: 3, of: {shape: box}}, "
      "name: low}", "cast[0].name",
      "the name 'low_2' is taken by a body of cast[1], whose bodies are called low_1 to low_3"),
+    ("{speed: 0.5}", "{§sped: 0.5}\n  - {many: {layout: stack, count: 3, of: die}, name: low}\n"
+     "script: [{at: 0, who: bug, do: {look_at: low_1}}]", "cast[0].walk.sped",
+     "unknown key, did you mean 'speed'?"),
     ("terrain: hills", "terrain: §hill", "terrain",
      "no terrain is called 'hill', did you mean 'hills'?" + LISTED["terrains"]),
     ("terrain: hills", "terrain: {kind: §hill}", "terrain.kind",

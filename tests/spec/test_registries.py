@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 
 import pytest
@@ -13,6 +13,7 @@ from pipeline.spec.behaviour import FORMS as BEHAVIOURS
 from pipeline.spec.cast import MEMBERS
 from pipeline.spec.script import FORMS as ORDERS
 from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS, TerrainConfig
+from pipeline.spec.verbs import VERBS
 
 MORE_TERRAINS = ("ditches", "{kind: sum, of: [stairs, {preset: rocks, height: 0.1}]}")
 """Terrains without a shipped scene."""
@@ -63,3 +64,13 @@ def test_the_key_of_a_behaviour_is_unique(key: str) -> None:
 @pytest.mark.parametrize("key", ORDERS)
 def test_the_key_of_an_order_is_required(key: str) -> None:
     assert ORDERS[key].model_fields[key].is_required()
+
+
+@pytest.mark.parametrize("table", [ORDERS, VERBS], ids=["models", "verbs"])
+@pytest.mark.parametrize("key", ORDERS)
+def test_the_key_of_an_order_comes_before_those_of_its_settings(
+    key: str, table: Mapping[str, object]
+) -> None:
+    keys = list(table)
+    settings = [name for name in ORDERS[key].model_fields if name in table and name != key]
+    assert all(keys.index(key) < keys.index(name) for name in settings)

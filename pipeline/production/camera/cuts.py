@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -17,6 +18,8 @@ from pipeline.production.camera.clearance import Clearance, VisibleGround
 from pipeline.production.camera.keyframed_camera import animated_path, fields_of_view, has_direction
 from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
+from pipeline.production.camera.view_turn import clear_path
+from pipeline.production.camera.visibility import Visibility
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Take
@@ -30,6 +33,7 @@ def camera_poses(
     aspect: float,
     mounts: Sequence[int] | None = None,
     nodes: Mapping[str, int] | None = None,
+    clear: Collection[str] = (),
 ) -> tuple[CameraPose, ...]:
     """Return the camera pose of every frame.
 
@@ -39,20 +43,21 @@ def camera_poses(
         aspect: width by height of the frame.
         mounts: node that carries the camera of each cut, -1 for none.
         nodes: number of each node that a focus names.
+        clear: materials that can be seen through.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     ground = VisibleGround(take.terrain)
-    starts = [min(start, header.frames + 1) for start in first_frames(cameras, header.rate)]
-    ends = [*starts[1:], header.frames + 1]
+    visibility = Visibility(take, ground, clear)
     poses: list[CameraPose] = []
     mounts = mounts or [-1] * len(cameras)
-    for camera, mount, first, end in zip(cameras, mounts, starts, ends, strict=True):
-        rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
-        if not len(rows):
+    frames = cut_frames(cameras, header.rate, header.frames)
+    for camera, mount, shown in zip(cameras, mounts, frames, strict=True):
+        if not shown:
             continue
-        seconds = float((end - 1) / header.rate) - camera.start
-        cut = _Cut(take, camera, rows, seconds, mount, nodes or {}, ground, aspect)
+        rows = np.array([clock.row_of_frame(f) for f in shown], dtype=np.int64)
+        seconds = float(shown[-1] / header.rate) - camera.start
+        cut = _Cut(visibility, camera, rows, seconds, mount, nodes or {}, aspect)
         path, place = _path(cut)
         poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
     return tuple(poses)
@@ -64,29 +69,41 @@ def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
     return [1 + math.ceil(Fraction(repr(camera.start)) * rate) for camera in cameras]
 
 
+def cut_frames(cameras: Sequence[Camera], rate: Fraction, frames: int) -> list[range]:
+    """Return the frames of each cut of a film of some `frames`; empty for a cut after its end."""
+    starts = [min(start, frames + 1) for start in first_frames(cameras, rate)]
+    return [range(*pair) for pair in itertools.pairwise([*starts, frames + 1])]
+
+
 @dataclass(frozen=True, eq=False)
 class _Cut:
     """One cut of a take.
 
     Attributes:
-        take: that is filmed.
+        visibility: of the take that is filmed, and its ground.
         camera: its configuration.
         rows: (F,) of its frames.
         seconds: its duration.
         mount: node that carries the camera, -1 for none.
         nodes: number of each node that a focus names.
-        ground: under the camera.
         aspect: width by height of the frame.
     """
 
-    take: Take
+    visibility: Visibility
     camera: Camera
     rows: NDArray[np.int64]
     seconds: float
     mount: int
     nodes: Mapping[str, int]
-    ground: VisibleGround
     aspect: float
+
+    @property
+    def take(self) -> Take:
+        return self.visibility.take
+
+    @property
+    def ground(self) -> VisibleGround:
+        return self.visibility.ground
 
     @property
     def rate(self) -> float:
@@ -130,7 +147,7 @@ def _framed(cut: _Cut) -> tuple[CameraPath, Array]:
         aspect=cut.aspect,
         fov_deg=fields_of_view(camera, cut.times),
     )
-    return framing.path(), target
+    return clear_path(framing, cut.visibility, cut.rows), target
 
 
 def _standing(cut: _Cut) -> tuple[CameraPath, Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -89,6 +89,11 @@ class CameraMoves:
             height=height,
             zoom=cut.dolly is not None and cut.dolly.zoom,
         )
+
+    def turned(self, angle: float) -> CameraMoves:
+        """Return the moves turned about the vertical through the target by an angle [rad]."""
+        R = rotation(UP, angle)
+        return replace(self, level=self.level @ R.T, across=self.across @ R.T)
 
 
 def _orbit(orbit: Orbit | None, since: Array, seconds: float) -> tuple[Array, Array]:

@@ -9,10 +9,10 @@ from pipeline.simulation.signals import SIGNAL_KINDS
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.name_references import CAUSES
 
-NOTE_KIND, ORDER_KIND = "note", "told"
+NOTE_KIND, ORDER_KIND, OUTCOME_KIND = "note", "told", "ended"
 
-EVENT_KINDS = tuple(dict.fromkeys((*SIGNAL_KINDS, *CAUSES, NOTE_KIND, ORDER_KIND)))
-"""Kinds of events: signals, sounds, notes, and orders that were given."""
+EVENT_KINDS = tuple(dict.fromkeys((*SIGNAL_KINDS, *CAUSES, NOTE_KIND, ORDER_KIND, OUTCOME_KIND)))
+"""Kinds of events: signals, sounds, notes, orders that were given, and orders that ended."""
 
 Notification = dict[str, object]
 
@@ -22,12 +22,15 @@ class NotificationQueue:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._sounds = self._orders = 0
+        self._sounds = self._orders = self._ended = 0
         self._notes = set[tuple[str, str]]()
 
     def since_last_call(self) -> list[Notification]:
         """Return the events since the last call; call it after every step."""
-        return [*self._signals(), *self._new_sounds(), *self._new_notes(), *self._new_orders()]
+        return [
+            *(*self._signals(), *self._new_sounds(), *self._new_notes()),
+            *(*self._new_orders(), *self._new_outcomes()),
+        ]
 
     def _signals(self) -> Iterator[Notification]:
         at = self._moment(self._simulation.step_number)
@@ -59,11 +62,24 @@ class NotificationQueue:
                 yield {"kind": NOTE_KIND, "who": who, "other": "", **moment, **text}
 
     def _new_orders(self) -> Iterator[Notification]:
-        orders = self._simulation.recorder.told
+        orders = self._simulation.order_log.records
         new, self._orders = orders[self._orders :], len(orders)
         for order in new:
             moment = self._moment(order.step)
             yield {"kind": ORDER_KIND, "who": order.who, "other": "", **moment, "text": order.text}
+
+    def _new_outcomes(self) -> Iterator[Notification]:
+        orders = self._simulation.order_log.ended
+        new, self._ended = orders[self._ended :], len(orders)
+        for order in new:
+            facts = {"text": order.text, "outcome": order.outcome, "reason": order.reason}
+            yield {
+                "kind": OUTCOME_KIND,
+                "who": order.who,
+                "other": "",
+                **self._moment(order.end),
+                **facts,
+            }
 
     def _moment(self, step: int, fraction: float = 0.0) -> Notification:
         clock = self._simulation.world.clock

@@ -27,11 +27,11 @@ from render.errors import DeviceMemoryShort, RenderError
 from render.image_files import write_png
 from render.renderer import Renderer
 
-FPS = 60
+FPS = 30
 """Frames per second of the film from which the pictures are taken, so that moments are met."""
 
-SECONDS = 8.0
-"""Length of that film: two cycles of large animals."""
+SECONDS = 5.0
+"""Length of that film: almost two cycles of the largest animals."""
 
 COUNT, COLUMNS = 8, 4
 """Pictures of a view, and pictures in a row."""
@@ -43,6 +43,10 @@ SIZE = (240, 180)
 
 MIN_GROUND, GROUND = 20.0, 40.0
 """Least side of the ground [m], and its side in the figure's size."""
+
+SIZES, USUAL_SIZE = (0.2, 10.0), 2.0
+"""Sizes of figures that are shown as drawn, and size at which others are shown: a cycle of theirs
+takes far less or far more time than the film [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +94,8 @@ def walk_sheet(
     except OSError as error:
         raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
     moments = f"{len(frames)} moments of {cycle:.2g} s, from the side and from ahead"
+    if (scale := _scale(figure)) != 1.0:
+        moments += f", at {scale:.3g} times its size of {_size(figure):.3g} m"
     return WalkSheet(file, f"{text}; {moments}")
 
 
@@ -109,10 +115,24 @@ def _simulated(figure: Figure, home: Scene, reporter: Reporter) -> tuple[Scene, 
     return scene, take, text
 
 
+def _size(figure: Figure) -> float:
+    """Return the size that a figure is drawn in [m]."""
+    return float(np.ptp(figure.drawing.places, axis=0).max())
+
+
+def _scale(figure: Figure) -> float:
+    """Return the scale that a figure is shown at."""
+    size = _size(figure)
+    return 1.0 if SIZES[0] <= size <= SIZES[1] else USUAL_SIZE / max(size, 1e-9)
+
+
 def _scene(figure: Figure, home: Scene, walks: bool) -> Scene:
     """Return a scene of a figure alone on level ground."""
-    size = max(MIN_GROUND, GROUND * float(np.ptp(figure.drawing.places, axis=0).max()))
-    member = {"name": "it", "figure": "it"} | ({"walk": {}} if walks else {})
+    scale = _scale(figure)
+    size = max(MIN_GROUND, GROUND * scale * _size(figure))
+    member: dict[str, object] = {"name": "it", "figure": "it", "scale": scale}
+    if walks:
+        member["walk"] = {}
     return Scene.model_validate(
         {
             "pronk": 1,
@@ -152,7 +172,7 @@ def _rendered(
     """Return the pictures of both views."""
     builders = []
     for view in VIEWS:
-        camera = {"camera": {"follow": "it", "view": view}}
+        camera: dict[str, object] = {"camera": {"follow": "it", "view": view}}
         builders.append(ShotBuilder(_with(scene, camera), take))
     with stage(reporter, "render", len(VIEWS) * len(frames)) as current:
 

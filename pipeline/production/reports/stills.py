@@ -15,7 +15,7 @@ from pipeline.errors import FilmingError, UsageError
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import Production, take_of, working
+from pipeline.production.run.production import Production, note_levels, shooting_of, working
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.workers import with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, write_frame
@@ -92,7 +92,8 @@ def laid_out(pictures: Sequence[NDArray[np.uint8]], columns: int) -> NDArray[np.
 def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Path]:
     """Render those of `frames` that are due, and return the files of all."""
     with working(order, reporter) as run:
-        shooting = ShotBuilder(order.scene, take_of(run))
+        run.frames = tuple(frames)
+        shooting = shooting_of(run)
         files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
         with stage(reporter, "render", len(frames)) as current:
 
@@ -101,7 +102,6 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
                     renderer = Renderer(backend)
                 keys, missing = outdated_frames(shooting, run.outputs, frames, renderer.key_extra)
                 kept = len(frames) - len(missing)
-                run.frames, run.rendered = tuple(frames), tuple(missing)
                 current.keep(kept)
                 for i, frame in enumerate(missing, start=1):
                     with held_back():
@@ -111,6 +111,7 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
                 current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
 
             with_gpu_fallback(order.backend, reporter, rendered)
+        note_levels(run, shooting, frames)
     return list(files.values())
 
 

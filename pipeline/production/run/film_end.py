@@ -6,15 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from pipeline.errors import Problem
-from pipeline.production.run.notes import Note, clock_of
+from pipeline.production.run.notes import Note, clock_of, cut_path, place_of
 from pipeline.spec import Scene
 from pipeline.spec.body import Body
 from pipeline.spec.creature import Creature
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.prop import Prop, VelocityKey
 from pipeline.spec.script import order_text
-from pipeline.spec.yaml_tree import MappingNode
 from render.config.camera import KEYFRAME_KEYS
 
 VALUES = {
@@ -70,8 +68,7 @@ def notes_after_end(scene: Scene) -> list[Note]:
 
 
 def _note(scene: Scene, beginning: Beginning, length: str) -> Note:
-    found = scene.source_map.with_location(Problem(beginning.path, ""))
-    place = f"{found.file}:{found.line}" if found.line else found.file or beginning.path
+    place = place_of(scene, beginning.path) or beginning.path
     time, text = round(beginning.time, 3), f"{beginning.lost}; {length}"
     return Note(beginning.kind, "scene", beginning.part, time, None, text, place)
 
@@ -139,10 +136,8 @@ def _poses(keys: Sequence[PoseKey], path: str, name: str) -> Iterator[Beginning]
 
 def _camera(scene: Scene) -> Iterator[Beginning]:
     """Yield what the camera would begin."""
-    tree = scene.source_map.tree
-    alone = isinstance(tree, MappingNode) and isinstance(tree.get("camera"), MappingNode)
     for i, cut in enumerate(scene.camera):
-        path = "camera" if alone else f"camera[{i}]"
+        path = cut_path(scene, i)
         if i:
             yield Beginning(cut.start, f"{path}.start", f"cut {i + 1}")
         yield from _keys(cut.keyframes, "camera keyframe", f"{path}.keyframes", f"cut {i + 1}")

@@ -1,7 +1,8 @@
 """Notes: what a run tells the author of a scene that ran, such as a creature that stopped.
 
-They come from the scene (an order after the end of the film), from the simulation and from the
-pictures. The manifest lists all of them; a summary of a few lines stands at the end of the run.
+They come from the scene (an order after the end of the film), from the simulation, from the path
+of the camera and from the pictures. The manifest lists all of them; a summary of a few lines stands
+at the end of the run.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal
 
-from pipeline.errors import PronkError
+from pipeline.errors import Problem, PronkError
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
+from pipeline.spec.yaml_tree import MappingNode
 
 MAX_LINES = 10
 """Lines of a summary, of which the last may count the rest."""
@@ -21,7 +23,7 @@ MAX_LINES = 10
 MAX_SUBJECTS = 3
 """Parts that a line of a summary names."""
 
-Source = Literal["scene", "simulation", "picture"]
+Source = Literal["scene", "simulation", "camera", "picture"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +78,19 @@ class NotesRefused(PronkError):
     def facts(self) -> dict[str, object]:
         """Its notes."""
         return {"notes": [note.facts for note in self.notes]}
+
+
+def place_of(scene: Scene, path: str) -> str:
+    """Return file and line of a value of the scene, "" where its file does not give it."""
+    found = scene.source_map.with_location(Problem(path, ""))
+    return f"{found.file}:{found.line}" if found.line else found.file
+
+
+def cut_path(scene: Scene, number: int) -> str:
+    """Return the path of a cut in the scene, such as `camera[1]`."""
+    tree = scene.source_map.tree
+    alone = isinstance(tree, MappingNode) and isinstance(tree.get("camera"), MappingNode)
+    return "camera" if alone else f"camera[{number}]"
 
 
 def refuse_notes(notes: Sequence[Note]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,9 +31,14 @@ from pipeline.production.run.notes import (
 )
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Manifest, Outputs, library_versions, opened
+from pipeline.production.run.picture_notes import camera_notes, level_notes
 from pipeline.production.run.progress import Reporter, Stage, stage
 from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
-from pipeline.production.shots.frame_rendering import outdated_frames, render_frames
+from pipeline.production.shots.frame_rendering import (
+    frame_levels,
+    outdated_frames,
+    render_frames,
+)
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.cue_files import write_cues
 from pipeline.production.sound.event_files import write_events
@@ -66,9 +71,8 @@ class Production:
         outputs: files of the scene.
         reporter: of progress.
         manifest: of the run before, with the entries of this one.
-        notes: of the scene, the take and the frames that this run rendered.
+        notes: on the scene, its take, its camera and the frames of the run.
         frames: of the run.
-        rendered: frames that this run rendered.
         seconds: time of each stage that had something to do.
         changed: whether any output changed.
     """
@@ -79,7 +83,6 @@ class Production:
     manifest: Manifest
     notes: list[Note] = field(default_factory=list)
     frames: tuple[int, ...] = ()
-    rendered: tuple[int, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     changed: bool = False
 
@@ -89,18 +92,14 @@ class Production:
         self.changed = True
 
     def kept_notes(self) -> list[Note]:
-        """Return the notes that earlier runs had on pictures which stay as they are."""
-        again = {None, *self.rendered}
+        """Return the notes that earlier runs had on pictures which this one leaves alone."""
+        again = {None, *self.frames}
         last = self.order.scene.n_frames
         return [
             note
             for note in read_notes(self.manifest.entries.get("notes"))
             if note.source == "picture" and note.frame not in again and (note.frame or 0) <= last
         ]
-
-    def shown_notes(self) -> list[Note]:
-        """Return the notes on all that this run shows."""
-        return [*self.notes, *(note for note in self.kept_notes() if note.frame in self.frames)]
 
     def refuse_notes(self) -> None:
         """Refuse to go on if there are notes and the order is strict.
@@ -109,7 +108,7 @@ class Production:
             NotesRefused: there are some.
         """
         if self.order.strict:
-            refuse_notes(self.shown_notes())
+            refuse_notes(self.notes)
 
 
 def render(order: Order, reporter: Reporter) -> Outputs:
@@ -121,11 +120,12 @@ def render(order: Order, reporter: Reporter) -> Outputs:
     frames = parse_frames(order.frames, order.scene.n_frames)
     with working(order, reporter) as run:
         run.frames = frames
-        take = take_of(run)
-        shooting = ShotBuilder(order.scene, take)
+        shooting = shooting_of(run)
+        take = shooting.take
         if order.sound:
             write_score(run, take, shooting)
         keys = _frames(run, shooting, frames)
+        note_levels(run, shooting, frames)
         run.refuse_notes()
         _film(run, frames, keys)
         _finish(run, take)
@@ -154,9 +154,9 @@ def store_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
 def score_only(order: Order, reporter: Reporter) -> Outputs:
     """Write the score of a scene, simulating if necessary."""
     with working(order, reporter) as run:
-        take = take_of(run)
-        write_score(run, take, ShotBuilder(order.scene, take))
-        _finish(run, take)
+        shooting = shooting_of(run)
+        write_score(run, shooting.take, shooting)
+        _finish(run, shooting.take)
         return run.outputs
 
 
@@ -193,10 +193,9 @@ def _reported_notes(run: Production) -> Iterator[None]:
 
 
 def _report_notes(run: Production) -> None:
-    notes = run.shown_notes()
-    if notes:
+    if run.notes:
         manifest = run.outputs.manifest
-        run.reporter.notes(run.order.name, notes, manifest if manifest.is_file() else None)
+        run.reporter.notes(run.order.name, run.notes, manifest if manifest.is_file() else None)
 
 
 @contextmanager
@@ -258,6 +257,25 @@ def take_of(run: Production) -> Take:
         run.record_time(current)
         _store_take(run, take)
     return take
+
+
+def shooting_of(run: Production) -> ShotBuilder:
+    """Return the shots of the scene's take, with notes on what its cameras do not show.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict.
+        SimulationError: the scene cannot be simulated.
+    """
+    shooting = ShotBuilder(run.order.scene, take_of(run))
+    run.notes += camera_notes(run.order.scene, shooting)
+    run.refuse_notes()
+    return shooting
+
+
+def note_levels(run: Production, shooting: ShotBuilder, frames: Sequence[int]) -> None:
+    """Note which of the frames, all of them written, are black or blown out."""
+    levels = frame_levels(shooting, run.outputs, frames)
+    run.notes += level_notes(run.order.scene, frames, levels)
 
 
 def _store_take(run: Production, take: Take) -> None:
@@ -343,7 +361,6 @@ def _rendered_on(
     keys, missing = outdated_frames(shooting, outputs, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
-    run.rendered = tuple(missing)
     current.keep(kept)
     if not missing:
         current.result = "frames are up to date"

@@ -11,6 +11,7 @@ from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import clock_of, refuse_notes, take_notes
+from pipeline.production.run.picture_notes import camera_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
@@ -53,8 +54,8 @@ def check_scene(
     if simulated:
         take = _take_of(simulation, scene.n_frames, reporter)
         # What the renderer needs of a take can be wrong too.
-        ShotBuilder(scene, take)
-        notes += take_notes(take, clock_of(scene))
+        shooting = ShotBuilder(scene, take)
+        notes += take_notes(take, clock_of(scene)) + camera_notes(scene, shooting)
     if strict:
         refuse_notes(notes)
     if notes:

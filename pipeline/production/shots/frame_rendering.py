@@ -17,7 +17,15 @@ from pipeline.production.run.outputs import Outputs
 from pipeline.production.shots.shot_builder import ShotBuilder
 from render.errors import DeviceMemoryShort, RenderError
 from render.frame import Frame
-from render.image_files import read_key, write_exr, write_png
+from render.image_files import (
+    read_exr,
+    read_key,
+    read_levels,
+    read_png,
+    write_exr,
+    write_png,
+)
+from render.picture_levels import PictureLevels
 from render.renderer import Renderer
 
 
@@ -69,10 +77,30 @@ def render_frames(
 
 def write_frame(path: Path, frame: Frame, key: str) -> None:
     """Write a frame in the format of its file's suffix."""
+    levels = PictureLevels.of(frame.light, frame.exposure)
     if path.suffix == ".exr":
-        write_exr(path, frame.light, key)
+        write_exr(path, frame.light, key, levels)
     else:
-        write_png(path, frame.srgb8, key)
+        write_png(path, frame.srgb8, key, levels=levels)
+
+
+def frame_levels(
+    builder: ShotBuilder, outputs: Outputs, frames: Sequence[int]
+) -> list[PictureLevels]:
+    """Return the levels of frames that are written.
+
+    Raises:
+        RenderError: a file cannot be read.
+    """
+    files = [outputs.frame(frame, builder.film.format) for frame in frames]
+    return [read_levels(file) or _measured(file, builder.film.exposure) for file in files]
+
+
+def _measured(path: Path, exposure: float) -> PictureLevels:
+    """Return the levels of a frame that was written without them."""
+    if path.suffix == ".exr":
+        return PictureLevels.of(read_exr(path), exposure)
+    return PictureLevels.of_srgb8(read_png(path))
 
 
 def _written(pair: tuple[int, Future[None]]) -> int:

@@ -7,9 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.production.camera.camera_faults import CameraFault, camera_faults
+from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import camera_poses, first_frames
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
+from pipeline.production.camera.visibility import Visibility
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.footprint_timeline import footprint_timeline
 from pipeline.production.shots.ground_mesh import ground_meshes
@@ -42,9 +45,13 @@ class ShotBuilder:
         aspect = self.film.size[0] / self.film.size[1]
         names = NodeNames.of(take)
         mounts, focus = camera_parents(scene, names), focus_nodes(scene, names)
-        self.poses = camera_poses(take, scene.camera, aspect, mounts, focus)
-        self._interpolator = PoseInterpolator(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
+        clear = frozenset(
+            name for name, material in self.materials.items() if material.transmission > 0.5
+        )
+        self.poses = camera_poses(take, scene.camera, aspect, mounts, focus, clear)
+        self._cuts, self._clear = scene.camera, clear
+        self._interpolator = PoseInterpolator(self.poses, first_frames(scene.camera, header.rate))
         terrain = scene.terrain
         texture = self.materials[take.terrain.material].texture
         self._footprints = footprint_timeline(take, texture) if terrain.footprints else None
@@ -67,6 +74,12 @@ class ShotBuilder:
             later=tuple(later),
             lamps=first.lamps,
         )
+
+    def camera_faults(self) -> list[CameraFault]:
+        """Return what is wrong with the cameras, by their paths and the take."""
+        visibility = Visibility(self.take, VisibleGround(self.take.terrain), self._clear)
+        aspect = self.film.size[0] / self.film.size[1]
+        return camera_faults(visibility, self._cuts, self.poses, aspect)
 
     def _moment(self, frame: int, part: float) -> Moment:
         """Return the moment a fraction of a frame after its start."""

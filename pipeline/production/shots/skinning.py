@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +52,22 @@ class Skin:
             starts=np.concatenate([[0], np.cumsum(counts)]),
         )
 
+    def thinned(self, most: int) -> Skin:
+        """Return the skin with about `most` vertices of each part, the outermost among them."""
+        kept = [
+            first + _spread_vertices(self.vertices[0, first:end], most)
+            for first, end in itertools.pairwise(self.starts)
+        ]
+        some = np.concatenate(kept)
+        weights = self.weights[:, some]
+        return Skin(
+            vertices=self.vertices[:, some],
+            nodes=self.nodes[:, some],
+            weights=weights,
+            blended=np.flatnonzero(weights[1, :, 0] > 0.0),
+            starts=np.concatenate([[0], np.cumsum([len(part) for part in kept])]),
+        )
+
     def posed(self, take: Take, at: float) -> NDArray[np.float32]:
         """Return the vertices (V, 3) in the world [m], at a row or between two."""
         q, p, scales = interpolated_poses(take, at)
@@ -94,6 +111,12 @@ class Skin:
         real, dual = real / norm, share * dual / norm
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
         return _turned(real, here) + moved
+
+
+def _spread_vertices(vertices: Array, most: int) -> NDArray[np.int64]:
+    """Return the numbers of some vertices (V, 3): every n-th, and the outermost six."""
+    every = np.arange(0, len(vertices), -(-len(vertices) // most))
+    return np.unique(np.concatenate([every, vertices.argmin(axis=0), vertices.argmax(axis=0)]))
 
 
 def visible_parts(take: Take) -> tuple[Part, ...]:

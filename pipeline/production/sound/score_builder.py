@@ -10,7 +10,7 @@ from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.listener import Listener
 from pipeline.production.sound.strike_positions import StrikePositions
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.take import SoundEvent, Take
+from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
 from pipeline.spec.scene import Scene
 from render.config import Camera
 from render.shot import CameraPose
@@ -105,7 +105,7 @@ def _cut_description(cut: Camera) -> str:
 def _script_markers(take: Take) -> Iterator[Marker]:
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
-    for told in take.told:
-        frame = clock.frame_of(told.step, 0.0)
-        if frame <= header.frames:
-            yield Marker(frame, "script", f"{told.who}: {told.text}")
+    for order in take.orders:
+        frame = clock.frame_of(order.step, 0.0)
+        if frame <= header.frames and order.outcome != NEVER_GIVEN:
+            yield Marker(frame, "script", f"{order.who}: {order.text}")

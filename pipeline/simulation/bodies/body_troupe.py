@@ -73,7 +73,7 @@ class BodyTroupe(Troupe):
         lost = np.flatnonzero(self.alive & (heights < self._floor))
         self.alive[lost] = False
         text = f"left the terrain; removed {DROP_DEPTH:g} m below it"
-        self._notes += [TakeNote("dropped", step, self.bodies[i].name, text) for i in lost]
+        self._notes += [TakeNote("dropped", step, self.bodies[i].name, text) for i in lost.tolist()]
         return lost
 
     def _contact(

@@ -10,7 +10,7 @@ Source: Sims 1987, 7.1 and 13.1.1.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,16 +98,20 @@ class ColliderTroupe(BodyTroupe):
         poses = self._pusher_poses(step // self.row_steps, p, R)
         if step > 0:
             self._advance_to(step, poses)
-        else:
-            if poses is not None:
-                self.solver.place_pushers(poses)
-            self._refuse_overlap()
+        elif poses is not None:
+            self.solver.place_pushers(poses)
         if self.guided:
             self.guided.settle()
-            self._rows.append((*self.guided.node_poses(), self.alive.copy()))
-            return
+        if step == 0:
+            self._refuse_overlap()
+        self._rows.append((*self._node_poses(), self.alive.copy()))
+
+    def _node_poses(self) -> tuple[Array, Array]:
+        """Returns positions (N, 3) [m] and rotations (N, 3, 3) of its nodes."""
+        if self.guided:
+            return self.guided.node_poses()
         state = self.solver.state
-        self._rows.append((state.p, matrix(state.q), self.alive.copy()))
+        return state.p, matrix(state.q)
 
     def _pusher_poses(self, row: int, p: Array, R: Array) -> Poses | None:
         """Returns the poses of obstacles and stand-ins at the end of a row, None without any."""
@@ -146,7 +150,8 @@ class ColliderTroupe(BodyTroupe):
         state, R = self.solver.state, matrix(self.solver.state.q)
         is_supported = self.solver.asleep | self.solver.touching | ~self.guided.free
         is_present = self.alive & self.guided.met_by_people
-        return SolidMotion(state.p, R, state.v, turn(R, state.w), is_present, is_supported)
+        flags = is_present, is_supported, self.guided.pushable
+        return SolidMotion(state.p, R, state.v, turn(R, state.w), *flags)
 
     def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """See `Troupe`."""
@@ -155,7 +160,7 @@ class ColliderTroupe(BodyTroupe):
     # --- hands and paths --------------------------------------------------------------
 
     @property
-    def carriers(self) -> Collection[int]:
+    def carriers(self) -> Mapping[int, str]:
         """See `Troupe`."""
         return self.guided.carriers
 

@@ -31,8 +31,8 @@ from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.spatial import Array, cross, matrix, quaternion, turn, turn_inverse
 from pipeline.simulation.take import Node
-from pipeline.spec.body import Body, Many
-from pipeline.spec.prop import Prop
+from pipeline.spec.body import Many
+from pipeline.spec.prop import Prop, PropHold
 
 HOLDER_DEPTH = 1e-3
 """Depth in its holder below which a released body meets it at once, in sizes of the body."""
@@ -50,6 +50,10 @@ class GuidedBodies:
         solver: of all bodies; its last kinematic bodies are the stand-ins.
         obstacles: its other kinematic bodies.
         clock: grid of steps and rows.
+
+    Attributes:
+        guides: what moves each of them.
+        carriers: nodes that they go with by the scene, and the paths that name them.
     """
 
     def __init__(
@@ -61,6 +65,7 @@ class GuidedBodies:
         clock: Clock,
     ) -> None:
         self.guides = [one.guide for one in guided]
+        self.carriers: dict[int, str] = {}
         self._guided, self._bodies, self._solver = guided, bodies, solver
         self._obstacles, self._clock = obstacles, clock
         self._row_time = clock.dt * (clock.steps // clock.samples)
@@ -93,16 +98,18 @@ class GuidedBodies:
         return is_free
 
     @property
+    def pushable(self) -> NDArray[np.bool_]:
+        """(N,) which bodies of the troupe people can push: free ones, and those to be kicked."""
+        can_be_pushed = self.free
+        can_be_pushed[[self.guides[k].body for k in self._kicked]] = True
+        return can_be_pushed
+
+    @property
     def met_by_people(self) -> NDArray[np.bool_]:
         """(N,) which bodies of the troupe people collide with."""
         met = self._apart_until <= self._row
         met[[self.guides[k].body for k in self._held_by_people]] = False
         return met
-
-    @property
-    def carriers(self) -> set[int]:
-        """Numbers of the nodes that bodies go with by the scene."""
-        return {node for guide in self.guides for node in guide.carriers}
 
     def bind(self, nodes: Sequence[Node], names: NodeNames) -> None:
         """Resolves parents and hands.
@@ -117,6 +124,7 @@ class GuidedBodies:
             if isinstance(found, str):
                 problems.append(Problem(path, found))
                 return -1
+            self.carriers[found] = path
             return found
 
         self._first_node = names.nodes[self._bodies[0].name]
@@ -129,7 +137,7 @@ class GuidedBodies:
                 AuthoredGrip(
                     node_of(hold.by, f"{path}.held[{k}].by"),
                     (self._row_at(hold.at), self._row_at(hold.until)),
-                    isinstance(member, Body) or hold.then == "fall",
+                    not isinstance(hold, PropHold) or hold.then == "fall",
                 )
                 for k, hold in enumerate(holds)
             )

@@ -27,7 +27,7 @@ from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import surface_at
-from pipeline.simulation.dynamics.vectors import Vector, plus, put, row
+from pipeline.simulation.dynamics.vectors import Vector, plus, put, row, triple
 from pipeline.simulation.spatial import Array
 
 VELOCITY_GAIN = 3.5  # [1/s] with which the velocity follows the walk vector
@@ -82,6 +82,9 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
         vertices: of the terrain grid.
         dt: the sub-step [s].
     """
+    if person.kick_foot >= 0:
+        _kick(person, person.kick_foot, frame, vertices, dt)
+        return
     leg = leg_length(person)
     speed = ground_speed(person)
     rate, stance = gait_pace(person)
@@ -105,6 +108,18 @@ def advance_feet(person: Record, frame: Record, vertices: Array, dt: float) -> N
     is_still = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE and not walks
     if person.stepping and is_still:
         person.stepping = not _is_closed(person)
+
+
+@compiled
+def _kick(person: Record, k: int, frame: Record, vertices: Array, dt: float) -> None:
+    """Lead a kicking foot, and stand on the other one."""
+    for c in range(3):
+        person.kick_place[c] += person.kick_velocity[c] * dt
+    person.stepping = False
+    person.foot_state[k] = SWING
+    person.yaw[k], person.pitch[k] = person.heading, person.kick_pitch
+    put(person.ankles, k, triple(person.kick_place))
+    _stand(person, 1 - k, 0.5, frame, vertices)
 
 
 @compiled

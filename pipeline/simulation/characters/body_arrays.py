@@ -66,6 +66,8 @@ NODE = np.dtype(
         ("grip_partner", "i8"),
         # Distance that a hand still has to close around what it grips [m].
         ("grip_gap", "f8"),
+        # Distance at which it holds what it grips: the radius of a ball [m].
+        ("grip_length", "f8"),
         # Whether it runs on a level bearing, at the height of its lock place.
         ("on_bearing", "?"),
     ],

@@ -6,7 +6,7 @@ Source: Horswill 2008.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +34,7 @@ from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
+from pipeline.simulation.members import MemberState
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
@@ -99,7 +100,10 @@ class Characters(Troupe):
         names = [member.name for member in self.cast]
         people = (k for k, member in enumerate(self.cast) if proportions_of(member) is not None)
         ground = self.world.ground
-        return CharacterView(names, self.arrays, ground, frozenset(people), self.obstacle_circles)
+        sub_step = self.world.clock.dt / self.count
+        return CharacterView(
+            *(names, self.arrays, ground, frozenset(people), self.obstacle_circles, sub_step)
+        )
 
     def _start_minds(self, view: CharacterView) -> MindScheduler | None:
         if not any(member.has_mind for member in self.cast):
@@ -136,18 +140,31 @@ class Characters(Troupe):
         self.workspace = workspace_for(self.arrays, self.solid_tracker.solids)
         self.contact_reporter.solids = self.solid_tracker.obstacles
         self.obstacle_circles.set_solids(self.solid_tracker.solids.bodies)
+        self.dispatcher.view.body_masses.update(self.solid_tracker.masses())
         return self.solid_tracker.obstacles
 
     def update_obstacles(self, motion: SolidMotion) -> None:
         """Update poses and velocities of the obstacles."""
         spans = self.arrays.owners["nodes"].tolist()
-        self.solid_tracker.update(motion, [self.arrays.p[first : first + n] for first, n in spans])
+        self.solid_tracker.update(
+            motion,
+            [self.arrays.p[first : first + n] for first, n in spans],
+            self.dispatcher.view.holders,
+        )
 
     def obstacle_impulses(self) -> tuple[Array, Array]:
         """Return impulses (S, 3) [N s] and angular impulses (S, 3) [N m s] since the update."""
         return self.solid_tracker.impulses()
 
     # --- the passes of the step -----------------------------------------------------
+
+    def members_needed(self, orders: Orders) -> Collection[str]:
+        """Return the members whose states the tasks of people need."""
+        return self.dispatcher.members_needed(orders)
+
+    def see_members(self, members: Mapping[str, MemberState]) -> None:
+        """Receive the states of these members in the row before."""
+        self.dispatcher.view.members.update(members)
 
     def read(self, orders: Orders) -> None:
         """Accept the orders of the script from this step on."""
@@ -160,15 +177,18 @@ class Characters(Troupe):
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
+        for controller in self.dispatcher.controllers:
+            for name, change in controller.pushed_bodies:
+                self.solid_tracker.push(name, change)
         before = self.arrays.p[self._balls]
         self.move()
         self._roll_balls(before)
         world, people = self.world, (self._names, self._masses)
         steps = footfalls(self.persons, *people, world.ground, world.clock, step)
         cries = self.minds.cries if self.minds is not None else ()
-        self._facts = Facts(
+        self._facts = replace(
+            self.dispatcher.facts(),
             contacts=self.contact_reporter.contacts(self.log, step) + steps,
-            arrived=self.dispatcher.arrived(),
             touched=self.contact_reporter.touched(self.log),
             signals=self.signals.signals(cries),
         )

@@ -66,7 +66,7 @@ def close_grips(nodes: Records, grips: IntArray, h: float) -> None:
     for n in range(len(grips)):
         if grips[n, 0] >= 0:
             node = nodes[grips[n, 0]]
-            node.grip_gap = max(node.grip_gap - GRIP_CLOSING_SPEED * h, 0.0)
+            node.grip_gap = max(node.grip_gap - GRIP_CLOSING_SPEED * h, node.grip_length)
 
 
 @inlined

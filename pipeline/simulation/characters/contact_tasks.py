@@ -12,11 +12,16 @@ import numpy as np
 
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, REACHING, SHOULDERS, SPINE
+from pipeline.simulation.characters.person_tasks import Task, place_text, walking_failure
+from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.spatial import Array
 
+GRAB_PATIENCE = 6.0  # without coming nearer [s]
 PATIENCE = 1.6
 """Time after which a hand is near enough to a place that it cannot quite reach [s]."""
 
+HAND_BREADTH = 0.06  # within which a hand counts as there in the end, in heights
+PALM_OFFSET = 0.045  # of the wrist from a surface that the hand touches, in heights
 HAND_AT_PLACE = 0.04  # distance at which a hand has reached a place, in heights
 GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
 
@@ -49,35 +54,63 @@ EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm le
 
 
 @dataclass
-class Reach:
+class Reach(Task):
     """Hold hands out to a place or to a character.
 
     Attributes:
         hands: numbers of the hands.
-        place: (3,) [m]; None for a character.
+        place: (3,) [m]; None for a character or a member of another room.
         owner: number of the character.
+        target: name of the member of another room, "" for none.
         time: since the start [s].
+        progress: of the hand that is farthest off.
+        has_reached: whether all hands were near enough.
     """
 
     hands: tuple[int, ...]
     place: Array | None
     owner: int = -1
+    target: str = ""
     time: float = 0.0
+    progress: TaskProgress = field(default_factory=TaskProgress)
+    has_reached: bool = False
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """See `Task`."""
+        return (self.target,) if self.target else ()
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        place = controller.view.middle(self.owner) if self.place is None else self.place
         self.time += dt
-        is_near = True
+        farthest, height = 0.0, float(controller.record.height)
         for k in self.hands:
+            place = self._place(controller, k)
             controller.put_hand(k, place)
-            distance = math.dist(controller.hand(k), place)
-            is_near = is_near and distance < HAND_AT_PLACE * controller.record.height
-        return is_near or self.time > PATIENCE
+            farthest = max(farthest, math.dist(controller.hand(k), place))
+        is_late = self.time > PATIENCE and farthest < HAND_BREADTH * height
+        self.has_reached |= is_late or farthest < HAND_AT_PLACE * height
+        if not self.has_reached and self.progress.update(farthest, dt) > PATIENCE:
+            self.failure = f"{farthest:.2f} m out of reach at {place_text(controller)}"
+        return self.has_reached
+
+    def _place(self, controller: PersonController, k: int) -> Array:
+        """Return (3,) where a hand goes [m]."""
+        if self.place is not None:
+            return self.place
+        if not self.target:
+            return controller.view.middle(self.owner)
+        # The palm touches the surface, not the wrist.
+        shoulder = controller.shoulder(k)
+        place = controller.view.state(self.target).nearest(shoulder)
+        size = max(math.dist(shoulder, place), 1e-9)
+        share = min(PALM_OFFSET * float(controller.record.height) / size, 1.0)
+        surface: Array = place + share * (shoulder - place)
+        return surface
 
 
 @dataclass
-class Grab:
+class Grab(Task):
     """Go to a character and close hands around it.
 
     Attributes:
@@ -86,6 +119,7 @@ class Grab:
         part: the joint to take, None for the nearest node.
         nodes: node of each hand that is on its way or grips.
         time: since it is near [s].
+        progress: of the walk, and then of the hands.
     """
 
     hands: tuple[int, ...]
@@ -93,6 +127,7 @@ class Grab:
     part: str | None = None
     nodes: dict[int, int] = field(default_factory=dict)
     time: float = 0.0
+    progress: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -104,37 +139,62 @@ class Grab:
         first = p[self.nodes[self.hands[0]]]
         # Bowing and crouching bring shoulders forward over low places.
         near = (0.8 if first[1] > 0.4 * person.height else 0.62) * controller.arm
+        radius = controller.ball_radius(self.owner)
+        near += radius
         if controller.ground_distance(first) > near + 0.12 * controller.arm:
             controller.go(first[0], first[2], near, self.owner)
             if self.part is None:
                 self.nodes.clear()
+            self._check_progress(controller, controller.ground_distance(first), dt)
             return False
         if person.has_goal:
+            self.progress = TaskProgress()
             controller.face_to(first)
         self.time += dt
         closing = GRAB_DISTANCE if self.time < PATIENCE else PATIENT_GRAB_DISTANCE
+        aside = self._sides(controller, first, radius)
+        farthest = 0.0
         for k in self.hands:
             node = self.nodes[k]
-            controller.put_hand(k, p[node])
-            if math.dist(controller.hand(k), p[node]) < closing * person.height:
+            controller.put_hand(k, p[node] + aside[k] if radius > 0.0 else p[node])
+            distance = math.dist(controller.hand(k), p[node])
+            farthest = max(farthest, distance)
+            if distance < closing * person.height + radius:
                 controller.grip(k, node)
                 person.has_facing = False
+        self._check_progress(controller, farthest, dt)
         return False
+
+    def _sides(self, controller: PersonController, ball: Array, radius: float) -> Array:
+        """Return (2, 3) offsets of the hands from the middle of a ball [m]."""
+        ahead = controller.direction_to(ball)
+        right = np.array([-ahead[2], 0.0, ahead[0]])
+        if len(self.hands) == 1:
+            return np.tile(-radius * ahead, (2, 1))
+        return radius * np.stack([-right, right])
+
+    def _check_progress(self, controller: PersonController, distance: float, dt: float) -> None:
+        """Give up what comes no nearer."""
+        at = controller.record.at if controller.record.has_goal else None
+        if self.progress.update(distance, dt, at) > GRAB_PATIENCE:
+            self.failure = f"stays {distance:.2f} m out of reach at {place_text(controller)}"
 
 
 @dataclass
-class Hug:
+class Hug(Task):
     """Go to a character, put both arms around it, and join the hands.
 
     Attributes:
         owner: number of the partner.
         size: height of the partner [m].
         touched: time since the two touch [s], 0 before.
+        progress: of the walk.
     """
 
     owner: int
     size: float
     touched: float = 0.0
+    progress: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -144,6 +204,7 @@ class Hug:
         distance = controller.ground_distance(partner)
         if self.touched == 0.0 and distance > closeness + 0.06:
             controller.go(partner[0], partner[2], closeness - 0.06, self.owner)
+            self.failure = walking_failure(controller, self.progress, distance, dt)
             if distance < closeness + 1.1 * controller.arm:
                 # Bowing only once the partner is there would knock heads.
                 self._bow(controller)
@@ -229,7 +290,7 @@ def shoulder_height(controller: PersonController) -> float:
 
 
 @dataclass
-class LoosenHug:
+class LoosenHug(Task):
     """Open the arms around a partner and step back, so that no arm is torn out.
 
     Attributes:
@@ -257,7 +318,7 @@ class LoosenHug:
 
 
 @dataclass
-class ReturnHug:
+class ReturnHug(Task):
     """Put both hands on the back of an approaching partner, without a step and without bowing.
 
     Attributes:
@@ -296,16 +357,18 @@ class ReturnHug:
 
 
 @dataclass
-class Grapple:
+class Grapple(Task):
     """Go to a character with both arms ahead.
 
     Attributes:
         owner: number of the character.
         time: since the arms came up [s].
+        progress: of the walk.
     """
 
     owner: int
     time: float = 0.0
+    progress: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -315,6 +378,9 @@ class Grapple:
             for k in range(2):
                 controller.record.arm_mode[k] = REACHING
             self.time += dt
+        else:
+            distance = controller.ground_distance(partner)
+            self.failure = walking_failure(controller, self.progress, distance, dt)
         is_done = self.time > PATIENCE
         if is_done:
             controller.stop()

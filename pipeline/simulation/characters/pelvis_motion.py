@@ -81,6 +81,8 @@ def _walk_vector(person: Record) -> tuple[float, float]:
         if distance > 1e-9:
             wx, wz = speed * x / distance, speed * z / distance
     wx, wz = wx + person.sidestep[0], wz + person.sidestep[1]
+    if person.evasion[0] != 0.0 or person.evasion[1] != 0.0:
+        wx, wz = wx + person.evasion[0], wz + person.evasion[1]
     if person.posture == SITTING or person.sit_blend > 0.03 or person.frozen:
         wx, wz = 0.0, 0.0
     speed = math.hypot(wx, wz)

@@ -4,27 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, CharacterArrays
+from pipeline.simulation.characters.body_arrays import FREE, NOBODY, RESTING, CharacterArrays
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
     HUGGING,
     PELVIS,
     PLACED,
+    SHOULDER,
     SHOULDERS,
     STANDING,
     SWINGING,
 )
 from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.members import MemberState
+from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
+from pipeline.spec.model_base import Goal, Target
 
 HANDS: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
 """Numbers of hands by name."""
@@ -36,6 +41,9 @@ EMBRACE_RANGE = 2.0  # distance at which an embrace has ended, in arm lengths
 BODY_RADIUS = 0.17  # of a person on the ground, in heights
 CARRIED_MASS = 0.5  # up to which a gripped thing hangs from the hand, in the person's mass
 SIZE_FACTOR = 1.12  # from the height of the nodes of a standing person to its size
+
+HOLD_HEIGHT = 0.6  # of a thing between two hands, in heights
+RUN_FROUDE = 1.1  # speed of the fastest run, in √(g l)
 
 NO_CIRCLES = np.zeros((0, 2)), np.zeros(0)
 
@@ -50,6 +58,11 @@ class CharacterView:
         ground: the terrain.
         people: numbers of the owners with the joints of people.
         obstacle_circles: obstacles of other rooms.
+        sub_step: [s].
+        members: states of members by name, one row ago.
+        places: places that orders give by their coordinates, by these as text.
+        body_masses: masses of bodies that can be pushed, by name [kg].
+        holders: names of the people that hold members of other rooms, by name.
     """
 
     names: Sequence[str]
@@ -57,6 +70,11 @@ class CharacterView:
     ground: Ground
     people: frozenset[int]
     obstacle_circles: ObstacleCircles
+    sub_step: float
+    members: dict[str, MemberState] = field(default_factory=dict)
+    places: dict[str, MemberState] = field(default_factory=dict)
+    body_masses: dict[str, float] = field(default_factory=dict)
+    holders: dict[str, str] = field(default_factory=dict)
 
     @cached_property
     def p(self) -> Array:
@@ -86,6 +104,40 @@ class CharacterView:
     def number(self, name: str) -> int:
         """Return the number of a character."""
         return self.names.index(name)
+
+    def target_name(self, target: Goal | Target) -> str:
+        """Return the name of a target; a place without one gets that of its coordinates."""
+        if isinstance(target, str):
+            return target
+        name = str(list(target))
+        if name not in self.places:
+            x, z = target[0], target[-1]
+            y = target[1] if len(target) == 3 else self.ground_height(x, z)
+            self.places[name] = MemberState.of_place(np.array([x, y, z], dtype=float))
+        return name
+
+    def state(self, name: str) -> MemberState:
+        """Return the state of a target."""
+        return self.places[name] if name in self.places else self.members[name]
+
+    def owner(self, name: str) -> int:
+        """Return the number of a character, NOBODY for a member of another room."""
+        return self.names.index(name) if name in self.names else NOBODY
+
+    def is_ball(self, owner: int) -> bool:
+        """Tell whether a character is a ball: a single node."""
+        return self._spans[owner][1] == 1
+
+    def set_velocity(self, owner: int, v: Array) -> None:
+        """Give all nodes of a character a velocity (3,) [m/s]."""
+        first, count = self._spans[owner]
+        nodes, state = self.arrays.nodes[first : first + count], self.arrays.owners[owner]
+        state.asleep, state.watch_time, state.still_count = False, 0.0, 0
+        resting = nodes["lock"] == RESTING
+        nodes["lock"][resting] = FREE
+        nodes["mobility"][resting] = nodes["inverse_mass"][resting]
+        nodes["anchor"] = nodes["p"]
+        nodes["previous"] = nodes["p"] - self.sub_step * v
 
     def nodes(self, owner: int) -> Array:
         """Return (n, 3) the nodes of a character [m]."""
@@ -134,11 +186,22 @@ class PersonController:
         name: of the person.
         record: `PERSON`; changed by commands.
         view: all characters.
+        held_members: members of other rooms in its hands, by the number of the hand.
+        grip_changes: of this step.
+        pushed_bodies: bodies of another room that it kicks in this step, and their change of
+            velocity (3,) [m/s].
+        notes: for the author, of this step.
+        avoided: distance at which it keeps off targets, by name [m].
     """
 
     name: str
     record: Record
     view: CharacterView
+    held_members: dict[int, str] = field(default_factory=dict)
+    grip_changes: list[GripChange] = field(default_factory=list)
+    pushed_bodies: list[tuple[str, Array]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    avoided: dict[str, float] = field(default_factory=dict)
 
     @property
     def arm(self) -> float:
@@ -181,6 +244,31 @@ class PersonController:
             return found
         middles = np.concatenate([found[0], [middle for middle, _ in things]])
         return middles, np.concatenate([found[1], [radius for _, radius in things]])
+
+    @property
+    def body_radius(self) -> float:
+        """Radius of the circle that the person takes up on the ground [m]."""
+        return BODY_RADIUS * float(self.record.height)
+
+    @property
+    def ahead(self) -> Array:
+        """(3,) the level unit vector ahead."""
+        heading = float(self.record.heading)
+        return np.array([math.cos(heading), 0.0, -math.sin(heading)])
+
+    @property
+    def best_pace(self) -> float:
+        """Speed of its fastest run [m/s]."""
+        return RUN_FROUDE * math.sqrt(GRAVITY * float(self.record.hip_height))
+
+    def shoulder(self, k: int) -> Array:
+        """Return (3,) the place of a shoulder [m]."""
+        return self.view.p[self.record.node + SHOULDER + k]
+
+    def waist(self) -> Array:
+        """Return (3,) the middle of the body as it is led [m]."""
+        person = self.record
+        return np.array([person.at[0], person.floor + person.hip_height, person.at[1]])
 
     def go(self, x: float, z: float, stop_distance: float = 0.0, partner: int = NOBODY) -> None:
         """Walk to x and z, up to a distance [m]; a partner is not stepped aside for."""
@@ -230,6 +318,9 @@ class PersonController:
         nodes["grip_partner"][hand] = nodes["owner"][node]
         nodes["grip_partner"][node] = self.record.owner
         nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
+        # A ball hangs from the hand by its surface.
+        is_ball = self.view.arrays.owners[nodes["owner"][node]].nodes[1] == 1
+        nodes["grip_length"][hand] = nodes["radius"][node] if is_ball else 0.0
 
     @cached_property
     def _first_grip(self) -> int:
@@ -239,8 +330,56 @@ class PersonController:
         """Return the node that a hand grips, -1 for none."""
         return int(self.view.arrays.grips[self._first_grip + k, 1])
 
+    def is_holding(self, k: int) -> bool:
+        """Tell whether a hand grips something."""
+        return k in self.held_members or self.held_node(k) >= 0
+
+    def hands_holding(self, name: str) -> tuple[int, ...]:
+        """Return the hands that hold a member."""
+        owner, owners = self.view.owner(name), self.view.arrays.nodes["owner"]
+        if owner < 0:
+            return tuple(k for k in range(2) if self.held_members.get(k) == name)
+        nodes = [self.held_node(k) for k in range(2)]
+        return tuple(k for k, node in enumerate(nodes) if node >= 0 and owners[node] == owner)
+
+    def hold_member(self, name: str, hands: Sequence[int]) -> None:
+        """Close hands around a member of another room, which follows them from now on."""
+        for k in hands:
+            self.let_go(k)
+        self.held_members.update(dict.fromkeys(hands, name))
+        self.view.holders[name] = self.name
+        self.grip_changes.append(GripChange(self.name, self._holding_node(hands), name, True))
+
+    def release(self, name: str, v: Array | None = None) -> None:
+        """Open the hands that hold a member, which goes on with a velocity (3,) [m/s].
+
+        Args:
+            name: of the member.
+            v: None for the velocity of the hands.
+        """
+        hands, owner = self.hands_holding(name), self.view.owner(name)
+        if owner >= 0:
+            for k in hands:
+                self.let_go(k)
+            if v is not None:
+                self.view.set_velocity(owner, v)
+        elif hands:
+            for k in hands:
+                del self.held_members[k]
+                self.record.arm_mode[k] = SWINGING
+            del self.view.holders[name]
+            self.grip_changes.append(
+                GripChange(self.name, self._holding_node(hands), name, False, v)
+            )
+
+    def _holding_node(self, hands: Sequence[int]) -> str:
+        """Return the name of the node that a held member follows: the chest between two hands."""
+        return f"{self.name}.chest" if len(hands) == 2 else f"{self.name}.hand_{'lr'[hands[0]]}"
+
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
+        if k in self.held_members:
+            self.release(self.held_members[k])
         self._open(k)
         self.record.arm_mode[k] = SWINGING
 
@@ -278,6 +417,11 @@ class PersonController:
         offset = self.view.nodes(owner) - self.hand(k)
         return int(first + np.argmin((offset * offset).sum(axis=1)))
 
+    def ball_radius(self, owner: int) -> float:
+        """Return the radius of a ball, 0 of another character [m]."""
+        first, count = self.view.arrays.owners["nodes"][owner]
+        return float(self.view.arrays.nodes["radius"][first]) if count == 1 else 0.0
+
     def hold_gripped_things(self) -> None:
         """Let light things hang from the hand, and the hand follow heavy ones."""
         arrays = self.view.arrays
@@ -288,5 +432,21 @@ class PersonController:
             mass = arrays.owners[int(arrays.nodes["owner"][node])].mass
             if mass > CARRIED_MASS * arrays.owners[self.record.owner].mass:
                 self.put_hand(k, arrays.nodes["p"][node])
+            elif self._holds_between(node):
+                radius = float(arrays.nodes["radius"][node])
+                self.hold_before(k, radius, radius)
             else:
                 self.record.arm_mode[k] = SWINGING
+
+    def _holds_between(self, node: int) -> bool:
+        """Tell whether both hands grip a node."""
+        return self.held_node(0) == node == self.held_node(1)
+
+    def hold_before(self, k: int, half_width: float, half_depth: float) -> None:
+        """Hold a hand before the waist, at its side of a thing of these half extents [m]."""
+        person, ahead = self.record, self.ahead
+        right = np.array([-ahead[2], 0.0, ahead[0]])
+        middle = np.array([person.at[0], person.floor, person.at[1]])
+        middle += min(0.12 * person.height + half_depth, 0.85 * self.arm) * ahead
+        middle[1] += HOLD_HEIGHT * person.height
+        self.put_hand(k, middle + (half_width if k == 1 else -half_width) * right)

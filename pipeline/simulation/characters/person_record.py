@@ -125,6 +125,13 @@ PERSON = np.dtype(
         ("stop_distance", "f8"),
         ("pace", "f8"),
         ("sidestep", "f8", 2),
+        # Velocity added to keep off what it avoids [m/s]; the foot that kicks, -1 for none; the
+        # place [m] and velocity [m/s] of that ankle, and its pitch, toes up [rad].
+        ("evasion", "f8", 2),
+        ("kick_foot", "i8"),
+        ("kick_place", "f8", 3),
+        ("kick_velocity", "f8", 3),
+        ("kick_pitch", "f8"),
         # Owner for whom it does not step aside, or NOBODY; heading to stand in [rad].
         ("partner", "i8"),
         ("has_facing", "?"),
@@ -174,7 +181,7 @@ def persons_of(
             setattr(person, name, fraction * own.height)
         person.node = first
         person.heading = headings[i]
-        person.partner = -1
+        person.partner = person.kick_foot = -1
         person.at[:] = at[i]
         person.floor = ground[i]
         person.gaze[:] = headings[i], 0.0

@@ -9,86 +9,183 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
-from pipeline.simulation.characters.person_controller import BODY_RADIUS, PersonController
+from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
+from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import Array
 from pipeline.spec.character_kinds import HANDS
 from pipeline.spec.keyframes import Frame, PoseKey
 
+SEAT_RANGE = 0.25, 0.75  # heights of seats, in the height of the hips
+SEAT_STANDOFF = 0.17  # of the feet before a seat of another room, in heights
 SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights
+BLOCKED_TIME = 4.0  # without getting on, after which a way is blocked [s]
+VAIN_TIME = 20.0  # without coming nearer, after which a walk is in vain [s]
+POSTURE_PATIENCE = 8.0  # to turn, to stand up or to come to stand [s]
 TURN_TOLERANCE, SEAT_TURN_TOLERANCE = math.radians(3.0), 0.08  # [rad]
 
 
-class Task(Protocol):
-    """Something that a person does."""
+@dataclass
+class Task:
+    """Something that a person does.
+
+    Attributes:
+        failure: why it cannot be done, "" while it can; one whose order it is gives it up.
+        pace: least walking speed that it asks for [m/s].
+        leads_hands: whether it leads hands that hold something.
+    """
+
+    failure: str = field(default="", init=False)
+    pace: float = field(default=0.0, init=False)
+    leads_hands: bool = field(default=False, init=False)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """Command the person for the coming step of `dt` [s]; tell whether the task is done."""
+        raise NotImplementedError
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Names of members whose states it needs."""
+        return ()
 
 
 @dataclass
-class Walk:
+class Walk(Task):
     """Walk to a place, around what stands on the straight way.
 
     Attributes:
         goal: (2,) [m]; None goes as commanded before.
         route: the way around obstacles.
+        progress: of the walk.
     """
 
     goal: Array | None = None
     route: Route = field(default_factory=Route)
+    progress: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         person = controller.record
         if self.goal is not None and person.has_goal:
-            middles, radii = controller.obstacles()
-            if len(radii):
-                reaches = radii + BODY_RADIUS * float(person.height)
-                bounds, at = np.stack(controller.view.edges), np.array(person.at)
-                # An author's straight ways are kept wherever they can be walked.
-                first, length = self.route.next(
-                    at, self.goal, middles, reaches, bounds, clearance=0.0
-                )
-                offset = first - at
-                # A corner of the way is not slowed down for as its end is.
-                is_straight = len(self.route.places) == 1
-                ahead = at + offset * (length / math.hypot(*offset))
-                person.goal[:] = self.goal if is_straight else ahead
+            take_route(controller, self.route, self.goal)
+            left = math.dist(person.at, self.goal)
+            self.failure = walking_failure(controller, self.progress, left, dt)
         return not person.has_goal and controller.is_standing
 
 
+def take_route(
+    controller: PersonController,
+    route: Route,
+    goal: Array,
+    circle: tuple[Array, float] | None = None,
+) -> None:
+    """Head for the next place on the way around obstacles to where a person goes.
+
+    Args:
+        controller: of the person.
+        route: of the walk; changed.
+        goal: (2,) where to [m].
+        circle: middle (2,) and radius of a further obstacle [m].
+    """
+    person = controller.record
+    middles, radii = controller.obstacles()
+    if circle is not None:
+        middles = np.concatenate([middles, circle[0][None]])
+        radii = np.append(radii, circle[1])
+    if not len(radii):
+        return
+    reaches = radii + controller.body_radius
+    bounds, at = np.stack(controller.view.edges), np.array(person.at)
+    # An author's straight ways are kept wherever they can be walked.
+    first, length = route.next(at, goal, middles, reaches, bounds, clearance=0.0)
+    offset = first - at
+    # A corner of the way is not slowed down for as its end is.
+    is_straight = len(route.places) == 1
+    ahead = at + offset * (length / max(math.hypot(*offset), 1e-9))
+    person.goal[:] = goal if is_straight else ahead
+
+
+def walking_failure(
+    controller: PersonController, progress: TaskProgress, left: float, dt: float
+) -> str:
+    """Return why a person does not get to where it goes, "" if it does.
+
+    Args:
+        controller: of the person.
+        progress: of its walk; changed.
+        left: distance to the goal [m].
+        dt: time since the last update [s].
+    """
+    person = controller.record
+    if person.frozen or person.sit_blend > 0.0:
+        return ""
+    if progress.update(left, dt, person.at) > BLOCKED_TIME:
+        return f"the way is blocked at {place_text(controller)}, {left:.1f} m from it"
+    if progress.idle_time > VAIN_TIME:
+        return f"has come no nearer for {VAIN_TIME:g} s at {place_text(controller)}"
+    return ""
+
+
+def place_text(controller: PersonController) -> str:
+    """Return where a person is, for messages."""
+    x, z = (float(c) for c in controller.record.at)
+    return f"[{x:.2f}, {z:.2f}]"
+
+
 @dataclass
-class Turn:
-    """Turn to the facing asked for."""
+class Turn(Task):
+    """Turn to the facing asked for.
+
+    Attributes:
+        time: since the start [s].
+    """
+
+    time: float = 0.0
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
+        self.time += dt
         is_done = controller.is_facing(TURN_TOLERANCE) and controller.is_standing
+        if not is_done and self.time > POSTURE_PATIENCE:
+            self.failure = f"cannot turn at {place_text(controller)}"
         if is_done:
             controller.record.has_facing = False
         return is_done
 
 
 @dataclass
-class StandUp:
-    """Stand up."""
+class StandUp(Task):
+    """Stand up.
+
+    Attributes:
+        time: since the start [s].
+    """
+
+    time: float = 0.0
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         controller.record.posture = STANDING
+        self.time += dt
+        if not controller.is_standing and self.time > POSTURE_PATIENCE:
+            self.failure = f"cannot stand still at {place_text(controller)}"
         return controller.is_standing
 
 
 @dataclass
-class SitDown:
-    """Sit down on the ground."""
+class SitDown(Task):
+    """Sit down on the ground.
+
+    Attributes:
+        time: since the start [s].
+    """
+
+    time: float = 0.0
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -100,41 +197,119 @@ class SitDown:
             height = controller.view.ground_height(x, z) + SEAT_HEIGHT * person.height
             person.seat[:] = back, height, -0.06
             person.has_goal, person.has_facing, person.posture = False, False, SITTING
+            self.time += dt
+            if self.time > POSTURE_PATIENCE:
+                self.failure = f"cannot stand still at {place_text(controller)}"
         return bool(person.sit_blend >= 1.0)
 
 
 @dataclass
-class SitOn:
+class SitOn(Task):
     """Go to a thing, turn round and sit down on it.
 
     Attributes:
-        owner: number of the thing.
+        owner: number of the thing, NOBODY for a member of another room.
+        target: name of that member.
         stage: 0 walk there, 1 turn round, 2 sit down.
+        time: since it is there [s].
+        progress: of the walk.
+        route: around obstacles.
     """
 
     owner: int
+    target: str = ""
     stage: int = 0
+    time: float = 0.0
+    progress: TaskProgress = field(default_factory=TaskProgress)
+    route: Route = field(default_factory=Route)
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """See `Task`."""
+        return (self.target,) if self.target else ()
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         person = controller.record
-        nodes = controller.view.nodes(self.owner)
+        if self.stage == 2 and person.sit_blend >= 1.0:
+            return True
+        seat = self._seat(controller)
+        self.failure = "" if self.owner >= 0 else _seat_failure(seat.top, controller)
+        if self.stage == 0:
+            controller.go(seat.spot[0], seat.spot[2])
+            self.stage = 1
+        elif self.stage == 1 and person.has_goal:
+            self._walk(controller, seat.spot, dt)
+        elif self.stage == 1 and not person.stepping:
+            controller.turn_to(math.atan2(-seat.ahead[2], seat.ahead[0]))
+            self.stage = 2
+        elif self.stage == 2:
+            self._sit(controller, seat, dt)
+        return bool(person.sit_blend >= 1.0)
+
+    def _seat(self, controller: PersonController) -> _Seat:
+        person = controller.record
+        if self.owner >= 0:
+            nodes = controller.view.nodes(self.owner)
+        else:
+            nodes = np.concatenate(controller.view.state(self.target).solids)
         middle = nodes.mean(axis=0)
         ahead, half_depth = _seat_front(nodes, controller)
-        back = max(0.92 * person.thigh, half_depth + 0.08 * person.height - 0.04)
-        spot = middle + back * ahead
-        if self.stage == 0:
+        top = float(nodes[:, 1].max())
+        if self.owner >= 0:
+            back = max(0.92 * person.thigh, half_depth + 0.08 * person.height - 0.04)
+            return _Seat(middle + back * ahead, ahead, back, top)
+        # Solids of other rooms keep the feet farther off than those of this room.
+        spot = middle + (half_depth + SEAT_STANDOFF * person.height) * ahead
+        back = SEAT_STANDOFF * person.height + min(0.6 * person.thigh, half_depth)
+        return _Seat(spot, ahead, back, top)
+
+    def _walk(self, controller: PersonController, spot: Array, dt: float) -> None:
+        """Go on to the place before the seat, which may move if it is of another room."""
+        if self.owner < 0:
             controller.go(spot[0], spot[2])
-            self.stage = 1
-        elif self.stage == 1 and not person.has_goal and not person.stepping:
-            controller.turn_to(math.atan2(-ahead[2], ahead[0]))
-            self.stage = 2
-        elif self.stage == 2 and controller.is_standing:
-            if controller.is_facing(SEAT_TURN_TOLERANCE):
-                person.has_facing, person.posture = False, SITTING
-                height = float(nodes[:, 1].max()) + SEAT_HEIGHT * person.height
-                person.seat[:] = back, height, 0.02
-        return bool(person.sit_blend >= 1.0)
+            take_route(controller, self.route, spot[[0, 2]])
+        left = controller.ground_distance(spot)
+        self.failure = self.failure or walking_failure(controller, self.progress, left, dt)
+
+    def _sit(self, controller: PersonController, seat: _Seat, dt: float) -> None:
+        """Sit down once it has turned round."""
+        person = controller.record
+        if controller.is_standing and controller.is_facing(SEAT_TURN_TOLERANCE):
+            person.has_facing, person.posture = False, SITTING
+            person.seat[:] = seat.back, seat.top + SEAT_HEIGHT * person.height, 0.02
+        if person.sit_blend == 0.0:
+            self.time += dt
+            if self.time > POSTURE_PATIENCE:
+                self.failure = f"cannot turn round before it at {place_text(controller)}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Seat:
+    """Where a person sits down on something.
+
+    Attributes:
+        spot: (3,) where it stands before [m].
+        ahead: (3,) direction of the seat's front.
+        back: from the feet to where it sits [m].
+        top: height of the seat [m].
+    """
+
+    spot: Array
+    ahead: Array
+    back: float
+    top: float
+
+
+def _seat_failure(top: float, controller: PersonController) -> str:
+    """Return why a person cannot sit at a height [m], "" if it can."""
+    person = controller.record
+    height = top - float(person.floor)
+    low, high = (share * float(person.hip_height) for share in SEAT_RANGE)
+    if low <= height <= high:
+        return ""
+    text = "high" if height > high else "low"
+    return f"too {text}: {height:.2f} m, sits at {low:.2f} to {high:.2f} m"
 
 
 def _seat_front(nodes: Array, controller: PersonController) -> tuple[Array, float]:

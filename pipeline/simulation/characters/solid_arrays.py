@@ -8,7 +8,7 @@ one is pushed where it is met, and the impulses are reported to its own room.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -193,17 +193,37 @@ class SolidTracker:
             for obstacle in self.obstacles
         ]
         self._inverse = np.array(inverse).reshape(-1, 3, 3)
+        self._inverse_masses = self.solids.bodies["inverse_mass"].copy()
         self._enclosing: NDArray[np.bool_] | None = None
         self._movable = np.array(
             [obstacle.mass_properties is not None for obstacle in self.obstacles], dtype=bool
         )
 
-    def update(self, motion: SolidMotion, characters: Sequence[Array]) -> None:
+    def masses(self) -> dict[str, float]:
+        """Return the masses of movable solids by the names of their members [kg]."""
+        return {
+            name: obstacle.mass_properties.mass
+            for obstacle in self.obstacles
+            if obstacle.mass_properties is not None
+            for name in (obstacle.performer, obstacle.name)
+        }
+
+    def push(self, name: str, change: Array) -> None:
+        """Change the velocity of a movable member by an impulse at its centre [m/s]."""
+        for obstacle, solid in zip(self.obstacles, self.solids.bodies, strict=True):
+            if name in (obstacle.performer, obstacle.name) and solid["inverse_mass"] > 0.0:
+                solid["impulse"] += change / solid["inverse_mass"]
+                solid["v"] += change
+
+    def update(
+        self, motion: SolidMotion, characters: Sequence[Array], held: Collection[str] = ()
+    ) -> None:
         """Update poses and velocities of the solids, and clear their impulses.
 
         Args:
             motion: of the solids.
             characters: (n, 3) nodes of each [m].
+            held: names of members in hands, which nobody meets.
         """
         bodies = self.solids.bodies
         bodies["p"], bodies["R"] = motion.p, motion.R
@@ -212,9 +232,14 @@ class SolidTracker:
             inside = [any(self._encloses(solid, p) for p in characters) for solid in bodies]
             self._enclosing = np.array(inside, dtype=bool)
         bodies["is_present"] = motion.is_present & np.logical_not(self._enclosing)
+        if held:
+            is_held = [{o.performer, o.name} & set(held) != set() for o in self.obstacles]
+            bodies["is_present"] &= ~np.array(is_held, dtype=bool)
         bodies["v"], bodies["w"] = motion.v, motion.w
         R = motion.R
         bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
+        bodies["inverse_inertia"][~motion.gives_way] = 0.0
+        bodies["inverse_mass"] = np.where(motion.gives_way, self._inverse_masses, 0.0)
         bodies["fall_acceleration"] = np.where(self._movable & ~motion.is_supported, GRAVITY, 0.0)
         bodies["impulse"] = bodies["angular_impulse"] = 0.0
 

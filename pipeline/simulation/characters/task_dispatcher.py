@@ -12,6 +12,10 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import Grab, Grapple, Hug, Reach
+from pipeline.simulation.characters.grasp import hold_members
+from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
+from pipeline.simulation.characters.kick_task import KickThing
+from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
 from pipeline.simulation.characters.person_controller import (
     HANDS,
     CharacterView,
@@ -24,11 +28,17 @@ from pipeline.simulation.characters.person_tasks import (
     SitOn,
     StandUp,
     Task,
-    Turn,
     Walk,
 )
+from pipeline.simulation.characters.pursuit_tasks import (
+    ChaseTarget,
+    evade,
+)
 from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
+from pipeline.simulation.take import TakeNote
+from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import Target
@@ -37,8 +47,11 @@ from pipeline.spec.script import Do
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
 
-SIDE_ORDERS = (spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges)
+SIDE_ORDERS = (spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges)
 """Orders that leave the task as it is."""
+
+ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
+"""Tasks that leave empty hands in the air when they are broken off."""
 
 
 class TaskDispatcher:
@@ -76,7 +89,26 @@ class TaskDispatcher:
         self._look_targets: list[Target | None] = [None] * count
         self._glances = [NOBODY] * count
         self._arrived: list[str] = []
+        self._outcomes: list[Outcome] = []
+        self._orders: list[Do | None] = [None] * count
+        self._usual_paces: list[float | None] = [None] * count
+        self._waits = [False] * count
         self._posed_hands = {name: PosedHands(keys) for name, keys in (poses or {}).items() if keys}
+
+    def members_needed(self, orders: Orders) -> set[str]:
+        """Return the names of the members whose states orders, tasks and glances need."""
+        view, found = self.view, set[str]()
+        for name in orders.keys() & self._by_name.keys():
+            for order in orders[name]:
+                found |= members_named(order, view)
+        for k, controller in enumerate(self.controllers):
+            task, look = self._tasks[k], self._look_targets[k]
+            if task is not None:
+                found.update(task.members)
+            if isinstance(look, str) and view.owner(look) < 0:
+                found.add(look)
+            found.update(controller.avoided, controller.held_members.values())
+        return found - view.places.keys()
 
     def read(self, orders: Orders) -> None:
         """Accept the orders of a script for this step."""
@@ -108,7 +140,7 @@ class TaskDispatcher:
         person.posture, person.has_facing, person.stoop_depth = STANDING, False, 0.0
         controller.part_hands()
         for hand in range(2):
-            if controller.held_node(hand) < 0:
+            if not controller.is_holding(hand):
                 controller.let_go(hand)
             else:
                 person.arm_mode[hand] = SWINGING
@@ -123,25 +155,63 @@ class TaskDispatcher:
     def command(self) -> None:
         """Command all people for the coming step."""
         self._arrived.clear()
+        self._outcomes.clear()
         time = self._steps * self._dt
         self._steps += 1
         for k, controller in enumerate(self.controllers):
+            controller.grip_changes.clear()
+            controller.pushed_bodies.clear()
+            controller.notes.clear()
             controller.end_distant_embrace()
             task = self._tasks[k]
-            if task is not None:
+            if task is not None and not self._waits[k]:
                 is_done = task.advance(controller, self._dt)
                 if is_done and not self._done[k]:
                     self._arrived.append(controller.name)
                 self._done[k] = is_done or self._done[k]
                 self._ordered[k] = self._ordered[k] and (not is_done or self._persists(k))
-            controller.hold_gripped_things()
+                self._set_pace(k, 0.0 if is_done else task.pace)
+                if task.failure and self._ordered[k] and not self._done[k]:
+                    self._give_up(k, task.failure)
+            if task is None or not task.leads_hands:
+                controller.hold_gripped_things()
+                hold_members(controller)
+            if controller.avoided:
+                evade(controller)
             if controller.name in self._posed_hands:
                 self._posed_hands[controller.name].advance(controller, time)
             self._look(k, controller)
 
-    def arrived(self) -> tuple[str, ...]:
-        """Return the names of people whose orders were done in the last step."""
-        return tuple(self._arrived)
+    def _set_pace(self, k: int, pace: float) -> None:
+        """Let a person walk no slower than a task asks for [m/s]; 0 for the usual pace."""
+        record, usual = self.controllers[k].record, self._usual_paces[k]
+        if pace > 0.0:
+            if usual is None:
+                usual = self._usual_paces[k] = float(record.pace)
+            record.pace = max(usual, pace)
+        elif usual is not None:
+            record.pace, self._usual_paces[k] = usual, None
+
+    def _give_up(self, k: int, reason: str) -> None:
+        """End an order that cannot be carried out, and stand."""
+        controller, order = self.controllers[k], self._orders[k]
+        if order is not None:
+            self._outcomes.append(Outcome(controller.name, order, reason))
+        self._set_pace(k, 0.0)
+        self.end(k)
+        self._ordered[k] = False
+
+    def facts(self) -> Facts:
+        """Return what people did in the last step: orders ended, grips and notes."""
+        notes = (
+            (controller.name, text) for controller in self.controllers for text in controller.notes
+        )
+        return Facts(
+            arrived=tuple(self._arrived),
+            outcomes=tuple(self._outcomes),
+            grips=tuple(change for one in self.controllers for change in one.grip_changes),
+            notes=tuple(TakeNote("order_in_part", self._steps, *note) for note in notes),
+        )
 
     def _persists(self, k: int) -> bool:
         frozen = bool(self.controllers[k].record.frozen)
@@ -151,12 +221,18 @@ class TaskDispatcher:
         target, owner = self._look_targets[k], self._glances[k]
         if owner < 0:
             owner = getattr(self._tasks[k], "owner", NOBODY)
+        task = self._tasks[k]
+        name = task.members[:1] if owner < 0 and task is not None else ()
         if isinstance(target, str):
-            controller.look_at(self.view.face(self.view.number(target)))
+            number = self.view.owner(target)
+            is_own = number >= 0
+            controller.look_at(self.view.face(number) if is_own else self.view.state(target).face)
         elif target is not None:
             controller.look_at(np.array(target))
         elif owner >= 0:
             controller.look_at(self.view.face(owner))
+        elif name:
+            controller.look_at(self.view.state(name[0]).face)
         else:
             controller.record.has_look_target = False
 
@@ -165,25 +241,43 @@ class TaskDispatcher:
     def _accept(self, k: int, order: Do) -> None:
         controller = self.controllers[k]
         controller.record.frozen = order == "freeze"
-        self._ordered[k] |= not isinstance(order, SIDE_ORDERS)
+        if isinstance(order, SIDE_ORDERS):
+            self._accept_aside(k, controller, order)
+            return
+        self._ordered[k] = True
+        self._waits[k] = isinstance(order, spec.Wait)
+        resumes = order == "walk" and self._tasks[k] is not None and not self._done[k]
+        if not (resumes or self._waits[k]):
+            self._orders[k] = order
         if order == "walk" and k in self.minded:
             # The person's own mind says where to.
             self._ordered[k] = False
             self.end(k)
         elif isinstance(order, str):
             self._accept_word(k, controller, order)
-        elif isinstance(order, spec.LookAt):
+        elif self._waits[k]:
+            controller.stop()
+        else:
+            controller.record.posture = STANDING
+            keeps_arms = not isinstance(order, spec.Hug | spec.Grapple | spec.SitOn)
+            if (task := task_of_order(controller, order)) is not None:
+                self._begin(k, task, keeps_arms)
+
+    def _accept_aside(self, k: int, controller: PersonController, order: Do) -> None:
+        """Accept an order that leaves the task as it is."""
+        if isinstance(order, spec.LookAt):
             self._look_targets[k] = order.look_at
         elif isinstance(order, spec.LookAhead):
             self._look_targets[k] = None
         elif isinstance(order, spec.SetSpeed):
-            controller.record.pace = order.speed
-        elif isinstance(order, spec.Wait):
-            controller.stop()
+            if self._usual_paces[k] is not None:
+                self._usual_paces[k] = order.speed
+            else:
+                controller.record.pace = order.speed
+        elif isinstance(order, spec.Avoid):
+            controller.avoided[self.view.target_name(order.avoid)] = order.distance
         elif isinstance(order, spec.LetGo):
             self._let_go(k, HANDS[order.let_go])
-        else:
-            self._start_ordered(k, controller, order)
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":
@@ -202,8 +296,9 @@ class TaskDispatcher:
     def _walk_on(self, k: int, controller: PersonController) -> None:
         """Resume an unfinished walk, or walk straight on."""
         person = controller.record
-        if isinstance(self._tasks[k], Walk) and not self._done[k]:
-            person.has_goal, person.posture = True, STANDING
+        if self._tasks[k] is not None and not self._done[k]:
+            person.has_goal = person.has_goal or isinstance(self._tasks[k], Walk)
+            person.posture = STANDING
             return
         controller.go(
             person.at[0] + UNLIMITED_WALK * math.cos(person.heading),
@@ -211,39 +306,19 @@ class TaskDispatcher:
         )
         self._begin(k, Walk())
 
-    def _start_ordered(self, k: int, controller: PersonController, order: Do) -> None:
-        number = self.view.number
-        controller.record.posture = STANDING
-        if isinstance(order, spec.GoTo):
-            controller.go(*order.go_to)
-            self._begin(k, Walk(np.array(order.go_to, dtype=float)), keeps_arms=True)
-        elif isinstance(order, spec.TurnBy):
-            controller.turn_to(float(controller.record.heading) + math.radians(order.turn_deg))
-            self._begin(k, Turn(), keeps_arms=True)
-        elif isinstance(order, spec.Reach):
-            place = None if isinstance(order.reach, str) else np.array(order.reach)
-            owner = number(order.reach) if isinstance(order.reach, str) else NOBODY
-            self._begin(k, Reach(HANDS[order.hand], place, owner), keeps_arms=True)
-        elif isinstance(order, spec.Grab):
-            grab = Grab(HANDS[order.hand], number(order.grab), order.part)
-            self._begin(k, grab, keeps_arms=True)
-        elif isinstance(order, spec.Hug):
-            partner = number(order.hug)
-            self._begin(k, Hug(partner, self.view.size(partner)))
-        elif isinstance(order, spec.Grapple):
-            self._begin(k, Grapple(number(order.grapple)))
-        elif isinstance(order, spec.SitOn):
-            self._begin(k, SitOn(number(order.sit)))
-
     def _begin(self, k: int, task: Task, keeps_arms: bool = False) -> None:
         """Start a task; empty hands hang again, unless they are kept after a task that is done."""
         controller = self.controllers[k]
-        keeps_arms = keeps_arms and (self._done[k] or not isinstance(self._tasks[k], Grab))
+        last = self._tasks[k]
+        keeps_arms = keeps_arms and (self._done[k] or not isinstance(last, ARM_TASKS))
         self._tasks[k], self._done[k] = task, False
+        self._set_pace(k, 0.0)
         controller.record.stoop_depth = 0.0
         controller.part_hands()
+        if controller.record.kick_foot >= 0 and isinstance(last, KickThing):
+            last.put_foot_down(controller)
         for hand in range(2):
-            if not keeps_arms and controller.held_node(hand) < 0:
+            if not keeps_arms and not controller.is_holding(hand):
                 controller.record.arm_mode[hand] = SWINGING
 
     def _let_go(self, k: int, hands: Sequence[int]) -> None:
@@ -251,7 +326,7 @@ class TaskDispatcher:
         controller.part_hands()
         for hand in hands:
             controller.let_go(hand)
-        if isinstance(self._tasks[k], Hug | Reach | Grab | Grapple):
+        if isinstance(self._tasks[k], (Hug, Reach, Grapple, *ARM_TASKS)):
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
             self._tasks[k] = None

@@ -53,6 +53,7 @@ class ScriptedDancer:
         self.watched: str | None = None
         self.seen: Mapping[str, MemberState] = {}
         self._practised = {programme.plan.request}
+        self._reaching: list[tuple[Reach, float]] = []
 
     def follow(self, orders: Sequence[Do]) -> None:
         """Starts to carry out instructions."""
@@ -71,6 +72,12 @@ class ScriptedDancer:
             self._start(plan)
         return True
 
+    def finish_reaches(self) -> list[Reach]:
+        """Returns the orders whose hands have just arrived, as they have practised to."""
+        ended = [do for do, land in self._reaching if land <= self.dancing.now]
+        self._reaching = [(do, land) for do, land in self._reaching if land > self.dancing.now]
+        return ended
+
     def _follow(self, do: Do) -> None:
         now, programme = self.dancing.now, self.programme
         if isinstance(do, str):
@@ -80,7 +87,8 @@ class ScriptedDancer:
         elif isinstance(do, Wait):
             programme.pause(now)
             self.dancing.freeze()
-        elif isinstance(do, Reach) and not isinstance(do.reach, str):
+        elif isinstance(do, Reach):
+            self._reaching.append((do, now + REACH_TIME))
             for side in SIDES[do.hand]:
                 number = programme.repertoire.reaches[do.reach, side]
                 self.dancing.hold_at(side, number, now + REACH_TIME)

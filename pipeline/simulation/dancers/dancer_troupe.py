@@ -23,6 +23,7 @@ from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions, is_child
 from pipeline.simulation.members import MemberState, members_named
+from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.row_slice import Rows
@@ -54,7 +55,7 @@ class DancerTroupe(Troupe):
             own = partial(_to_dancer_frame, self.R_WB[k], self.p_WB[k])
             proportions, path = dancer_proportions(member), f"cast[{i}]"
             repertoire = build_repertoire(
-                member, proportions, dances, world.script, world.directed, own, path
+                member, proportions, dances, world.script, world.directed, world.places, own, path
             )
             until = float(clock.time_of(clock.last_step))
             programme = DanceSchedule(member, repertoire, until, path)
@@ -67,7 +68,7 @@ class DancerTroupe(Troupe):
         self._links = frame_links()
         self._rows: list[tuple[Array, Array, Array]] = []
         self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
-        self._arrived = list[str]()
+        self._arrived, self._outcomes = list[str](), list[Outcome]()
 
     def members_needed(self, orders: Orders) -> Collection[str]:
         """Returns the members that dancers look at."""
@@ -109,6 +110,8 @@ class DancerTroupe(Troupe):
             self._strikes += [(k, strike) for strike in dancer.dancing.advance()]
             if dancer.finish_bars():
                 self._arrived.append(self.members[k].name)
+            name = self.members[k].name
+            self._outcomes += [Outcome(name, reach) for reach in dancer.finish_reaches()]
 
     def buffer_row(self) -> None:
         """Buffers the present state as the next row."""
@@ -132,12 +135,13 @@ class DancerTroupe(Troupe):
         self._rows.clear()
 
     def facts(self) -> Facts:
-        """Returns hand contacts of the last step and dancers that finished their bars."""
+        """Returns hand contacts of the last step, and who finished bars and reaches."""
         contacts = tuple(self._contact(k, strike) for k, strike in self._strikes)
-        arrived = tuple(self._arrived)
+        arrived, outcomes = tuple(self._arrived), tuple(self._outcomes)
         self._strikes.clear()
         self._arrived.clear()
-        return Facts(contacts, arrived=arrived)
+        self._outcomes.clear()
+        return Facts(contacts, arrived=arrived, outcomes=outcomes)
 
     def _frames(self, k: int) -> tuple[Array, Array]:
         """Returns rotations (15, 3, 3) and positions (15, 3) of the body frames."""

@@ -22,8 +22,10 @@ from pipeline.simulation.dancers.dancer_poses import Place, Poses, pose_moves
 from pipeline.simulation.dancers.reachability import unreachable_places
 from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
 from pipeline.simulation.people.proportions import Proportions
+from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
 from pipeline.spec.dancer import Dancer
+from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do, Instruction, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}
@@ -39,7 +41,7 @@ class Repertoire:
         first: number of the first subtask of each dance.
         drums: drums by name.
         hang: side -> number of the subtask that lets the arm hang; empty if it is never needed.
-        reaches: (place as instructed, side) -> number of the subtask that holds a hand there.
+        reaches: (place or its name, side) -> number of the subtask that holds a hand there.
         poses: poses at given times.
         choreography: all subtasks on the person.
     """
@@ -48,7 +50,7 @@ class Repertoire:
     first: Mapping[str, int]
     drums: Mapping[str, Drum]
     hang: Mapping[str, int]
-    reaches: Mapping[tuple[Place, str], int]
+    reaches: Mapping[tuple[Target, str], int]
     poses: Poses
     choreography: Choreography
 
@@ -59,6 +61,7 @@ def build_repertoire(
     dances: Mapping[str, Dance],
     script: Sequence[Instruction],
     directed: bool,
+    places: Mapping[str, Array],
     own: Callable[[Place], Place],
     path: str,
 ) -> Repertoire:
@@ -70,6 +73,7 @@ def build_repertoire(
         dances: dances of the scene by name.
         script: script of the scene.
         directed: whether instructions may come from outside.
+        places: named places (3,) of the scene [m].
         own: converts a world position to the dancer's frame [m].
         path: path of the dancer in the scene, for messages.
 
@@ -83,10 +87,11 @@ def build_repertoire(
     for name, dance in known.items():
         first[name] = len(parts)
         parts += placed_subtasks(dance, name)
-    reaches, hang = dict[tuple[Place, str], int](), dict[str, int]()
-    for (place, side), place_path in sorted(_reaches(orders).items()):
-        reaches[place, side] = len(parts)
-        subtask = Subtask.model_construct(hand=side, reach=own(place))
+    reaches, hang = dict[tuple[Target, str], int](), dict[str, int]()
+    for (target, side), place_path in sorted(_reaches(orders).items(), key=_reach_order):
+        reaches[target, side] = len(parts)
+        x, y, z = places[target].tolist() if isinstance(target, str) else target
+        subtask = Subtask.model_construct(hand=side, reach=own((x, y, z)))
         parts.append(PlacedSubtask(place_path, subtask, is_fixed=True, place_path=place_path))
     poses, posed = pose_moves(member.pose, person, own, len(parts), f"{path}.pose")
     parts += posed
@@ -115,14 +120,19 @@ def _known(
     return {name: dances[name] for name in dict.fromkeys([member.dance, *others])}
 
 
-def _reaches(orders: Mapping[int, Do]) -> dict[tuple[Place, Hand], str]:
+def _reaches(orders: Mapping[int, Do]) -> dict[tuple[Target, Hand], str]:
     """Returns the places that instructions reach for, with the path of the first one."""
-    found = dict[tuple[Place, Hand], str]()
+    found = dict[tuple[Target, Hand], str]()
     for i, do in orders.items():
-        if isinstance(do, Reach) and not isinstance(do.reach, str):
+        if isinstance(do, Reach):
             for side in SIDES[do.hand]:
                 found.setdefault((do.reach, side), f"script[{i}].do.reach")
     return found
+
+
+def _reach_order(reach: tuple[tuple[Target, Hand], str]) -> tuple[bool, tuple[Target, Hand]]:
+    """Returns the rank of a reach: places by their coordinates, then those with names."""
+    return isinstance(reach[0][0], str), reach[0]
 
 
 def _drums(dances: Mapping[str, Dance]) -> dict[str, Drum]:

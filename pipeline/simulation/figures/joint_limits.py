@@ -106,7 +106,7 @@ ROOT_RANGES = {
     ),
     ARM: (
         range_in_degrees(-80, 80, 0),
-        range_in_degrees(-80, 80, 20),
+        range_in_degrees(-80, 80, 32),
         range_in_degrees(-60, 60, 0),
     ),
 }
@@ -118,7 +118,7 @@ BEND_RANGES = {
     FEELER: range_in_degrees(-70, 40, -24),
     HORN: range_in_degrees(-60, 60, 0),
     WING: range_in_degrees(-120, 40, -14),
-    ARM: range_in_degrees(-150, 0, -35),
+    ARM: range_in_degrees(-150, 0, -20),
 }
 """Inner joints of appendages other than legs."""
 

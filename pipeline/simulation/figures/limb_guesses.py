@@ -204,8 +204,8 @@ def _branch(
     drawing: Drawing, adjacency: Adjacency, root: tuple[int, int], given: Mapping[int, str]
 ) -> Branch:
     """Return the branch of a tree whose first connection is `root`."""
-    chains, edge = {root[1]: root}, [root[1]]
-    tips = []
+    chains: dict[int, Chain] = {root[1]: root}
+    edge, tips = [root[1]], list[int]()
     while edge:
         node = edge.pop()
         onward = [n for n in sorted(adjacency[node]) if n not in chains and n != root[0]]

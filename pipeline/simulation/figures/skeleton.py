@@ -31,6 +31,7 @@ from pipeline.simulation.figures.joint_limits import (
     mammal_joint_ranges,
     raised_neck,
 )
+from pipeline.simulation.figures.limb_guesses import midline
 from pipeline.simulation.figures.network import (
     ARM,
     HEAD,
@@ -38,7 +39,6 @@ from pipeline.simulation.figures.network import (
     TAIL,
     Anatomy,
     Appendage,
-    midline,
 )
 from pipeline.simulation.spatial import UP, Array, normalized, rotation
 from pipeline.spec.figure import Figure as FigureConfig
@@ -262,8 +262,8 @@ def build_skeleton(
         normal = drawing_normal(config, appendage.kind)
         steps = np.diff(points[list(appendage.nodes)], axis=0)
         splay = splays.get(appendage.nodes[0], 0.0)
-        ranges = _joint_ranges(config, name, side, appendage.kind, steps, splay)
-        _add_limb(builder, name, side, appendage, points, radii, drawing, normal, ranges)
+        own_ranges = _joint_ranges(config, name, side, appendage.kind, steps, splay)
+        _add_limb(builder, name, side, appendage, points, radii, drawing, normal, own_ranges)
     joints = apply_joint_overrides(config.joints, builder.names, builder.ranges, scale)
     ranges = joints.ranges
     axes = np.array(builder.axes).reshape(-1, 3)

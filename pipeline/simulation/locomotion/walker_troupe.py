@@ -138,7 +138,7 @@ class WalkerTroupe(Troupe):
                 continue
             c = self.herd.names.index(name)
             for order in given:
-                if self.leaps.take(self.step, c, order):
+                if self.leaps.take(c, order):
                     continue
                 self._apply(c, order)
         self.pursuits.advance()
@@ -215,7 +215,8 @@ class WalkerTroupe(Troupe):
         contacts = *self.sequencer.contacts.contacts, *self.leaps.contacts
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
-        return Facts(contacts, notes, tuple(self._arrived), outcomes=tuple(self.pursuits.outcomes))
+        outcomes = (*self.pursuits.outcomes, *self.leaps.outcomes)
+        return Facts(contacts, notes, tuple(self._arrived), outcomes=outcomes)
 
     def mechanisms(self) -> list[Mechanism]:
         """Return the joints and masses of the creatures."""

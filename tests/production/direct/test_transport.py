@@ -102,7 +102,7 @@ def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -
 
     kept = _directed(transport_for(None, 0, LOOPBACK), tmp_path, client)
     _assert_complete(kept)
-    assert reset or read_take(kept.take).told[0].text == "turn_deg 90"
+    assert reset or read_take(kept.take).orders[0].text == "turn_deg 90"
 
 
 def test_browsers_are_refused(tmp_path: Path) -> None:
@@ -275,7 +275,7 @@ def test_ctrl_c_leaves_a_finished_take(folder: Path) -> None:
     assert (code, "Traceback" in err) == (0, False), err
     take = read_take(folder / "out/stage_directed/take.zarr")
     assert take.digest == replayed(folder / "out/stage_directed/stage_directed.yaml").digest
-    assert take.told[0].text == "stop"
+    assert take.orders[0].text == "stop"
 
 
 @pytest.mark.slow

@@ -313,7 +313,7 @@ SOMEWHERE_ELSE = """
 import sys
 import numpy as np
 from pipeline.production.goldens.golden_card import Framing
-from pipeline.production.goldens.golden_candidate import Proof, filmed_for
+from pipeline.production.goldens.golden_candidate import Candidate
 from pipeline.spec import read_scene
 from render.backend import Backend
 from render.renderer import Renderer
@@ -321,18 +321,20 @@ from render.renderer import Renderer
 text, variant, library, place = sys.argv[1:]
 framing = Framing(numbers=(8,), size=(96, 54), samples=64)
 renderer = Renderer(Backend(variant, library, "0", "asked for"))
-np.savez(place, **{str(n): p for n, p in Proof(read_scene(text)).frames(framing, renderer)})
+np.savez(place, **{str(n): p for n, p in Candidate(read_scene(text)).frames(framing, renderer)})
 """
 
 
 def rendered_by(variant: str, library: str, text: str, folder: Path) -> dict[int, Any] | None:
-    """Return the golden's frames as another backend renders them, None if it does not work."""
+    """Return the golden's frames as another backend renders them, None if that is not here."""
     place = folder / "frames.npz"
     command = [sys.executable, "-c", SOMEWHERE_ELSE, text, variant, library, str(place)]
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     done = subprocess.run(command, env=environment, capture_output=True, check=False)
     if done.returncode:
+        # Anything else is a mistake of the script above.
+        assert b"ImportError" not in done.stderr, done.stderr.decode()
         return None
     with np.load(place) as frames:
         return {int(number): frames[number] for number in frames}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pipeline.production.run.film_end import notes_after_end
-from pipeline.production.run.notes import MAX_LINES, Note, NotesRefused, read_notes, summary
+from pipeline.production.run.notes import MAX_LINES, Note, read_notes, summary
 from pipeline.production.run.production import render
 from pipeline.production.run.progress import Reporter
 from pipeline.spec import read_scene
@@ -168,23 +168,19 @@ def test_check_simulates_only_if_asked(pronk: Pronk, edge: Path) -> None:
     assert not (edge / "out").exists()
 
 
-def test_notes_on_pictures_stay_until_the_frame_is_rendered_again(studio: Studio) -> None:
+def test_notes_on_pictures_stay_until_a_run_tells_them_anew(studio: Studio) -> None:
     manifest = studio.made / "manifest.json"
     entries = json.loads(manifest.read_text())
     second = replace(DARK, frame=2, seconds=0.042)
     entries["notes"] = [DARK.facts, second.facts, replace(DARK, frame=99).facts]
     manifest.write_text(json.dumps(entries))
-    studio.frame(2).unlink()
-    reporter = Recording()
-    render(studio.order(frames="1-2"), reporter)
-    assert reporter.told == [DARK]
-    assert read_notes(json.loads(manifest.read_text())["notes"]) == [DARK]
     reporter = Recording()
     render(studio.order(frames="2-3"), reporter)
     assert reporter.told == []
     assert read_notes(json.loads(manifest.read_text())["notes"]) == [DARK]
-    with pytest.raises(NotesRefused):
-        render(studio.order(frames="1-2", strict=True), Reporter())
+    render(studio.order(frames="1-2"), reporter)
+    assert reporter.told == []
+    assert read_notes(json.loads(manifest.read_text())["notes"]) == []
 
 
 # --- what begins when the film is over --------------------------------------------

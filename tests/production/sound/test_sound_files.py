@@ -31,7 +31,7 @@ from pipeline.production.sound.cue_files import (
 from pipeline.production.sound.event_files import events_csv, events_jsonl
 from pipeline.production.sound.score_builder import film_markers
 from pipeline.simulation.simulate import simulate
-from pipeline.simulation.take import Take, Told
+from pipeline.simulation.take import OrderRecord, Take
 from render.shot import CameraPose
 
 if TYPE_CHECKING:
@@ -106,11 +106,21 @@ def test_markers_are_at_script_instructions_also_after_waits(unmade: Studio) -> 
     assert first == Marker(3, "script", "bug: speed 0.5")
     assert (second.kind, second.text) == ("script", "bug: turn_deg 90")
     assert 3 < second.frame <= 72
-    assert [one.text for one in take.told] == ["speed 0.5", "turn_deg 90"]
+    assert [one.text for one in take.orders] == ["speed 0.5", "turn_deg 90"]
+
+
+SHOWN_AND_LATE = (("stop", 28), ("walk", 29))
+"""Instructions, and the steps from which they were given."""
 
 
 def test_an_instruction_after_the_last_frame_has_no_marker(unmade: Studio, take: Take) -> None:
-    late = replace(take, told=(Told(28, "bug", "stop"), Told(29, "bug", "walk")))
+    late = replace(
+        take,
+        orders=(
+            OrderRecord("bug", "stop", 28, 28, "begun"),
+            OrderRecord("bug", "walk", 29, 29, "begun"),
+        ),
+    )
     assert film_markers(unmade.load(), late) == (Marker(8, "script", "bug: stop"),)
 
 

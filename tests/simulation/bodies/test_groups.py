@@ -354,7 +354,7 @@ def test_invalid_groups_are_refused(cast: list[str], message: str) -> None:
     ("rule", "script", "message"),
     [
         ("rain", "{at: 1, who: group, do: {go_to: [1, 1]}}", "no script moves"),
-        ("flock", "{at: 1, who: group, do: stop}", "which cannot stop; it can go_to"),
+        ("flock", "{at: 1, who: group, do: stop}", "for which stop is no order; write go_to"),
         ("flock", "{when: {arrived: group}, who: group, do: {go_to: [1, 1]}}", "never arrives"),
     ],
 )

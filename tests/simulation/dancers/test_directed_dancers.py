@@ -241,6 +241,18 @@ def test_ordered_hand_reaches_its_place_until_let_go(by: str) -> None:
 
 
 @EACH_CONTROLLER
+@pytest.mark.parametrize("place", ["shelf", "[0.4, 1.3, 0.35]"])
+def test_ordered_hand_is_at_its_place_when_the_order_is_done(by: str, place: str) -> None:
+    order = f"{{at: 1, who: ada, do: {{reach: {place}}}}}"
+    more = "places: {shelf: [0.4, 1.3, 0.35]}"
+    simulation = build_simulation(order, config=f"controller: {by}", duration=4.0, more=more)
+    while not (ended := simulation.order_log.ended):
+        simulation.step()
+    assert [record.outcome for record in ended] == ["done"]
+    assert is_close(run_until(simulation, ada(simulation).now)[0], (0.4, 1.3, 0.35), 0.06)
+
+
+@EACH_CONTROLLER
 def test_posed_joint_holds_its_angle_until_released(by: str) -> None:
     pose = (
         "[{at: 1.5, limb: arm_l, reach: [0.4, 1.4, -0.3]}, "
@@ -285,7 +297,12 @@ def test_later_order_does_not_change_earlier_motion() -> None:
 @pytest.mark.parametrize(
     ("script", "config", "path", "message"),
     [
-        ("do: walk", "", "script[0].do", "'ada' is a dancer, which cannot walk; it can look_at"),
+        (
+            "do: walk",
+            "",
+            "script[0].do",
+            "'ada' is a dancer, for which walk is no order; write look_at",
+        ),
         ("do: {go_to: [1, 1]}", "", "script[0].do.go_to", "'ada' is a dancer"),
         ("do: {dance: autt}", "", "script[0].do.dance", "no dance is called 'autt', "),
         ("do: {reach: tor}", "", "script[0].do.reach", "give the place of 'tor', [x, y, z]"),
@@ -339,7 +356,7 @@ def test_script_and_pose_round_trip() -> None:
 
 
 def test_dance_order_needs_dancer() -> None:
-    with pytest.raises(SceneError, match="is a creature that walks, which cannot dance"):
+    with pytest.raises(SceneError, match="is a creature that walks, for which dance is no order"):
         read_scene(
             "pronk: 1\nduration: 1\ncast: [{figure: beetle, name: a, walk: {}}]\n"
             "script: [{at: 0.5, who: a, do: dance}]\n"

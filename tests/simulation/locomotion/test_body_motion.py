@@ -170,7 +170,7 @@ def test_head_stays_level_on_a_pitching_body() -> None:
     [
         ("{figure: scorpion, look_at: [1, 1, 1]}", "has no head"),
         ("{figure: horse, look_at: bee}", "nobody in the cast"),
-        ("{figure: horse, name: h, look_at: h}", "cannot look at itself"),
+        ("{figure: horse, name: h, look_at: h}", "cannot do that to itself"),
         ("{figure: horse, look_at: [1, 1]}", "look_at"),
         ("{figure: inchworm, walk: {}, look_at: [1, 1, 1]}", "looks nowhere"),
     ],

@@ -224,9 +224,10 @@ def take_of(scene: Scene) -> Take:
 def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None:
     scene = hurdle_scene("antelope", *size, duration=3)
     take = take_of(scene)
-    (note,) = take.notes
-    assert note.kind == "stopped"
-    assert cause in note.text
+    (order,) = take.orders
+    assert order.outcome == "given up"
+    assert cause in order.reason
+    assert not take.notes
     assert not any(one.kind == "lift" for one in take.contacts)
     assert take.positions[-1, 0, 0] > 2.0
 
@@ -237,8 +238,29 @@ def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
     more = "script: [{at: 0.2, who: a, do: {hop_over: box}}]"
     take = take_of(scene_of(config, box, duration=2, more=more))
-    (note,) = take.notes
-    assert "too near" in note.text
+    (order,) = take.orders
+    assert (order.outcome, order.end) == ("given up", order.step + 1)
+    assert "too near" in order.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["walk", "pronk"])
+def test_jump_is_done_when_it_has_landed(way: str) -> None:
+    more = "script: [{at: 0.2, who: a, do: {jump: {height: 0.2}}}]"
+    take = take_of(scene_of(f"{{name: a, figure: antelope, {way}: {{}}}}", duration=8, more=more))
+    assert [order.outcome for order in take.orders] == ["done"]
+    lifts = [one.step for one in take.contacts if one.kind == "lift"]
+    assert min(lifts) < take.orders[0].end < 4 * 24 * 8
+
+
+@pytest.mark.slow
+def test_orders_to_a_fallen_hopper_are_given_up() -> None:
+    config = "{name: a, figure: antelope, at: [0, 3, 0], pronk: {balance: 0}}"
+    more = "script: [{at: 2.5, who: a, do: {jump: {}}}, {at: 2.6, who: a, do: stop}]"
+    take = take_of(scene_of(config, duration=3, more=more))
+    assert any(note.kind == "toppled" for note in take.notes)
+    given_up = [order.text for order in take.orders if order.outcome == "given up"]
+    assert given_up == ["jump {}", "stop"]
 
 
 @pytest.mark.nightly
@@ -390,13 +412,13 @@ def test_arrival_of_a_hopper_triggers_orders() -> None:
 @pytest.mark.parametrize(
     ("member", "do", "message"),
     [
-        ("pronk: {}", "walk", "order hop"),
-        ("pronk: {}", "{gait: trot}", "hops, and can hop"),
-        ("pronk: {}", "{mood: proud}", "hops, and can hop"),
-        ("walk: {}", "hop", "'a' walks"),
+        ("pronk: {}", "walk", "for which walk is no order; write .* hop, "),
+        ("pronk: {}", "{gait: trot}", "is a creature that hops, for which"),
+        ("pronk: {}", "{mood: proud}", "is a creature that hops, for which"),
+        ("walk: {}", "hop", "for which hop is no order; write .* walk, "),
         ("walk: {}", "{hop_over: bxo}", "did you mean 'box'"),
-        ("walk: {}", "{hop_over: a}", "cannot jump over itself"),
-        ("walk: {}", "{hop_over: wall}", "is many things"),
+        ("walk: {}", "{hop_over: a}", "cannot do that to itself"),
+        ("walk: {}", "{hop_over: wall}", "is many bodies; name one of them, such as wall_1"),
         ("walk: {}", "{jump: {land_at: [1, 0], distance: 2}}", "conflicts with land_at"),
         ("walk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
         ("pronk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),

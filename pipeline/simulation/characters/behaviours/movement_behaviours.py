@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.potential_field import (
-    EDGE_MARGIN,
     has_room,
     is_way_free,
     steer,
@@ -22,6 +21,7 @@ from pipeline.simulation.characters.behaviours.registry import (
     implements,
 )
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.terrain_edge import refuge
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach, Flee, Freeze, Shyness, SitDown, Urge, Wander
 
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 FEAR_RANGE = 7.0  # [m]
 FREEZE_RANGE = 0.6 * FEAR_RANGE
 FLIGHT_DISTANCE, SHY_DISTANCE = 4.0, 1.2  # to the place of refuge [m]
-EDGE_RANGE = 3.5  # from the edge of the terrain within which one turns away from it [m]
 SHY_URGENCY = 1.5  # added activation of a very anxious one that is quite close
 
 # Withdrawal: nothing else comes before it.
@@ -74,20 +73,10 @@ class ApproachTarget(ConfiguredBehaviour[Approach]):
         return steer(mind, place, distance, target=self.target, touching=touching)
 
 
-def refuge(mind: Mind, push: Array, distance: float) -> Array:
+def _refuge(mind: Mind, push: Array, distance: float) -> Array:
     """Return the place (2,) in a direction, turned away from the edge of the terrain."""
-    low = mind.at - mind.surroundings.low - EDGE_MARGIN
-    high = mind.surroundings.high - EDGE_MARGIN - mind.at
-    # As walls that push the more the nearer they are.
-    wall = 1.0 / np.maximum(low, 0.3) - 1.0 / np.maximum(high, 0.3)
-    walls = np.where(np.minimum(low, high) < EDGE_RANGE, 1.6 * wall, 0.0)
-    push = push / max(math.hypot(push[0], push[1]), 1e-6)
-    into_wall = float(push @ walls) < 0.0
-    if into_wall and bool((np.minimum(low, high) < 0.5 * EDGE_RANGE).any()):
-        # Along the wall, not to and fro in front of it.
-        push = push + 0.8 * np.array([-push[1], push[0]])
-    way = push + walls
-    return mind.at + distance * way / max(math.hypot(way[0], way[1]), 1e-6)
+    surroundings = mind.surroundings
+    return refuge(mind.at, surroundings.low, surroundings.high, push, distance)
 
 
 @implements(Flee)
@@ -110,7 +99,7 @@ class FleeThreat(ConfiguredBehaviour[Flee]):
         threat = mind.place(self.threat) + 0.4 * mind.velocity(self.threat)
         nearness = max(1.0 - mind.distance_to(self.threat) / FEAR_RANGE, 0.0)
         pace = mind.stroll + (mind.pace - mind.stroll) * min(2.0 * nearness, 1.0)
-        return steer(mind, refuge(mind, mind.at - threat, FLIGHT_DISTANCE), pace=pace)
+        return steer(mind, _refuge(mind, mind.at - threat, FLIGHT_DISTANCE), pace=pace)
 
 
 @implements(Shyness)
@@ -147,7 +136,7 @@ class KeepOff(ConfiguredBehaviour[Shyness]):
         nearest = int(intrusions.argmax())
         if math.hypot(push[0], push[1]) < 0.05:
             return MotorCommand(facing=mind.heading_to(mind.place(nearest)), target=nearest)
-        return steer(mind, refuge(mind, push, SHY_DISTANCE), pace=mind.stroll)
+        return steer(mind, _refuge(mind, push, SHY_DISTANCE), pace=mind.stroll)
 
 
 @implements(Freeze)

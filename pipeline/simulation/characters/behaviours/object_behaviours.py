@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.simulation.characters.behaviours.potential_field import EDGE_MARGIN, steer
+from pipeline.simulation.characters.behaviours.potential_field import steer
 from pipeline.simulation.characters.behaviours.registry import (
     ConfiguredBehaviour,
     implements,
 )
 from pipeline.simulation.characters.contact_tasks import Grab
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Carry, Play, Push
 

@@ -18,13 +18,13 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, are_free
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
 MIN_GAP = 0.16  # below which it pushes no harder, d_min [m]
 MAX_GAP = 2.6  # above which obstacles are ignored [m]
-EDGE_MARGIN = 0.9  # from the edge of the terrain [m]
 
 
 def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:

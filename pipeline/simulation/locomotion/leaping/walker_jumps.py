@@ -39,6 +39,7 @@ from pipeline.simulation.locomotion.pronking.hop_state import BodyState, JumpOrd
 from pipeline.simulation.locomotion.pronking.hopper import Hopper, build_hopper
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState, RigidFall
 from pipeline.simulation.locomotion.pronking.jump_orders import (
+    FALLEN,
     HurdleJump,
     Members,
     jump_once,
@@ -54,6 +55,7 @@ from pipeline.simulation.locomotion.step_sequencer import (
     is_astray,
     phase_before_lift,
 )
+from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, TakeNote
@@ -94,6 +96,7 @@ class WalkerJump:
         stage_start: start of the jump, then of the landed stage [s].
         simulation: of the jump, once it is made.
         pending_orders: orders that wait for its end.
+        is_over: whether its outcome is told.
     """
 
     order: HopOver | JumpOnce
@@ -104,6 +107,7 @@ class WalkerJump:
     stage_start: float = 0.0
     simulation: HopSimulation | None = None
     pending_orders: list[Do] = field(default_factory=list)
+    is_over: bool = False
 
 
 LEADING_ORDERS = (GoTo, Follow, Chase, Flee, TurnBy, Wait)
@@ -124,7 +128,7 @@ class WalkerJumps:
     Attributes:
         hoppers: jump constants of the creatures that the script lets jump.
         trips: jumps in progress.
-        contacts, notes: of the last step.
+        contacts, notes, outcomes: of the last step.
         arrived: creatures that reached the end of their route by a jump in the last step.
     """
 
@@ -146,7 +150,8 @@ class WalkerJumps:
         self.contacts: list[Contact] = []
         self.notes: list[TakeNote] = []
         self.arrived: list[str] = []
-        self._pending_notes: list[TakeNote] = []
+        self.outcomes: list[Outcome] = []
+        self._pending_outcomes: list[Outcome] = []
         self._members: Members = {}
         self._recorder = HopEventRecorder(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
@@ -199,23 +204,25 @@ class WalkerJumps:
         """Take in where the members are that are to be jumped over."""
         self._members = {**self._members, **members}
 
-    def take(self, step: int, c: int, order: Do) -> bool:
+    def take(self, c: int, order: Do) -> bool:
         """Take an order; return whether it is for a jump, or waits for the end of one."""
         trip = self.trips.get(c)
         jumps = isinstance(order, HopOver | JumpOnce)
         if trip is None:
             if isinstance(order, HopOver | JumpOnce):
-                self._begin(step, c, order)
+                self._begin(c, order)
             return jumps
         leads = isinstance(order, LEADING_ORDERS) or order in ("stop", "walk")
         if trip.stage == "coming" and leads:
             del self.trips[c]
             return False
-        if jumps or leads:
+        if trip.simulation is not None and trip.simulation.state.phase == "fallen":
+            self._pending_outcomes.append(Outcome(self.herd.names[c], order, FALLEN))
+        elif jumps or leads:
             trip.pending_orders.append(order)
         return jumps or leads
 
-    def _begin(self, step: int, c: int, order: HopOver | JumpOnce) -> None:
+    def _begin(self, c: int, order: HopOver | JumpOnce) -> None:
         """Let a creature approach its take-off place."""
         progress, hopper = self.progress, self.hoppers[c]
         route, distance = progress.trajectory.routes[c], float(progress.distance[c])
@@ -240,7 +247,7 @@ class WalkerJumps:
                 if turned is not None:
                     redirect(progress, c, turned)
         if reason:
-            self._pending_notes.append(TakeNote("stopped", step, self.herd.names[c], reason))
+            self._pending_outcomes.append(Outcome(self.herd.names[c], order, reason))
         else:
             self.trips[c] = WalkerJump(order, route, distance)
 
@@ -258,7 +265,8 @@ class WalkerJumps:
         """Advance to the end of a step, after all have walked."""
         self.contacts.clear()
         self.arrived.clear()
-        self.notes, self._pending_notes = self._pending_notes, []
+        self.notes = []
+        self.outcomes, self._pending_outcomes = self._pending_outcomes, []
         time = (step + 1) * self.world.clock.dt
         for c, trip in sorted(self.trips.items()):
             if trip.stage == "coming" and trip.is_ready:
@@ -268,7 +276,7 @@ class WalkerJumps:
             elif trip.stage == "leaping":
                 self._advance_jump(step, c, trip, time)
             elif time - trip.stage_start >= HANDOVER_TIME and self._is_resting(c):
-                self._resume_walking(step, c, trip)
+                self._resume_walking(c, trip)
 
     def is_coming(self, name: str) -> bool:
         """Return whether a creature rests only in order to jump."""
@@ -288,8 +296,7 @@ class WalkerJumps:
         """Hand a standing creature over to its jump."""
         hopper, own, trip.is_ready = self.hoppers[c], self.herd.owner == c, False
         if is_blocked(self.progress, c):
-            text, step = "its way to the jump is barred", round(time / self.world.clock.dt)
-            self._pending_notes.append(TakeNote("stopped", step, hopper.name, text))
+            self.outcomes.append(Outcome(hopper.name, trip.order, "its way to the jump is barred"))
             del self.trips[c]
             return
         R, p = self._standing_pose(c)
@@ -337,10 +344,20 @@ class WalkerJumps:
         self.contacts += contacts
         self.notes += notes
         state = simulation.state
+        if state.phase == "fallen":
+            self._end(c, trip, FALLEN)
         if state.phase == "standing" and not math.isfinite(state.phase_end):
             trip.stage, trip.stage_start = "landed", time
+            reasons = [reason for _, reason in state.queue.dropped]
+            self._end(c, trip, "" if state.jump_count else (reasons or ["it cannot lift off"])[0])
             if state.jump_count:
                 self._set_down(c, simulation)
+
+    def _end(self, c: int, trip: WalkerJump, reason: str) -> None:
+        """Tell the outcome of a jump, once."""
+        if not trip.is_over:
+            self.outcomes.append(Outcome(self.herd.names[c], trip.order, reason))
+            trip.is_over = True
 
     def _set_down(self, c: int, simulation: HopSimulation) -> None:
         """Let a creature stand, as a walker, where it has landed."""
@@ -363,7 +380,7 @@ class WalkerJumps:
             sequencer, c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
         )
 
-    def _resume_walking(self, step: int, c: int, trip: WalkerJump) -> None:
+    def _resume_walking(self, c: int, trip: WalkerJump) -> None:
         """Let a landed creature walk on."""
         progress, simulation = self.progress, trip.simulation
         assert simulation is not None
@@ -379,7 +396,7 @@ class WalkerJumps:
             elif trip.route_before.length > trip.route_distance + 1e-9:
                 self.arrived.append(self.herd.names[c])
         for order in trip.pending_orders:
-            if not self.take(step, c, order):
+            if not self.take(c, order):
                 self._apply(c, order)
 
     # --- rows ---------------------------------------------------------------------

@@ -234,8 +234,7 @@ def begin_push(hopper: Hopper, ground: Ground, state: HopState, events: HopEvent
     state.phase = "pushing"
     if state.v[1] < 0.0:
         state.v = np.array([state.v[0], 0.0, state.v[2]])
-    for text in state.queue.plan_next(hopper, state, ground):
-        events.append(HopEvent.note("stopped", state.time, text))
+    state.queue.plan_next(hopper, state, ground)
     if not has_next_jump(hopper, state):
         _begin_rise(hopper, ground, state)
         return

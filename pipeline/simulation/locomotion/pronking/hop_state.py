@@ -301,6 +301,7 @@ class JumpQueue:
         orders: scripted orders, the current one first.
         planned: the jump of the current order that is being made; None for a configured one.
         jumps_made: number of configured jumps made.
+        dropped: orders that were given up, with the reasons, until somebody reads them.
     """
 
     jump: Jump
@@ -308,19 +309,19 @@ class JumpQueue:
     orders: list[JumpOrder] = field(default_factory=list)
     planned: PlannedJump | None = None
     jumps_made: int = 0
+    dropped: list[tuple[JumpOrder, str]] = field(default_factory=list)
 
-    def plan_next(self, hopper: Hopper, state: HopState, ground: Ground) -> list[str]:
-        """Choose the next jump; return why orders were dropped."""
-        self.planned, reasons = None, list[str]()
+    def plan_next(self, hopper: Hopper, state: HopState, ground: Ground) -> None:
+        """Choose the next jump; drop orders that cannot be carried out."""
+        self.planned = None
         while self.orders:
             jump = self.orders[0].next_jump(hopper, state, ground)
             if isinstance(jump, PlannedJump):
                 self.planned = jump
                 break
-            self.orders.pop(0)
+            ended = self.orders.pop(0)
             if jump:
-                reasons.append(jump)
-        return reasons
+                self.dropped.append((ended, jump))
 
     def record_take_off(self) -> None:
         """Advance the queue at a lift-off."""

@@ -21,6 +21,7 @@ from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.pronking.hop_events import HopEventRecorder
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
+from pipeline.simulation.locomotion.pronking.hop_state import JumpOrder
 from pipeline.simulation.locomotion.pronking.hopper import build_hoppers
 from pipeline.simulation.locomotion.pronking.hopper_fall import Fall, RagdollFall, RigidFall
 from pipeline.simulation.locomotion.pronking.hopper_pose import (
@@ -28,14 +29,15 @@ from pipeline.simulation.locomotion.pronking.hopper_pose import (
     HopperPoser,
     HopperSnapshot,
 )
-from pipeline.simulation.locomotion.pronking.jump_orders import apply_order, scripted_jump
+from pipeline.simulation.locomotion.pronking.jump_orders import FALLEN, apply_order, scripted_jump
 from pipeline.simulation.members import MemberState, members_named
+from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, TakeNote
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature, Pronk
-from pipeline.spec.script import Instruction, JumpOnce, LookAhead, LookAt
+from pipeline.spec.script import Do, Instruction, JumpOnce, LookAhead, LookAt
 
 FOOTHOLD_MISS = 1e-4
 """Distance between a foot and its foothold that is worth a note [m]."""
@@ -91,6 +93,9 @@ class HopperTroupe(Troupe):
         self._pending_notes: list[TakeNote] = []
         self._row_notes: list[TakeNote] = []
         self._arrived: list[str] = []
+        self._given: list[tuple[int, Do, JumpOrder]] = []
+        self._outcomes: list[Outcome] = []
+        self._pending_outcomes: list[Outcome] = []
         self._members: Mapping[str, MemberState] = {}
 
     def members_needed(self, orders: Orders) -> Collection[str]:
@@ -118,8 +123,12 @@ class HopperTroupe(Troupe):
             for order in orders.get(name, ()):
                 if isinstance(order, LookAt | LookAhead):
                     self._look(c, order)
-                elif self.simulations[c].state.phase != "fallen":
-                    apply_order(self.simulations[c], order, self._members)
+                elif self.simulations[c].state.phase == "fallen":
+                    self._pending_outcomes.append(Outcome(name, order, FALLEN))
+                else:
+                    jumps = apply_order(self.simulations[c], order, self._members)
+                    if jumps is not None:
+                        self._given.append((c, order, jumps))
 
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None
@@ -134,6 +143,7 @@ class HopperTroupe(Troupe):
         """Advance from `step` to the next."""
         self._contacts.clear()
         self._notes, self._pending_notes = self._pending_notes, []
+        self._outcomes, self._pending_outcomes = self._pending_outcomes, []
         stood = [simulation.state.phase == "standing" for simulation in self.simulations]
         end = (step + 1) * self.world.clock.dt
         for c, simulation in enumerate(self.simulations):
@@ -147,7 +157,26 @@ class HopperTroupe(Troupe):
             for c, simulation in enumerate(self.simulations)
             if simulation.state.phase == "standing" and not stood[c]
         ]
+        self._end_orders()
         self.step = step + 1
+
+    def _end_orders(self) -> None:
+        """Record the outcomes of the orders whose jumps have ended."""
+        lasting = []
+        for c, order, jumps in self._given:
+            state = self.simulations[c].state
+            reasons = [reason for dropped, reason in state.queue.dropped if dropped is jumps]
+            if state.phase == "fallen":
+                reasons.append(FALLEN)
+            is_over = not any(jumps is other for other in state.queue.orders)
+            if reasons or (is_over and state.phase != "flight"):
+                reason = reasons[0] if reasons else ""
+                self._outcomes.append(Outcome(self.herd.names[c], order, reason))
+            else:
+                lasting.append((c, order, jumps))
+        self._given = lasting
+        for simulation in self.simulations:
+            simulation.state.queue.dropped.clear()
 
     def buffer_row(self) -> None:
         """Append the current state as the next row."""
@@ -187,10 +216,11 @@ class HopperTroupe(Troupe):
             first = here.stop
 
     def facts(self) -> Facts:
-        """Return the contacts and notes of the last step."""
+        """Return the contacts, notes and outcomes of the last step."""
         # Rows may also have been written before the step.
         notes, self._row_notes = (*self._notes, *self._row_notes), []
-        return Facts(tuple(self._contacts), notes, tuple(self._arrived))
+        outcomes = tuple(self._outcomes)
+        return Facts(tuple(self._contacts), notes, tuple(self._arrived), outcomes=outcomes)
 
 
 def cycle_phase(simulation: HopSimulation) -> float:

@@ -44,6 +44,9 @@ MAX_TURN = math.radians(70.0)
 TURN_JUMP_HEIGHT = 0.35
 """Height of a jump that only turns, in usual heights."""
 
+FALLEN = "it has fallen"
+"""Reason for which orders are given up after a fall."""
+
 EXTRA_ATTEMPTS = 12
 """Jumps allowed to reach a place before a hurdle, beyond those of the way."""
 
@@ -235,11 +238,13 @@ def _upward_speed(
     return Jump(0.0, jump.height + rise).up
 
 
-def apply_order(simulation: HopSimulation, order: Do, members: Members) -> None:
-    """Apply a scripted order from the next jump on."""
-    kind = type(order) if not isinstance(order, str) else order
+def apply_order(simulation: HopSimulation, order: Do, members: Members) -> JumpOrder | None:
+    """Apply a scripted order from the next jump on; return its jumps, None if it has none."""
+    kind, queue = type(order) if not isinstance(order, str) else order, simulation.state.queue
+    before = list(queue.orders)
     ORDER_HANDLERS[kind](simulation, order, members)
     wake_if_jumping(simulation.hopper, simulation.state)
+    return next((jumps for jumps in queue.orders if jumps not in before), None)
 
 
 def scripted_jump(hopper: Hopper, config: JumpSettings, where: str) -> Jump:

@@ -1,0 +1,285 @@
+"""Handling tasks: grabbing members of other rooms, carrying, putting down and throwing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.simulation.characters.contact_tasks import GRAB_PATIENCE, PATIENCE, Grab
+from pipeline.simulation.characters.grasp import (
+    grasp_failure,
+    grasp_place,
+    hold_members,
+    mass_of,
+)
+from pipeline.simulation.characters.person_controller import PersonController
+from pipeline.simulation.characters.person_record import SWINGING
+from pipeline.simulation.characters.person_tasks import Task, place_text
+from pipeline.simulation.characters.pursuit_tasks import TargetTask, WalkUp
+from pipeline.simulation.characters.task_progress import TaskProgress
+from pipeline.simulation.characters.throw_flight import launch_velocity
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.members import MemberState
+
+CLOSING_DISTANCE, PATIENT_CLOSING_DISTANCE = 0.03, 0.09  # of a hand to its place, in heights
+STANDING_RANGE, BOWED_RANGE = 0.75, 0.6  # of hands before the body, in arm lengths
+
+# Putting down.
+TABLE_RANGE = 0.12, 0.75  # heights of surfaces that things are put down on, in heights
+PUT_DOWN_GAP = 0.03  # above the surface at which hands open [m]
+PUT_DOWN_TIME = 4.0  # after which they open anyway [s]
+LOWERING_STEP = 0.12  # by which hands are led at most [m]
+OPENING_TIME = 0.4  # of hands that have put down or thrown [s]
+
+# Throwing.
+WINDUP_TIME, SWING_TIME = 0.25, 0.15  # [s]
+AIM_TOLERANCE, AIM_TIME = 0.12, 4.0  # of the turn to the target [rad]; to take it [s]
+THROW_SPEED = 8.5  # of the fastest throw, by the height of the thrower [1/s]
+ARM_MASS = 0.06  # that is thrown along with a thing, in the person's mass
+
+
+@dataclass
+class GrabMember(TargetTask):
+    """Go to a member of another room and take it, with one hand or both.
+
+    Attributes:
+        hands: numbers of the hands.
+        time: since it is within reach [s].
+    """
+
+    hands: tuple[int, ...] = (1,)
+    time: float = 0.0
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        if controller.hands_holding(self.target) == self.hands:
+            return True
+        self.failure = grasp_failure(controller, self.target, self.hands)
+        if self.failure:
+            return False
+        state, person = controller.view.state(self.target), controller.record
+        place = state.nearest(controller.waist())
+        is_high = place[1] - person.floor > 0.4 * person.height
+        near = (STANDING_RANGE if is_high else BOWED_RANGE) * controller.arm
+        distance = controller.ground_distance(place)
+        is_stopped = not person.has_goal
+        if distance > near + (0.25 if is_stopped else 0.12) * controller.arm:
+            self.walk_to(controller, place, near)
+            self._check_progress(controller, distance, dt, "does not come near it")
+            return False
+        if person.has_goal:
+            self.progress = TaskProgress()
+        controller.face_to(state.centre)
+        self.time += dt
+        both = len(self.hands) == 2
+        closing = CLOSING_DISTANCE if self.time < PATIENCE else PATIENT_CLOSING_DISTANCE
+        farthest = 0.0
+        for k in self.hands:
+            wrist = grasp_place(controller, state, k, both)
+            controller.put_hand(k, wrist)
+            farthest = max(farthest, math.dist(controller.hand(k), wrist))
+        if farthest < closing * person.height:
+            controller.hold_member(self.target, self.hands)
+            person.has_facing = False
+            return False
+        self._check_progress(controller, farthest, dt, f"stays {farthest:.2f} m out of reach")
+        return False
+
+    def _check_progress(
+        self, controller: PersonController, distance: float, dt: float, reason: str
+    ) -> None:
+        """Give up what comes no nearer."""
+        at = controller.record.at if controller.record.has_goal else None
+        if self.progress.update(distance, dt, at) > GRAB_PATIENCE:
+            self.failure = f"{reason} at {place_text(controller)}"
+
+
+@dataclass
+class CarryTo(Task):
+    """Take something, go somewhere with it, and put it down.
+
+    Attributes:
+        thing: name of what is carried.
+        grab: that takes it.
+        walk: to where it is put down.
+        time: since it is being put down, and since the hands are open [s].
+        is_down: whether the hands are open.
+    """
+
+    thing: str
+    grab: Grab | GrabMember
+    walk: WalkUp
+    time: float = 0.0
+    is_down: bool = False
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """See `Task`."""
+        return (self.thing, self.walk.target)
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        if self.is_down:
+            self.time += dt
+            return self.time > OPENING_TIME
+        if not controller.hands_holding(self.thing):
+            self.grab.advance(controller, dt)
+            self.failure = self.grab.failure
+            return False
+        thing, goal = controller.view.state(self.thing), controller.view.state(self.walk.target)
+        surface = _table_height(controller, goal)
+        if surface is None and not goal.solids:
+            # So that it hangs above the place.
+            self.walk.gap = min(controller.ground_distance(thing.centre), 0.8 * controller.arm)
+        if not self.walk.advance(controller, dt):
+            self.failure = self.walk.failure
+            return False
+        self._put_down(controller, thing, goal, surface, dt)
+        return False
+
+    def _put_down(
+        self,
+        controller: PersonController,
+        thing: MemberState,
+        goal: MemberState,
+        surface: float | None,
+        dt: float,
+    ) -> None:
+        """Lead the hands down to the surface, and open them there."""
+        self.leads_hands = True
+        self.time += dt
+        place = goal.centre if surface is not None or not goal.solids else thing.centre
+        floor = controller.view.ground_height(place[0], place[2])
+        height = floor if surface is None else surface
+        rise = height + 0.5 * PUT_DOWN_GAP - float(thing.low[1])
+        move = np.array([0.0, rise, 0.0])
+        # First up, then over the surface, then down.
+        if surface is not None and rise < 0.05:
+            depth = 0.5 * float(np.ptp(np.concatenate(thing.solids)[:, [0, 2]], axis=0).min())
+            edge = goal.nearest(thing.centre)
+            inward = goal.centre - edge
+            inward[1] = 0.0
+            inward *= min(1.2 * depth / max(float(np.linalg.norm(inward)), 1e-9), 1.0)
+            over = edge + inward - thing.centre
+            move[[0, 2]] = over[[0, 2]]
+            if math.hypot(move[0], move[2]) > 0.5 * depth + 0.02:
+                move[1] = max(rise, 0.06 - (thing.low[1] - height))
+        size = float(np.linalg.norm(move))
+        move *= min(LOWERING_STEP / max(size, 1e-9), 1.0)
+        for k in controller.hands_holding(self.thing):
+            controller.put_hand(k, controller.hand(k) + move)
+        if (abs(rise) < PUT_DOWN_GAP and size < 0.1) or self.time > PUT_DOWN_TIME:
+            controller.release(self.thing)
+            self.leads_hands, self.is_down, self.time = False, True, 0.0
+
+
+def _table_height(controller: PersonController, goal: MemberState) -> float | None:
+    """Return the height of a surface that something can be put down on, None without any [m]."""
+    person = controller.record
+    above = float(goal.high[1] - person.floor) / float(person.height)
+    is_table = goal.solids and TABLE_RANGE[0] < above < TABLE_RANGE[1]
+    return float(goal.high[1]) if is_table else None
+
+
+@dataclass
+class ThrowAt(TargetTask):
+    """Turn to a target, swing the arm back and forward, and let go of what is in the hand.
+
+    Attributes:
+        thing: name of what is thrown.
+        aimed: time since the start [s].
+        time: since the arm swings, -1 before [s].
+        shortfall: distance by which a throw at full strength falls short [m].
+        is_thrown: whether the hand is open.
+    """
+
+    thing: str = ""
+    aimed: float = 0.0
+    time: float = -1.0
+    shortfall: float = 0.0
+    is_thrown: bool = False
+    grip: tuple[int, ...] = field(default=())
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """See `Task`."""
+        return (self.thing, self.target)
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        if self.is_thrown:
+            self.time += dt
+            if self.time > OPENING_TIME:
+                for k in self.grip:
+                    controller.record.arm_mode[k] = SWINGING
+                controller.record.has_facing = False
+            return self.time > OPENING_TIME
+        hands = controller.hands_holding(self.thing)
+        if not hands:
+            self.failure = f"does not hold '{self.thing}'"
+            return False
+        target = controller.view.state(self.target)
+        self.aimed += dt
+        if self.time < 0.0:
+            controller.face_to(target.centre)
+            if not (controller.is_facing(AIM_TOLERANCE) and controller.is_standing):
+                if self.aimed > AIM_TIME:
+                    self.failure = f"cannot turn to '{self.target}' at {place_text(controller)}"
+                hold_members(controller)
+                return False
+            self.time, self.leads_hands, self.grip = 0.0, True, hands
+            if len(hands) == 2 and self.thing in controller.held_members.values():
+                # From before the chest into the hand that swings.
+                controller.release(self.thing)
+                controller.hold_member(self.thing, (1,))
+        self.time += dt
+        self._swing(controller, target)
+        if self.time >= WINDUP_TIME + SWING_TIME:
+            self._let_fly(controller, target)
+        return False
+
+    def _swing(self, controller: PersonController, target: MemberState) -> None:
+        """Lead the hands back and up, and then forward."""
+        ahead = controller.direction_to(target.centre)
+        right = np.array([-ahead[2], 0.0, ahead[0]])
+        up = np.array([0.0, 1.0, 0.0])
+        arm = controller.arm
+        for k in self.grip:
+            shoulder, side = controller.shoulder(k), 1.0 if k == 1 else -1.0
+            if self.time < WINDUP_TIME:
+                place = arm * (-0.55 * ahead + 0.6 * up + 0.25 * side * right)
+            else:
+                # Beyond where it gets to, for the hand lags behind.
+                place = arm * (1.5 * ahead + 0.4 * up - 0.1 * side * right)
+            controller.put_hand(k, shoulder + place)
+
+    def _let_fly(self, controller: PersonController, target: MemberState) -> None:
+        view, person = controller.view, controller.record
+        thing, owner = view.state(self.thing), view.owner(self.thing)
+        offset = target.centre - thing.centre
+        if target.radius == 0.0:
+            # A thing hits a place with its surface.
+            offset = offset + np.array([0.0, 0.5 * float(thing.high[1] - thing.low[1]), 0.0])
+        damping = 0.0
+        if owner >= 0:
+            nodes = view.arrays.nodes
+            damping = float(nodes["air_damping"][int(view.arrays.owners["nodes"][owner, 0])])
+        limit = THROW_SPEED * float(person.height) * self._strength(controller)
+        v, self.shortfall = launch_velocity(offset, target.v, limit, GRAVITY, damping)
+        controller.release(self.thing, v)
+        for k in self.grip:
+            controller.put_hand(k, controller.hand(k))
+        self.is_thrown, self.leads_hands, self.time = True, False, 0.0
+        if self.shortfall > 0.0:
+            size = float(np.hypot(offset[0], offset[2]))
+            controller.notes.append(
+                f"throws '{self.thing}' as far as it can, about {size - self.shortfall:.1f} m of "
+                f"{size:.1f} m"
+            )
+
+    def _strength(self, controller: PersonController) -> float:
+        """Return the speed of a throw, as a fraction of that of a light thing."""
+        arm = ARM_MASS * float(controller.view.arrays.owners["mass"][controller.record.owner])
+        return math.sqrt(arm / (arm + mass_of(controller, self.thing)))

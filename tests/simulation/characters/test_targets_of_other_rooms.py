@@ -1,0 +1,173 @@
+"""Targets of other rooms: people go up to, chase, flee, grab, throw, kick and sit on members."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.convex_distance import convex_distance
+from pipeline.simulation.members import MemberState
+from pipeline.simulation.order_outcome import GripChange
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array
+from pipeline.spec import read_scene
+from tests.simulation.characters.scripted_people import node_path, troupe_of
+
+pytestmark = pytest.mark.slow
+
+EVERYBODY = """pronk: 1
+duration: 7
+cast:
+  - {name: kid, character: child, at: [0, 0]}
+  - {name: ada, character: adult, at: [0, 4]}
+  - {name: cat, character: adult, at: [-6, 8]}
+  - {name: dan, character: child, at: [-6, 0]}
+  - {name: eve, character: adult, at: [-6, 4]}
+  - {name: fay, character: child, at: [-10, 4]}
+  - {name: gus, character: child, at: [0, -6]}
+  - {name: hal, character: adult, at: [-6, -6]}
+  - {name: bug, figure: beetle, walk: {}, at: [3, 0]}
+  - {name: rock, body: {shape: cube, size: 0.25, density: 2600}, at: [2, 0.126, 4]}
+  - {name: marble, body: {shape: sphere, radius: 0.06, density: 400}, at: [1, 0.061, -6]}
+  - {name: stool, prop: {shape: box, size: [0.45, 0.45, 0.45]}, at: [-6, 0.225, 6.5]}
+  - {name: pillar, prop: {shape: box, size: [0.5, 1.5, 0.5]}, at: [-3, 0.75, -1.5]}
+  - {name: ball, character: ball, at: [-5, 0]}
+places: {spot: [-3, -6]}
+script:
+  - {at: 0, who: kid, do: {chase: bug}}
+  - {at: 0, who: ada, do: {grab: rock}}
+  - {at: 1, who: ada, do: {throw: rock, to: bug}}
+  - {at: 2, who: ada, do: {sit: pillar}}
+  - {at: 0, who: cat, do: {sit: stool}}
+  - {at: 0, who: dan, do: {grab: ball}}
+  - {when: {arrived: dan}, who: dan, do: {throw: ball, to: pillar}}
+  - {at: 0, who: eve, do: {reach: [-6, 3, 8]}}
+  - {at: 2.5, who: eve, do: {go_to: pillar, gap: 0.5}}
+  - {at: 0, who: fay, do: {avoid: eve}}
+  - {at: 0.5, who: fay, do: {flee: eve, distance: 6}}
+  - {at: 0, who: gus, do: {grab: marble}}
+  - {when: {arrived: gus}, who: gus, do: {throw: marble, to: bug}}
+  - {at: 0, who: hal, do: {go_to: spot}}
+"""
+
+KICK = """pronk: 1
+duration: 3
+cast:
+  - {name: bob, character: adult, at: [0, 8]}
+  - {name: football, body: {shape: sphere, radius: 0.11, density: 80}, at: [1.5, 0.111, 8]}
+script:
+  - {at: 0, who: bob, do: {kick: football, to: [6, 0, 10], speed: 6}}
+"""
+
+
+@dataclass
+class Course:
+    """What happened in a simulation.
+
+    Attributes:
+        arrived: times [s] by name.
+        reasons: of orders that were given up, by name.
+        grips: times [s] and changes.
+        speeds: greatest speed of members [m/s].
+        states: of members at the end.
+        places: (2,) of people at the end [m].
+        sitting: people that sit at the end.
+    """
+
+    arrived: dict[str, list[float]] = field(default_factory=dict)
+    reasons: dict[str, list[str]] = field(default_factory=dict)
+    grips: list[tuple[float, GripChange]] = field(default_factory=list)
+    speeds: dict[str, float] = field(default_factory=dict)
+    states: dict[str, MemberState] = field(default_factory=dict)
+    places: dict[str, Array] = field(default_factory=dict)
+    sitting: set[str] = field(default_factory=set)
+
+
+@cache
+def course() -> Course:
+    """Simulate the scene once for all tests."""
+    simulation = Simulation(read_scene(EVERYBODY))
+    troupe, found = troupe_of(simulation), Course()
+    members = simulation._members
+    watched = ("ball", "bug", "pillar", "stool")
+    while not simulation.finished:
+        simulation.step()
+        facts, time = troupe.facts(), simulation.step_number * simulation.world.clock.dt
+        for name in facts.arrived:
+            found.arrived.setdefault(name, []).append(time)
+        for outcome in facts.outcomes:
+            found.reasons.setdefault(outcome.who, []).append(outcome.reason)
+        found.grips += [(time, change) for change in facts.grips]
+        members.update(simulation.last_row())
+        for name in watched:
+            speed = float(np.linalg.norm(members.state(name).v))
+            found.speeds[name] = max(found.speeds.get(name, 0.0), speed)
+    found.states = {name: members.state(name) for name in watched}
+    for controller in troupe.dispatcher.controllers:
+        found.places[controller.name] = np.array(controller.record.at)
+        if controller.record.sit_blend == 1.0:
+            found.sitting.add(controller.name)
+    return found
+
+
+def test_a_child_chases_a_creature_until_it_touches_it() -> None:
+    assert course().arrived["kid"][0] < 5.0
+
+
+def test_impossible_orders_are_given_up_with_a_reason() -> None:
+    heavy, empty, high = course().reasons["ada"]
+    assert heavy == "too heavy for both hands (40.6 kg, can carry 34.0 kg)"
+    assert empty == "does not hold 'rock'"
+    assert high.startswith("too high: 1.50 m, sits at 0.2")
+    assert "m out of reach at [-6.00, 4.00]" in course().reasons["eve"][0]
+    assert "ada" not in course().arrived
+
+
+def test_people_walk_up_to_members_and_to_places_by_name() -> None:
+    pillar, eve = course().states["pillar"], course().places["eve"]
+    feet = np.array([[eve[0], 0.5, eve[1]]])
+    # Half a metre from the surface to the side of the body.
+    assert convex_distance(pillar.solids[0], feet) == pytest.approx(0.5 + 0.17 * 1.72, abs=0.2)
+    assert np.hypot(*(course().places["hal"] - [-3.0, -6.0])) < 0.15
+    assert len(course().arrived["hal"]) == 1
+
+
+def test_a_kick_sends_a_body_off_in_its_direction() -> None:
+    simulation, fastest = Simulation(read_scene(KICK)), 0.0
+    while not simulation.finished:
+        simulation.step()
+        simulation._members.update(simulation.last_row())
+        fastest = max(fastest, float(np.linalg.norm(simulation._members.state("football").v)))
+    # Nearly as fast as the foot, and past the target.
+    assert 5.0 < fastest < 6.5
+    path = node_path(simulation, "football")[:, [0, 2]]
+    assert np.hypot(*(path - [6.0, 10.0]).T).min() < 0.3
+
+
+def test_a_grabbed_body_is_handed_over_and_thrown() -> None:
+    (start, taken), (end, thrown) = [pair for pair in course().grips if pair[1].holder == "gus"]
+    assert (taken.hand, taken.member, taken.taken) == ("gus.hand_r", "marble", True)
+    assert not thrown.taken
+    assert start < 4.0 < 7.0 > end > start + 0.4
+    assert thrown.velocity is not None
+    assert np.linalg.norm(thrown.velocity) < 10.0
+
+
+def test_a_child_takes_a_wide_ball_with_both_hands_and_throws_it() -> None:
+    took, threw = course().arrived["dan"]
+    assert took < 4.0
+    assert threw < took + 3.0
+    assert course().speeds["ball"] > 2.0
+
+
+def test_an_adult_sits_down_on_a_prop() -> None:
+    assert "cat" in course().sitting
+    assert np.hypot(*(course().places["cat"] - [-6.0, 6.5])) < 0.6
+
+
+def test_a_child_flees_until_it_is_far_enough() -> None:
+    assert len(course().arrived["fay"]) == 1
+    assert course().arrived["fay"][0] < 5.0

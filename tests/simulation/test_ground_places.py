@@ -95,4 +95,4 @@ def test_an_order_from_outside_that_leads_off_the_terrain_is_refused(scene_of: S
     with pytest.raises(SceneError, match="lies outside the terrain"):
         simulation.add_instruction(order)
     simulation.step()
-    assert not simulation.recorder.told
+    assert not simulation.script.told

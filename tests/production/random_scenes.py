@@ -244,7 +244,7 @@ def _has_shape(member: Block, own: str, kind: TargetKind) -> bool:
 
 
 DEAF = "inchworm"
-"""Figure that walks and follows no script."""
+"""Figure that goes straight on: it follows neither paths nor scripts."""
 
 WALKING = (
     *("beetle", "spider", "scorpion", "horse", "camel", "antelope"),
@@ -263,6 +263,7 @@ def _walker(draft: _Draft, at: list[float]) -> Block:
     if rng.random() < 0.3:
         walk["swing"] = rng.choice(["spline", "passive", "least-effort"])
     figure = rng.choice(WALKING)
+    walk = {} if figure == DEAF else walk
     member = {"figure": figure, "at": at, "scale": draft.number(0.5, 0.8), "walk": walk}
     member["heading_deg"] = draft.number(-180, 180)
     if rng.random() < 0.3:

@@ -15,6 +15,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
 from pipeline.simulation.event_detection import EventDetection
 from pipeline.simulation.event_monitor import EventMonitor
+from pipeline.simulation.ground_places import GroundPlaces
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import NodeAlias
 from pipeline.simulation.members import Members
@@ -43,6 +44,7 @@ class Assembly:
         aliases: names of drawing nodes for the nodes of creatures.
         script: instructions of the scene.
         members: where all members of the cast are.
+        ground_places: refuses places off the terrain.
         monitor: tests the conditions that instructions wait for.
         detection: detectors of sound events.
         coupling: the troupe that hits obstacles and its obstacles, None without any.
@@ -55,6 +57,7 @@ class Assembly:
     aliases: tuple[NodeAlias, ...]
     script: Script
     members: Members
+    ground_places: GroundPlaces
     monitor: EventMonitor
     detection: EventDetection
     coupling: ContactCoupling | None
@@ -74,8 +77,10 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     """
     clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
     ground = build_ground(scene.terrain, scene.seed)
-    detect = scene.sound.detect
     places = _places(scene, ground)
+    ground_places = GroundPlaces(scene, ground, places)
+    ground_places.refuse_off_terrain()
+    detect = scene.sound.detect
     world = World(
         ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed, places
     )
@@ -111,6 +116,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
         aliases=aliases,
         script=script,
         members=members,
+        ground_places=ground_places,
         monitor=monitor,
         detection=detection,
         coupling=coupling,

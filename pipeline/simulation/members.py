@@ -141,16 +141,24 @@ class Members:
             return found
         return self._nodes_of(name)[0]
 
+    def solids(self, name: str) -> list[tuple[Obstacle, Array]]:
+        """Returns the solids of a member that exist now, with their corners (n, 3) [m]."""
+        recorder, row = self._recorder, self._row
+        return [
+            (
+                obstacle,
+                recorder.positions[row, node]
+                + self._scaled_corners(obstacle) @ matrix(recorder.quaternions[row, node]).T,
+            )
+            for node in self._nodes_of(name)
+            for obstacle in self._solids_by_node().get(node, ())
+            if recorder.alive[row, node]
+        ]
+
     def _measured(self, name: str) -> MemberState:
         recorder, row, root = self._recorder, self._row, self.node(name)
         nodes = self._nodes_of(name)
-        solids = tuple(
-            recorder.positions[row, node]
-            + self._scaled_corners(obstacle) @ matrix(recorder.quaternions[row, node]).T
-            for node in nodes
-            for obstacle in self._solids_by_node().get(node, ())
-            if recorder.alive[row, node]
-        )
+        solids = tuple(corners for _, corners in self.solids(name))
         points = np.concatenate(solids) if solids else recorder.positions[row, nodes]
         low, high = points.min(axis=0), points.max(axis=0)
         centre = 0.5 * (low + high)

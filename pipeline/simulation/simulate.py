@@ -12,6 +12,7 @@ from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.order_log import OrderLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
+from pipeline.simulation.start_overlaps import overlap_notes
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.group import Group
@@ -51,6 +52,7 @@ class Simulation:
         self.script, self.coupling, self.scheduler = parts.script, parts.coupling, parts.scheduler
         self.aliases = parts.aliases
         self._members, self._monitor = parts.members, parts.monitor
+        self._ground_places = parts.ground_places
         self._detection = parts.detection
         groups = [member.name for member in scene.cast if isinstance(member, Group)]
         self.order_log = OrderLog(groups)
@@ -85,8 +87,10 @@ class Simulation:
         """Adds an instruction from outside; one without delay is given in the next step.
 
         Raises:
-            SceneError: if its performer cannot carry it out; the state is unchanged.
+            SceneError: if its performer cannot carry it out, or it leads off the terrain; the
+                state is unchanged.
         """
+        self._ground_places.refuse_order(instruction, COMMAND)
         problems = self._members.problems(instruction, COMMAND)
         refusal = refusal_of_handling(instruction.do, self._scene, self.world.directed)
         if refusal is not None:
@@ -104,6 +108,9 @@ class Simulation:
 
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
+        self._members.update(0)
+        notes = overlap_notes(self._scene.cast, self._members, self.recorder)
+        self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         self.order_log.finish(self.step_number, self.script.never_given)
         return replace(

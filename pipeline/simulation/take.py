@@ -245,7 +245,7 @@ class SoundEvent:
 
 @dataclass(frozen=True, slots=True)
 class TakeNote:
-    """A message to the author: stopped, toppled, dropped, clamped, drawn or rigid.
+    """A message to the author, of a kind such as stopped, toppled or overlaps.
 
     `drawn` is about a likely mistake in a figure's drawing. Orders have records instead.
     """

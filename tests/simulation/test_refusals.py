@@ -102,22 +102,14 @@ def test_every_suggestion_for_a_stride_works(
         Simulation(scene({**walk_config, **dict(re.findall(r"(\w+): ([\d.]+)", suggestion))}))
 
 
-@pytest.mark.parametrize(
-    ("at", "terrain"),
-    [
-        ([50, 50], "{kind: flat, size: [10, 10]}"),
-        ([0, 0], "{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}"),
-    ],
-)
-def test_a_start_without_a_foothold_is_refused(
-    scene_of: SceneOf, at: list[float], terrain: str
-) -> None:
-    scene = scene_of(f"{{figure: beetle, name: bug, at: {at}}}", terrain=terrain)
+def test_a_start_without_a_foothold_is_refused(scene_of: SceneOf) -> None:
+    terrain = "{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}"
+    scene = scene_of("{figure: beetle, name: bug, at: [0, 0]}", terrain=terrain)
     with pytest.raises(SimulationError) as caught:
         Simulation(scene)
     message = str(caught.value)
     assert "bug: leg " in message
-    assert f"[{at[0]}, {at[1]}]" in message
+    assert "[0, 0]" in message
     assert "`at`" in message
 
 

@@ -172,10 +172,14 @@ def summary(notes: Sequence[Note], rest: str = "") -> list[str]:
 
 
 def _groups(notes: Iterable[Note]) -> Iterator[list[Note]]:
-    """Yield the notes that differ only in part, place and time, in the order of the first."""
+    """Yield the notes that differ only in part, place and time, in the order of the first.
+
+    Orders that the end of the film cuts off are one group, whatever they are.
+    """
     groups: dict[tuple[str, str, str], list[Note]] = {}
     for note in notes:
-        groups.setdefault((note.source, note.kind, note.text), []).append(note)
+        text = "" if note.kind in ADVISORY else note.text
+        groups.setdefault((note.source, note.kind, text), []).append(note)
     yield from groups.values()
 
 
@@ -192,4 +196,6 @@ def _line(group: Sequence[Note]) -> str:
     times = f", {len(group)} times" if len(group) > len(subjects) else ""
     # The text on an order is a sentence of its own.
     verb = "" if first.kind.startswith("order_") else f" {first.kind.replace('_', ' ')}"
-    return f"{named}{verb} {when}{times}: {first.text}"
+    others = len({note.text for note in group}) - 1
+    text = f"{first.text}, and {others} like it" if others else first.text
+    return f"{named}{verb} {when}{times}: {text}"

@@ -186,6 +186,17 @@ class HeightField:
         x, z = self.to_grid(x, z)
         return (np.abs(x) <= self.size[0] / 2) & (np.abs(z) <= self.size[1] / 2)
 
+    @property
+    def extent_text(self) -> str:
+        """The rectangle that it covers, in an author's words."""
+        width, depth = self.size
+        x, z = self.at
+        if self._turn is not None:
+            turned = f"turned by {math.degrees(self.heading):g} degrees"
+            return f"which covers {width:g} x {depth:g} m around [{x:g}, {z:g}], {turned}"
+        low, high = (x - width / 2, z - depth / 2), (x + width / 2, z + depth / 2)
+        return f"which reaches from [{low[0]:g}, {low[1]:g}] to [{high[0]:g}, {high[1]:g}]"
+
     @cached_property
     def vertices(self) -> Array:
         """Vertices (V, 3) [m], those of the grid first, row by row."""

@@ -304,7 +304,7 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
     write_take(base.take, outputs.take)
     keys = {number: "key" for number in golden.frames}
     share = FrameBatch(scene, outputs.take, outputs, choose("llvm"), keys)
-    film_in_processes(share, 2, lambda done: None)
+    film_in_processes(share, 2, lambda done, pace: None)
     frames = {number: read_png(outputs.frame(number)) for number in golden.frames}
     assert check_frames(base, frames) is Outcome.IDENTICAL
 

@@ -319,7 +319,7 @@ def test_limbs_stay_together_in_a_dense_crowd(name: str) -> None:
 
 def test_a_distant_persons_motion_is_bitwise_the_same_as_alone() -> None:
     alone = "duration: 2\ncast:\n  - {name: a, character: adult}\n"
-    other = "  - {name: b, character: child, at: [20, 20]}\n"
+    other = "  - {name: b, character: child, at: [14, 14]}\n"
     script = "script:\n  - {at: 0, who: a, do: {go_to: [2, 1]}}\n"
     one, two = play_scene(alone + script), play_scene(alone + other + script)
     np.testing.assert_array_equal(one.p, two.p[:, :16])
@@ -392,7 +392,7 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         ("{at: 0, who: a, do: {grab: doll, part: arm}}", "no part of 'doll' is called 'arm'"),
         ("{at: 0, who: a, do: {grab: ball, part: head}}", "'ball' has no named parts"),
         ("{at: 0, who: a, do: {sit: doll}}", "'doll' is a ragdoll; name a bench or a box"),
-        ("{at: 0, who: a, do: hop}", "'a' is a child or an adult, for which hop is no order; write go_to"),
+        ("{at: 0, who: a, do: hop}", "is a child or an adult, for which hop is no order"),
         ("{at: 0, who: doll, do: stop}", "'doll' is a ragdoll, which no script moves"),
         ("{at: 0, who: bug, do: sit}", "'bug' is a creature that walks, for which sit is no order"),
         ("{at: 0, who: a, do: {hug: bug}}", "'bug' is a creature; name a child"),

@@ -424,11 +424,12 @@ def test_stride_suggested_by_the_error_works(scene_of: SceneOf) -> None:
 
 def test_start_without_allowed_ground_is_refused(scene_of: SceneOf) -> None:
     scene = scene_of(
-        "{figure: inchworm, name: w, at: [50, 50]}", terrain="{kind: flat, size: [9, 9]}"
+        "{figure: inchworm, name: w, at: [0.5, 0]}",
+        terrain="{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}",
     )
     with pytest.raises(SimulationError) as caught:
         Simulation(scene)
-    for phrase in ("w: ", "[50, 50]", "`at`"):
+    for phrase in ("w: ", "[0.5, 0]", "`at`"):
         assert phrase in str(caught.value)
 
 

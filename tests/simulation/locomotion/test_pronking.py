@@ -404,4 +404,4 @@ def test_landings_avoid_forbidden_zones(figure):
     )
     assert any(n.kind == "misplaced" for n in heedless.take.notes)
     assert all(n.kind != "misplaced" for n in careful.take.notes)
-    assert careful.seen[0][-1].p[0] > -9.0 + 5.0
+    assert careful.states[0][-1].p[0] > -9.0 + 5.0

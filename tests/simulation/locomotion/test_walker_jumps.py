@@ -345,7 +345,7 @@ def test_stop_order_ends_and_hop_order_resumes_the_hops() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
 def test_stop_cancels_go_to_in_any_phase(at: float) -> None:
-    script = f"{{at: 0.5, who: roo, do: {{go_to: [20, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
+    script = f"{{at: 0.5, who: roo, do: {{go_to: [14, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
     hops = hop_with_script(script, 7)
     before = max(seen.jumps for seen in hops.states[0] if seen.time <= at)
     assert hops.states[0][-1].jumps <= before + 1

@@ -66,7 +66,7 @@ class PursuitLimits:
     escape: float = 4.0
     edge: float = 1.5
     reserve: float = 1.15
-    patience: float = 5.0
+    patience: float = 8.0
     progress: float = 0.25
 
 

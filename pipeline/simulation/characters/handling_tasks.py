@@ -24,7 +24,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
 
 CLOSING_DISTANCE, PATIENT_CLOSING_DISTANCE = 0.03, 0.09  # of a hand to its place, in heights
-STANDING_RANGE, BOWED_RANGE = 0.75, 0.6  # of hands before the body, in arm lengths
+STANDING_RANGE, BOWED_RANGE = 0.75, 0.8  # of hands before the body, in arm lengths
 
 # Putting down.
 TABLE_RANGE = 0.12, 0.75  # heights of surfaces that things are put down on, in heights

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.convex_distance import convex_distance
+from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.simulate import Simulation
@@ -74,6 +75,8 @@ cast:
   - {name: bob, character: adult, at: [-2, 4]}
   - {name: kid, character: child, at: [-2, 8]}
   - {name: marble, body: {shape: sphere, radius: 0.06, density: 400}, at: [0.6, 0.061, 0]}
+  - {name: ann, character: adult, at: [0, -4]}
+  - {name: die, prop: {shape: box, size: [0.1, 0.1, 0.1]}, at: [1.2, 0.05, -4]}
   - {name: cart, prop: {shape: box, size: [0.4, 0.4, 0.4]}, at: [0, 0.2, 4], velocity: [0.9, 0, 0]}
   - {name: car, prop: {shape: box, size: [0.4, 0.4, 0.4]}, at: [0, 0.2, 8], velocity: [6, 0, 0]}
 script:
@@ -81,6 +84,7 @@ script:
   - {when: {arrived: amy}, who: amy, do: {throw: marble, to: [14, 0, 0]}}
   - {at: 0, who: bob, do: {follow: cart, gap: 0.8}}
   - {at: 0, who: kid, do: {chase: car}}
+  - {at: 0, who: ann, do: {grab: die}}
 """
 
 
@@ -174,18 +178,26 @@ def test_kicks_send_bodies_off_in_their_direction() -> None:
     assert kick.outcome == "done"
 
 
+def _record_of(simulation: Simulation, name: str) -> Record:
+    controllers = troupe_of(simulation).dispatcher.controllers
+    return next(one.record for one in controllers if one.name == name)
+
+
 def test_throws_and_chases_beyond_ones_strength_are_given_up() -> None:
     simulation = Simulation(read_scene(OUT_OF_REACH))
     while not simulation.finished:
         simulation.step()
     orders = {order.text.split()[0]: order for order in simulation.take().orders}
+    # An adult gets down to a small prop on the ground.
+    (grab,) = [order for order in simulation.take().orders if order.who == "ann"]
+    assert grab.outcome == "done"
     assert "as hard as it can" in orders["throw"].reason
     # It flies nevertheless.
     assert node_path(simulation, "marble")[:, 0].max() > 5.0
     assert orders["chase"].reason.startswith("is not fast enough")
     assert orders["chase"].end < simulation.world.clock.last_step
     # The follower walks on behind the cart, which is half as wide as 0.4 m.
-    follower, cart = troupe_of(simulation).persons[1], node_path(simulation, "cart")[-1, 0]
+    follower, cart = _record_of(simulation, "bob"), node_path(simulation, "cart")[-1, 0]
     assert cart - 0.2 - float(follower["at"][0]) == pytest.approx(0.8 + 0.17 * 1.72, abs=0.25)
 
 

@@ -106,9 +106,22 @@ def test_throws_along_a_plane_of_symmetry_stay_in_it(terrain: str, engine: str, 
     assert (paths[-1, :, 1] > -3.0).sum() > count / 3
 
 
+PARTING = pytest.mark.xfail(
+    strict=True, reason="paths of colliders over stones part by more than 1e-6 m per metre"
+)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("terrain", ["stairs", "ramp", "ditches", "quads"])
+@pytest.mark.parametrize(
+    ("terrain", "engine"),
+    [
+        pytest.param(
+            terrain, engine, marks=PARTING if (terrain, engine) == ("quads", "all") else ()
+        )
+        for terrain in ("stairs", "ramp", "ditches", "quads")
+        for engine in ENGINES
+    ],
+)
 def test_mirrored_throws_take_mirrored_paths(terrain: str, engine: str) -> None:
     ground, rng, count = _ground(terrain), np.random.default_rng(5), 50
     radii, state = _throws(ground, rng, count)
@@ -118,9 +131,7 @@ def test_mirrored_throws_take_mirrored_paths(terrain: str, engine: str) -> None:
     state.v[:, 2] *= -1.0
     mirrored = ENGINES[engine](ground, radii, state, 96) * [1.0, 1.0, -1.0]
     apart = np.linalg.norm(paths - mirrored, axis=-1)[1:]
-    # Differences grow at each edge; of one throw over stones among colliders they were 2e-5.
-    most = 1e-4 if (terrain, engine) == ("quads", "all") else 1e-6
-    assert (apart <= most * _lengths(paths)).all()
+    assert (apart <= 1e-6 * _lengths(paths)).all()
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -6,14 +6,14 @@ the end of the film.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from pipeline.simulation.order_outcome import Outcome
-from pipeline.simulation.script import Orders
+from pipeline.simulation.script import Orders, Script, event_of
 from pipeline.simulation.take import NEVER_GIVEN, OrderRecord
 from pipeline.simulation.troupe import Facts
-from pipeline.spec.script import Do, Instruction, order_text
+from pipeline.spec.script import Do, When, order_text
 from pipeline.spec.verbs import VERBS, key_of_order
 
 
@@ -84,20 +84,22 @@ class OrderLog:
             text = order_text(outcome.order)
             self.records.append(OrderRecord(outcome.who, text, step, step, end, outcome.reason))
 
-    def finish(self, step: int, waiting: Sequence[Instruction]) -> None:
+    def finish(self, step: int, script: Script) -> None:
         """Records orders that the film's end cuts off, and those that were never given.
 
         Args:
             step: the last one.
-            waiting: instructions that were never given.
+            script: with the instructions that were never given.
         """
         for last in self._open.values():
             self._close(last.number, step, "cut off")
         self._open.clear()
         # What is due after the end is known, and told, before the simulation.
-        for one in waiting:
+        for one in script.never_given:
             if one.when is not None:
-                text, reason = order_text(one.do), _awaited_text(one)
+                text = order_text(one.do)
+                again = event_of(one.when) in script.happened
+                reason = _awaited_text(one.when) + (" again" if again else "")
                 record = OrderRecord(one.who, text, step, step, NEVER_GIVEN, reason)
                 self.records.append(record)
 
@@ -109,10 +111,8 @@ class OrderLog:
         self.ended.append(ended)
 
 
-def _awaited_text(instruction: Instruction) -> str:
-    """Returns why an instruction was never given."""
-    when = instruction.when
-    assert when is not None
+def _awaited_text(when: When) -> str:
+    """Returns that an event never happened."""
     key = when.event
     value = getattr(when, key)
     names: Iterable[str] = [value] if isinstance(value, str) else value

@@ -55,6 +55,7 @@ class Script:
 
     Attributes:
         told: instructions from outside that were given: step, performer, and order.
+        happened: events that have happened.
     """
 
     def __init__(self, instructions: Sequence[Instruction], clock: Clock) -> None:
@@ -63,6 +64,7 @@ class Script:
         self._timed: dict[int, list[PerformerOrder]] = {}
         self._outside: dict[int, list[PerformerOrder]] = {}
         self._resumed: dict[int, list[PerformerOrder]] = {}
+        self.happened: set[Event] = set()
         self._waiting: list[Instruction] = []
         self._late: list[Instruction] = []
         self._waiting_outside: list[Instruction] = []
@@ -104,6 +106,7 @@ class Script:
             step: the step about to be taken.
             events: that have just happened.
         """
+        self.happened.update(events)
         outside = self._outside.pop(step, []) + _take_triggered(self._waiting_outside, events)
         self.told.extend((step, who, do) for who, do in outside)
         due = self._timed.pop(step, []) + outside

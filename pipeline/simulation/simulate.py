@@ -112,7 +112,7 @@ class Simulation:
         notes = overlap_notes(self._scene.cast, self._members, self.recorder)
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        self.order_log.finish(self.step_number, self.script.never_given)
+        self.order_log.finish(self.step_number, self.script)
         return replace(
             self.recorder.take(),
             mechanisms=mechanisms,

@@ -194,8 +194,9 @@ def _line(group: Sequence[Note]) -> str:
     moments = len({note.seconds for note in group})
     when = f"at {first.seconds:.1f} s" if moments == 1 else f"from {first.seconds:.1f} s on"
     times = f", {len(group)} times" if len(group) > len(subjects) else ""
-    # The text on an order is a sentence of its own.
-    verb = "" if first.kind.startswith("order_") else f" {first.kind.replace('_', ' ')}"
+    # Texts on orders and on pictures are sentences of their own.
+    is_sentence = first.kind.startswith("order_") or first.source in ("camera", "picture")
+    verb = "" if is_sentence else f" {first.kind.replace('_', ' ')}"
     others = len({note.text for note in group}) - 1
     text = f"{first.text}, and {others} like it" if others else first.text
     return f"{named}{verb} {when}{times}: {text}"

@@ -132,7 +132,9 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
     member = named.cast[name]
     performer = performer_kind(member)
     if performer is None:
-        yield _fault_of_performer(name, member, (*path, "who"))
+        # A member that is itself wrong is reported where it stands.
+        if kind_of(member) is not None:
+            yield _fault_of_performer(name, member, (*path, "who"))
         return
     key, order = key_of_order(do), (*path, "do")
     if key is None:

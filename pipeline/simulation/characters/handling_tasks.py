@@ -124,7 +124,7 @@ class CarryTo(Task):
         if self.is_down:
             self.time += dt
             return self.time > OPENING_TIME
-        if not controller.hands_holding(self.thing):
+        if len(controller.hands_holding(self.thing)) < len(self.grab.hands):
             self.grab.advance(controller, dt)
             self.failure = self.grab.failure
             return False

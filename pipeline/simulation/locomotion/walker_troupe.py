@@ -216,7 +216,8 @@ class WalkerTroupe(Troupe):
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
         outcomes = (*self.pursuits.outcomes, *self.leaps.outcomes)
-        return Facts(contacts, notes, tuple(self._arrived), outcomes=outcomes)
+        touched = tuple(self.pursuits.touched)
+        return Facts(contacts, notes, tuple(self._arrived), touched, outcomes=outcomes)
 
     def mechanisms(self) -> list[Mechanism]:
         """Return the joints and masses of the creatures."""

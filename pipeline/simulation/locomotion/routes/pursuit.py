@@ -116,12 +116,14 @@ class Pursuits:
     Attributes:
         outcomes: orders that ended in the last step.
         arrived: numbers of creatures that have reached what they went to or chased.
+        touched: pairs of a chaser and a member that it has caught.
     """
 
     def __init__(self, progress: RouteProgress, ground: Ground) -> None:
         self.progress, self.ground = progress, ground
         self.outcomes: list[Outcome] = []
         self.arrived: list[int] = []
+        self.touched: list[tuple[str, str]] = []
         self._active: dict[int, Pursuit] = {}
         self._avoided: dict[int, Avoid] = {}
         self._interrupted: dict[int, Do] = {}
@@ -159,7 +161,7 @@ class Pursuits:
 
     def advance(self) -> None:
         """Plan the routes of all pursuing creatures again where their goals have moved."""
-        self.arrived, self.outcomes = [], []
+        self.arrived, self.touched, self.outcomes = [], [], []
         for c, order in self._avoided.items():
             self._keep_off(c, order)
         for c, pursuit in list(self._active.items()):
@@ -235,9 +237,13 @@ class Pursuits:
         """Run to where a target will be."""
         stride = float(self.progress.stride[c])
         if distance <= self._reach(c) + state.radius:
+            assert isinstance(pursuit.order, Chase)
             self._end(c)
             apply_order(self.progress, c, "stop")
             self.arrived.append(c)
+            self.touched.append(
+                (self.progress.herd.names[c], pursuit.order.chase.partition(".")[0])
+            )
             return
         if not self._gets_nearer(pursuit, stride, distance):
             self._give_up(c, pursuit, f"is not fast enough; still {distance:.2g} m off")

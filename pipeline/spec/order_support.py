@@ -112,6 +112,12 @@ def performer_kind(member: object) -> str | None:
     return DANCER if kind == "dancer" else None
 
 
+def _faults_of_performer(name: str, member: object, path: Path) -> Iterator[Fault]:
+    """Find a member that follows no orders; one that is itself wrong is told where it stands."""
+    if kind_of(member) is not None:
+        yield _fault_of_performer(name, member, path)
+
+
 def _fault_of_performer(name: str, member: object, path: Path) -> Fault:
     """Return why a member follows no orders."""
     kind = kind_of(member)
@@ -132,9 +138,7 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
     member = named.cast[name]
     performer = performer_kind(member)
     if performer is None:
-        # A member that is itself wrong is reported where it stands.
-        if kind_of(member) is not None:
-            yield _fault_of_performer(name, member, (*path, "who"))
+        yield from _faults_of_performer(name, member, (*path, "who"))
         return
     key, order = key_of_order(do), (*path, "do")
     if key is None:

@@ -39,11 +39,15 @@ def clone(tmp_path: Path) -> Path:
     return tmp_path
 
 
+OUTER_MAKE = ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")
+"""Settings by which make knows that another make runs it, and says more."""
+
+
 def make(clone: Path, target: str = "demo") -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         ["make", f"PYTHON={clone / 'python'}", target],
         cwd=clone,
-        env={**os.environ, "MAKEFLAGS": ""},
+        env={key: value for key, value in os.environ.items() if key not in OUTER_MAKE},
         capture_output=True,
         text=True,
         check=False,

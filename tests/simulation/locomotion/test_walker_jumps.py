@@ -227,7 +227,8 @@ def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None
     (order,) = take.orders
     assert order.outcome == "given up"
     assert cause in order.reason
-    assert not take.notes
+    # The long hurdle reaches to where it starts.
+    assert {note.kind for note in take.notes} <= {"overlaps"}
     assert not any(one.kind == "lift" for one in take.contacts)
     assert take.positions[-1, 0, 0] > 2.0
 

@@ -26,12 +26,7 @@ except ImportError:
     mink = None
 
 from pipeline.simulation.figures.figure import build_figure
-from pipeline.simulation.figures.inverse_kinematics import (
-    DAMPING,
-    REST_GAIN,
-    TOLERANCE,
-    solve,
-)
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, solve
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.skeleton import Limb, Skeleton
 from pipeline.simulation.spatial import Array, cross, rotation
@@ -74,13 +69,13 @@ def in_mujoco(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
         for q, limb, own, goal in zip(qs, limbs, bounds, goals, strict=True):
             model, data = models[limb.name], datas[limb.name]
             J = np.zeros((3, model.nv))
-            damping = (DAMPING * limb.length) ** 2 * np.eye(3)
-            gain = REST_GAIN
+            damping = (TIP_ITERATION.damping * limb.length) ** 2 * np.eye(3)
+            gain = TIP_ITERATION.rest_gain
             while True:
                 data.qpos[:] = q
                 mujoco.mj_kinematics(model, data)
                 error = goal - data.site_xpos[0]
-                if (left := float(np.sqrt(error @ error))) <= TOLERANCE * limb.length:
+                if (left := float(np.sqrt(error @ error))) <= TIP_ITERATION.tolerance * limb.length:
                     break
                 mujoco.mj_comPos(model, data)
                 mujoco.mj_jacSite(model, data, J, None, 0)
@@ -146,10 +141,10 @@ def with_mink(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
         worst = 0.0
         for (limb, configuration, tip, limits), goal in zip(legs, goals, strict=True):
             tip.set_target(mink.SE3.from_translation(goal))
-            damping = (DAMPING * limb.length) ** 2
+            damping = (TIP_ITERATION.damping * limb.length) ** 2
             while True:
                 error = goal - configuration.data.site_xpos[0]
-                if (left := float(np.sqrt(error @ error))) <= TOLERANCE * limb.length:
+                if (left := float(np.sqrt(error @ error))) <= TIP_ITERATION.tolerance * limb.length:
                     break
                 velocity = mink.solve_ik(
                     configuration, [tip], 1.0, "daqp", damping=damping, limits=limits
@@ -181,12 +176,12 @@ def leg_by_leg(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
     def follow(goals: Array) -> float:
         worst = 0.0
         for q, limb, own, goal in zip(qs, limbs, bounds, goals, strict=True):
-            damping = (DAMPING * limb.length) ** 2 * np.eye(3)
-            gain = REST_GAIN
+            damping = (TIP_ITERATION.damping * limb.length) ** 2 * np.eye(3)
+            gain = TIP_ITERATION.rest_gain
             while True:
                 tip, J = tip_and_jacobian(limb, q)
                 error = goal - tip
-                if (left := float(np.sqrt(error @ error))) <= TOLERANCE * limb.length:
+                if (left := float(np.sqrt(error @ error))) <= TIP_ITERATION.tolerance * limb.length:
                     break
                 _iterate(own, q, J, error, damping, gain)
                 gain = 0.0
@@ -211,7 +206,7 @@ def timed(follow: Follow, legs: LimbBatch, steps: int) -> float:
     began = time.perf_counter()
     worst = max(follow(path) for path in paths)
     spent = time.perf_counter() - began
-    assert worst <= 1.01 * TOLERANCE * legs.lengths.max()
+    assert worst <= 1.01 * TIP_ITERATION.tolerance * legs.lengths.max()
     return spent / (steps * len(centre)) * 1e6
 
 

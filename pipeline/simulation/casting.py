@@ -67,7 +67,7 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     """Returns the troupes of a scene, in the order of their nodes.
 
     Raises:
-        SceneError, SimulationError: if performers cannot do what is asked; tells of all troupes.
+        SceneError, SimulationError: if performers cannot be built; holds all problems.
     """
     cast, refusals = list(enumerate(scene.cast)), Refusals()
     troupes = _creatures(scene, figures, world, refusals)

@@ -105,7 +105,7 @@ def _tag_condition(tag: str, block: Schema) -> Schema:
 
 
 def _tags_alone(tag: str, blocks: Sequence[Schema]) -> Schema:
-    """Return what remains for a mapping whose tag is missing or unknown."""
+    """Return the schema of a mapping whose tag is missing or unknown."""
     keys = _tag_keys(tag, blocks)
     values = {key: chain.from_iterable(_values(key, block) for block in blocks) for key in keys}
     properties = {key: {"enum": list(dict.fromkeys(values[key]))} for key in keys}
@@ -114,7 +114,7 @@ def _tags_alone(tag: str, blocks: Sequence[Schema]) -> Schema:
 
 
 def _keys_alone(blocks: Sequence[Schema]) -> Schema:
-    """Return what remains for a mapping that has none of the deciding keys."""
+    """Return the schema of a mapping without any of the deciding keys."""
     keys = [block["required"][0] for block in blocks]
     words = {key: block["properties"][key] for key, block in zip(keys, blocks, strict=True)}
     properties = {key: {"description": word.get("description", "")} for key, word in words.items()}

@@ -84,9 +84,7 @@ class CharacterView:
     @cached_property
     def edges(self) -> tuple[Array, Array]:
         """Least and greatest x and z (2,) of a square within the terrain [m]."""
-        field = self.ground.field
-        half = np.array(field.size) / (2.0 if field.heading == 0.0 else 2.0 * math.sqrt(2.0))
-        return np.array(field.at) - half, np.array(field.at) + half
+        return self.ground.field.inner_bounds
 
     @cached_property
     def _spans(self) -> list[list[int]]:

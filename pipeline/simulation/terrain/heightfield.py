@@ -187,6 +187,12 @@ class HeightField:
         return (np.abs(x) <= self.size[0] / 2) & (np.abs(z) <= self.size[1] / 2)
 
     @property
+    def inner_bounds(self) -> tuple[Array, Array]:
+        """Least and greatest x and z (2,) of a rectangle along x and z within it."""
+        half = np.array(self.size) / (2.0 if self.heading == 0.0 else 2.0 * math.sqrt(2.0))
+        return np.array(self.at) - half, np.array(self.at) + half
+
+    @property
     def extent_text(self) -> str:
         """The rectangle that it covers, in an author's words."""
         width, depth = self.size

@@ -17,7 +17,7 @@ ROOT = Path(pipeline.__file__).parents[1]
 
 def run(*arguments: str | Path, cwd: Path) -> str:
     """Run a command that must succeed; return its output."""
-    # A user's environment has none of this process's variables.
+    # The variables of this process are not set on a user's machine.
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     end = subprocess.run([*map(str, arguments)], cwd=cwd, env=clean, capture_output=True, text=True)
     assert end.returncode == 0, end.stdout + end.stderr

@@ -336,11 +336,9 @@ class Pursuits:
 
     def _inside(self, c: int, goal: Array) -> Array:
         """Return the place on the terrain nearest to a goal (2,) [m]."""
-        field = self.ground.field
-        half = np.array(field.size) / (2.0 if field.heading == 0.0 else 2.0 * math.sqrt(2.0))
-        half = np.maximum(half - LIMITS.edge * self._reach(c), 0.0)
-        middle = np.array(field.at)
-        return np.clip(goal, middle - half, middle + half)
+        low, high = self.ground.field.inner_bounds
+        margin = np.minimum(LIMITS.edge * self._reach(c), 0.5 * (high - low))
+        return np.clip(goal, low + margin, high - margin)
 
 
 def _leads(order: Do) -> bool:

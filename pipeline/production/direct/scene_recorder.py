@@ -13,6 +13,7 @@ from pipeline.production.run import production
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs, opened
 from pipeline.production.run.progress import LogReporter, Reporter
+from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, load_scene
@@ -85,7 +86,7 @@ class SceneRecorder:
         if end_now and not simulation.finished:
             outputs, take = production.simulate_only(order, self.reporter)
         else:
-            take = _take_with_key(simulation, production.take_key(order.scene))
+            take = _take_with_key(simulation, take_key(order.scene))
             outputs = production.store_only(order, take, self.reporter)
         return RecordedScene(file, outputs.take, take.digest, take.header.frames)
 

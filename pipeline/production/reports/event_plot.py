@@ -121,7 +121,7 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
             shape=shape,
             wave=read_waveform(run.outputs.wav, round(axis.length)),
         )
-        return write_plot(run.outputs, "events", event_svg(plot))
+        return write_plot(run, "events", event_svg(plot))
 
 
 def axis_of(score: Score) -> Axis:

@@ -97,7 +97,7 @@ def plot_gait(order: Order, reporter: Reporter) -> tuple[Path, Path]:
         creatures = [creature_stances(order.scene, name, take) for name in walkers]
         title = take.header.title or order.name
         svg = gait_svg(title, creatures, take.header.frames / rate, rate)
-        return write_plot(run.outputs, "gait", svg)
+        return write_plot(run, "gait", svg)
 
 
 def walkers_of(scene: Scene) -> list[str]:

@@ -77,7 +77,7 @@ def plot_mind(order: Order, reporter: Reporter) -> tuple[Path, Path]:
         traces = mind_traces(order.scene, take)
         title = take.header.title or order.name
         svg = mind_svg(title, traces, take.header.frames / rate, rate)
-        return write_plot(run.outputs, "mind", svg)
+        return write_plot(run, "mind", svg)
 
 
 def mind_traces(scene: Scene, take: Take) -> tuple[MindTrace, ...]:

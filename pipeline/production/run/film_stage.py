@@ -12,7 +12,7 @@ from pipeline.production.run.frame_ranges import contiguous, counted, described
 from pipeline.production.run.progress import Stage, stage
 from pipeline.production.run.scene_run import SceneRun
 from render.color import developed, developed16
-from render.film_encoder import CODECS, Picture, film_key, write_film
+from render.film_encoder import CODECS, Picture, write_film
 from render.image_files import read_exr, read_png
 
 
@@ -27,12 +27,13 @@ def make_film(run: SceneRun, frames: tuple[int, ...], keys: dict[int, str]) -> N
         run.reporter.note("film: frames with gaps between them have no sound")
     key = _film_key(run, [keys[frame] for frame in frames], sound, frames[0])
     with stage(run.reporter, "film", len(frames), "frames") as current:
-        if film_key(place) == key:
+        if run.records.is_intact(place, key):
             current.result = f"{place.name} is up to date"
             return
         rate = order.scene.rate
         began_at = (frames[0] - 1) / rate
         write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
+        run.records.add(place, key)
         run.record_time(current)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 

@@ -63,7 +63,7 @@ def _rendered_on(
         run.reporter.note(line, detail=True)
     with held_back():
         renderer = Renderer(backend)
-    keys, missing = outdated_frames(shooting, outputs, frames, renderer.key_extra)
+    keys, missing = outdated_frames(shooting, outputs, run.records, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
     current.keep(kept)
@@ -75,10 +75,15 @@ def _rendered_on(
     if jobs > 1:
         batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
         split = film_in_processes(
-            batch, jobs, lambda done, pace: current.advance_together(kept + done, pace)
+            batch,
+            jobs,
+            run.records,
+            lambda done, pace: current.advance_together(kept + done, pace),
         )
     else:
-        for done, _ in enumerate(render_frames(renderer, shooting, outputs, wanted), start=1):
+        written = render_frames(renderer, shooting, outputs, wanted)
+        for done, (path, record) in enumerate(written, start=1):
+            run.records.put(path, record)
             current.advance(kept + done)
         split = renderer.timings
     run.record_time(current)

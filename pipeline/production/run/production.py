@@ -11,9 +11,8 @@ from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.scene_run import working
-from pipeline.production.run.score_stage import write_score
+from pipeline.production.run.score_stage import store_events, write_score
 from pipeline.production.run.take_stage import store_take, take_of
-from pipeline.production.sound.event_files import write_events
 from pipeline.simulation.take import Take
 
 
@@ -34,7 +33,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
         note_levels(run, shooting, frames)
         run.refuse_notes()
         make_film(run, frames, keys)
-        run.finish(take)
+        run.finish()
         return run.outputs
 
 
@@ -42,8 +41,8 @@ def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
     """Simulate a scene and store its take and events."""
     with working(order, reporter) as run:
         take = take_of(run)
-        write_events(run.outputs, take)
-        run.finish(take)
+        store_events(run, take)
+        run.finish()
         return run.outputs, take
 
 
@@ -52,8 +51,8 @@ def store_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
     with working(order, reporter) as run:
         run.notes = [*notes_after_end(order.scene), *take_notes(take, clock_of(order.scene))]
         store_take(run, take)
-        write_events(run.outputs, take)
-        run.finish(take)
+        store_events(run, take)
+        run.finish()
         return run.outputs
 
 
@@ -62,5 +61,5 @@ def score_only(order: Order, reporter: Reporter) -> Outputs:
     with working(order, reporter) as run:
         shooting = shooting_of(run)
         write_score(run, shooting.take, shooting)
-        run.finish(shooting.take)
+        run.finish()
         return run.outputs

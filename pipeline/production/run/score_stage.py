@@ -20,13 +20,19 @@ from pipeline.production.sound.sound_report import (
 from pipeline.simulation.take import Take
 
 
+def store_events(run: SceneRun, take: Take) -> bool:
+    """Write the sound events of a take; return whether a file changed."""
+    changed = write_events(run.outputs, take)
+    run.records.update(run.outputs.events, run.outputs.event_table)
+    return changed
+
+
 def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
     with stage(run.reporter, "score", 3, "files") as current:
         score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
-        changed = write_events(run.outputs, take) | write_cues(
-            run.outputs, score, run.whole_film.name
-        )
+        changed = store_events(run, take)
+        changed |= write_cues(run.outputs, score, run.whole_film.name)
         current.advance(1)
         midi = write_midi(score, run.outputs.midi)
         current.advance(2)
@@ -44,6 +50,8 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     moved = quantisation_summary(midi.shifts, score)
     if moved is not None:
         run.reporter.note(moved)
+    outputs = run.outputs
+    run.records.update(outputs.midi, outputs.wav, outputs.labels, outputs.edit_list)
     run.manifest.entries["events"] = {"written": len(score.events), "after_the_last_frame": late}
     run.manifest.entries["midi"] = midi_facts(midi, score.subframe, score.rate)
     run.manifest.entries["wav"] = wav_facts(wav)

@@ -63,19 +63,28 @@ def take_of(run: SceneRun) -> Take:
 
 
 def store_take(run: SceneRun, take: Take) -> None:
-    """Store a take in place of an earlier one."""
+    """Store a take in place of an earlier one, and describe it in the manifest."""
     place = run.outputs.take
     new = place.with_name(f".{place.name}{PARTIAL}")
     write_take(take, new)
     replace_folder(new, place)
-    run.changed = True
+    run.records.add(place, take.header.key)
+    run.describe(take)
 
 
 def _stored_take(run: SceneRun, key: str) -> Take | None:
     """Return the take that an earlier run stored under `key`, None if there is none."""
     place = run.outputs.take
     try:
-        return read_take(place) if read_key(place) == key else None
+        if read_key(place) != key:
+            return None
+        take = read_take(place)
+        if run.records.of(place, key) is None:
+            run.records.add(place, key)
+        elif not run.records.is_intact(place, key):
+            raise StoreError(f"{place}: the take is damaged: it is not as it was written")
+        run.describe(take)
+        return take
     except StoreError as error:
         run.reporter.note(f"{error}; it is made again")
     except Exception as error:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from pipeline.errors import FilmingError, PronkError
+from pipeline.production.run.file_records import FileRecord, FileRecords
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.frame_rendering import render_frames
@@ -131,20 +132,26 @@ class BatchResult:
     Attributes:
         timings: of the renderer.
         pace: time per frame after a worker's first ones [s], None if not measured.
+        records: of the frames, with their files.
     """
 
     timings: Timings
     pace: float | None
+    records: list[tuple[Path, FileRecord]]
 
 
 def film_in_processes(
-    frames: FrameBatch, jobs: int, progress: Callable[[int, float | None], None]
+    frames: FrameBatch,
+    jobs: int,
+    records: FileRecords,
+    progress: Callable[[int, float | None], None],
 ) -> Timings:
     """Render frames in `jobs` processes.
 
     Args:
         frames: all of them.
         jobs: number of processes.
+        records: of the outputs; those of the frames are added.
         progress: called with the number of frames done, and the latest time per frame of all
             processes together [s], None before it is measured.
 
@@ -170,6 +177,8 @@ def film_in_processes(
                     raise part
                 if isinstance(part, str):
                     raise FilmingError(part)
+                for path, record in part.records:
+                    records.put(path, record)
                 for quantity in fields(total):
                     name = quantity.name
                     setattr(total, name, getattr(total, name) + getattr(part.timings, name))
@@ -218,13 +227,15 @@ def _film_batch(batch: FrameBatch) -> BatchResult | str | DeviceMemoryShort:
             _equipment = shooting, Renderer(batch.backend)
         shooting, renderer = _equipment
         renderer.timings = Timings()
-        for _ in render_frames(renderer, shooting, batch.outputs, batch.keys):
+        records = []
+        for written in render_frames(renderer, shooting, batch.outputs, batch.keys):
+            records.append(written)
             times.append(time.monotonic())
     except DeviceMemoryShort as error:
         return error
     except (FilmingError, RenderError) as error:
         return str(error)
-    return BatchResult(renderer.timings, _batch_pace(times, first))
+    return BatchResult(renderer.timings, _batch_pace(times, first), records)
 
 
 def _batch_pace(times: Sequence[float], first: bool) -> float | None:

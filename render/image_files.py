@@ -165,16 +165,29 @@ def read_key(path: Path) -> str | None:
 def read_levels(path: Path) -> PictureLevels | None:
     """Return the levels stored in a PNG or EXR image; None if it has none or is missing."""
     try:
-        if path.suffix == ".exr":
-            path.stat()
-            with OpenEXR.File(str(path), header_only=True) as file:
-                text = file.header().get(LEVELS)
-        else:
-            with Image.open(path) as image:
-                text = image.info.get(LEVELS)
+        text = _header(path).get(LEVELS)
         return PictureLevels.read(text) if isinstance(text, str) else None
     except _UNREADABLE:
         return None
+
+
+def has_digest(path: Path) -> bool:
+    """Return whether a PNG or EXR image holds a digest of itself, right or not."""
+    try:
+        return DIGEST in _header(path)
+    except _UNREADABLE:
+        return False
+
+
+def _header(path: Path) -> Mapping[Any, Any]:
+    """Return what stands before the pixels of an image."""
+    if path.suffix == ".exr":
+        # OpenEXR itself prints a message when a file is missing.
+        path.stat()
+        with OpenEXR.File(str(path), header_only=True) as file:
+            return dict(file.header())
+    with Image.open(path) as image:
+        return dict(image.info)
 
 
 @contextmanager

@@ -126,6 +126,27 @@ class Reporting(Verbosity):
 
 
 @dataclass(kw_only=True)
+class VerifyOptions(Reporting):
+    """Options of the command that checks outputs, which are folders as well as scenes."""
+
+    stopped: ClassVar[str] = "nothing was changed"
+
+    out: OutFolder = Path("out")
+
+    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
+        """Check each of several, whatever becomes of the others.
+
+        Raises:
+            typer.Exit: with the highest exit code, if one failed.
+        """
+        from pipeline.production.run.batch import run_batch
+
+        code = run_batch(scenes, work, self.reporter(), say, lambda _: None)
+        if code:
+            raise typer.Exit(code)
+
+
+@dataclass(kw_only=True)
 class SceneOptions(Reporting):
     """Options of commands that load a scene."""
 

@@ -139,6 +139,12 @@ class FileRecords(Mapping[str, FileRecord]):
         if record is not None:
             self.put(path, replace(record, mtime_ns=UNKNOWN_TIME))
 
+    def forget_intact(self, path: Path) -> None:
+        """Drop the record of a file that is as it was, so that it is made again."""
+        record = self._records.get(self.name(path))
+        if record is not None and self.is_intact(path, record.key):
+            del self._records[self.name(path)]
+
     def forget_missing(self) -> None:
         """Drop the records of files that are not there."""
         self._records = {n: r for n, r in self._records.items() if (self._folder / n).exists()}

@@ -40,10 +40,10 @@ def note_levels(run: SceneRun, shooting: ShotBuilder, frames: Sequence[int]) -> 
     run.notes += level_notes(run.order.scene, frames, levels)
 
 
-def make_frames(run: SceneRun, shooting: ShotBuilder, frames: tuple[int, ...]) -> dict[int, str]:
-    """Render the frames that are due and return the keys of all."""
+def make_frames(run: SceneRun, shooting: ShotBuilder, frames: tuple[int, ...]) -> None:
+    """Render the frames that are due."""
     with stage(run.reporter, "render", len(frames), "frames") as current:
-        return with_gpu_fallback(
+        with_gpu_fallback(
             run.order.backend,
             run.reporter,
             lambda backend: _rendered_on(backend, run, shooting, frames, current),
@@ -56,8 +56,8 @@ def _rendered_on(
     shooting: ShotBuilder,
     frames: tuple[int, ...],
     current: Stage,
-) -> dict[int, str]:
-    """Render the frames that are due on one backend and return the keys of all."""
+) -> None:
+    """Render the frames that are due on one backend."""
     order, outputs = run.order, run.outputs
     for line in backend.describe():
         run.reporter.note(line, detail=True)
@@ -69,7 +69,7 @@ def _rendered_on(
     current.keep(kept)
     if not missing:
         current.result = "frames are up to date"
-        return keys
+        return
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
     if jobs > 1:
@@ -88,7 +88,6 @@ def _rendered_on(
         split = renderer.timings
     run.record_time(current)
     current.result = _render_summary(split, current.seconds * jobs, kept)
-    return keys
 
 
 def _render_summary(split: Timings, seconds: float, kept: int) -> str:

@@ -88,22 +88,35 @@ def opened(outputs: Outputs) -> Iterator[None]:
     Raises:
         StoreError: the folder cannot be written to, or another run is at work in it.
     """
-    try:
-        make_folder(outputs.frames)
-        lock = (outputs.folder / ".lock").open("a")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise StoreError(
-            f"{outputs.folder}: cannot be written to ({reason}); choose another place with --out"
-        ) from error
-    with lock:
-        if not _locked(lock.fileno()):
-            raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
-        _clear(outputs)
+    with contextlib.ExitStack() as stack:
+        try:
+            make_folder(outputs.frames)
+            stack.enter_context(locked(outputs))
+            _clear(outputs)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise StoreError(
+                f"{outputs.folder}: cannot be written to ({reason}); choose another place with "
+                "--out"
+            ) from error
         yield
 
 
-def _locked(descriptor: int) -> bool:
+@contextlib.contextmanager
+def locked(outputs: Outputs) -> Iterator[None]:
+    """Lock the folder of `outputs` against other runs.
+
+    Raises:
+        StoreError: another run is at work in it.
+        OSError: it cannot be written to.
+    """
+    with (outputs.folder / ".lock").open("a") as lock:
+        if not _take_lock(lock.fileno()):
+            raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
+        yield
+
+
+def _take_lock(descriptor: int) -> bool:
     """Take the lock of an open file, unless another process has it."""
     try:
         import fcntl  # Windows has none and goes unlocked.

@@ -29,10 +29,10 @@ def render(order: Order, reporter: Reporter) -> Outputs:
         take = shooting.take
         if order.sound:
             write_score(run, take, shooting)
-        keys = make_frames(run, shooting, frames)
+        make_frames(run, shooting, frames)
         note_levels(run, shooting, frames)
         run.refuse_notes()
-        make_film(run, frames, keys)
+        make_film(run, frames)
         run.finish()
         return run.outputs
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from audio.errors import AudioError
+from audio.errors import AudioError, SoundFontError
 from audio.midi_file import write_midi
 from audio.score import Score
-from audio.wav_file import write_wav
+from audio.wav_file import WavReport, write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
-from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.errors import FilmingError, Problem, SceneError, ScoringError, StoreError
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
@@ -312,7 +312,7 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
         current.advance(1)
         midi = write_midi(score, run.outputs.midi)
         current.advance(2)
-        wav = write_wav(score, run.outputs.wav)
+        wav = _write_sound(run, score)
         if changed or midi.changed or wav.changed:
             run.record_time(current)
         current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
@@ -330,6 +330,19 @@ def write_score(run: Production, take: Take, shooting: ShotBuilder) -> Score:
     run.manifest.entries["midi"] = midi_facts(midi, score.subframe, score.rate)
     run.manifest.entries["wav"] = wav_facts(wav)
     return score
+
+
+def _write_sound(run: Production, score: Score) -> WavReport:
+    """Write the WAV file.
+
+    Raises:
+        SceneError: the SoundFont of the scene cannot be played.
+    """
+    try:
+        return write_wav(score, run.outputs.wav)
+    except SoundFontError as error:
+        problem = Problem("sound.soundfont", str(error))
+        raise SceneError([run.order.scene.source_map.with_location(problem)]) from error
 
 
 # --- frames -----------------------------------------------------------------------

@@ -178,7 +178,8 @@ def test_check_summarises_valid_scenes(pronk: Pronk, folder: Path) -> None:
     assert [line.split()[0] for line in err.splitlines()] == [
         *("[1/2]", "[2/2]", "scene", "tiny", "tiny.yaml")
     ]
-    assert out.startswith("tiny: right: 8 frames at 24 a second, 64x36; bug (beetle); 0%")
+    assert [line.split()[-1] for line in err.splitlines()[3:]] == ["right", "right"]
+    assert out.startswith("tiny: right: 8 frames at 24 a second, 64x36; bug (beetle, 1.74 m long,")
 
 
 def test_quiet_check_prints_nothing(pronk: Pronk, folder: Path) -> None:

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from pipeline.production.reports.figure_sheet import drawn_figures
+from pipeline.production.reports.figure_size import size_table
 from pipeline.simulation.figure_analysis import check_figure
 from pipeline.spec import read_scene
+from pipeline.spec.events import event_table
 from pipeline.spec.verbs import verb_table
 
 ROOT = Path(__file__).parents[1]
@@ -37,6 +39,14 @@ def test_documented_scenes_are_valid(name: str, text: str) -> None:
 
 def test_the_documented_orders_are_those_of_the_language() -> None:
     assert verb_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+
+
+def test_the_documented_events_are_those_of_the_language() -> None:
+    assert event_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+
+
+def test_the_documented_sizes_are_those_of_the_library() -> None:
+    assert size_table() in (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
 
 
 def figure_blocks() -> list[str]:

@@ -27,6 +27,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.troupe import Troupe, World, node_range, pushed_troupe
 from pipeline.simulation.versions import header_of
+from pipeline.spec.body import Many
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.dancer import Dancer
@@ -104,7 +105,9 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     script = Script(scene.script, clock)
     members = Members(recorder, names, obstacles, places)
     _refuse_unknown_parts(scene, members)
-    monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
+    monitor = EventMonitor(
+        members, clock, ground, _owners(recorder), _standing(scene), _bodies_of(scene)
+    )
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)
     scheduler = RowScheduler(
         clock, troupes, recorder, attachments, coupling, detection.record_batch
@@ -187,3 +190,12 @@ def _standing(scene: Scene) -> frozenset[str]:
         for member in scene.cast
         if isinstance(member, Creature | Dancer) or (isinstance(member, Character) and member.acts)
     )
+
+
+def _bodies_of(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Returns the names of the bodies of each member that is many."""
+    return {
+        member.name: tuple(f"{member.name}_{n + 1}" for n in range(member.many.total))
+        for member in scene.cast
+        if isinstance(member, Many)
+    }

@@ -242,8 +242,8 @@ def _variants(
 
 def _default(field: FieldInfo) -> str:
     """Return the default of a key after a blank, empty where it has none or an empty one."""
-    default = list(field.default) if isinstance(field.default, tuple) else field.default
-    return "" if field.is_required() or default in (None, []) else f" {flow_text(default)}"
+    is_empty = field.is_required() or field.default in (None, ())
+    return "" if is_empty else f" {flow_text(field.default)}"
 
 
 def _behaviours(_: Path) -> Iterator[NameEntry]:

@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pipeline.atomic_file import write_if_changed
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.run import production
 from pipeline.production.run.order import Order
@@ -95,7 +95,7 @@ class SceneRecorder:
         file = self.outputs.folder / f"{self.name}.yaml"
         text = dump(recorded_scene(scene, simulation, end_now), in_full=False)
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(file.parent)
             write_if_changed(file, f"# As it was directed.\n{text}".encode())
         except OSError as error:
             raise StoreError(f"{file}: could not be written ({error})") from error

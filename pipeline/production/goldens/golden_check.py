@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import GoldenMissing, ProductionError, PronkError, StoreError
 from pipeline.production.goldens.golden_candidate import Candidate
 from pipeline.production.goldens.golden_card import RESTORE_HINT, Card, read_card
@@ -143,7 +144,7 @@ def _store_differences(case: Case, card: Card, verdict: SceneVerdict, made: Cont
         return
     write_content(made, case.made)
     compared = {"golden": card.seal, "made": read_card(case.made.card).seal, "differ": stored}
-    case.compared.write_text(json.dumps(compared, indent=1) + "\n", encoding="utf-8", newline="\n")
+    write_if_changed(case.compared, (json.dumps(compared, indent=1) + "\n").encode())
 
 
 def run_checks(
@@ -162,7 +163,7 @@ def run_checks(
     """
     folder = out / CHECK_FOLDER
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         verdicts = []
         for verdict in _verdicts(cases, layers, backend, min(jobs, len(cases)), reporter):
             verdicts.append(verdict)
@@ -174,9 +175,9 @@ def run_checks(
                 str(verdict), passed=verdict.passed, scene=verdict.scene, layers=layers_found
             )
         facts = verdict_facts(cases, verdicts)
-        (folder / "report.json").write_text(encoded(facts), encoding="utf-8", newline="\n")
-        (folder / "junit.xml").write_bytes(junit_report(verdicts))
-        (folder / REPORT).write_text(html_report(cases, verdicts), encoding="utf-8", newline="\n")
+        write_if_changed(folder / "report.json", encoded(facts).encode())
+        write_if_changed(folder / "junit.xml", junit_report(verdicts))
+        write_if_changed(folder / REPORT, html_report(cases, verdicts).encode())
     except OSError as error:
         raise StoreError(f"{folder}: could not be written: {error.strerror}") from error
     failed = [verdict for verdict in verdicts if not verdict.passed]

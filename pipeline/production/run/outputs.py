@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.atomic_file import remove
+from pipeline.atomic_file import make_folder, remove
 from pipeline.errors import StoreError
 
 
@@ -89,7 +89,7 @@ def opened(outputs: Outputs) -> Iterator[None]:
         StoreError: the folder cannot be written to, or another run is at work in it.
     """
     try:
-        outputs.frames.mkdir(parents=True, exist_ok=True)
+        make_folder(outputs.frames)
         lock = (outputs.folder / ".lock").open("a")
     except OSError as error:
         reason = error.strerror or str(error)

@@ -20,7 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from pipeline.atomic_file import replaced_when_complete
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.user_cache import user_cache_folder
 from render.errors import BackendMissing
 
@@ -188,9 +188,8 @@ def _cached_probe(variant: str, library: str, fresh: bool) -> ProbeResult:
             pass  # not cached, or not readable
     result = _probe(variant, library)
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with replaced_when_complete(place) as temporary:
-            temporary.write_text(json.dumps(asdict(result)))
+        make_folder(place.parent)
+        write_if_changed(place, json.dumps(asdict(result)).encode())
     except OSError:
         pass  # the cache only saves time
     return result

@@ -130,7 +130,10 @@ def write_film(
         with replaced_when_complete(path) as temporary:
             return _write(temporary, frames, fps, samples, key, codec)
     except (OSError, ValueError, av.FFmpegError) as error:
-        raise EncodeError(f"{path} could not be encoded: {error}") from error
+        reason: object = error
+        if isinstance(error, OSError) and error.filename == str(path):
+            reason = error.strerror
+        raise EncodeError(f"{path} could not be encoded: {reason}") from error
 
 
 def film_key(path: Path) -> str | None:

@@ -138,7 +138,8 @@ def _image_file(path: Path) -> Iterator[Path]:
         with replaced_when_complete(path) as temporary:
             yield temporary
     except (OSError, RuntimeError) as error:
-        raise FrameFileError(f"{path} could not be written: {error}") from error
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise FrameFileError(f"{path} could not be written: {reason}") from error
 
 
 def _png_key(path: Path) -> str | None:

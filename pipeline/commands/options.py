@@ -112,15 +112,22 @@ class Reporting(Verbosity):
         """Whether to print JSON lines."""
         return self.json_lines
 
-    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
+    def run_each(
+        self, scenes: list[str], work: Callable[[str, Reporter], None], success: str = "done"
+    ) -> None:
         """Work on each of several scenes, whatever becomes of the others.
+
+        Args:
+            scenes: files or names.
+            work: on each of them.
+            success: word of the table for a scene that the work is done on.
 
         Raises:
             typer.Exit: with the highest exit code, if one failed.
         """
         from pipeline.production.run.batch import run_batch
 
-        code = run_batch(scenes, work, self.reporter(), say)
+        code = run_batch(scenes, work, self.reporter(), say, success)
         if code:
             raise typer.Exit(code)
 
@@ -160,8 +167,10 @@ class RunOptions(SceneOptions):
         """Return the values of the scene that options change, an explicit `--set` last."""
         return self.sets or []
 
-    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
-        """Work on each of several scenes, which write to folders of their own.
+    def run_each(
+        self, scenes: list[str], work: Callable[[str, Reporter], None], success: str = "done"
+    ) -> None:
+        """Work on each of several scenes, which write to folders of their own; see `Reporting`.
 
         Raises:
             UsageError: two would write to one folder, or an option is wrong for every scene.
@@ -171,7 +180,7 @@ class RunOptions(SceneOptions):
 
         refuse_clashes(scenes, self.out)
         self.assignments()
-        super().run_each(scenes, work)
+        super().run_each(scenes, work, success)
 
     def order(
         self,

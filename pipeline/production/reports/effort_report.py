@@ -13,8 +13,9 @@ from pipeline.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.take_stage import take_of
 from pipeline.simulation.effort import MIN_ROWS, Effort, efforts_of
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene

@@ -22,8 +22,9 @@ from pipeline.production.reports.plot_colors import FAINT, INK, limb_colors
 from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.take_stage import take_of
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array

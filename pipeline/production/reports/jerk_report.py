@@ -27,8 +27,8 @@ from pipeline.production.reports.jerk_trials import (
 from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import working
 from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.scene_run import working
 from pipeline.simulation.dance_trials import (
     CUTOFF_FREQUENCY,
     MINIMUM_DIMENSIONLESS_JERK,

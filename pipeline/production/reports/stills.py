@@ -13,10 +13,11 @@ from PIL import Image
 
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.run.frame_ranges import counted
+from pipeline.production.run.frame_stage import note_levels, shooting_of
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import Production, note_levels, shooting_of, working
 from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.scene_run import SceneRun, working
 from pipeline.production.run.workers import with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, write_frame
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -115,7 +116,7 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
     return list(files.values())
 
 
-def thumbnails(run: Production, take: Take, frames: Sequence[int], height: int) -> list[bytes]:
+def thumbnails(run: SceneRun, take: Take, frames: Sequence[int], height: int) -> list[bytes]:
     """Return frames as small PNG pictures: rendered ones are shrunk, the others rendered small.
 
     Args:

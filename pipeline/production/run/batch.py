@@ -72,7 +72,11 @@ class SceneReporter(Reporter):
 
 
 def run_batch(
-    scenes: Sequence[str], work: Work, reporter: Reporter, report_error: ReportError
+    scenes: Sequence[str],
+    work: Work,
+    reporter: Reporter,
+    report_error: ReportError,
+    success: str = "done",
 ) -> int:
     """Work on scenes one after the other and return the worst exit code, which is the highest.
 
@@ -83,8 +87,9 @@ def run_batch(
         work: on each of them.
         reporter: of the work.
         report_error: called with each error as it happens.
+        success: word of the table for a scene that the work is done on.
     """
-    rows = [SceneRow(scene) for scene in scenes]
+    rows = [SceneRow(scene, success=success) for scene in scenes]
     several = len(rows) > 1
     try:
         for number, row in enumerate(rows, start=1):

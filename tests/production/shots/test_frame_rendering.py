@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pipeline.production.run.production import score_only, simulate_only, take_key
+from pipeline.production.run.production import score_only, simulate_only
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.take_stage import take_key
 from pipeline.production.shots.frame_rendering import frame_key
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.take import Take

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Literal
 
 from pipeline.atomic_file import make_folder, write_if_changed
+from pipeline.user_cache import user_cache_folder
 from render.errors import BackendMissing
 
 Choice = Literal["auto", "cuda", "llvm", "scalar"]
@@ -179,7 +180,7 @@ def libraries() -> list[str]:
 
 def _cached_probe(variant: str, library: str, fresh: bool) -> ProbeResult:
     """Return the result of a candidate, from the cache if nothing has changed since."""
-    place = cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
+    place = user_cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
     if not fresh:
         try:
             return ProbeResult(**json.loads(place.read_text()))
@@ -225,12 +226,6 @@ def _probe(variant: str, library: str) -> ProbeResult:
             why += "; Dr.Jit cannot use this LLVM"
         return ProbeResult(variant, library, False, why)
     return ProbeResult(variant, library, False, last)
-
-
-def cache_folder() -> Path:
-    """Return the folder of this user's cache."""
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base, "pronk")
 
 
 def _fingerprint(variant: str, library: str) -> str:

@@ -173,7 +173,7 @@ def verify(
         verdict = verified(outputs, reporter)
         reporter.result(f"{outputs.folder}: {verdict}", **asdict(verdict))
 
-    options.run_each(targets, check)
+    options.run_each(targets, check, "right")
 
 
 @with_options

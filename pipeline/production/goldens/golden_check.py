@@ -7,7 +7,7 @@ import shutil
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from pipeline.atomic_file import make_folder, write_if_changed
@@ -29,7 +29,7 @@ from pipeline.production.goldens.verdict import (
 )
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.progress import Reporter, stage
-from pipeline.production.run.workers import children_ignore_interrupts, worker_pool
+from pipeline.production.run.workers import worker_pool
 from render.backend import Choice
 
 REPORT = "report.html"
@@ -200,9 +200,8 @@ def _verdicts(
             yield check(case, renderer, reporter, layers)
         return
     death = ProductionError("a process that checked has died; try fewer --jobs")
-    with worker_pool(jobs, death) as pool:
-        with children_ignore_interrupts():
-            parts = [pool.submit(_check_in_worker, case, layers, backend) for case in cases]
+    work = partial(_check_in_worker, cases, layers, backend)
+    with worker_pool(jobs, death, work, range(len(cases))) as parts:
         for part in parts:
             verdict = part.result()
             if isinstance(verdict, str):
@@ -211,11 +210,11 @@ def _verdicts(
 
 
 def _check_in_worker(
-    case: Case, layers: tuple[Layer, ...] | None, backend: Choice
+    cases: Sequence[Case], layers: tuple[Layer, ...] | None, backend: Choice, index: int
 ) -> SceneVerdict | str:
     """Check one case in a worker; an error is returned as its message."""
     try:
-        return check(case, _worker_renderer(backend), Reporter(), layers)
+        return check(cases[index], _worker_renderer(backend), Reporter(), layers)
     except PronkError as error:
         return str(error)
 

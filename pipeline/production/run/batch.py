@@ -76,6 +76,7 @@ def run_batch(
     work: Work,
     reporter: Reporter,
     report_error: ReportError,
+    success: str = "done",
     find: Callable[[str], Path | None] = find_scene,
 ) -> int:
     """Work on scenes one after the other and return the worst exit code, which is the highest.
@@ -87,9 +88,10 @@ def run_batch(
         work: on each of them.
         reporter: of the work.
         report_error: called with each error as it happens.
+        success: word of the table for a scene that the work is done on.
         find: returns the file of a scene, None for what is none.
     """
-    rows = [SceneRow(scene) for scene in scenes]
+    rows = [SceneRow(scene, success=success) for scene in scenes]
     several = len(rows) > 1
     try:
         for number, row in enumerate(rows, start=1):

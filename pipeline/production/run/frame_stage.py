@@ -10,7 +10,7 @@ from pipeline.production.run.picture_notes import camera_notes, level_notes
 from pipeline.production.run.progress import Stage, stage
 from pipeline.production.run.scene_run import SceneRun
 from pipeline.production.run.take_stage import take_of
-from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
+from pipeline.production.run.workers import FrameJob, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import (
     frame_levels,
     outdated_frames,
@@ -73,9 +73,9 @@ def _rendered_on(
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
     if jobs > 1:
-        batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
+        job = FrameJob(order.scene, outputs.take, outputs, backend, wanted)
         split = film_in_processes(
-            batch,
+            job,
             jobs,
             run.records,
             lambda done, pace: current.advance_together(kept + done, pace),

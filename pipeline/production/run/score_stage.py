@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from audio.errors import SoundFontError
 from audio.midi_file import write_midi
 from audio.score import Score
-from audio.wav_file import write_wav
+from audio.wav_file import WavReport, write_wav
+from pipeline.errors import Problem, SceneError
 from pipeline.production.run.progress import stage
 from pipeline.production.run.scene_run import SceneRun
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -36,7 +38,7 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
         current.advance(1)
         midi = write_midi(score, run.outputs.midi)
         current.advance(2)
-        wav = write_wav(score, run.outputs.wav)
+        wav = _write_sound(run, score)
         if changed or midi.changed or wav.changed:
             run.record_time(current)
         current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
@@ -56,3 +58,16 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     run.manifest.entries["midi"] = midi_facts(midi, score.subframe, score.rate)
     run.manifest.entries["wav"] = wav_facts(wav)
     return score
+
+
+def _write_sound(run: SceneRun, score: Score) -> WavReport:
+    """Write the WAV file.
+
+    Raises:
+        SceneError: the SoundFont of the scene cannot be played.
+    """
+    try:
+        return write_wav(score, run.outputs.wav)
+    except SoundFontError as error:
+        problem = Problem("sound.soundfont", str(error))
+        raise SceneError([run.order.scene.source_map.with_location(problem)]) from error

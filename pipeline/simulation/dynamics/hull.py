@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ SAME_PLANE = 1e-9
 
 SAME_FACET_SINE = 1e-7
 """Sine of the angle between neighbouring triangles of one facet."""
+
+UNRESOLVED = "its points are too near to one another, or to one plane, to tell its corners"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +110,8 @@ def _grow_hull(points: Array, first: Sequence[int], near: float) -> NDArray[np.i
         if not seen.any():
             continue
         rim = _rim(faces[seen])
+        if not len(rim):
+            raise MassError(UNRESOLVED)
         new = np.column_stack([rim, np.full(len(rim), i)])
         faces = np.concatenate([faces[~seen], new])
         own = _planes(points, new)
@@ -129,11 +134,17 @@ def _rim(faces: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
-    """Merges coplanar triangles into facets."""
+    """Merges coplanar triangles into facets.
+
+    Raises:
+        MassError: if rounding left the triangles open, or one beside another.
+    """
     normals, _ = _planes(vertices, faces)
     owner = {}
     for f, (a, b, c) in enumerate(faces.tolist()):
         owner[a, b] = owner[b, c] = owner[c, a] = f
+    if len(owner) < 3 * len(faces) or any((b, a) not in owner for a, b in owner):
+        raise MassError(UNRESOLVED)
     group = list(range(len(faces)))
 
     def root(f: int) -> int:
@@ -151,14 +162,10 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
     facets, flat = list[tuple[int, ...]](), list[Array]()
     edges = set[tuple[int, int]]()
     for members in patches.values():
-        after = {int(a): int(b) for a, b in _rim(faces[members])}
-        start = min(after)
-        loop = [start]
-        while after[loop[-1]] != start:
-            loop.append(after[loop[-1]])
+        loop = _loop(_rim(faces[members]))
         facets.append(tuple(loop))
         flat.append(_polygon_area(vertices[loop]))
-        edges |= {(min(e), max(e)) for e in after.items()}
+        edges |= {(min(e), max(e)) for e in pairwise([*loop, loop[0]])}
     return Hull(
         vertices,
         faces.astype(np.uint32),
@@ -166,6 +173,21 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
         normalized(np.array(flat)),
         np.array(sorted(edges)),
     )
+
+
+def _loop(rim: NDArray[np.int64]) -> list[int]:
+    """Returns the vertices of a closed rim (n, 2) of directed edges, in their order.
+
+    Raises:
+        MassError: if the edges are no single loop.
+    """
+    after = {int(a): int(b) for a, b in rim}
+    loop = [min(after, default=0)]
+    while len(loop) < len(after):
+        loop.append(after.get(loop[-1], -1))
+    if len(set(loop)) < len(rim) or after.get(loop[-1]) != loop[0]:
+        raise MassError(UNRESOLVED)
+    return loop
 
 
 def _polygon_area(polygon: Array) -> Array:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ctypes
 import errno
+import hashlib
 import os
 import shutil
 import sys
@@ -23,6 +24,9 @@ PARTIAL = ".partial"
 
 NAME_LENGTH = 64
 """Characters of a file's name that its temporary file keeps: long names stay below the limit."""
+
+SEAL_BYTES = 16
+"""Length of the digest that a sealed file begins with."""
 
 NOT_SUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
 """Errors of file systems that cannot do what is asked, such as some that networks share."""
@@ -71,6 +75,30 @@ def write_if_changed(path: Path, data: bytes) -> bool:
     with replaced_when_complete(path) as temporary:
         temporary.write_bytes(data)
     return True
+
+
+def write_sealed(path: Path, data: bytes) -> None:
+    """Writes a file of a cache, with a digest of its name and data before the data.
+
+    Raises:
+        OSError: if the file cannot be written; an earlier one is untouched.
+    """
+    write_if_changed(path, _seal(path, data) + data)
+
+
+def read_sealed(path: Path) -> bytes | None:
+    """Returns the data of a file of a cache; None if it is missing, damaged or another file."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    seal, data = content[:SEAL_BYTES], content[SEAL_BYTES:]
+    return data if seal == _seal(path, data) else None
+
+
+def _seal(path: Path, data: bytes) -> bytes:
+    named = os.fsencode(path.name) + b"\0" + data
+    return hashlib.blake2b(named, digest_size=SEAL_BYTES).digest()
 
 
 def make_folder(path: Path) -> None:

@@ -20,7 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from pipeline.atomic_file import make_folder, write_if_changed
+from pipeline.atomic_file import make_folder, read_sealed, write_sealed
 from pipeline.user_cache import user_cache_folder
 from render.errors import BackendMissing
 
@@ -180,16 +180,17 @@ def libraries() -> list[str]:
 
 def _cached_probe(variant: str, library: str, fresh: bool) -> ProbeResult:
     """Return the result of a candidate, from the cache if nothing has changed since."""
-    place = user_cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
-    if not fresh:
+    place = user_cache_folder() / f"backend-{_fingerprint(variant, library)}"
+    known = None if fresh else read_sealed(place)
+    if known is not None:
         try:
-            return ProbeResult(**json.loads(place.read_text()))
-        except (OSError, ValueError, TypeError):
-            pass  # not cached, or not readable
+            return ProbeResult(**json.loads(known))
+        except (ValueError, TypeError):
+            pass  # of a version with other fields
     result = _probe(variant, library)
     try:
         make_folder(place.parent)
-        write_if_changed(place, json.dumps(asdict(result)).encode())
+        write_sealed(place, json.dumps(asdict(result)).encode())
     except OSError:
         pass  # the cache only saves time
     return result

@@ -12,10 +12,12 @@ import pytest
 from pipeline import atomic_file
 from pipeline.atomic_file import (
     make_folder,
+    read_sealed,
     remove,
     replace_folder,
     replaced_when_complete,
     write_if_changed,
+    write_sealed,
 )
 
 Tree = dict[str, bytes | None]
@@ -185,6 +187,27 @@ def test_a_file_in_the_way_of_a_folder_is_replaced(tmp_path: Path) -> None:
     write_folder(tmp_path)
     assert (tmp_path / "place" / "one").read_text() == "1"
     assert [path.name for path in tmp_path.iterdir()] == ["place"]
+
+
+def test_a_sealed_file_counts_only_whole_and_under_its_name(tmp_path: Path) -> None:
+    place, data = tmp_path / "a", bytes(range(100))
+    write_sealed(place, data)
+    assert read_sealed(place) == data
+    whole = place.read_bytes()
+    for at in range(len(whole)):
+        place.write_bytes(whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1 :])
+        assert read_sealed(place) is None, at
+        place.write_bytes(whole[:at])
+        assert read_sealed(place) is None, at
+    place.write_bytes(whole + b"\0")
+    assert read_sealed(place) is None
+    # The code of another function.
+    place.write_bytes(whole)
+    place.rename(tmp_path / "b")
+    assert read_sealed(tmp_path / "b") is None
+    assert read_sealed(tmp_path / "c") is None
+    (tmp_path / "d").mkdir()
+    assert read_sealed(tmp_path / "d") is None
 
 
 def test_equal_content_is_not_written_again(tmp_path: Path, disk: Disk) -> None:

@@ -53,6 +53,18 @@ def test_a_cached_probe_is_reused(monkeypatch: pytest.MonkeyPatch) -> None:
     assert choose("llvm") == first
 
 
+def test_a_damaged_probe_is_made_again(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    probe(monkeypatch, "print('version 23 1 4')")
+    monkeypatch.setattr(module, "libraries", lambda: ["/a.so"])
+    first = choose("llvm")
+    (cached,) = (own_cache / "pronk").iterdir()
+    whole = cached.read_bytes()
+    for damaged in (whole.replace(b"/a.so", b"/b.so"), whole[:-3], b"", b"{}", b"[1]"):
+        cached.write_bytes(damaged)
+        assert choose("llvm") == first
+        assert cached.read_bytes() == whole
+
+
 def test_an_unwritable_cache_is_ignored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))

@@ -2,15 +2,14 @@
 
 The files lie in one folder for each state of the sources, Python, numba and llvmlite, in the user's
 cache folder and never beside the package. A file is named by its function, argument types and
-processor, as numba tells processors apart, and begins with a digest of its content: a damaged or
-incomplete file counts as absent. Places and times of source files do not matter, so that every
-installation of the same version shares the files.
+processor, as numba tells processors apart, and is sealed: a damaged or incomplete file counts as
+absent. Places and times of source files do not matter, so that every installation of the same
+version shares the files.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
 import pickle
 import sys
 from collections.abc import Callable
@@ -22,11 +21,9 @@ import llvmlite
 import numba
 from numba.core import caching
 
-from pipeline.atomic_file import make_folder, write_if_changed
+from pipeline.atomic_file import make_folder, read_sealed, write_sealed
 from pipeline.simulation.compilation import observer
-
-DIGEST_BYTES = 16
-"""Bytes of the digest that a file begins with."""
+from pipeline.user_cache import user_cache_folder
 
 ROOMS = {"characters": "people", "dynamics": "bodies"}
 """Folders that hold functions to compile, and what they simulate."""
@@ -50,8 +47,7 @@ def code_folder() -> Path:
 def _base_folder() -> Path:
     if numba.config.CACHE_DIR:
         return Path(numba.config.CACHE_DIR)
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base, "pronk", "compiled")
+    return user_cache_folder() / "compiled"
 
 
 class StoredCode(caching.FunctionCache):  # type: ignore[misc]
@@ -70,22 +66,15 @@ class StoredCode(caching.FunctionCache):  # type: ignore[misc]
             path.unlink(missing_ok=True)
 
     def _load_overload(self, signature: Any, target: Any) -> Any:
-        path = self._path(signature, target.codegen())
-        try:
-            content = path.read_bytes()
-        except OSError:
-            return None
-        digest, data = content[:DIGEST_BYTES], content[DIGEST_BYTES:]
-        if digest != _digest(data):
-            return None
-        return self._impl.rebuild(target, pickle.loads(data))
+        data = read_sealed(self._path(signature, target.codegen()))
+        return None if data is None else self._impl.rebuild(target, pickle.loads(data))
 
     def _save_overload(self, signature: Any, compiled: Any) -> None:
         data = caching.dumps(self._impl.reduce(compiled))
         path = self._path(signature, compiled.codegen)
         try:
             make_folder(path.parent)
-            write_if_changed(path, _digest(data) + data)
+            write_sealed(path, data)
         except OSError as error:
             observer().warn(
                 f"{path.parent}: {error.strerror}; compiled code is not stored and will be "
@@ -106,7 +95,3 @@ class _Reduction(caching.CompileResultCacheImpl):  # type: ignore[misc]
 
     def __init__(self) -> None:
         pass
-
-
-def _digest(data: bytes) -> bytes:
-    return hashlib.blake2b(data, digest_size=DIGEST_BYTES).digest()

@@ -1,0 +1,128 @@
+"""Rendering process: renders a tiny scene with the disk shim, once or with every call failing.
+
+    python -m tests.disk.rendering_process record FOLDER LOG SETS...
+    python -m tests.disk.rendering_process fail FOLDER CODE FIRST STEP SETS...
+
+`record` renders in a folder of a studio and logs all calls. `fail` renders again and again from the
+same state; each time another call fails, from the FIRST on, every STEP-th. It prints a JSON line
+for each: the call, exit code, errors, and what the outputs are afterwards.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from pipeline import cli
+from pipeline.production.run.order import Order
+from pipeline.production.run.production import render
+from pipeline.production.run.progress import Reporter
+from pipeline.spec import load_scene
+from tests.disk.shim import Shim
+
+
+def main() -> None:
+    """Do what the arguments ask."""
+    how, folder, *rest = sys.argv[1:]
+    studio = Path(folder).resolve()
+    if how == "record":
+        log, *sets = rest
+        record(studio, Path(log), sets)
+    else:
+        code, first, step, *sets = rest
+        fail(studio, int(code), int(first), int(step), sets)
+
+
+def record(studio: Path, log: Path, sets: list[str]) -> None:
+    """Render and log all calls below the folder `out` of a studio."""
+    _warm_up(studio, sets)
+    shim = Shim()
+    shim.start(studio / "out", log)
+    render(Order(load_scene(studio / "tiny.yaml", sets), "tiny", studio / "out"), Reporter())
+    shim.stop()
+
+
+def fail(studio: Path, code: int, first: int, step: int, sets: list[str]) -> None:
+    """Render from the same state with another call failing each time."""
+    _warm_up(studio, sets)
+    shim, number = Shim(), first
+    arguments = ["render", "tiny", *(word for text in sets for word in ("--set", text))]
+    before = studio.parent / f"{studio.name}.before"
+    shutil.copytree(studio / "out", before)
+    os.chdir(studio)
+    while True:
+        shutil.rmtree(studio / "out")
+        shutil.copytree(before, studio / "out")
+        with _captured() as err:
+            shim.start(studio / "out", None, number, code)
+            end = _command(arguments)
+            shim.stop()
+        if not shim.failed:
+            return
+        state = contents(studio / "out")
+        # What a failed run leaves must not be in the way of the next one.
+        with _captured() as next_err:
+            next_end = _command(arguments)
+        line = {
+            "number": number,
+            "call": shim.failed.replace(str(studio), ""),
+            "code": end,
+            "err": err.getvalue(),
+            "state": state,
+            "next_code": next_end,
+            "next_err": next_err.getvalue(),
+            "next_state": contents(studio / "out"),
+        }
+        print(json.dumps(line), flush=True)  # noqa: T201 (the result)
+        number += step
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Return the contents of outputs but for times, as hexadecimal digits of a digest."""
+    from pipeline.production.run.file_records import content_digest
+
+    return {
+        path.relative_to(folder).as_posix(): content_digest(path)
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != "manifest.json"
+    }
+
+
+def _warm_up(studio: Path, sets: list[str]) -> None:
+    """Load and compile what a first render does, elsewhere."""
+    with tempfile.TemporaryDirectory() as folder:
+        render(Order(load_scene(studio / "tiny.yaml", sets), "tiny", Path(folder)), Reporter())
+
+
+def _command(arguments: list[str]) -> int:
+    """Run a command and return its exit code; a traceback goes to standard error."""
+    import traceback
+
+    sys.argv = ["pronk", *arguments]
+    cli.listen = lambda: None  # type: ignore[assignment]
+    try:
+        cli.main()
+    except SystemExit as end:
+        return int(end.code or 0)
+    except BaseException:
+        traceback.print_exc()
+        return -1
+
+
+@contextlib.contextmanager
+def _captured() -> Iterator[io.StringIO]:
+    """Capture what a command prints: yields its errors."""
+    err = io.StringIO()
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(err):
+        yield err
+
+
+if __name__ == "__main__":
+    main()

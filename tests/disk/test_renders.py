@@ -75,7 +75,7 @@ def named(found: Found) -> dict[str, bytes]:
 
 
 def state_of(found: Found) -> str:
-    """Return a digest of all but unfinished files, of which the next run asks only whether any is."""
+    """Return a digest of all but unfinished files, of which the next run asks only if any is."""
     facts = sorted((n, e) for n, e in found.items() if PARTIAL not in n)
     return hashlib.blake2b(repr((facts, len(facts) < len(found))).encode()).hexdigest()
 

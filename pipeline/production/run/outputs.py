@@ -17,8 +17,6 @@ from typing import Any
 from pipeline.atomic_file import remove
 from pipeline.errors import StoreError
 
-"""Suffix of folders that are being written."""
-
 
 @dataclass(frozen=True, slots=True)
 class Outputs:
@@ -79,6 +77,11 @@ class Outputs:
     def take(self) -> Path:
         """The take."""
         return self.folder / "take.zarr"
+
+    @property
+    def token(self) -> Path:
+        """The token of a port at which a program may direct the scene, while the port waits."""
+        return self.folder / f"{self.name}.token"
 
     @property
     def manifest(self) -> Path:

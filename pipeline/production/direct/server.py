@@ -34,7 +34,7 @@ def direct(scene: Scene, recorder: SceneRecorder, transport: Transport) -> Recor
         try:
             with transport(recorder.reporter.note) as stream:
                 serve(session, stream)
-            if session.recorded is None:
+            if session.goes_on:
                 end = stream.end or "has disconnected"
                 recorder.reporter.note(f"the other program {end}; the scene goes to its end")
             # The same Ctrl-C can have stopped the other program a moment earlier.

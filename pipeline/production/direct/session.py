@@ -58,6 +58,11 @@ class Session:
         self._failure: PronkError | None = None
 
     @property
+    def goes_on(self) -> bool:
+        """Whether the scene has neither ended nor failed."""
+        return self.recorded is None and self._failure is None
+
+    @property
     def methods(self) -> Mapping[str, Method]:
         """The RPC methods by name."""
         return {

@@ -74,7 +74,7 @@ def test_an_interrupt_at_any_moment_gives_no_traceback(
 @pytest.mark.nightly
 @pytest.mark.parametrize(
     ("scenes", "times", "jobs", "seed"),
-    [(["tiny"], 13, 1, 1), (["tiny"], 12, 2, 2), (["tiny", "other"], 25, 2, 3)],
+    [(["tiny"], 5, 1, 1), (["tiny"], 8, 2, 2), (["tiny", "other"], 10, 2, 3)],
     ids=["one process", "two processes", "two scenes"],
 )
 def test_a_film_is_equal_after_killed_runs(

@@ -12,19 +12,27 @@ PIP    := $(BIN)/python -m pip install --progress-bar off -c constraints.txt
 WORKERS ?= 2
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test fast test-all check goldens bench clean
+.PHONY: demo test fast test-all check compiled ready-to-test goldens bench clean
 
 demo: $(READY)
 	@$(BIN)/pronk render first_steps
 
-test: $(TOOLS) check
+test: ready-to-test
 	$(BIN)/pytest -n $(WORKERS) -m "not nightly"
 
 fast: $(TOOLS)
 	$(BIN)/pytest -n $(WORKERS) -m "not slow and not nightly"
 
-test-all: $(TOOLS) check
+test-all: ready-to-test
 	$(BIN)/pytest -n $(WORKERS) --hypothesis-profile=random
+
+# Each of the two takes one processor.
+ready-to-test: $(TOOLS)
+	@$(MAKE) --no-print-directory -j2 check compiled
+
+# Ahead of the tests, so that they do not all compile the same.
+compiled: $(TOOLS)
+	@$(BIN)/pronk compile
 
 check: $(TOOLS)
 	$(BIN)/ruff check .

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from pipeline.atomic_file import write_private
+from pipeline.atomic_file import make_folder, write_private
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.direct.messages import decoded
 
@@ -58,7 +58,7 @@ def token_in(file: Path) -> Iterator[str]:
     token = secrets.token_urlsafe(TOKEN_BYTES)
     content = f"{token}\n".encode()
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(file.parent)
         write_private(file, content)
     except OSError as error:
         reason = error.strerror or str(error)

@@ -21,8 +21,8 @@ from pipeline.production.direct.server import direct, serve
 from pipeline.production.direct.session import Session
 from pipeline.production.direct.transport import LOOPBACK, Transport, transport_for
 from pipeline.production.run.outputs import Outputs
-from pipeline.production.run.production import take_key
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_take

@@ -223,7 +223,8 @@ def test_a_token_file_is_private_from_its_first_moment(
 
     def watched(path: Any, flags: int, mode: int = 0o777, **more: Any) -> int:
         opened = real(path, flags, mode, **more)
-        modes.append(stat.S_IMODE(os.fstat(opened).st_mode))
+        if flags & os.O_CREAT:
+            modes.append(stat.S_IMODE(os.fstat(opened).st_mode))
         return opened
 
     file.parent.mkdir()

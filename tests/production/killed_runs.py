@@ -38,7 +38,7 @@ def kill_repeatedly(run: Callable[[], Running], out: Path, times: int, seed: int
     Args:
         run: starts the command.
         out: folder of its outputs, which nothing else is in.
-        times: number of kills.
+        times: number of kills; runs that end before theirs are not counted.
         seed: of the moments.
     """
     began = time.monotonic()
@@ -48,6 +48,8 @@ def kill_repeatedly(run: Callable[[], Running], out: Path, times: int, seed: int
     shutil.rmtree(out)
     killed = 0
     for i, moment in enumerate(_moments(times, length, len(wanted), seed)):
+        if killed == times:
+            break
         running = run()
         moment(running, out)
         killed += running.process.poll() is None
@@ -59,7 +61,7 @@ def kill_repeatedly(run: Callable[[], Running], out: Path, times: int, seed: int
         if i % 3 == 2:
             # Else the later moments would find nothing left to do.
             shutil.rmtree(out, ignore_errors=True)
-    assert killed >= times // 2
+    assert killed == times
     code, _, err = run().end()
     assert (code, "Traceback" in err) == (0, False)
     assert contents_of(out) == wanted
@@ -69,17 +71,17 @@ Moment = Callable[["Running", Path], None]
 
 
 def _moments(times: int, length: float, files: int, seed: int) -> Iterator[Moment]:
-    """Yield functions that wait for random moments of a run.
+    """Yield functions that wait for random moments of a run, twice as many as there are kills.
 
     Args:
-        times: their number.
+        times: number of kills, which are spread over a run.
         length: of a run [s].
         files: that a run leaves.
         seed: of the moments.
     """
     chance = random.Random(seed)
-    for i in range(times):
-        part = (i + chance.random()) / times
+    for i in range(2 * times):
+        part = (i % times + chance.random()) / times
         yield _after(part * length) if i % 2 else _when_there_are(round(part * files))
 
 

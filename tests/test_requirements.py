@@ -27,7 +27,9 @@ PLATFORMS = (
 )
 
 # A pin, its hashes, and a comment that says what asks for it.
-_PIN = re.compile(r"([a-z0-9-]+==\S+(?: ; [^\n\\]+)?) \\\n((?:    --hash=[^\n]+\n)+)    # via [^\n]+\n")
+_PIN = re.compile(
+    r"([a-z0-9-]+==\S+(?: ; [^\n\\]+)?) \\\n((?:    --hash=[^\n]+\n)+)    # via [^\n]+\n"
+)
 _HASHES = re.compile(r"(?:    --hash=sha256:[0-9a-f]{64}(?: \\)?\n)+")
 
 

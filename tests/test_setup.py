@@ -51,9 +51,7 @@ OUTER_MAKE = ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")
 """Settings by which make knows that another make runs it, and says more."""
 
 
-def make(
-    clone: Path, target: str = "demo", **settings: str
-) -> subprocess.CompletedProcess[str]:
+def make(clone: Path, target: str = "demo", **settings: str) -> subprocess.CompletedProcess[str]:
     outer = {key: value for key, value in os.environ.items() if key not in OUTER_MAKE}
     return subprocess.run(
         ["make", f"PYTHON={clone / 'python'}", target],
@@ -111,7 +109,9 @@ def write_wheel(folder: Path) -> str:
     with zipfile.ZipFile(path, "w") as wheel:
         wheel.writestr("tiny.py", "")
         wheel.writestr(f"{info}/METADATA", "Metadata-Version: 2.1\nName: tiny\nVersion: 1.0\n")
-        wheel.writestr(f"{info}/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+        wheel.writestr(
+            f"{info}/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+        )
         wheel.writestr(f"{info}/RECORD", "")
     return f"tiny==1.0 --hash=sha256:{sha256(path.read_bytes()).hexdigest()}\n"
 

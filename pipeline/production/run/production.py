@@ -18,6 +18,7 @@ from audio.wav_file import write_wav
 from pipeline.atomic_file import PARTIAL, replace_folder, write_if_changed
 from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.run.compile_progress import compile_progress
+from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.run.interrupts import held_back
@@ -57,7 +58,9 @@ from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film_encoder import CODECS, Picture, film_key, write_film
+from render.film_codecs import CODECS
+from render.film_encoder import Picture, write_film
+from render.film_file import film_key
 from render.image_files import read_exr, read_png
 from render.renderer import Renderer, Timings
 
@@ -118,6 +121,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
         PronkError: something cannot be made; earlier outputs stay.
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
+    require_encoders(order.scene)
     with working(order, reporter) as run:
         run.frames = frames
         shooting = shooting_of(run)
@@ -397,8 +401,8 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
     """Encode the frames and their sound into a film."""
     order, outputs = run.order, run.outputs
     whole = len(frames) == order.scene.n_frames
-    suffix = order.scene.film.resolved().suffix
-    place = _whole_film(run) if whole else outputs.film(described(frames), suffix)
+    film = order.scene.film.resolved()
+    place = _whole_film(run) if whole else outputs.film(described(frames), film.suffix)
     sound = outputs.wav if order.sound and contiguous(frames) else None
     if order.sound and sound is None:
         run.reporter.note("film: frames with gaps between them have no sound")
@@ -409,7 +413,8 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
             return
         rate = order.scene.rate
         began_at = (frames[0] - 1) / rate
-        write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
+        pictures = _pictures(run, frames, current)
+        write_film(place, pictures, rate, sound, began_at, key, film.codec)
         run.record_time(current)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
@@ -421,7 +426,7 @@ def _whole_film(run: Production) -> Path:
 def _pictures(run: Production, frames: tuple[int, ...], current: Stage) -> Iterator[Picture]:
     """Yield the pictures of `frames` at the bit depth of the film's codec, and report each."""
     film = run.order.scene.film.resolved()
-    deep = CODECS[film.suffix].bits == 16
+    deep = CODECS[film.codec].bits == 16
     for done, frame in enumerate(frames):
         current.advance(done)
         path = run.outputs.frame(frame, film.format)
@@ -437,7 +442,9 @@ def _pictures(run: Production, frames: tuple[int, ...], current: Stage) -> Itera
 
 def _film_key(run: Production, keys: list[str], sound: Path | None, first: int) -> str:
     state = hashlib.blake2b(digest_size=20)
-    state.update("\n".join([str(run.order.scene.rate), str(first), *keys]).encode())
+    # An MP4 file holds one of several codecs.
+    codec = repr(CODECS[run.order.scene.film.resolved().codec])
+    state.update("\n".join([codec, str(run.order.scene.rate), str(first), *keys]).encode())
     if sound is not None:
         state.update(sound.read_bytes())
     return state.hexdigest()

@@ -87,5 +87,27 @@ lock: $(RELEASE)/.ready
 	$(COMPILE) --group bench -c requirements/runtime.txt -c requirements/dev.txt -o requirements/bench.txt
 	$(COMPILE) --group release -c requirements/build.txt -c requirements/dev.txt -o requirements/release.txt
 
+# The same sources give the same bytes; SOURCE_DATE_EPOCH, if it is set, dates the files.
+dist: $(RELEASE)/.ready
+	rm -rf dist
+	$(RELEASE)/bin/python -m build --no-isolation
+
+# What an installed pronk consists of, from an environment that holds nothing else; pip is needed
+# when packages first start, the setuptools of older Pythons is not.
+SHIPPED := $(RELEASE)/shipped
+BILL    := $(RELEASE)/pronk.cdx.json
+
+sbom: dist
+	@rm -rf $(SHIPPED) && $(PYTHON) -m venv $(SHIPPED)
+	@{ $(SHIPPED)/bin/python -m pip install --no-deps $(PINNED) -r requirements/runtime.txt \
+		&& $(SHIPPED)/bin/python -m pip install --no-deps dist/*.whl \
+		&& $(SHIPPED)/bin/python -m pip uninstall --yes setuptools; } > $(RELEASE)/pip.log 2>&1 \
+		|| $(call FAILED,$(RELEASE)/pip.log)
+	$(RELEASE)/bin/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
+		-o $(BILL) $(SHIPPED)/bin/python
+	$(RELEASE)/bin/python requirements/bill_of_materials.py $(BILL) \
+		$$($(SHIPPED)/bin/python -c 'import sysconfig; print(sysconfig.get_path("platlib"))')
+	@wheel=$$(echo dist/*.whl) && mv $(BILL) $${wheel%-py3-none-any.whl}.cdx.json && rm -rf $(SHIPPED)
+
 clean:
 	rm -rf $(VENV) $(RELEASE) out dist

@@ -16,19 +16,27 @@ RELEASE := .release-venv
 WORKERS ?= 2
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test fast test-all check goldens bench lock dist sbom clean
+.PHONY: demo test fast test-all check compiled ready-to-test goldens bench lock dist sbom clean
 
 demo: $(READY)
 	@$(BIN)/pronk render first_steps
 
-test: $(TOOLS) check
+test: ready-to-test
 	$(BIN)/pytest -n $(WORKERS) -m "not nightly"
 
 fast: $(TOOLS)
 	$(BIN)/pytest -n $(WORKERS) -m "not slow and not nightly"
 
-test-all: $(TOOLS) check
+test-all: ready-to-test
 	$(BIN)/pytest -n $(WORKERS) --hypothesis-profile=random
+
+# Each of the two takes one processor.
+ready-to-test: $(TOOLS)
+	@$(MAKE) --no-print-directory -j2 check compiled
+
+# Ahead of the tests, so that they do not all compile the same.
+compiled: $(TOOLS)
+	@$(BIN)/pronk compile
 
 check: $(TOOLS)
 	$(BIN)/ruff check .
@@ -48,7 +56,6 @@ FAILED = { sed -n '/DO NOT MATCH THE HASHES/,$$p' $(1) | grep -v Expected \
 	&& echo 'see "Pinned packages" in CONTRIBUTING.md' || cat $(1); exit 1; }
 
 # A stamp is written last, so that a set-up that was interrupted is done again, from the start.
-
 $(READY): pyproject.toml requirements/runtime.txt requirements/build.txt
 	@echo "setting up $(VENV), once: this downloads about 350 MB"
 	@$(PYTHON) -c 'import sys; sys.exit("pronk needs Python 3.11 or newer; try: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'

@@ -1,10 +1,11 @@
 """Errors of the sound writers.
 
 AudioError
-├── GridError        a frame rate has no exact MIDI grid
-├── ScoreError       an event or a length that a score cannot hold
-├── SoundFileError   a file could not be written or read
-└── SoundFontError   a SoundFont cannot be played
+├── GridError              a frame rate has no exact MIDI grid
+├── ScoreError             an event or a length that a score cannot hold
+├── SoundFileError         a file could not be written or read
+├── SoundFontError         a SoundFont cannot be played: its file is wrong
+└── SoundFontPlayerError   SoundFonts cannot be played at all
 """
 
 from __future__ import annotations
@@ -27,4 +28,8 @@ class SoundFileError(AudioError):
 
 
 class SoundFontError(AudioError):
-    """A SoundFont is missing or damaged, or its player is not installed."""
+    """A SoundFont is missing or damaged."""
+
+
+class SoundFontPlayerError(AudioError):
+    """The player of SoundFonts is not installed or does not work."""

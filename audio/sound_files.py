@@ -17,4 +17,4 @@ def write_sound_file(path: Path, data: bytes) -> bool:
     try:
         return write_if_changed(path, data)
     except OSError as error:
-        raise SoundFileError(f"{path} could not be written: {error}") from error
+        raise SoundFileError(f"{path} could not be written: {error.strerror or error}") from error

@@ -1,6 +1,7 @@
 """SoundFont playback of a score: the messages of its MIDI file through tinysoundfont.
 
-tinysoundfont is an optional dependency.
+tinysoundfont is an optional dependency. It plays in a child process, because a damaged SoundFont
+can crash it.
 """
 
 from __future__ import annotations
@@ -14,115 +15,105 @@ import mido
 import numpy as np
 
 from audio.dsp import Signal
-from audio.errors import SoundFontError
+from audio.errors import SoundFontError, SoundFontPlayerError
 from audio.midi_file import midi_bytes
 from audio.score import Score
+from audio.soundfont_reader import FRAME_BYTES
 from audio.time_grid import SAMPLE_RATE, sample_at, tick_grid
+from pipeline.foreign_files.reader_process import (
+    ReaderMissing,
+    ReaderProcessError,
+    Reading,
+    read_confined,
+)
+from pipeline.foreign_files.safe_file import SOUNDFONT, ForeignFileError, require_file
+from pipeline.foreign_files.verdict_store import confirm
 
-_DRUM_CHANNEL, _MELODIC_BANK, _DRUM_BANK = 9, 0, 128
-# Greatest number of simultaneous notes.
-_MAX_VOICES = 1024
-_MAX_BLOCK = SAMPLE_RATE
+# The file itself, its samples as floats, and what the voices and the sound take.
+_MEMORY, _MEMORY_PER_BYTE = 512 * 2**20, 4
+# Processor time for loading and rehearsing a font, and per second of sound [s].
+_LOADING_TIME, _TIME_PER_SECOND = 60.0, 20.0
 
 
 def play_soundfont(score: Score, font: Path, samples: int) -> Signal:
     """Return the score as played by a SoundFont, each message on its sample: (samples, 2).
 
     Raises:
-        SoundFontError: the file is missing, is no SoundFont, or tinysoundfont is not installed.
+        SoundFontError: the file is missing, is no SoundFont, or cannot be played.
+        SoundFontPlayerError: tinysoundfont is not installed or cannot be started.
     """
-    player = _load_player(font)
-    stereo = np.zeros((samples, 2))
-    position = 0
-    for sample, message in _messages(score):
-        end = min(sample, samples)
-        player.render(stereo[position:end])
-        position = end
-        player.send(message)
-    player.render(stereo[position:])
-    return stereo
+    stereo = np.zeros(2 * samples)
+    filled = 0
 
+    def receive(part: bytes) -> None:
+        nonlocal filled
+        values = np.frombuffer(part, np.float32)
+        stereo[filled : filled + values.size] = values
+        filled += values.size
 
-def _load_player(font: Path) -> _Player:
+    settings = {
+        "messages": list(_messages(score)),
+        "samples": samples,
+        "sample_rate": SAMPLE_RATE,
+    }
+    seconds = _LOADING_TIME + _TIME_PER_SECOND * samples / SAMPLE_RATE
     try:
-        import tinysoundfont
-    except ImportError as error:
-        raise SoundFontError(
-            f"{font}: SoundFonts are played by tinysoundfont, which is not installed ({error}); "
-            "try: pip install --no-deps tinysoundfont"
-        ) from error
-    try:
-        data = font.read_bytes()
-    except OSError as error:
-        raise SoundFontError(f"{font}: {error.strerror or error}") from error
-    # The player does not check its input; a truncated file could crash it.
-    if data[:4] != b"RIFF" or data[8:12] != b"sfbk":
-        raise SoundFontError(f"{font}: is no SoundFont 2 (a RIFF file of the form 'sfbk')")
-    if int.from_bytes(data[4:8], "little") + 8 > len(data):
-        raise SoundFontError(f"{font}: is cut short, at {len(data)} bytes")
-    synth = tinysoundfont.Synth(samplerate=SAMPLE_RATE)
-    try:
-        number = synth.sfload(data, max_voices=_MAX_VOICES)
-    except Exception as error:
-        raise SoundFontError(f"{font}: is a damaged SoundFont ({error})") from error
-    return _Player(synth, number, font)
+        read_confined(_reading("play", font, seconds, settings, samples * FRAME_BYTES), receive)
+    except ForeignFileError as error:
+        raise SoundFontError(f"{font}: {error}") from error
+    except ReaderMissing as error:
+        raise SoundFontPlayerError(f"{font}: {_not_installed(error)}") from error
+    except ReaderProcessError as error:
+        raise SoundFontPlayerError(str(error)) from error
+    if not np.isfinite(stereo).all():
+        raise SoundFontError(f"{font}: is a damaged SoundFont (it sounds infinitely loud)")
+    return stereo.reshape(-1, 2)
 
 
-class _Player:
-    """A synthesiser with one SoundFont.
+def soundfont_fault(font: Path) -> str | None:
+    """Return the error of a SoundFont file, None if every program of it can be played.
 
-    Args:
-        synth: the synthesiser.
-        number: of the font in the synthesiser.
-        font: its file.
+    Raises:
+        SoundFontPlayerError: tinysoundfont is not installed or cannot be started.
     """
-
-    def __init__(self, synth: Any, number: int, font: Path) -> None:
-        self._synth = synth
-        self._melodic = _programs(synth, number, _MELODIC_BANK)
-        self._drums = _programs(synth, number, _DRUM_BANK)
-        if not self._melodic and not self._drums:
-            raise SoundFontError(f"{font}: has no instrument in bank 0 and no drums")
-        for channel in range(16):
-            self._change_program(channel, 0)
-
-    def _change_program(self, channel: int, program: int) -> None:
-        """Set a channel's program, or the nearest one that the font has."""
-        is_drums = bool(self._drums) and (channel == _DRUM_CHANNEL or not self._melodic)
-        programs = self._drums if is_drums else self._melodic
-        nearest = min(programs, key=lambda each: (abs(each - program), each))
-        self._synth.program_change(channel, nearest, is_drums)
-
-    def send(self, message: Any) -> None:
-        """Apply a MIDI message."""
-        synth, kind = self._synth, message.type
-        if kind == "note_on" and message.velocity:
-            synth.noteon(message.channel, message.note, message.velocity)
-        elif kind in ("note_on", "note_off"):
-            synth.noteoff(message.channel, message.note)
-        elif kind == "control_change":
-            synth.control_change(message.channel, message.control, message.value)
-        elif kind == "program_change":
-            self._change_program(message.channel, message.program)
-        elif kind == "pitchwheel":
-            # The synthesiser counts from 0, mido from the middle.
-            synth.pitchbend(message.channel, message.pitch + 8192)
-
-    def render(self, stereo: Signal) -> None:
-        """Render the next samples into an array (N, 2)."""
-        for start in range(0, stereo.shape[0], _MAX_BLOCK):
-            part = stereo[start : start + _MAX_BLOCK]
-            data = self._synth.generate_simple(part.shape[0])
-            part[:] = np.frombuffer(data, np.float32).reshape(-1, 2)
+    reading = _reading("rehearse", font, _LOADING_TIME, {"sample_rate": SAMPLE_RATE})
+    try:
+        require_file(font, SOUNDFONT)
+        confirm(reading, SOUNDFONT, ("tinysoundfont",))
+    except ForeignFileError as error:
+        return str(error)
+    except ReaderMissing as error:
+        raise SoundFontPlayerError(_not_installed(error)) from error
+    except ReaderProcessError as error:
+        raise SoundFontPlayerError(str(error)) from error
+    return None
 
 
-def _programs(synth: Any, number: int, bank: int) -> list[int]:
-    """Return the programs of a font's bank."""
-    return [p for p in range(128) if synth.sfpreset_name(number, bank, p) is not None]
+def _reading(
+    function: str, font: Path, seconds: float, settings: dict[str, Any], max_bytes: int = 0
+) -> Reading:
+    memory = _MEMORY + _MEMORY_PER_BYTE * _size(font)
+    reader = f"audio.soundfont_reader:{function}"
+    return Reading(reader, font, memory, seconds, settings, max_bytes)
 
 
-def _messages(score: Score) -> Iterator[tuple[int, Any]]:
-    """Yield the messages of all tracks in playing order, each with its sample."""
+def _size(font: Path) -> int:
+    """Return the size of a file; that of a missing one does not matter."""
+    try:
+        return min(font.stat().st_size, SOUNDFONT.max_bytes)
+    except (OSError, ValueError):
+        return 0
+
+
+def _not_installed(error: Exception) -> str:
+    return (
+        f"SoundFonts are played by tinysoundfont, which is not installed ({error}); "
+        "try: pip install --no-deps tinysoundfont"
+    )
+
+
+def _messages(score: Score) -> Iterator[tuple[int, str, int, int, int]]:
+    """Yield the messages of all tracks in playing order, as `soundfont_reader` takes them."""
     grid = tick_grid(score.rate)
     file = mido.MidiFile(file=io.BytesIO(midi_bytes(score)), charset="utf-8")
     timed = list[tuple[int, int, Any]]()
@@ -133,4 +124,19 @@ def _messages(score: Score) -> Iterator[tuple[int, Any]]:
             if not message.is_meta:
                 timed.append((tick, len(timed), message))
     for tick, _, message in sorted(timed, key=lambda each: each[:2]):
-        yield sample_at(grid.seconds(tick)), message
+        yield sample_at(grid.seconds(tick)), *_plain(message)
+
+
+def _plain(message: Any) -> tuple[str, int, int, int]:
+    """Return kind, channel, number and value of a MIDI message."""
+    match message.type:
+        case "note_on" | "note_off":
+            return message.type, message.channel, message.note, message.velocity
+        case "control_change":
+            return message.type, message.channel, message.control, message.value
+        case "program_change":
+            return message.type, message.channel, message.program, 0
+        case "pitchwheel":
+            return message.type, message.channel, message.pitch, 0
+        case other:
+            return other, 0, 0, 0

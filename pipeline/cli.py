@@ -34,6 +34,7 @@ for command in (
     films.sheet,
     films.bench,
     films.watch,
+    films.verify,
     analysis.effort,
     analysis.jumps,
     analysis.fit,

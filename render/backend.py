@@ -20,7 +20,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from pipeline.atomic_file import replaced_when_complete
+from pipeline.atomic_file import make_folder, write_if_changed
+from pipeline.user_cache import user_cache_folder
 from render.errors import BackendMissing
 
 Choice = Literal["auto", "cuda", "llvm", "scalar"]
@@ -179,7 +180,7 @@ def libraries() -> list[str]:
 
 def _cached_probe(variant: str, library: str, fresh: bool) -> ProbeResult:
     """Return the result of a candidate, from the cache if nothing has changed since."""
-    place = cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
+    place = user_cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
     if not fresh:
         try:
             return ProbeResult(**json.loads(place.read_text()))
@@ -187,9 +188,8 @@ def _cached_probe(variant: str, library: str, fresh: bool) -> ProbeResult:
             pass  # not cached, or not readable
     result = _probe(variant, library)
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with replaced_when_complete(place) as temporary:
-            temporary.write_text(json.dumps(asdict(result)))
+        make_folder(place.parent)
+        write_if_changed(place, json.dumps(asdict(result)).encode())
     except OSError:
         pass  # the cache only saves time
     return result
@@ -226,12 +226,6 @@ def _probe(variant: str, library: str) -> ProbeResult:
             why += "; Dr.Jit cannot use this LLVM"
         return ProbeResult(variant, library, False, why)
     return ProbeResult(variant, library, False, last)
-
-
-def cache_folder() -> Path:
-    """Return the folder of this user's cache."""
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base, "pronk")
 
 
 def _fingerprint(variant: str, library: str) -> str:

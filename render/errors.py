@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 # Parts of `jit_malloc(): out of memory! Could not allocate N bytes of device memory.` and of the
 # messages of CUDA and OptiX.
@@ -44,7 +45,15 @@ class DenoiseError(RenderError):
 
 
 class FrameFileError(RenderError):
-    """An image could not be written or read."""
+    """An image could not be written or read.
+
+    Attributes:
+        path: of the image.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        self.path = path
+        super().__init__(f"{path} {reason}")
 
 
 class EncodeError(RenderError):

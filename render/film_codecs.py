@@ -133,10 +133,12 @@ class Container:
     Attributes:
         name: FFmpeg's name of the format.
         options: of the format for a film of so many frames a second.
+        tick: unit of the times in it [s]; 0 where they are exact.
     """
 
     name: str
     options: Callable[[Fraction], Mapping[str, str]]
+    tick: Fraction = Fraction(0)
 
 
 def _quicktime_options(fps: Fraction) -> Mapping[str, str]:
@@ -155,7 +157,6 @@ def _webm_options(_: Fraction) -> Mapping[str, str]:
 CONTAINERS: dict[str, Container] = {
     ".mp4": Container("mp4", _quicktime_options),
     ".mov": Container("mov", _quicktime_options),
-    # Its times are whole milliseconds.
-    ".webm": Container("webm", _webm_options),
+    ".webm": Container("webm", _webm_options, Fraction(1, 1000)),
 }
 """Containers by the suffix of the film's file."""

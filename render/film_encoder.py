@@ -66,7 +66,10 @@ def write_film(
         with replaced_when_complete(path) as temporary:
             return _write(temporary, frames, fps, samples, key, encoders, container)
     except (OSError, ValueError, av.FFmpegError) as error:
-        raise EncodeError(f"{path} could not be encoded: {error}") from error
+        reason: object = error
+        if isinstance(error, OSError) and error.filename == str(path):
+            reason = error.strerror
+        raise EncodeError(f"{path} could not be encoded: {reason}") from error
 
 
 def _write(
@@ -95,7 +98,7 @@ def _write(
                     f"frame {count + 1} is {picture.shape[1]}x{picture.shape[0]} and the first "
                     f"{first.shape[1]}x{first.shape[0]}; render all frames at one size"
                 )
-            container.mux(video.encode(_video_frame(picture, count, fps, codec)))
+            container.mux(video.encode(video_frame(picture, count, fps, codec)))
             count += 1
             if track is not None:
                 track.encode_until(count / fps)
@@ -123,7 +126,7 @@ def _video_stream(container: Any, shape: tuple[int, ...], fps: Fraction, codec: 
     return video
 
 
-def _video_frame(picture: Picture, count: int, fps: Fraction, codec: Codec) -> av.VideoFrame:
+def video_frame(picture: Picture, count: int, fps: Fraction, codec: Codec) -> av.VideoFrame:
     """Return an image in limited-range BT.709 YUV, with its presentation time."""
     array: Any = np.ascontiguousarray(picture)
     rgb = av.VideoFrame.from_ndarray(array, format=codec.input_pixels)

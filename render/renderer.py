@@ -143,6 +143,7 @@ def code_digest() -> str:
         "config",
         "errors.py",
         "film_codecs.py",
+        "film_comparison.py",
         "film_encoder.py",
         "film_file.py",
         "image_files.py",

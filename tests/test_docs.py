@@ -8,8 +8,12 @@ from pathlib import Path
 import pytest
 
 from pipeline.production.reports.figure_sheet import drawn_figures
+from pipeline.production.reports.figure_size import size_table
 from pipeline.simulation.figure_analysis import check_figure
 from pipeline.spec import read_scene
+from pipeline.spec.events import event_table
+from pipeline.spec.key_table import terrain_tables
+from pipeline.spec.terrain.base import TERRAIN_KINDS
 from pipeline.spec.verbs import verb_table
 
 ROOT = Path(__file__).parents[1]
@@ -37,6 +41,24 @@ def test_documented_scenes_are_valid(name: str, text: str) -> None:
 
 def test_the_documented_orders_are_those_of_the_language() -> None:
     assert verb_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+
+
+def test_the_documented_events_are_those_of_the_language() -> None:
+    assert event_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+
+
+def test_the_documented_keys_of_terrains_are_those_of_the_models() -> None:
+    text = (ROOT / "docs" / "terrain.md").read_text(encoding="utf-8")
+    assert text.endswith(f"{terrain_tables()}\n")
+    assert all(f"### `{kind}`\n" in text for kind in TERRAIN_KINDS)
+    examples = re.findall(r"^terrain: .+$", text, re.MULTILINE)
+    assert len(examples) == 4
+    for example in examples:
+        read_scene(f"pronk: 1\nframes: 1\n{example}\ncast: [{{figure: beetle}}]\n")
+
+
+def test_the_documented_sizes_are_those_of_the_library() -> None:
+    assert size_table() in (ROOT / "docs" / "figures.md").read_text(encoding="utf-8")
 
 
 def figure_blocks() -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.commands.completion import completion
 from pipeline.commands.options import (
     FrameOptions,
     Preset,
@@ -15,6 +16,7 @@ from pipeline.commands.options import (
     SceneName,
     SceneNames,
     StrictOption,
+    VerifyOptions,
     say,
     with_options,
 )
@@ -143,6 +145,35 @@ def midi(
         reporter.result(f"{production.score_only(order, reporter).midi}")
 
     options.run_each(scenes, make)
+
+
+@with_options
+def verify(
+    targets: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="OUTPUT",
+            help="Output folders of scenes, or files or names of scenes.",
+            autocompletion=completion("scenes", with_files=True),
+        ),
+    ],
+    options: VerifyOptions,
+) -> None:
+    """Check outputs: every file is as it was written, every film shows its frames.
+
+    Ends with 1 if files are missing or damaged; rendering the scene makes them again.
+    """
+    from dataclasses import asdict
+
+    from pipeline.production.verification.verification import outputs_of
+    from pipeline.production.verification.verification import verify as verified
+
+    def check(target: str, reporter: Reporter) -> None:
+        outputs = outputs_of(target, options.out)
+        verdict = verified(outputs, reporter)
+        reporter.result(f"{outputs.folder}: {verdict}", **asdict(verdict))
+
+    options.run_each(targets, check, "right")
 
 
 @with_options

@@ -23,23 +23,23 @@ def list_names(
 ) -> None:
     """List the names there are: figures, scenes, materials, gaits, instruments and others."""
     import json
-    from dataclasses import asdict
 
-    from pipeline.spec.name_catalogue import NAME_KINDS, NameEntry, names_of
+    from pipeline.production.reports.figure_size import ListedName, listed_names
+    from pipeline.spec.name_catalogue import NAME_KINDS, NameEntry
 
     if kind is None:
-        entries = [NameEntry(name, f"{kind.text}") for name, kind in NAME_KINDS.items()]
+        entries = [ListedName(NameEntry(name, kind.text)) for name, kind in NAME_KINDS.items()]
     else:
-        entries = names_of(kind, Path())
+        entries = list(listed_names(kind, Path()))
     if json_lines:
-        for entry in entries:
-            typer.echo(json.dumps(asdict(entry), ensure_ascii=False))
+        for listed in entries:
+            typer.echo(json.dumps(listed.facts, ensure_ascii=False))
         return
-    width = max((len(entry.name) for entry in entries), default=0)
+    width = max((len(listed.entry.name) for listed in entries), default=0)
     group = ""
-    for entry in entries:
-        if entry.group != group:
-            group = entry.group
+    for listed in entries:
+        if listed.entry.group != group:
+            group = listed.entry.group
             typer.echo(f"{group}:")
         indent = "  " if group else ""
-        typer.echo(f"{indent}{entry.name:<{width}}  {entry.text}".rstrip())
+        typer.echo(f"{indent}{listed.entry.name:<{width}}  {listed.text}".rstrip())

@@ -105,6 +105,9 @@ class Verbosity:
 class Reporting(Verbosity):
     """Verbosity, and JSON lines for programs."""
 
+    are_scenes: ClassVar[bool] = True
+    """Whether the command works on scenes, whose files its errors name."""
+
     json_lines: Annotated[bool, typer.Option("--json", help="Print JSON lines.")] = False
 
     @property
@@ -112,17 +115,37 @@ class Reporting(Verbosity):
         """Whether to print JSON lines."""
         return self.json_lines
 
-    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
+    def run_each(
+        self, scenes: list[str], work: Callable[[str, Reporter], None], success: str = "done"
+    ) -> None:
         """Work on each of several scenes, whatever becomes of the others.
+
+        Args:
+            scenes: files or names.
+            work: on each of them.
+            success: word of the table for a scene that the work is done on.
 
         Raises:
             typer.Exit: with the highest exit code, if one failed.
         """
         from pipeline.production.run.batch import run_batch
+        from pipeline.spec import find_scene
 
-        code = run_batch(scenes, work, self.reporter(), say)
+        find = find_scene if self.are_scenes else lambda _: None
+        code = run_batch(scenes, work, self.reporter(), say, success, find)
         if code:
             raise typer.Exit(code)
+
+
+@dataclass(kw_only=True)
+class VerifyOptions(Reporting):
+    """Options of the command that checks outputs, which are folders as well as scenes."""
+
+    stopped: ClassVar[str] = "nothing was changed"
+
+    are_scenes: ClassVar[bool] = False
+
+    out: OutFolder = Path("out")
 
 
 @dataclass(kw_only=True)
@@ -160,8 +183,10 @@ class RunOptions(SceneOptions):
         """Return the values of the scene that options change, an explicit `--set` last."""
         return self.sets or []
 
-    def run_each(self, scenes: list[str], work: Callable[[str, Reporter], None]) -> None:
-        """Work on each of several scenes, which write to folders of their own.
+    def run_each(
+        self, scenes: list[str], work: Callable[[str, Reporter], None], success: str = "done"
+    ) -> None:
+        """Work on each of several scenes, which write to folders of their own; see `Reporting`.
 
         Raises:
             UsageError: two would write to one folder, or an option is wrong for every scene.
@@ -171,7 +196,7 @@ class RunOptions(SceneOptions):
 
         refuse_clashes(scenes, self.out)
         self.assignments()
-        super().run_each(scenes, work)
+        super().run_each(scenes, work, success)
 
     def order(
         self,

@@ -55,7 +55,7 @@ def check(
         for remark in figure_remarks(scene):
             reporter.note(f"note: {remark.problem}", detail=simulate or not remark.is_fault)
 
-    options.run_each(scenes, examine)
+    options.run_each(scenes, examine, success="right")
 
 
 @with_options

@@ -15,18 +15,21 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
 from pipeline.simulation.event_detection import EventDetection
 from pipeline.simulation.event_monitor import EventMonitor
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.ground_places import GroundPlaces
 from pipeline.simulation.inventory import obstacles_of
 from pipeline.simulation.mechanism import NodeAlias
 from pipeline.simulation.members import Members
 from pipeline.simulation.node_names import NodeNames, node_aliases
 from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.scheduler import RowScheduler
 from pipeline.simulation.script import Script
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.troupe import Troupe, World, node_range, pushed_troupe
 from pipeline.simulation.versions import header_of
+from pipeline.spec.body import Many
 from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.dancer import Dancer
@@ -79,13 +82,18 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     ground = build_ground(scene.terrain, scene.seed)
     places = _places(scene, ground)
     ground_places = GroundPlaces(scene, ground, places)
-    ground_places.refuse_off_terrain()
+    refusals = Refusals()
+    with refusals.gathered():
+        ground_places.refuse_off_terrain()
     detect = scene.sound.detect
     world = World(
         ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed, places
     )
-    figures = figures_of(scene)
-    troupes = troupes_of(scene, figures, world)
+    figures, troupes = dict[str, Figure](), list[Troupe]()
+    with refusals.gathered():
+        figures = figures_of(scene)
+        troupes = troupes_of(scene, figures, world)
+    refusals.refuse()
     inventories = [troupe.inventory for troupe in troupes]
     obstacles = cache(lambda: obstacles_of(inventories))
     recorder = Recorder(header_of(scene, key), clock, ground, inventories)
@@ -94,17 +102,24 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     names = NodeNames.joined(recorder.nodes, aliases)
     pushed = pushed_troupe(troupes)
     falling = {node.performer for node in pushed.inventory.nodes} if pushed is not None else set()
-    attachments = attachments_of(scene.cast, names, recorder.nodes, clock, falling)
+    members = Members(recorder, names, obstacles, places)
+    attachments = list[Attachment]()
+    with refusals.gathered():
+        _refuse_unknown_parts(scene, members)
+    with refusals.gathered():
+        attachments = attachments_of(scene.cast, names, recorder.nodes, clock, falling)
     for troupe in troupes:
-        troupe.bind(recorder.nodes, recorder.meshes, names)
+        with refusals.gathered():
+            troupe.bind(recorder.nodes, recorder.meshes, names)
+    refusals.refuse()
     if pushed is not None:
         _refuse_late_carriers(pushed, troupes, attachments)
     recorder.attach(attachments)
     detection = EventDetection(scene, clock, recorder, figures)
     script = Script(scene.script, clock)
-    members = Members(recorder, names, obstacles, places)
-    _refuse_unknown_parts(scene, members)
-    monitor = EventMonitor(members, clock, ground, _owners(recorder), _standing(scene))
+    monitor = EventMonitor(
+        members, clock, ground, _owners(recorder), _standing(scene), _bodies_of(scene)
+    )
     coupling = coupling_of(scene, troupes, recorder, attachments, obstacles)
     scheduler = RowScheduler(
         clock, troupes, recorder, attachments, coupling, detection.record_batch
@@ -187,3 +202,12 @@ def _standing(scene: Scene) -> frozenset[str]:
         for member in scene.cast
         if isinstance(member, Creature | Dancer) or (isinstance(member, Character) and member.acts)
     )
+
+
+def _bodies_of(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """Returns the names of the bodies of each member that is many."""
+    return {
+        member.name: tuple(f"{member.name}_{n + 1}" for n in range(member.many.total))
+        for member in scene.cast
+        if isinstance(member, Many)
+    }

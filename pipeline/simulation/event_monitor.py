@@ -7,48 +7,22 @@ instruction waits for them.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.convex_distance import box_distance, convex_distance
+from pipeline.simulation.fall_detector import FallDetector
 from pipeline.simulation.members import Members, MemberState
+from pipeline.simulation.rest_detector import RestDetector
 from pipeline.simulation.script import Event
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Facts
 
-
-@dataclass(frozen=True, slots=True)
-class EventLimits:
-    """When members count as touching, fallen and at rest.
-
-    Attributes:
-        touch: distance between solids at which they touch [m].
-        upright: fraction of its height at the start below which a standing member has fallen.
-        sink: distance that a thing sinks within `sink_time` when it falls, in its heights and at
-            least [m].
-        least_sink: see `sink` [m].
-        sink_time: [s].
-        moving: speed above which a member moves [m/s].
-        resting: speed below which it rests [m/s].
-        rest_time: for which it has to rest [s].
-    """
-
-    touch: float = 0.004
-    upright: float = 0.5
-    sink: float = 0.5
-    least_sink: float = 0.2
-    sink_time: float = 1.0
-    moving: float = 0.1
-    resting: float = 0.03
-    rest_time: float = 0.25
-
-
-LIMITS = EventLimits()
+TOUCH_DISTANCE = 0.004
+"""Distance between solids at which they touch [m]."""
 
 CONDITIONS = ("touch", "near", "fell", "at_rest")
 """Events that are conditions on where members are."""
@@ -72,6 +46,7 @@ class EventMonitor:
         ground: the terrain.
         owners: performer of each part, by the name of the part.
         standing: names of members that stand by themselves.
+        bodies_of: names of the bodies of each member that is many.
     """
 
     def __init__(
@@ -81,17 +56,14 @@ class EventMonitor:
         ground: Ground,
         owners: Mapping[str, str],
         standing: Collection[str],
+        bodies_of: Mapping[str, Sequence[str]],
     ) -> None:
-        self._members, self._ground = members, ground
-        self._owners, self._standing = owners, standing
-        row = clock.dt * (clock.steps // clock.samples)
-        self._sink_rows = max(round(LIMITS.sink_time / row), 1)
-        self._rest_rows = max(round(LIMITS.rest_time / row), 1)
+        self._members, self._owners, self._bodies_of = members, owners, bodies_of
+        row_time = clock.dt * (clock.steps // clock.samples)
+        self._falls = FallDetector(members, ground, standing, row_time)
+        self._rests = RestDetector(members, row_time)
         self._held: set[Event] = set()
-        self._heights: dict[str, deque[float]] = {}
-        self._start_heights: dict[str, float] = {}
-        self._moved: set[str] = set()
-        self._rested: dict[str, int] = {}
+        self._fallen: dict[str, set[str]] = {}
 
     def needs_members(self, awaited: Iterable[Event]) -> bool:
         """Returns whether any awaited event depends on where members are."""
@@ -104,40 +76,36 @@ class EventMonitor:
             for contact in contacts
         }
         holding = {event for event in awaited if self._holds(event, touched)}
-        began = holding - self._held
+        began = {event for event in holding if event not in self._held or self._recurs(event)}
         self._held = holding
         return began
 
     def _holds(self, event: Event, touched: Collection[frozenset[str]]) -> bool:
-        if event.kind == "fell":
-            return self._has_fallen(event.names[0])
-        if event.kind == "at_rest":
-            return self._has_come_to_rest(event.names[0])
         if event.kind not in CONDITIONS:
             return False
+        name = event.names[0]
+        if event.kind == "fell":
+            return self._another_fell(name) if name in self._bodies_of else self._fell(name)
+        if event.kind == "at_rest":
+            return self._rests.come_to_rest(self._bodies_of.get(name, (name,)))
         one, other = (self._members.state(name) for name in event.names)
         if event.kind == "near":
             return are_near(one, other, event.distance)
-        return frozenset(event.names) in touched or are_near(one, other, LIMITS.touch)
+        return frozenset(event.names) in touched or are_near(one, other, TOUCH_DISTANCE)
 
-    def _has_fallen(self, name: str) -> bool:
-        state = self._members.state(name)
-        x, y, z = state.centre
-        if name in self._standing:
-            above = float(y - self._ground.height(np.array(x), np.array(z)))
-            start = self._start_heights.setdefault(name, above)
-            return above < LIMITS.upright * start
-        heights = self._heights.setdefault(name, deque(maxlen=self._sink_rows))
-        heights.append(float(y))
-        height = float(state.high[1] - state.low[1])
-        return max(heights) - float(y) > max(LIMITS.sink * height, LIMITS.least_sink)
+    def _recurs(self, event: Event) -> bool:
+        """Returns whether an event may happen again in the next row: bodies of many fall apart."""
+        return event.kind == "fell" and event.names[0] in self._bodies_of
 
-    def _has_come_to_rest(self, name: str) -> bool:
-        speed = float(np.linalg.norm(self._members.state(name).v))
-        if speed > LIMITS.moving:
-            self._moved.add(name)
-        self._rested[name] = self._rested.get(name, 0) + 1 if speed < LIMITS.resting else 0
-        return name in self._moved and self._rested[name] >= self._rest_rows
+    def _fell(self, name: str) -> bool:
+        return self._falls.has_fallen(name)
+
+    def _another_fell(self, name: str) -> bool:
+        """Returns whether one of many bodies fell that had not before."""
+        before = self._fallen.setdefault(name, set())
+        fell = {body for body in self._bodies_of[name] if self._fell(body)} - before
+        before |= fell
+        return bool(fell)
 
 
 def are_near(one: MemberState, other: MemberState, distance: float) -> bool:

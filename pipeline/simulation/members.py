@@ -171,7 +171,7 @@ class Members:
             high=high,
             radius=float(np.hypot(offset[:, 0], offset[:, 1]).max()),
             solids=solids,
-            is_present=bool(recorder.alive[row, root]),
+            is_present=bool(recorder.alive[row, nodes].any()),
         )
 
     def _face(self, name: str, centre: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from pipeline.errors import Problem, SceneError, SimulationError
@@ -34,7 +34,18 @@ class Refusals:
         located = [error for error in self._errors if isinstance(error, SceneError)]
         texts = [str(error) for error in self._errors if not isinstance(error, SceneError)]
         if located:
-            problems = [problem for error in located for problem in error.problems]
-            raise SceneError([*dict.fromkeys(problems), *(Problem("", text) for text in texts)])
+            raise SceneError([*_first_of_places(located), *(Problem("", text) for text in texts)])
         if texts:
             raise SimulationError("\n".join(texts))
+
+
+def _first_of_places(errors: Sequence[SceneError]) -> Iterator[Problem]:
+    """Yields the problems of errors, but of a place with problems in several the first alone.
+
+    What is wrong with a place is often the cause of what is wrong there later.
+    """
+    told = set[str]()
+    for error in errors:
+        new = [problem for problem in error.problems if problem.path not in told]
+        told.update(problem.path for problem in new)
+        yield from dict.fromkeys(new)

@@ -23,7 +23,7 @@ class Event(NamedTuple):
     """Something that instructions wait for.
 
     Attributes:
-        kind: one of `pipeline.spec.script.EVENTS`.
+        kind: one of `pipeline.spec.events.EVENTS`.
         names: members that it happens to; in alphabetical order for a pair without direction.
         distance: that counts as near [m].
     """

@@ -5,11 +5,21 @@ Sound fonts, pictures of light, meshes of bodies and files of terrains are all f
 
 from __future__ import annotations
 
-import hashlib
+import logging
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
-from pipeline.errors import Problem
+from pipeline.errors import FilmingError, Problem
+from pipeline.foreign_files.safe_file import (
+    BODY_MESH,
+    HEIGHT_MAP,
+    TERRAIN_MESH,
+    FileKind,
+    ForeignFileError,
+    require_file,
+)
+from pipeline.foreign_files.safe_file import content_digest as digest_of
 from pipeline.spec.model_base import PathSegment
 from pipeline.spec.yaml_tree import (
     ListNode,
@@ -24,8 +34,10 @@ Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
 """Takes a file and the name that the author gave it; returns its error, None if it has none."""
 
-TERRAIN_FILE_KINDS = ("image", "mesh")
-"""Kinds of terrain that read a file."""
+TERRAIN_FILE_KINDS = {"image": HEIGHT_MAP, "mesh": TERRAIN_MESH}
+"""Kinds of files by the kinds of terrain that read them."""
+
+LOG = logging.getLogger("pronk")
 
 
 def complete_file_names(
@@ -65,8 +77,8 @@ def _file_keys(scene: MappingNode) -> Iterator[tuple[Steps, FileCheck]]:
         if isinstance(member, MappingNode):
             is_many = isinstance(member.get("many"), MappingNode)
             body: Steps = ("many", "of") if is_many else ("body",)
-            yield ("cast", i, *body, "file"), _missing_file
-    yield ("sound", "soundfont"), _missing_file
+            yield ("cast", i, *body, "file"), partial(_file_fault, BODY_MESH)
+    yield ("sound", "soundfont"), _soundfont_fault
     yield ("light", "hdr", "file"), _panorama_fault
 
 
@@ -79,40 +91,50 @@ def _terrain_keys(terrain: SourceNode | None, path: Steps) -> Iterator[tuple[Ste
             yield from _terrain_keys(term, (*path, "of", i))
         return
     kind = terrain.get("kind")
-    if isinstance(kind, ScalarNode) and kind.value in TERRAIN_FILE_KINDS:
-        yield (*path, "file"), _unreadable_file
+    if isinstance(kind, ScalarNode) and isinstance(kind.value, str):
+        file_kind = TERRAIN_FILE_KINDS.get(kind.value)
+        if file_kind is not None:
+            yield (*path, "file"), partial(_file_fault, file_kind)
 
 
-def _missing_file(path: Path, name: str) -> str | None:
+def _file_fault(kind: FileKind, path: Path, name: str) -> str | None:
     try:
-        exists = path.is_file()
-    except (OSError, ValueError):
-        exists = False
-    return None if exists else f"'{name}' is no file in {path.parent}"
+        require_file(path, kind)
+    except ForeignFileError as error:
+        return f"'{name}' {error}"
+    return None
 
 
 def _panorama_fault(path: Path, name: str) -> str | None:
-    fault = _missing_file(path, name)
-    if fault is not None:
-        return fault
-    # Only scenes with pictures wait for the library that reads them.
+    # Only scenes with panoramas wait for what reads them.
+    from render.errors import RenderError
     from render.panorama_file import panorama_fault
 
-    return panorama_fault(path)
-
-
-def _unreadable_file(path: Path, name: str) -> str | None:
     try:
-        if path.is_dir():
-            return f"'{name}' is a folder, not a file"
-        return None if path.exists() else f"'{name}' does not exist in {path.parent}"
-    except (OSError, ValueError) as error:
-        return f"'{name}' cannot be the name of a file: {error}"
+        fault = panorama_fault(path)
+    except RenderError as error:
+        raise FilmingError(str(error)) from error
+    return fault and f"'{name}' {fault}"
+
+
+def _soundfont_fault(path: Path, name: str) -> str | None:
+    # Only scenes with SoundFonts wait for what reads them.
+    from audio.errors import SoundFontPlayerError
+    from audio.soundfont import soundfont_fault
+
+    try:
+        fault = soundfont_fault(path)
+    except SoundFontPlayerError as error:
+        # Only the sound needs it.
+        LOG.warning("sound.soundfont: '%s' is not checked: %s", name, error)
+        return None
+    return fault and f"'{name}' {fault}"
 
 
 def content_digest(file: str) -> str:
     """Return a digest of the content of a file, empty if it cannot be read."""
     try:
-        return hashlib.blake2b(Path(file).read_bytes(), digest_size=20).hexdigest()
-    except (OSError, ValueError):
+        # Its own limit, which may be lower, is kept where it is read.
+        return digest_of(Path(file), TERRAIN_MESH)
+    except ForeignFileError:
         return ""

@@ -11,14 +11,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
 
+from pydantic.fields import FieldInfo
+
 from audio.acoustic_materials import family_name
 from audio.config.sound import Room, RoomName
 from audio.general_midi import DRUMS, FAMILIES, FAMILY_SIZE, INSTRUMENTS, LOWEST_DRUM_KEY
 from audio.harmony import MODES
 from audio.room_acoustics import room_acoustics
 from pipeline.errors import UsageError
-from pipeline.spec import behaviour
+from pipeline.spec import behaviour, body, group, prop
+from pipeline.spec.character_kinds import KIND_TEXTS
+from pipeline.spec.events import EVENTS
 from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
+from pipeline.spec.model_base import ConfigModel
 from pipeline.spec.mood import MOODS
 from pipeline.spec.scene_library import SUFFIX, files_beside, library, names_in, scenes_in
 from pipeline.spec.script import flow_text
@@ -188,6 +193,59 @@ def _verbs(_: Path) -> Iterator[NameEntry]:
         yield NameEntry(name, verb.meaning, who)
 
 
+def _events(_: Path) -> Iterator[NameEntry]:
+    for name, kind in EVENTS.items():
+        of_many = f"; of `many` bodies {kind.of_many}" if kind.of_many else ""
+        yield NameEntry(name, f"`{{{kind.example}}}`: {kind.meaning}{of_many}")
+
+
+def _characters(_: Path) -> Iterator[NameEntry]:
+    return (NameEntry(name, text) for name, text in KIND_TEXTS.items())
+
+
+def _bodies(_: Path) -> Iterator[NameEntry]:
+    yield from _variants(body.BodyShape, "shape", "body: {shape: ...}", body.Matter)
+    yield from _variants(
+        body.Layout, "layout", "many: {layout: ..., of: a shape}", body.Arrangement
+    )
+
+
+def _props(_: Path) -> Iterator[NameEntry]:
+    return _variants(prop.Shape, "shape")
+
+
+def _groups(_: Path) -> Iterator[NameEntry]:
+    return _variants(group.GroupRule, "rule")
+
+
+def _variants(
+    union: object, tag: str, group: str = "", base: type[ConfigModel] = ConfigModel
+) -> Iterator[NameEntry]:
+    """Yield the names that tell the models of a union apart, each with its keys and defaults.
+
+    Args:
+        union: of models, annotated.
+        tag: the key that tells them apart.
+        group: of the names.
+        base: of the models, whose keys are those of all.
+    """
+    for model in get_args(get_args(union)[0]):
+        own = {
+            key: field
+            for key, field in model.model_fields.items()
+            if key != tag and key not in base.model_fields
+        }
+        keys = ", ".join(f"{key}{_default(field)}" for key, field in own.items())
+        for name in get_args(model.model_fields[tag].annotation):
+            yield NameEntry(name, f"{_sentence(model)} Keys: {keys}.", group)
+
+
+def _default(field: FieldInfo) -> str:
+    """Return the default of a key after a blank, empty where it has none or an empty one."""
+    is_empty = field.is_required() or field.default in (None, ())
+    return "" if is_empty else f" {flow_text(field.default)}"
+
+
 def _behaviours(_: Path) -> Iterator[NameEntry]:
     for name in behaviour.NAMES:
         form = behaviour.FORMS.get(name)
@@ -231,7 +289,7 @@ def _values(block: Mapping[str, object]) -> str:
 
 
 NAME_KINDS: Mapping[str, NameKind] = {
-    "figures": NameKind("`figure:` of the cast, and `pronk figure`", _figures),
+    "figures": NameKind("`figure:` of the cast, with their sizes at `scale: 1`", _figures),
     "dances": NameKind("`dance:` of dancers and of their orders", _dances),
     "scenes": NameKind("what commands take", _scenes),
     "materials": NameKind("`material:`, by what they sound like", _materials),
@@ -241,6 +299,13 @@ NAME_KINDS: Mapping[str, NameKind] = {
     "gaits": NameKind("`gait:` of walks and orders", _gaits),
     "moods": NameKind("`mood:` of creatures and orders", _moods),
     "verbs": NameKind("`do:` of the script, by who can", _verbs),
+    "events": NameKind("`when:` of the script", _events),
+    "characters": NameKind(
+        "`character:` of the cast: people and things they play with", _characters
+    ),
+    "bodies": NameKind("`body: {shape: ...}` and `many:` of the cast, which fall", _bodies),
+    "props": NameKind("`prop: {shape: ...}` of the cast, which the author moves", _props),
+    "groups": NameKind("`group: {rule: ...}` of the cast", _groups),
     "behaviours": NameKind("`behaviours:` of characters, and `urge:`", _behaviours),
     "instruments": NameKind("`instrument:` of voices, by family", _instruments),
     "drums": NameKind("`drum:` of voices", _drums),

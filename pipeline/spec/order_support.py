@@ -25,8 +25,8 @@ from pipeline.spec.partial_scene import (
 )
 from pipeline.spec.suggestions import hint
 from pipeline.spec.targets import (
-    ANYBODY,
-    ANYTHING,
+    EVENT_MEMBER,
+    EVENT_PLACE,
     GRASPABLE,
     JOINTED_CHARACTER,
     MEMBER_TEXTS,
@@ -248,12 +248,12 @@ def _faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[F
                 message = f"'{name}' cannot {'touch' if key == 'touch' else 'come near'} itself"
                 yield Fault((*path, key, k), f"{message}; name another")
             else:
-                fitting = ANYTHING if key == "near" else ANYBODY
+                fitting = EVENT_PLACE if key == "near" else EVENT_MEMBER
                 yield from faults_of_target(
                     name, "", fitting, (*path, key, k), named.cast, named.places
                 )
     for key in ("fell", "at_rest"):
-        yield from faults_of_target(value_at(when, key), "", ANYBODY, (*path, key), named.cast)
+        yield from faults_of_target(value_at(when, key), "", EVENT_MEMBER, (*path, key), named.cast)
     if given_keys(when) and "within" in given_keys(when) and value_at(when, "near") is None:
         yield Fault((*path, "within"), "belongs to near; remove this", at_key=True)
     yield from _faults_of_hug(value_at(when, "hug"), (*path, "hug"), named.cast)

@@ -66,6 +66,14 @@ def scenes_in(folder: Path) -> dict[str, Path]:
     return {name: paths[name] for name, tree in trees.items() if tree and "cast" in tree.entries}
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is such a file; no file has a name that the system does not allow."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def is_path(text: str) -> bool:
     """Return whether a reference is the path of a file, not a name."""
     return text.endswith(PATH_SUFFIXES) or "/" in text or "\\" in text
@@ -76,11 +84,8 @@ def existing_file(folder: Path, text: str) -> Path | None:
 
     The suffix of scene files may be left out.
     """
-    try:
-        files = (folder / text, folder / (text + SUFFIX))
-        return next((file for file in files if file.is_file()), None)
-    except (OSError, ValueError):
-        return None
+    files = (folder / text, folder / (text + SUFFIX))
+    return next((file for file in files if is_file(file)), None)
 
 
 def missing_file_message(folder: Path, text: str) -> str:

@@ -24,7 +24,7 @@ from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.scene_library import find_figure
 from pipeline.spec.suggestions import hint
 from pipeline.spec.timing import faults_of_timing
-from pipeline.spec.validation import check, in_order, problems_of_faults
+from pipeline.spec.validation import MISSING, check, in_order, problems_of_faults, with_meant_keys
 from pipeline.spec.yaml_reader import read_bytes, read_file
 from pipeline.spec.yaml_tree import ListNode, MappingNode, ScalarNode, plain_values
 
@@ -180,9 +180,16 @@ def _scene(
     scene, invalid = check(Scene, tree)
     if scene is None:
         # The model checks what belongs together only when all else is right.
-        values = plain_values(tree)
+        meant = with_meant_keys(Scene, tree)
+        if meant is not tree and isinstance(meant, MappingNode):
+            meant = search.complete(search.complete(meant, FIGURE_BLOCK), DANCE_BLOCK)
+            more = check(Scene, meant)[1]
+            # What is missing may be there under a misspelt key.
+            invalid = [p for p in invalid if p.message != MISSING or p in more]
+            invalid = _merged(invalid, more)
+        values = plain_values(meant)
         faults = [*faults_of_timing(values), *faults_of_references(values)]
-        invalid = _merged(invalid, problems_of_faults(tree, faults))
+        invalid = _merged(invalid, problems_of_faults(meant, faults))
     problems = [*problems, *renamed_twice, *wrong_overrides, *missing_files]
     problems += [*search.problems, *invalid]
     if scene is None or problems:

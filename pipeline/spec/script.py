@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from pipeline.spec.events import EVENTS
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.model_base import (
     BehaviourName,
@@ -21,6 +22,7 @@ from pipeline.spec.model_base import (
     Name,
     Number,
     Point,
+    Positive,
     Target,
     keyed_union,
     raise_faults,
@@ -78,7 +80,7 @@ class TurnBy(ConfigModel):
 class SetSpeed(ConfigModel):
     """Go faster or slower from now on."""
 
-    speed: Annotated[Number, Field(gt=0, le=1000)] = Field(
+    speed: Annotated[Positive, Field(le=1000)] = Field(
         description="The new speed on level ground [m/s]."
     )
 
@@ -86,7 +88,7 @@ class SetSpeed(ConfigModel):
 class Wait(ConfigModel):
     """Stop, and go on later."""
 
-    wait: Annotated[Number, Field(gt=0, le=1e6)] = Field(
+    wait: Annotated[Positive, Field(le=1e6)] = Field(
         description="How long it stops before it goes on [s]."
     )
 
@@ -128,7 +130,7 @@ class JumpSettings(ConfigModel):
         None, description="From lift-off until back at that height, over the ground [m]."
     )
     height: Length | None = Field(None, description="Above the lift-off [m].")
-    speed: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+    speed: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="At lift-off, along the way of the jump [m/s]."
     )
     land_at: Point | None = Field(
@@ -200,7 +202,7 @@ class Kick(ConfigModel):
         description="Where to: [x, y, z] [m], a member of the cast, or a place; straight ahead if "
         "left out.",
     )
-    speed: Annotated[Number, Field(gt=0, le=40)] = Field(
+    speed: Annotated[Positive, Field(le=40)] = Field(
         5.0, description="Speed of the foot where it meets it [m/s]."
     )
 
@@ -301,44 +303,31 @@ def flow_text(value: Any) -> str:
     """Return a value as YAML in one line."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {flow_text(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return "[" + ", ".join(flow_text(item) for item in value) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-EVENTS = ("arrived", "touch", "near", "fell", "at_rest", "hug")
-"""Events that an instruction can wait for."""
+def _event(key: str) -> Any:
+    """Return the field of an event."""
+    kind = EVENTS[key]
+    return Field(None, description=f"Happens when {kind.meaning}; such as {kind.example}.")
 
 
 class When(ConfigModel):
     """An event that an instruction waits for."""
 
-    arrived: Name | None = Field(
-        None,
-        description="A performer that has reached the end of its path and stands; a character "
-        "also when it has done its order: sits, stands, holds, hugs.",
-    )
-    touch: tuple[Name, Name] | None = Field(
-        None,
-        description="Two members of the cast that start to touch one another.",
-    )
-    near: tuple[MemberName, MemberName] | None = Field(
-        None, description="Two members of the cast that come near one another."
-    )
+    arrived: Name | None = _event("arrived")
+    touch: tuple[Name, Name] | None = _event("touch")
+    near: tuple[MemberName, MemberName] | None = _event("near")
     within: LengthOrZero = Field(
         1.0, description="With near: the distance between their surfaces that counts [m]."
     )
-    fell: Name | None = Field(
-        None, description="A member of the cast that fell: off its feet, over an edge, or down."
-    )
-    at_rest: Name | None = Field(
-        None, description="A member of the cast that has moved and comes to rest."
-    )
-    hug: tuple[Name, Name] | None = Field(
-        None,
-        description="A child or an adult that has closed its arms around a child, an adult or a "
-        "ragdoll, in this order. Two that hug each other have one time each.",
-    )
+    fell: Name | None = _event("fell")
+    at_rest: Name | None = _event("at_rest")
+    hug: tuple[Name, Name] | None = _event("hug")
 
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:

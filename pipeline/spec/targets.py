@@ -51,6 +51,8 @@ ANYTHING = TargetKind(
     frozenset(MEMBER_TEXTS) - {"group", "many"}, "a member of the cast or a place"
 )
 ANYBODY = TargetKind(ANYTHING.kinds - {"place"}, "a member of the cast")
+EVENT_MEMBER = TargetKind(ANYBODY.kinds | {"many"}, ANYBODY.text)
+EVENT_PLACE = TargetKind(ANYTHING.kinds | {"many"}, ANYTHING.text)
 CHARACTER = TargetKind(frozenset(get_args(Kind)), "a character")
 JOINTED_CHARACTER = TargetKind(JOINTED, "a child, an adult or a ragdoll")
 BALL = TargetKind(frozenset({"ball"}), "a ball")
@@ -106,7 +108,7 @@ def faults_of_target(
 def _mismatch(name: str, part: str, member: object, fitting: TargetKind) -> str | None:
     """Return why a member is no target of a kind, None if it is one."""
     kind = kind_of_target(member)
-    if kind in ("group", "many"):
+    if kind in ("group", "many") and kind not in fitting.kinds:
         # Whether one of many exists is known when they are built.
         example = f"{name}_1" if kind == "many" else f"{name}.0"
         several = MEMBER_TEXTS[kind]

@@ -15,7 +15,7 @@ from pydantic_core import ErrorDetails
 import audio.names
 from pipeline.errors import Problem
 from pipeline.spec.model_base import FAULTS, Fault, PathSegment
-from pipeline.spec.suggestions import hint, known_keys
+from pipeline.spec.suggestions import close_names, hint, known_keys
 from pipeline.spec.yaml_tree import (
     REFUSED,
     FoundNode,
@@ -26,6 +26,7 @@ from pipeline.spec.yaml_tree import (
     find_node,
     has_refused,
     plain_values,
+    with_key,
 )
 from render.config.base import UnknownName
 
@@ -36,6 +37,9 @@ MAX_ERRORS = 300
 
 MAX_TEXT_LENGTH = 60
 """Longer text values are cut off in messages [characters]."""
+
+MISSING = "is missing"
+"""Message about a key that a mapping lacks."""
 
 _KEY = "[key]"
 """Ends pydantic's path to a wrong key."""
@@ -80,6 +84,31 @@ def check(model: type[Model], tree: SourceNode) -> tuple[Model | None, list[Prob
         details = _last_missing(error.errors(include_url=False)[:MAX_ERRORS])
     findings = [finding for detail in details for finding in _findings(model, tree, detail)]
     return None, _problems(_joined_expectations(findings))
+
+
+def with_meant_keys(model: type[BaseModel], tree: SourceNode) -> SourceNode:
+    """Return a tree whose unknown keys are called as they were meant, where that is certain.
+
+    A model checks what belongs together only when all its keys are right; so the rest of a file
+    with a typo can be checked as well.
+
+    Args:
+        model: what the tree should become.
+        tree: what the file holds.
+    """
+    try:
+        model.model_validate(plain_values(tree), strict=True)
+    except ValidationError as error:
+        details = error.errors(include_url=False)[:MAX_ERRORS]
+    else:
+        return tree
+    for detail in details:
+        if detail["type"] == "extra_forbidden":
+            *_, key = path = find_node(tree, detail["loc"]).path
+            meant = close_names(str(key), known_keys(model, detail["loc"][:-1]))
+            if len(meant) == 1:
+                tree = with_key(tree, path, meant[0])
+    return tree
 
 
 def problems_of_faults(tree: SourceNode, faults: Iterable[Fault]) -> list[Problem]:
@@ -147,7 +176,7 @@ def _missing(node: FoundNode, path: Sequence[PathSegment]) -> _Finding:
         return _Finding(node, f"must hold {last + 1} values, holds {length}")
     if isinstance(node.tree, MappingNode):
         lacking = FoundNode((*node.path, last), node.tree, node.key)
-        return _Finding(lacking, "is missing", is_missing=True)
+        return _Finding(lacking, MISSING, is_missing=True)
     return _Finding(node, f"should be a mapping that has '{last}'")
 
 

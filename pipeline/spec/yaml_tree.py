@@ -159,6 +159,22 @@ def tree_of(value: Any, place: SourceLocation = NO_LOCATION) -> SourceNode:
     return ScalarNode(place, value)
 
 
+def with_key(tree: SourceNode, path: Sequence[PathSegment], name: str) -> SourceNode:
+    """Return a tree whose key at a path is called otherwise, unless there is such a key already.
+
+    Args:
+        tree: the whole.
+        path: to the key, which the tree has; one that a change before it moved is left alone.
+        name: the new name.
+    """
+    *above, old = path
+    found = find_node(tree, above)
+    if found.skipped or not isinstance(found.tree, MappingNode) or name in found.tree.entries:
+        return tree
+    entries = {name if key == old else key: entry for key, entry in found.tree.entries.items()}
+    return _replaced(tree, above, MappingNode(found.tree.place, entries))
+
+
 def with_node(tree: MappingNode, path: Sequence[PathSegment], node: SourceNode) -> MappingNode:
     """Return the mapping with another node at a path below it, which it has."""
     step, *below = path
@@ -292,5 +308,9 @@ class SourceMap:
         return Problem(problem.path, problem.message, place.file, place.line, place.column, source)
 
     def with_locations(self, error: SceneError) -> SceneError:
-        """Return an error whose problems all have their locations."""
-        return SceneError([self.with_location(problem) for problem in error.problems])
+        """Return an error whose problems all have their locations, in the order of the file."""
+        problems = [self.with_location(problem) for problem in error.problems]
+        files = list(dict.fromkeys(problem.file for problem in problems))
+        return SceneError(
+            sorted(problems, key=lambda p: (not p.line, files.index(p.file), p.line, p.column))
+        )

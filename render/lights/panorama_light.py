@@ -10,17 +10,13 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import mitsuba as mi
 import numpy as np
 
 from render.color import luminance
 from render.config import Hdr
-from render.errors import ShotError
 from render.lights.environment_map import UP, Map, normalized, pixel_directions, solid_angles
 from render.lights.key_light import KeyLight
-
-_MAX_WIDTH = 2048
-"""Width to which a larger panorama is reduced [pixels]."""
+from render.panorama_file import read_panorama
 
 
 @dataclass(frozen=True)
@@ -51,31 +47,7 @@ def panorama_light(panorama: Hdr) -> tuple[Map, KeyLight]:
     Raises:
         ShotError: the file cannot be read.
     """
-    return split_sun(_turned(reduced(_read(Path(panorama.file))), panorama.turn_deg))
-
-
-def _read(path: Path) -> Map:
-    try:
-        bitmap = mi.Bitmap(str(path)).convert(
-            mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False
-        )
-    except RuntimeError as error:
-        raise ShotError(f"{path} cannot be read as a panorama: {error}") from error
-    image = np.array(bitmap, np.float64)
-    if not np.isfinite(image).all():
-        raise ShotError(f"{path} holds values that are not finite")
-    return image.clip(0.0, None)
-
-
-def reduced(image: Map) -> Map:
-    """Return a map at most `_MAX_WIDTH` wide with the same light in every direction."""
-    factor = math.ceil(image.shape[1] / _MAX_WIDTH)
-    height, width = image.shape[0] // factor, image.shape[1] // factor
-    if factor == 1 or height == 0:
-        return image
-    cut = image[: height * factor, : width * factor]
-    # Not weighted by solid angle, which hardly changes within one pixel of the result.
-    return np.asarray(cut.reshape(height, factor, width, factor, 3).mean(axis=(1, 3)))
+    return split_sun(_turned(read_panorama(Path(panorama.file)), panorama.turn_deg))
 
 
 def _turned(image: Map, turn_deg: float) -> Map:

@@ -210,8 +210,12 @@ class Running:
         self.process.kill()
 
     def end(self) -> tuple[int, str, str]:
-        """Wait for the end; return exit code, output and errors."""
-        out, err = self.process.communicate()
+        """Wait for the end; return exit code, output and errors.
+
+        Raises:
+            TimeoutExpired: the command hangs.
+        """
+        out, err = self.process.communicate(timeout=300)
         return self.process.returncode, out, err
 
 

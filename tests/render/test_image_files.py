@@ -6,9 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, PngImagePlugin
 
 from render.errors import FrameFileError
-from render.image_files import read_key, read_png, write_exr, write_png
+from render.image_files import (
+    has_digest,
+    read_exr,
+    read_key,
+    read_png,
+    write_exr,
+    write_png,
+)
 
 RNG = np.random.default_rng(1)
 
@@ -33,6 +41,40 @@ def test_a_truncated_file_has_no_key(tmp_path: Path, suffix: str) -> None:
     for length in range(len(whole)):
         path.write_bytes(whole[:length])
         assert read_key(path) is None, length
+
+
+@pytest.mark.parametrize("suffix", ["png", "exr"])
+def test_a_file_that_was_changed_has_no_key_and_is_not_read(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a.{suffix}"
+    if suffix == "png":
+        write_png(path, RNG.integers(0, 256, (8, 8, 3), dtype=np.uint8), "key")
+    else:
+        write_exr(path, RNG.random((8, 8, 3), dtype=np.float32), "key")
+    whole = path.read_bytes()
+    # Most of the pixels, before the end of a PNG file.
+    for at in range(len(whole) - 190, len(whole) - 20):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x41]) + whole[at + 1 :])
+        assert read_key(path) is None, at
+    with pytest.raises(FrameFileError, match="render it again"):
+        (read_png if suffix == "png" else read_exr)(path)
+
+
+def test_another_picture_beside_the_texts_of_the_first_has_no_key(tmp_path: Path) -> None:
+    path, texts = tmp_path / "a.png", PngImagePlugin.PngInfo()
+    write_png(path, np.zeros((4, 4, 3), np.uint8), "key")
+    with Image.open(path) as image:
+        for name, text in image.text.items():
+            texts.add_text(name, text)
+    Image.new("RGB", (4, 4), "white").save(path, pnginfo=texts)
+    assert has_digest(path)
+    assert read_key(path) is None
+    with pytest.raises(FrameFileError, match="is not as it was written"):
+        read_png(path)
+    # A picture of another program, which knows nothing of digests, can be read and has no key.
+    Image.new("RGB", (4, 4), "white").save(path)
+    assert not has_digest(path)
+    assert read_png(path).min() == 255
+    assert read_key(path) is None
 
 
 def test_foreign_and_missing_files_have_no_key(tmp_path: Path) -> None:

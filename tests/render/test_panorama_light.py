@@ -88,7 +88,7 @@ def test_a_panorama_turns_about_the_vertical(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_reduced_panorama_gives_the_same_light(tmp_path: Path) -> None:
     from render.lights.environment_map import UP, irradiance
-    from render.lights.panorama_light import reduced
+    from render.panorama_reader import reduced
 
     image = sky(100.0, width=4096).astype(np.float64)
     small = reduced(image)

@@ -220,7 +220,7 @@ def _alone(threads: int, home: Path | None = None) -> str:
     return child.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_pixels_repeat_in_other_processes_threads_and_caches(tmp_path: Path) -> None:
     first = _alone(2)
     assert len(first.split()) == 2

@@ -102,15 +102,16 @@ def test_every_suggestion_for_a_stride_works(
         Simulation(scene({**walk_config, **dict(re.findall(r"(\w+): ([\d.]+)", suggestion))}))
 
 
-def test_a_start_without_a_foothold_is_refused(scene_of: SceneOf) -> None:
+def test_a_start_without_a_foothold_is_refused_at_its_line(scene_of: SceneOf) -> None:
     terrain = "{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}"
     scene = scene_of("{figure: beetle, name: bug, at: [0, 0]}", terrain=terrain)
-    with pytest.raises(SimulationError) as caught:
+    with pytest.raises(SceneError) as caught:
         Simulation(scene)
-    message = str(caught.value)
-    assert "bug: leg " in message
-    assert "[0, 0]" in message
-    assert "`at`" in message
+    (problem,) = caught.value.problems
+    assert problem.path == "cast[0].at"
+    assert problem.line
+    assert "of 'bug' finds no foothold around its start at [0, 0]" in problem.message
+    assert "`at`" in problem.message
 
 
 def test_divergence_names_step_and_node(scene_of: SceneOf, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,3 +154,19 @@ def test_figures_of_all_kinds_walk_together(scene_of: SceneOf) -> None:
     assert not take.notes
     assert {c.performer for c in take.contacts} == {"dog", "beetle", "dog_2"}
     assert len({n.name for n in take.nodes}) == len(take.nodes)
+
+
+def test_mistakes_of_places_walks_and_attachments_are_told_at_once(scene_of: SceneOf) -> None:
+    off_terrain, too_long = "{figure: beetle, at: [500, 0]}", "{figure: beetle, walk: {stride: 3}}"
+    with pytest.raises(SceneError) as caught:
+        Simulation(scene_of(off_terrain, too_long))
+    assert [p.path for p in caught.value.problems] == ["cast[0].at", "cast[1].walk"]
+    with pytest.raises(SceneError) as caught:
+        Simulation(
+            scene_of(
+                "{name: bug, figure: beetle, walk: {}}",
+                "{prop: {shape: box}, parent: bug.hat, at: [0, 1, 0]}",
+                more="script: [{at: 0, who: bug, do: {look_at: box.lid}}]",
+            )
+        )
+    assert [p.path for p in caught.value.problems] == ["cast[1].parent", "script[0].do.look_at"]

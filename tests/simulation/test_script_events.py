@@ -10,7 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.production.run.notes import take_notes
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.event_monitor import convex_distance
+from pipeline.simulation.convex_distance import convex_distance
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import read_scene
@@ -89,6 +89,50 @@ def test_prop_that_sinks_has_fallen() -> None:
     cast = [f"{{name: crate, prop: {{shape: box}}, keyframes: {keys}}}", BUG]
     take = take_of(cast, ["{when: {fell: crate}, who: bug, do: stop}"])
     assert 1.0 < given_at(take, "stop") < 1.2
+
+
+def test_settling_is_no_coming_to_rest() -> None:
+    # The crate drops by 1 cm, rests, and is kicked by the cart.
+    cast = [
+        "{name: crate, body: {shape: box, size: [0.4, 0.4, 0.4], collide: all}, at: [0, 0.21, 0]}",
+        "{name: cart, prop: {shape: box, size: [1, 0.6, 1]}, at: [-2, 0.3, 0], "
+        "keyframes: [{at: 0.8, position: [-2, 0.3, 0]}, "
+        "{at: 1.8, position: [-0.4, 0.3, 0], ease: linear}]}",
+        "{name: bug, figure: beetle, at: [0, 5], walk: {}}",
+    ]
+    script = ["{when: {at_rest: crate}, who: bug, do: stop}"]
+    take = take_of(cast, script, "terrain: {kind: flat, size: [20, 20]}", duration=4.0)
+    assert given_at(take, "stop") > 1.8
+
+
+DOMINOES = (
+    "{name: row, many: {layout: row, count: 3, spacing: 0.14, "
+    "of: {shape: box, size: [0.03, 0.24, 0.12]}}}"
+)
+BALL = (
+    "{name: ball, body: {shape: sphere, radius: 0.05, collide: all}, at: [-0.5, 0.2, 0], "
+    "velocity: [2, 1, 0]}"
+)
+
+
+def test_events_of_many_bodies() -> None:
+    cast = [DOMINOES, BALL, "{name: kid, figure: person, at: [0, 3], walk: {}}"]
+    script = [
+        "{when: {touch: [ball, row]}, who: kid, do: {wait: 1}}",
+        "{when: {fell: row}, who: kid, do: {wait: 2}}",
+        "{when: {fell: row_3}, who: kid, do: {wait: 3}}",
+        "{when: {fell: row}, who: kid, do: {wait: 4}}",
+        "{when: {fell: row}, who: kid, do: {wait: 5}}",
+        "{when: {fell: row}, who: kid, do: {wait: 6}}",
+        "{when: {at_rest: row}, who: kid, do: {wait: 7}}",
+    ]
+    take = take_of(cast, script, "terrain: flat", duration=4.0)
+    touch, first, third, second, last, rest = (
+        given_at(take, f"wait {n}") for n in (1, 2, 3, 4, 5, 7)
+    )
+    assert 0.0 < touch < first < second < last == third < rest
+    (never,) = [order for order in take.orders if order.outcome == "never given"]
+    assert (never.text, never.reason) == ("wait 6", "row never fell again")
 
 
 def test_order_that_waits_in_vain_is_noted() -> None:

@@ -391,7 +391,7 @@ MISTAKES = [
     ("{connect: [hip, §hip]}", ".connect[1]", "node 'hip' is connected to itself"),
     ("{mirror: x, nodes: §selected}", ".nodes", "no node is selected here; write a select "
      "before it"),
-    ("{mirror: x, §node: [hip]}", ".node", "unknown key, did you mean 'nodes'?"),
+    ("{mirror: y, §node: [head]}", ".node", "unknown key, did you mean 'nodes'?"),
 ]  # fmt: skip
 
 

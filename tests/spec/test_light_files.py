@@ -43,8 +43,8 @@ def test_a_panorama_beside_the_scene_is_found_and_does_not_change_the_simulation
     ("file", "message"),
     [
         ("none.exr", "is no file in"),
-        (".", "is no file in"),
-        ('"a\\0b.exr"', "is no file in"),
+        (".", "is no .exr or .hdr file"),
+        ('"a\\0b.exr"', "it holds a zero byte"),
         ("square.exr", "8 by 8 pixels"),
         ("torn.exr", "cannot be read as an image"),
         ("torn.hdr", "cannot be read as an image"),

@@ -17,9 +17,11 @@ from pipeline.errors import SceneError, UsageError
 from pipeline.production.run.starter_scene import write_starter
 from pipeline.spec import library, read_scene, shipped_scenes
 from pipeline.spec.behaviour import NAMES
+from pipeline.spec.body import ShapeName
+from pipeline.spec.character_kinds import Kind
 from pipeline.spec.mood import MOODS
 from pipeline.spec.name_catalogue import LIBRARY_GROUP, NAME_KINDS, OWN_GROUP, names_of
-from pipeline.spec.script import FORMS, Plain
+from pipeline.spec.script import FORMS, Plain, When
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import close_names, hint
 from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS
@@ -40,6 +42,10 @@ NAMES_BY_KIND = {
     "instruments": INSTRUMENTS,
     "drums": DRUMS,
     "causes": Detect.model_fields,
+    "events": [key for key in When.model_fields if key != "within"],
+    "characters": get_args(Kind),
+    "props": ["box", "ball", "cylinder", "cone", "gear"],
+    "groups": ["flock", "school", "swarm", "rain", "fire", "grass"],
 }
 
 
@@ -56,6 +62,19 @@ def test_every_name_is_described_and_groups_stay_together(kind: str, tmp_path: P
     groups = [entry.group for entry in entries]
     changes = sum(a != b for a, b in pairwise(groups))
     assert changes == len(set(groups)) - 1
+
+
+def test_bodies_are_listed_by_shape_and_layout_with_their_defaults() -> None:
+    entries = {
+        (entry.group.partition(":")[0], entry.name): entry.text
+        for entry in names_of("bodies", Path())
+    }
+    assert entries["body", "box"].endswith("Keys: size [0.3, 0.3, 0.3].")
+    assert {*get_args(ShapeName), "hull", "mesh"} == {
+        name for kind, name in entries if kind == "body"
+    }
+    layouts = {"wall", "pyramid", "stack", "row", "heap"}
+    assert layouts == {name for kind, name in entries if kind == "many"}
 
 
 def test_own_files_are_listed_by_what_they_hold(tmp_path: Path) -> None:
@@ -90,6 +109,8 @@ def test_list_prints_kinds_names_and_json() -> None:
     assert kinds == list(NAME_KINDS)
     text = runner.invoke(app, ["list", "instruments"]).stdout
     assert "piano:\n  acoustic grand piano   program 1\n" in text
+    (line, *_) = runner.invoke(app, ["list", "figures", "--json"]).stdout.splitlines()
+    assert json.loads(line).keys() >= {"name", "text", "length", "width", "height", "legs", "mass"}
     lines = runner.invoke(app, ["list", "moods", "--json"]).stdout.splitlines()
     assert [json.loads(line)["name"] for line in lines] == list(MOODS)
 

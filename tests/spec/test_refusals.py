@@ -62,8 +62,8 @@ ONE_MISTAKE = [
      "nobody in the cast is called 'bgu', did you mean 'bug'?"),
     ("terrain: hills", "sound: {detect: {squeak: {who: §bgu}}}", "sound.detect.squeak.who",
      "nobody in the cast is called 'bgu', did you mean 'bug'?"),
-    ("terrain: hills", "sound: {voices: [{}, {when: {§caus: x}}]}", "sound.voices[1].when.caus",
-     "unknown key, did you mean 'cause'?"),
+    ("terrain: hills", "sound: {voices: [{}, {when: {§caus: squeak}}]}",
+     "sound.voices[1].when.caus", "unknown key, did you mean 'cause'?"),
     ("duration: 2", "duration: 2\ngolden: {frames: [1, §400]}", "golden.frames[1]",
      "the scene has frames 1-48, no 400"),
     ("terrain: hills", "§<<: {duration: 3}", "<<",
@@ -156,8 +156,8 @@ ONE_MISTAKE = [
      "step_depth makes features of 0.05 m, less than 2 cells of 0.05 m along x; make that larger, "
      "or cells[0] at least 1200"),
     ("terrain: hills", "terrain: {kind: stones, gap: §0.01, jitter: 0}", "terrain.gap",
-     "gap makes features of 0.01 m, less than 2 cells of 0.04 m along x; make that larger, "
-     "or cells[0] at least 4000"),
+     "gap makes features of 0.01 m, less than 2 cells of 0.04 m along x and 2 cells of 0.04 m "
+     "along z; make that larger, or cells at least [4000, 2400]"),
     ("terrain: hills", "terrain: {kind: ditches, spacing: §0.3}", "terrain.spacing",
      "spacing, 0.3, must be more than width, 0.3"),
     ("terrain: hills", "terrain: {kind: boulders, diameters: [0.5, §0.4]}",
@@ -428,3 +428,26 @@ def test_aliases_within_bounds_are_accepted():
 def test_yaml_1_1_booleans_are_text_and_core_tags_are_allowed():
     scene = read_scene(GOOD.replace("terrain: hills", "title: on\nseed: !!int 0x10\nfps: 25/1"))
     assert (scene.title, scene.seed, scene.rate) == ("on", 16, 25)
+
+
+def test_the_rest_of_a_file_with_misspelt_keys_is_checked_in_the_same_round() -> None:
+    problems = problems_in(
+        "pronk: 1\nframes: 24\n"
+        "terrain: {kind: stones, lenght: abc}\n"
+        "cast: [{nmae: bug, figur: spider, walk: {}, pronk: {start: 2}}]\n"
+        "script: [{when: {arived: bug}, who: bgu, do: stop}]\n"
+    )
+    assert [(p.path, p.message.split(",")[0]) for p in problems] == [
+        ("terrain.lenght", "unknown key"),
+        ("terrain.length", "should be a number"),
+        ("cast[0].nmae", "unknown key"),
+        ("cast[0].figur", "unknown key"),
+        ("cast[0].pronk.start", "conflicts with walk"),
+        ("script[0].when.arived", "unknown key"),
+        ("script[0].who", "nobody in the cast is called 'bgu'"),
+    ]
+    both = problems_in(
+        "pronk: 1\nframes: 24\ncast: [{figure: beetle}]\n"
+        "terrain: {kind: stones, gap: 0.05, diameter: 0.1}\n"
+    )
+    assert [p.path for p in both] == ["terrain.gap", "terrain.diameter"]

@@ -7,12 +7,13 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pipeline.atomic_file import write_if_changed
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.run import production
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs, opened
 from pipeline.production.run.progress import LogReporter, Reporter
+from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, load_scene
@@ -85,7 +86,7 @@ class SceneRecorder:
         if end_now and not simulation.finished:
             outputs, take = production.simulate_only(order, self.reporter)
         else:
-            take = _take_with_key(simulation, production.take_key(order.scene))
+            take = _take_with_key(simulation, take_key(order.scene))
             outputs = production.store_only(order, take, self.reporter)
         return RecordedScene(file, outputs.take, take.digest, take.header.frames)
 
@@ -94,7 +95,7 @@ class SceneRecorder:
         file = self.outputs.folder / f"{self.name}.yaml"
         text = dump(recorded_scene(scene, simulation, end_now), in_full=False)
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(file.parent)
             write_if_changed(file, f"# As it was directed.\n{text}".encode())
         except OSError as error:
             raise StoreError(f"{file}: could not be written ({error})") from error

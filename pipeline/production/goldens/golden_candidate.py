@@ -21,7 +21,7 @@ from pipeline.production.goldens.golden_card import Framing
 from pipeline.production.goldens.slate import slate
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.production import translated_errors
+from pipeline.production.run.scene_run import translated_errors
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate

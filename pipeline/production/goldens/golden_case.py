@@ -13,7 +13,7 @@ from pipeline.errors import PronkError, UsageError
 from pipeline.production.goldens.golden_card import Card, read_card
 from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.production import translated_errors
+from pipeline.production.run.scene_run import translated_errors
 from pipeline.spec import Scene, find_scene, library, load_scene
 from pipeline.spec.scene_library import SUFFIX
 from pipeline.spec.suggestions import hint

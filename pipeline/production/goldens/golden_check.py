@@ -7,9 +7,10 @@ import shutil
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import GoldenMissing, ProductionError, PronkError, StoreError
 from pipeline.production.goldens.golden_candidate import Candidate
 from pipeline.production.goldens.golden_card import RESTORE_HINT, Card, read_card
@@ -28,7 +29,7 @@ from pipeline.production.goldens.verdict import (
 )
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.progress import Reporter, stage
-from pipeline.production.run.workers import children_ignore_interrupts, worker_pool
+from pipeline.production.run.workers import worker_pool
 from render.backend import Choice
 
 REPORT = "report.html"
@@ -143,7 +144,7 @@ def _store_differences(case: Case, card: Card, verdict: SceneVerdict, made: Cont
         return
     write_content(made, case.made)
     compared = {"golden": card.seal, "made": read_card(case.made.card).seal, "differ": stored}
-    case.compared.write_text(json.dumps(compared, indent=1) + "\n", encoding="utf-8", newline="\n")
+    write_if_changed(case.compared, (json.dumps(compared, indent=1) + "\n").encode())
 
 
 def run_checks(
@@ -162,7 +163,7 @@ def run_checks(
     """
     folder = out / CHECK_FOLDER
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         verdicts = []
         for verdict in _verdicts(cases, layers, backend, min(jobs, len(cases)), reporter):
             verdicts.append(verdict)
@@ -174,9 +175,9 @@ def run_checks(
                 str(verdict), passed=verdict.passed, scene=verdict.scene, layers=layers_found
             )
         facts = verdict_facts(cases, verdicts)
-        (folder / "report.json").write_text(encoded(facts), encoding="utf-8", newline="\n")
-        (folder / "junit.xml").write_bytes(junit_report(verdicts))
-        (folder / REPORT).write_text(html_report(cases, verdicts), encoding="utf-8", newline="\n")
+        write_if_changed(folder / "report.json", encoded(facts).encode())
+        write_if_changed(folder / "junit.xml", junit_report(verdicts))
+        write_if_changed(folder / REPORT, html_report(cases, verdicts).encode())
     except OSError as error:
         raise StoreError(f"{folder}: could not be written: {error.strerror}") from error
     failed = [verdict for verdict in verdicts if not verdict.passed]
@@ -199,9 +200,8 @@ def _verdicts(
             yield check(case, renderer, reporter, layers)
         return
     death = ProductionError("a process that checked has died; try fewer --jobs")
-    with worker_pool(jobs, death) as pool:
-        with children_ignore_interrupts():
-            parts = [pool.submit(_check_in_worker, case, layers, backend) for case in cases]
+    work = partial(_check_in_worker, cases, layers, backend)
+    with worker_pool(jobs, death, work, range(len(cases))) as parts:
         for part in parts:
             verdict = part.result()
             if isinstance(verdict, str):
@@ -210,11 +210,11 @@ def _verdicts(
 
 
 def _check_in_worker(
-    case: Case, layers: tuple[Layer, ...] | None, backend: Choice
+    cases: Sequence[Case], layers: tuple[Layer, ...] | None, backend: Choice, index: int
 ) -> SceneVerdict | str:
     """Check one case in a worker; an error is returned as its message."""
     try:
-        return check(case, _worker_renderer(backend), Reporter(), layers)
+        return check(cases[index], _worker_renderer(backend), Reporter(), layers)
     except PronkError as error:
         return str(error)
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.atomic_file import PARTIAL, replace_folder
+from pipeline.atomic_file import PARTIAL, make_folder, replace_folder
 from pipeline.errors import StoreError
 from pipeline.production.goldens.cue_facts import Cues, read_cues
 from pipeline.production.goldens.film_facts import FilmFacts, read_film_facts
@@ -81,7 +81,7 @@ def write_content(content: Content, place: GoldenFolder) -> Card:
     """
     new = GoldenFolder(place.path.with_name(f".{place.path.name}{PARTIAL}"))
     try:
-        new.path.mkdir(parents=True, exist_ok=True)
+        make_folder(new.path)
         for old in new.path.iterdir():
             old.unlink()
         _write_files(content, new)

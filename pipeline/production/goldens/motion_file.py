@@ -12,7 +12,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from pipeline.atomic_file import write_if_changed
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import GoldenMissing, StoreError
 from pipeline.production.goldens.motion_digest import Fingerprints
 from pipeline.production.goldens.motion_golden import GroundSummary, MotionGolden
@@ -32,7 +32,7 @@ def write_golden(golden: MotionGolden, path: Path) -> None:
         StoreError: it cannot be written.
     """
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         write_if_changed(path, encoded(golden).encode())
     except OSError as error:
         raise StoreError(f"{path}: the golden could not be written: {error.strerror}") from error

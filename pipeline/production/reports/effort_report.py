@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.take_stage import take_of
 from pipeline.simulation.effort import MIN_ROWS, Effort, efforts_of
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene
@@ -38,8 +38,8 @@ def report_effort(order: Order, reporter: Reporter, with_csv: bool) -> Report:
         efforts = efforts_of(take_of(run), names)
         text = table(efforts)
         if with_csv:
-            file = run.outputs.folder / f"{order.name}_torques.csv"
-            write_if_changed(file, torques_csv(efforts).encode("utf-8"))
+            place = run.outputs.folder / f"{order.name}_torques.csv"
+            file = run.write(place, torques_csv(efforts).encode("utf-8"))
             text += f"\n{file}"
     return Report(text, [facts(effort) for effort in efforts])
 

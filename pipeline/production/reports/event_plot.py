@@ -25,8 +25,10 @@ from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.stills import thumbnails
 from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.score_stage import write_score
+from pipeline.production.run.take_stage import take_of
 from pipeline.production.shots.shot_builder import ShotBuilder
 
 
@@ -119,7 +121,7 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
             shape=shape,
             wave=read_waveform(run.outputs.wav, round(axis.length)),
         )
-        return write_plot(run.outputs, "events", event_svg(plot))
+        return write_plot(run, "events", event_svg(plot))
 
 
 def axis_of(score: Score) -> Axis:

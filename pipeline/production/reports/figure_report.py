@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.errors import Problem
+from pipeline.production.reports.figure_size import FigureSize
 from pipeline.simulation.figure_analysis import (
     BODY,
     DenavitRow,
@@ -48,6 +49,7 @@ def report(figure: Figure, inertia: FigureMass, remarks: Sequence[Problem] = ())
     connections = counted(len(drawing.connections), "connection")
     lines = [f"{figure.name}: {headline(figure)}; {nodes}, {connections}"]
     lines += _wrapped("body", f"{_names(figure, anatomy.body)}")
+    lines += _wrapped("stands", f"{FigureSize.of(figure).text}, at scale {figure.scale:g}")
     lines += _wrapped("mass", _mass_text(inertia))
     for appendage, limb in zip(anatomy.appendages, figure.skeleton.limbs, strict=True):
         links, joints = counted(len(limb.links), "link"), counted(len(limb.joints), "joint")
@@ -170,6 +172,7 @@ def facts(figure: Figure, inertia: FigureMass, remarks: Sequence[Problem] = ()) 
     return {
         "name": figure.name,
         "density": figure.density,
+        "size": FigureSize.of(figure).facts,
         "rest": whole,
         "links": links,
         "limbs": limbs,

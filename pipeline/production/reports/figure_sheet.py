@@ -10,6 +10,7 @@ from typing import Any
 import drawsvg
 import numpy as np
 
+from pipeline.atomic_file import make_folder
 from pipeline.errors import Problem, SceneError, StoreError
 from pipeline.production.reports.canvas import MARGIN, Canvas, Panel
 from pipeline.production.reports.figure_drawing import (
@@ -114,7 +115,7 @@ def figure_sheet(drawn: DrawnFigure, out: Path, denavit: bool = False) -> Sheet:
     """
     figure = drawn.figure
     try:
-        out.mkdir(parents=True, exist_ok=True)
+        make_folder(out)
         pictures = figure_svg(figure, drawn.remarks)
         files = write_pictures(out / figure.name.replace(" ", "_"), pictures)
     except OSError as error:

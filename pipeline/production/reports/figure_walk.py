@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.atomic_file import make_folder
 from pipeline.errors import FilmingError, SceneError, StoreError
 from pipeline.production.reports.stills import laid_out
 from pipeline.production.run.interrupts import held_back
@@ -87,7 +88,7 @@ def walk_sheet(
     pictures = _rendered(scene, take, frames, backend, reporter)
     file = out / f"{figure.name.replace(' ', '_')}_walk.png"
     try:
-        out.mkdir(parents=True, exist_ok=True)
+        make_folder(out)
         write_png(file, laid_out(pictures, COLUMNS), "walk")
     except RenderError as error:
         raise FilmingError(str(error)) from error

@@ -22,8 +22,9 @@ from pipeline.production.reports.plot_colors import FAINT, INK, limb_colors
 from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.take_stage import take_of
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
@@ -96,7 +97,7 @@ def plot_gait(order: Order, reporter: Reporter) -> tuple[Path, Path]:
         creatures = [creature_stances(order.scene, name, take) for name in walkers]
         title = take.header.title or order.name
         svg = gait_svg(title, creatures, take.header.frames / rate, rate)
-        return write_plot(run.outputs, "gait", svg)
+        return write_plot(run, "gait", svg)
 
 
 def walkers_of(scene: Scene) -> list[str]:

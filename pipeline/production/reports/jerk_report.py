@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.atomic_file import write_if_changed
 from pipeline.production.reports.jerk_plot import jerk_svg
 from pipeline.production.reports.jerk_trials import (
     RESTING_DISTANCE,
@@ -27,8 +26,8 @@ from pipeline.production.reports.jerk_trials import (
 from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import working
 from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.scene_run import working
 from pipeline.simulation.dance_trials import (
     CUTOFF_FREQUENCY,
     MINIMUM_DIMENSIONLESS_JERK,
@@ -75,10 +74,10 @@ def report_jerk(order: Order, reporter: Reporter) -> Report:
             current.result = f"danced {2 * len(trials)} times"
         compared = {t.name: agreements(t) if is_figure_three(dance) else [] for t in trials}
         text = _text(member.name, dance, trials, compared)
-        table = run.outputs.folder / f"{order.name}_jerk.csv"
-        write_if_changed(table, table_csv(dance, trials).encode("utf-8"))
+        place = run.outputs.folder / f"{order.name}_jerk.csv"
+        table = run.write(place, table_csv(dance, trials).encode("utf-8"))
         svg = jerk_svg(f"{member.name}: {member.dance}", dance, trials[-1])
-        files = (table, *write_plot(run.outputs, "jerk", svg))
+        files = (table, *write_plot(run, "jerk", svg))
     facts = [_facts(trial, compared[trial.name]) for trial in trials]
     return Report("\n".join([text, *map(str, files)]), facts)
 

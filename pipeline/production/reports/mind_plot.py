@@ -18,8 +18,9 @@ from pipeline.production.reports.plot_colors import GRID, INK, LEG_COLORS, PAPER
 from pipeline.production.reports.plot_files import write_plot
 from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.take_stage import take_of
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
@@ -76,7 +77,7 @@ def plot_mind(order: Order, reporter: Reporter) -> tuple[Path, Path]:
         traces = mind_traces(order.scene, take)
         title = take.header.title or order.name
         svg = mind_svg(title, traces, take.header.frames / rate, rate)
-        return write_plot(run.outputs, "mind", svg)
+        return write_plot(run, "mind", svg)
 
 
 def mind_traces(scene: Scene, take: Take) -> tuple[MindTrace, ...]:

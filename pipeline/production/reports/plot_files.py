@@ -9,7 +9,7 @@ import resvg_py
 from PIL import ImageFont
 
 from pipeline.atomic_file import write_if_changed
-from pipeline.production.run.outputs import Outputs
+from pipeline.production.run.scene_run import SceneRun
 
 
 def png_of(svg: str) -> bytes:
@@ -20,9 +20,11 @@ def png_of(svg: str) -> bytes:
         return bytes(resvg_py.svg_to_bytes(svg_string=svg, font_files=[str(file)], zoom=1.5))
 
 
-def write_plot(outputs: Outputs, kind: str, svg: str) -> tuple[Path, Path]:
+def write_plot(run: SceneRun, kind: str, svg: str) -> tuple[Path, Path]:
     """Write a plot into a scene's folder as SVG and PNG, and return both files."""
-    return write_pictures(outputs.folder / f"{outputs.name}_{kind}", svg)
+    files = write_pictures(run.outputs.folder / f"{run.outputs.name}_{kind}", svg)
+    run.records.update(*files)
+    return files
 
 
 def write_pictures(stem: Path, svg: str) -> tuple[Path, Path]:

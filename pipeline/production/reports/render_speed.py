@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter, clock, stage
+from pipeline.production.run.scene_run import working
+from pipeline.production.run.take_stage import take_of
 from pipeline.production.shots.shot_builder import ShotBuilder
 from render.backend import choose
 from render.config import FullFilm

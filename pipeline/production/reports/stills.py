@@ -11,19 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.errors import FilmingError, UsageError
+from pipeline.errors import UsageError
 from pipeline.production.run.frame_ranges import counted
+from pipeline.production.run.frame_stage import note_levels, shooting_of
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import Production, note_levels, shooting_of, working
 from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.scene_run import SceneRun, working
 from pipeline.production.run.workers import with_gpu_fallback
 from pipeline.production.shots.frame_rendering import outdated_frames, write_frame
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.take import Take
 from render.backend import Backend, choose
 from render.config import Film
-from render.errors import RenderError
 from render.image_files import read_png, write_png
 from render.renderer import Renderer
 
@@ -47,7 +47,8 @@ def still(order: Order, number: int, reporter: Reporter) -> Path:
     last = order.scene.n_frames
     if not 1 <= number <= last:
         raise UsageError(f"frame {number}: the scene has frames 1-{last}")
-    return _stills(order, [number], reporter)[0]
+    with working(order, reporter) as run:
+        return _stills(run, [number])[0]
 
 
 def sheet(order: Order, count: int, columns: int, reporter: Reporter) -> Path:
@@ -59,14 +60,13 @@ def sheet(order: Order, count: int, columns: int, reporter: Reporter) -> Path:
     if order.scene.film.resolved().format != "png":
         raise UsageError("a sheet is made of PNG frames; take film.format=exr away")
     frames = spread(order.scene.n_frames, count)
-    files = _stills(order, frames, reporter)
-    place = files[0].parent.parent / f"{order.name}_sheet.png"
-    try:
+    with working(order, reporter) as run:
+        files = _stills(run, frames)
+        place = run.outputs.folder / f"{order.name}_sheet.png"
         picture = laid_out([read_png(file) for file in files], columns)
         write_png(place, picture, "sheet")
-    except RenderError as error:
-        raise FilmingError(str(error)) from error
-    return place
+        run.records.update(place)
+        return place
 
 
 def spread(last: int, count: int) -> list[int]:
@@ -89,33 +89,34 @@ def laid_out(pictures: Sequence[NDArray[np.uint8]], columns: int) -> NDArray[np.
     return paper
 
 
-def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Path]:
+def _stills(run: SceneRun, frames: Sequence[int]) -> list[Path]:
     """Render those of `frames` that are due, and return the files of all."""
-    with working(order, reporter) as run:
-        run.frames = tuple(frames)
-        shooting = shooting_of(run)
-        files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
-        with stage(reporter, "render", len(frames)) as current:
+    run.frames = tuple(frames)
+    shooting = shooting_of(run)
+    files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
+    with stage(run.reporter, "render", len(frames)) as current:
 
-            def rendered(backend: Backend) -> None:
+        def rendered(backend: Backend) -> None:
+            with held_back():
+                renderer = Renderer(backend)
+            keys, missing = outdated_frames(
+                shooting, run.outputs, run.records, frames, renderer.key_extra
+            )
+            kept = len(frames) - len(missing)
+            current.keep(kept)
+            for i, frame in enumerate(missing, start=1):
                 with held_back():
-                    renderer = Renderer(backend)
-                keys, missing = outdated_frames(shooting, run.outputs, frames, renderer.key_extra)
-                kept = len(frames) - len(missing)
-                current.keep(kept)
-                for i, frame in enumerate(missing, start=1):
-                    with held_back():
-                        picture = renderer.render(shooting.shot(frame))
-                    write_frame(files[frame], picture, keys[frame])
-                    current.advance(kept + i)
-                current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
+                    picture = renderer.render(shooting.shot(frame))
+                run.records.put(files[frame], write_frame(files[frame], picture, keys[frame]))
+                current.advance(kept + i)
+            current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
 
-            with_gpu_fallback(order.backend, reporter, rendered)
-        note_levels(run, shooting, frames)
+        with_gpu_fallback(run.order.backend, run.reporter, rendered)
+    note_levels(run, shooting, frames)
     return list(files.values())
 
 
-def thumbnails(run: Production, take: Take, frames: Sequence[int], height: int) -> list[bytes]:
+def thumbnails(run: SceneRun, take: Take, frames: Sequence[int], height: int) -> list[bytes]:
     """Return frames as small PNG pictures: rendered ones are shrunk, the others rendered small.
 
     Args:
@@ -137,7 +138,7 @@ def thumbnails(run: Production, take: Take, frames: Sequence[int], height: int) 
     with stage(run.reporter, "thumbnails", len(frames)) as current:
         with held_back():
             renderer = Renderer(choose(run.order.backend))
-        _, missing = outdated_frames(shooting, run.outputs, frames, renderer.key_extra)
+        _, missing = outdated_frames(shooting, run.outputs, run.records, frames, renderer.key_extra)
         for done, frame in enumerate(frames, start=1):
             if frame in missing or shooting.film.format != "png":
                 with held_back():

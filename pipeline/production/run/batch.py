@@ -72,7 +72,12 @@ class SceneReporter(Reporter):
 
 
 def run_batch(
-    scenes: Sequence[str], work: Work, reporter: Reporter, report_error: ReportError
+    scenes: Sequence[str],
+    work: Work,
+    reporter: Reporter,
+    report_error: ReportError,
+    success: str = "done",
+    find: Callable[[str], Path | None] = find_scene,
 ) -> int:
     """Work on scenes one after the other and return the worst exit code, which is the highest.
 
@@ -83,14 +88,16 @@ def run_batch(
         work: on each of them.
         reporter: of the work.
         report_error: called with each error as it happens.
+        success: word of the table for a scene that the work is done on.
+        find: returns the file of a scene, None for what is none.
     """
-    rows = [SceneRow(scene) for scene in scenes]
+    rows = [SceneRow(scene, success=success) for scene in scenes]
     several = len(rows) > 1
     try:
         for number, row in enumerate(rows, start=1):
             if several:
                 reporter.scene(row.scene, number, len(rows))
-            _run_scene(row, work, reporter, report_error)
+            _run_scene(row, work, reporter, report_error, find)
     finally:
         worst = max(row.exit_code or 0 for row in rows)
         if several:
@@ -98,14 +105,20 @@ def run_batch(
     return worst
 
 
-def _run_scene(row: SceneRow, work: Work, reporter: Reporter, report_error: ReportError) -> None:
+def _run_scene(
+    row: SceneRow,
+    work: Work,
+    reporter: Reporter,
+    report_error: ReportError,
+    find: Callable[[str], Path | None],
+) -> None:
     """Work on one scene and fill its row."""
     began = time.monotonic()
     file: Path | None = None
     # Until it has come to an end of its own.
     row.state, row.exit_code = "stopped", INTERRUPTED
     try:
-        file = find_scene(row.scene)
+        file = find(row.scene)
         work(row.scene, SceneReporter(reporter, row))
         row.state, row.exit_code = "done", 0
     except BrokenPipeError:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from pipeline.production.run.outputs import LIBRARIES
+from pipeline.production.run.manifest import LIBRARIES
 
 
 @dataclass(frozen=True, slots=True)

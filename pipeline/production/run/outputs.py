@@ -7,17 +7,12 @@ a run that was stopped at any moment can go on.
 from __future__ import annotations
 
 import contextlib
-import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from pipeline.atomic_file import remove
+from pipeline.atomic_file import make_folder, remove
 from pipeline.errors import StoreError
-
-"""Suffix of folders that are being written."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,22 +88,35 @@ def opened(outputs: Outputs) -> Iterator[None]:
     Raises:
         StoreError: the folder cannot be written to, or another run is at work in it.
     """
-    try:
-        outputs.frames.mkdir(parents=True, exist_ok=True)
-        lock = (outputs.folder / ".lock").open("a")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise StoreError(
-            f"{outputs.folder}: cannot be written to ({reason}); choose another place with --out"
-        ) from error
-    with lock:
-        if not _locked(lock.fileno()):
-            raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
-        _clear(outputs)
+    with contextlib.ExitStack() as stack:
+        try:
+            make_folder(outputs.frames)
+            stack.enter_context(locked(outputs))
+            _clear(outputs)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise StoreError(
+                f"{outputs.folder}: cannot be written to ({reason}); choose another place with "
+                "--out"
+            ) from error
         yield
 
 
-def _locked(descriptor: int) -> bool:
+@contextlib.contextmanager
+def locked(outputs: Outputs) -> Iterator[None]:
+    """Lock the folder of `outputs` against other runs.
+
+    Raises:
+        StoreError: another run is at work in it.
+        OSError: it cannot be written to.
+    """
+    with (outputs.folder / ".lock").open("a") as lock:
+        if not _take_lock(lock.fileno()):
+            raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
+        yield
+
+
+def _take_lock(descriptor: int) -> bool:
     """Take the lock of an open file, unless another process has it."""
     try:
         import fcntl  # Windows has none and goes unlocked.
@@ -133,49 +141,3 @@ def _clear(outputs: Outputs) -> None:
             remove(path)
     for path in outputs.frames.glob(".[0-9]*"):
         remove(path)
-
-
-FORMAT = 1
-
-LIBRARIES = ("mitsuba", "drjit", "mitsuba-oidn", "mido", "imageio", "av", "zarr", "pydantic")
-"""Libraries that outputs depend on."""
-
-
-@dataclass(slots=True)
-class Manifest:
-    """The record of a scene's outputs, carried on from run to run.
-
-    Attributes:
-        entries: everything but the times.
-        seconds: time of each stage, from the last run in which it had something to do.
-    """
-
-    entries: dict[str, Any] = field(default_factory=dict)
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    @staticmethod
-    def read(path: Path) -> Manifest:
-        """Return the manifest in `path`; an empty one if none can be read."""
-        try:
-            entries = json.loads(path.read_text(encoding="utf-8"))
-            seconds = entries.pop("seconds")
-            entries.pop("manifest", None)
-            return Manifest(entries, dict(seconds))
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            return Manifest()
-
-    def encoded(self) -> bytes:
-        """Return the manifest as JSON."""
-        members = {"manifest": FORMAT, **self.entries, "seconds": self.seconds}
-        return (json.dumps(members, indent=2, ensure_ascii=False) + "\n").encode()
-
-
-def library_versions() -> dict[str, str]:
-    """Return the versions of the libraries that outputs depend on."""
-    found = {}
-    for name in LIBRARIES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "missing"
-    return found

@@ -138,6 +138,7 @@ class SceneRow:
         notes: number of its notes.
         error: first line of its error, "" without one.
         exit_code: that the scene alone ends with, None for one that is not started.
+        success: word for the state "done".
     """
 
     scene: str
@@ -147,6 +148,7 @@ class SceneRow:
     notes: int = 0
     error: str = ""
     exit_code: int | None = None
+    success: str = "done"
 
     @property
     def facts(self) -> dict[str, object]:
@@ -174,7 +176,8 @@ class SceneRow:
         notes = f", {counted_notes(self.notes)}" if self.notes else ""
         error = f": {self.error}" if self.error else ""
         seconds = "-" if self.state == "not started" else f"{self.seconds:.1f}"
-        return self.scene, frames, kept, seconds, f"{self.state}{notes}{error}"
+        state = self.success if self.state == "done" else self.state
+        return self.scene, frames, kept, seconds, f"{state}{notes}{error}"
 
 
 def table_lines(rows: Sequence[SceneRow]) -> list[str]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
+from pipeline.production.reports.figure_size import FigureSize, metres
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
@@ -20,6 +21,8 @@ from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
+from pipeline.spec.cast import Member
+from pipeline.spec.creature import Creature
 
 PROGRESS_FRAMES = 8
 """Frames after which the simulation reports its progress."""
@@ -86,8 +89,23 @@ def _summary(scene: Scene, simulation: Simulation) -> str:
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
-    cast = ", ".join(f"{member.name} ({member.kind_name})" for member in scene.cast)
+    used = {member.figure for _, member in scene.creatures}
+    sizes = {
+        name: FigureSize.of(build_figure(name, figure, 1.0))
+        for name, figure in scene.figures.items()
+        if name in used
+    }
+    cast = ", ".join(f"{member.name} ({_kind_text(member, sizes)})" for member in scene.cast)
     return f"right: {length}; {cast}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
+
+
+def _kind_text(member: Member, sizes: Mapping[str, FigureSize]) -> str:
+    """Return the kind of a member; of a creature, also its length and height."""
+    if not isinstance(member, Creature):
+        return member.kind_name
+    size, scale = sizes[member.figure], member.scale
+    extent = f"{metres(scale * size.length)} m long, {metres(scale * size.height)} m high"
+    return f"{member.figure}, {extent}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from pathlib import Path
 
+from pipeline.atomic_file import write_if_changed
 from pipeline.errors import StoreError, UsageError
 
 TEXT = """\
@@ -61,12 +63,12 @@ def write_starter(name: str, folder: Path) -> Path:
     if odd or stem != stem.strip() or not stem or stem.startswith(("-", ".")):
         raise UsageError(f"'{name}' is no name for a scene; letters, digits, - and _ are")
     path = folder / f"{stem}.yaml"
+    title = stem.replace("_", " ").capitalize()
+    text = TEXT.format(name=stem, file=shlex.quote(path.name), title=title)
+    if os.path.lexists(path):
+        raise UsageError(f"{path.name}: is there already; choose another name")
     try:
-        with path.open("x", encoding="utf-8") as file:
-            title = stem.replace("_", " ").capitalize()
-            file.write(TEXT.format(name=stem, file=shlex.quote(path.name), title=title))
-    except FileExistsError:
-        raise UsageError(f"{path.name}: is there already; choose another name") from None
+        write_if_changed(path, text.encode())
     except OSError as error:
         raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
     return path

@@ -9,14 +9,16 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pipeline.errors import FilmingError, PronkError
+from pipeline.production.run.file_records import FileRecord, FileRecords
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.frame_rendering import render_frames
@@ -40,6 +42,7 @@ FIRST_BATCH = 5
 """Frames of the first batch of a worker: enough to measure its pace after building its scene."""
 
 T = TypeVar("T")
+Item = TypeVar("Item")
 
 
 def with_gpu_fallback(choice: Choice, reporter: Reporter, work: Callable[[Backend], T]) -> T:
@@ -61,16 +64,33 @@ def with_gpu_fallback(choice: Choice, reporter: Reporter, work: Callable[[Backen
 
 
 @contextmanager
-def worker_pool(jobs: int, death: PronkError) -> Iterator[ProcessPoolExecutor]:
-    """Open a pool of `jobs` workers.
+def worker_pool(
+    jobs: int, death: PronkError, work: Callable[[Item], T], items: Sequence[Item]
+) -> Iterator[list[Future[T]]]:
+    """Do work on each of the items in `jobs` processes.
+
+    Each process gets `work` when it starts; through the pool's pipe go only the items, which
+    have to be small: before Python 3.11.5, a pool whose workers are ended while it waits for room
+    in its pipe waits for ever.
+
+    Args:
+        jobs: number of processes.
+        death: raised when a process died.
+        work: picklable; may be a `partial` that carries much data.
+        items: at most some hundred bytes each.
+
+    Yields:
+        The results to come, in the order of the items.
 
     Raises:
         PronkError: `death`, if a worker died.
     """
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, context, _start_worker) as pool:
+    with ProcessPoolExecutor(jobs, context, _start_worker, (work,)) as pool:
         try:
-            yield pool
+            with _children_ignore_interrupts():
+                futures: list[Future[T]] = [pool.submit(_work_on, item) for item in items]
+            yield futures
         except BrokenProcessPool as error:
             raise death from error
         except BaseException:
@@ -81,7 +101,7 @@ def worker_pool(jobs: int, death: PronkError) -> Iterator[ProcessPoolExecutor]:
 
 
 @contextmanager
-def children_ignore_interrupts() -> Iterator[None]:
+def _children_ignore_interrupts() -> Iterator[None]:
     """Let processes that are started inside ignore Ctrl-C from the start.
 
     An ignored signal stays ignored in a new program; a handler would come too late for the
@@ -95,7 +115,7 @@ def children_ignore_interrupts() -> Iterator[None]:
 
 
 @dataclass(frozen=True, slots=True)
-class FrameBatch:
+class FrameJob:
     """Frames to render and all that a worker needs for them.
 
     Attributes:
@@ -112,17 +132,6 @@ class FrameBatch:
     backend: Backend
     keys: dict[int, str]
 
-    def split(self, size: int, first_size: int = 0, first_count: int = 0) -> list[FrameBatch]:
-        """Return batches of `size` successive frames, the first ones of another size."""
-        frames, batches = list(self.keys), list[FrameBatch]()
-        while frames:
-            count = first_size if len(batches) < first_count else size
-            batches.append(
-                replace(self, keys={frame: self.keys[frame] for frame in frames[:count]})
-            )
-            del frames[:count]
-        return batches
-
 
 @dataclass(frozen=True, slots=True)
 class BatchResult:
@@ -131,20 +140,26 @@ class BatchResult:
     Attributes:
         timings: of the renderer.
         pace: time per frame after a worker's first ones [s], None if not measured.
+        records: of the frames, with their files.
     """
 
     timings: Timings
     pace: float | None
+    records: list[tuple[Path, FileRecord]]
 
 
 def film_in_processes(
-    frames: FrameBatch, jobs: int, progress: Callable[[int, float | None], None]
+    job: FrameJob,
+    jobs: int,
+    records: FileRecords,
+    progress: Callable[[int, float | None], None],
 ) -> Timings:
     """Render frames in `jobs` processes.
 
     Args:
-        frames: all of them.
+        job: all of them.
         jobs: number of processes.
+        records: of the outputs; those of the frames are added.
         progress: called with the number of frames done, and the latest time per frame of all
             processes together [s], None before it is measured.
 
@@ -158,18 +173,20 @@ def film_in_processes(
     total = Timings()
     death = FilmingError("a process that rendered has died; if memory was short, try fewer --jobs")
     pace: float | None = None
-    for share in frames.split(jobs * FRAMES_PER_PROCESS):
-        size = min(MAX_BATCH, max(1, len(share.keys) // (jobs * BATCHES_PER_PROCESS)))
-        batches = share.split(size, min(size, FIRST_BATCH), jobs)
-        with worker_pool(min(jobs, len(batches)), death) as pool:
-            with children_ignore_interrupts():
-                futures = [pool.submit(_film_batch, batch) for batch in batches]
+    numbers = list(job.keys)
+    share = jobs * FRAMES_PER_PROCESS
+    for first in range(0, len(numbers), share):
+        batches = _batches(numbers[first : first + share], jobs)
+        work = partial(_film_batch, job)
+        with worker_pool(min(jobs, len(batches)), death, work, batches) as futures:
             for future in as_completed(futures):
                 part = future.result()
                 if isinstance(part, DeviceMemoryShort):
                     raise part
                 if isinstance(part, str):
                     raise FilmingError(part)
+                for path, record in part.records:
+                    records.put(path, record)
                 for quantity in fields(total):
                     name = quantity.name
                     setattr(total, name, getattr(total, name) + getattr(part.timings, name))
@@ -179,13 +196,29 @@ def film_in_processes(
     return total
 
 
+def _batches(numbers: list[int], jobs: int) -> list[list[int]]:
+    """Return successive frames in batches, the first one of each worker a short one."""
+    size = min(MAX_BATCH, max(1, len(numbers) // (jobs * BATCHES_PER_PROCESS)))
+    batches = list[list[int]]()
+    while numbers:
+        count = min(size, FIRST_BATCH) if len(batches) < jobs else size
+        batches.append(numbers[:count])
+        numbers = numbers[count:]
+    return batches
+
+
 # --- in a worker ------------------------------------------------------------------
+
+_work: Callable[[Any], Any] | None = None
+"""What this worker does with each item."""
 
 _equipment: tuple[ShotBuilder, Renderer] | None = None
 """Shots and renderer of this worker, made for its first batch."""
 
 
-def _start_worker() -> None:
+def _start_worker(work: Callable[[Any], Any]) -> None:
+    global _work
+    _work = work
     # The parent answers Ctrl-C and ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Prints of libraries are no results of the command.
@@ -208,23 +241,31 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _film_batch(batch: FrameBatch) -> BatchResult | str | DeviceMemoryShort:
+def _work_on(item: Any) -> Any:
+    assert _work is not None
+    return _work(item)
+
+
+def _film_batch(job: FrameJob, numbers: list[int]) -> BatchResult | str | DeviceMemoryShort:
     """Render one batch and return its times; an error is returned as its message."""
     global _equipment
     try:
         first, times = _equipment is None, [time.monotonic()]
         if _equipment is None:
-            shooting = ShotBuilder(batch.scene, read_take(batch.take))
-            _equipment = shooting, Renderer(batch.backend)
+            shooting = ShotBuilder(job.scene, read_take(job.take))
+            _equipment = shooting, Renderer(job.backend)
         shooting, renderer = _equipment
         renderer.timings = Timings()
-        for _ in render_frames(renderer, shooting, batch.outputs, batch.keys):
+        records = []
+        keys = {number: job.keys[number] for number in numbers}
+        for written in render_frames(renderer, shooting, job.outputs, keys):
+            records.append(written)
             times.append(time.monotonic())
     except DeviceMemoryShort as error:
         return error
     except (FilmingError, RenderError) as error:
         return str(error)
-    return BatchResult(renderer.timings, _batch_pace(times, first))
+    return BatchResult(renderer.timings, _batch_pace(times, first), records)
 
 
 def _batch_pace(times: Sequence[float], first: bool) -> float | None:

@@ -1,7 +1,8 @@
 """Frame rendering: which frames are out of date, and rendering them in order.
 
 A frame is out of date if the key in its file differs from its key now: a digest of the shot, the
-backend and the denoiser with its thread count.
+backend and the denoiser with its thread count. It is damaged if it is not as it was recorded; of a
+run that was stopped before it recorded its frames, if the file is not as it says itself.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from pipeline.errors import FilmingError
+from pipeline.production.run.file_records import FileRecord, FileRecords
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -36,19 +38,35 @@ def frame_key(builder: ShotBuilder, frame: int, extra: str) -> str:
 
 
 def outdated_frames(
-    builder: ShotBuilder, outputs: Outputs, frames: Sequence[int], extra: str
+    builder: ShotBuilder,
+    outputs: Outputs,
+    records: FileRecords,
+    frames: Sequence[int],
+    extra: str,
 ) -> tuple[dict[int, str], list[int]]:
-    """Return the keys of `frames`, and the frames that are missing or out of date."""
+    """Return the keys of `frames`, and the frames that are missing, out of date or damaged.
+
+    Frames without a record that are whole are recorded.
+    """
     suffix = builder.film.format
     keys = {frame: frame_key(builder, frame, extra) for frame in frames}
-    missing = [f for f in frames if read_key(outputs.frame(f, suffix)) != keys[f]]
+    missing = [f for f in frames if not _is_right(outputs.frame(f, suffix), records, keys[f])]
     return keys, missing
+
+
+def _is_right(path: Path, records: FileRecords, key: str) -> bool:
+    if records.of(path, key) is not None:
+        return records.is_intact(path, key)
+    if read_key(path) != key:
+        return False
+    records.add(path, key)
+    return True
 
 
 def render_frames(
     renderer: Renderer, builder: ShotBuilder, outputs: Outputs, keys: dict[int, str]
-) -> Iterator[int]:
-    """Render the frames of `keys` in order, and yield each when it is written.
+) -> Iterator[tuple[Path, FileRecord]]:
+    """Render the frames of `keys` in order, and yield file and record of each when it is written.
 
     Frames are compressed and written while the renderer works on the next one.
 
@@ -56,32 +74,34 @@ def render_frames(
         FilmingError: if a frame cannot be rendered or written.
         DeviceMemoryShort: the GPU has too little memory.
     """
-    pending: list[tuple[int, Future[None]]] = []
+    pending: list[tuple[Path, Future[FileRecord]]] = []
     with ThreadPoolExecutor(max_workers=1) as writer:
         try:
             for frame, key in keys.items():
                 with held_back():
                     picture = renderer.render(builder.shot(frame))
                 path = outputs.frame(frame, builder.film.format)
-                pending.append((frame, writer.submit(write_frame, path, picture, key)))
+                pending.append((path, writer.submit(write_frame, path, picture, key)))
                 # At most one frame waits, which bounds the memory.
                 while len(pending) > 1:
-                    yield _written(pending.pop(0))
-            for pair in pending:
-                yield _written(pair)
+                    path, written = pending.pop(0)
+                    yield path, written.result()
+            for path, written in pending:
+                yield path, written.result()
         except DeviceMemoryShort:
             raise
         except (RenderError, OSError) as error:
             raise FilmingError(str(error)) from error
 
 
-def write_frame(path: Path, frame: Frame, key: str) -> None:
-    """Write a frame in the format of its file's suffix."""
+def write_frame(path: Path, frame: Frame, key: str) -> FileRecord:
+    """Write a frame in the format of its file's suffix, and return the record of the file."""
     levels = PictureLevels.of(frame.light, frame.exposure)
     if path.suffix == ".exr":
         write_exr(path, frame.light, key, levels)
     else:
         write_png(path, frame.srgb8, key, levels=levels)
+    return FileRecord.of(path, key)
 
 
 def frame_levels(
@@ -101,9 +121,3 @@ def _measured(path: Path, exposure: float) -> PictureLevels:
     if path.suffix == ".exr":
         return PictureLevels.of(read_exr(path), exposure)
     return PictureLevels.of_srgb8(read_png(path))
-
-
-def _written(pair: tuple[int, Future[None]]) -> int:
-    frame, future = pair
-    future.result()
-    return frame

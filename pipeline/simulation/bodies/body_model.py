@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 
 from pipeline.errors import MassError, Problem, SceneError
+from pipeline.foreign_files.safe_file import BODY_MESH
 from pipeline.simulation.dynamics.hull import Hull, hull_of
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.rigid_body import BodyModel
+from pipeline.simulation.mesh_file import MeshError, mesh_vertices
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain.height_files import MeshError, obj_vertices, ply_vertices
 from pipeline.spec.body import (
     Box,
     Brick,
@@ -39,9 +40,11 @@ GOLDEN_RATIO = (1.0 + 5.0**0.5) / 2.0
 
 CUBE_CORNERS: Array = np.array(list(product((-1.0, 1.0), repeat=3)))
 
-MESH_READERS = {".obj": obj_vertices, ".ply": ply_vertices}
+MAX_VERTICES = 2**20
+"""Vertices of a mesh whose hull is a body."""
 
-MAX_FILE_BYTES = 2**28
+MAX_CORNERS = 5000
+"""Corners of the hull of a mesh: the time that it takes grows with their square."""
 
 
 def _box_points(config: Box | Brick) -> Array:
@@ -93,19 +96,32 @@ def _mesh_points(config: MeshBody) -> Array:
     Raises:
         MeshError: if the file is not a readable mesh.
     """
-    path = Path(config.file)
-    reader = MESH_READERS.get(path.suffix.lower())
-    if reader is None:
-        raise MeshError("it should end in .obj or .ply")
+    vertices = mesh_vertices(Path(config.file), BODY_MESH, MAX_VERTICES)
+    if np.abs(vertices).max(initial=0.0) > WORLD_LIMIT / config.scale:
+        raise MeshError(f"reaches farther than {WORLD_LIMIT:g} m; is its scale right?")
+    vertices *= config.scale
+    return _few_points(np.unique(vertices, axis=0))
+
+
+def _few_points(points: Array) -> Array:
+    """Returns points (n, 3) that have the same hull, at most `MAX_CORNERS`.
+
+    Raises:
+        MeshError: if the hull has more corners.
+    """
+    if len(points) <= MAX_CORNERS:
+        return points
+    # Only large meshes wait for it.
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise MeshError(f"it is larger than {MAX_FILE_BYTES // 2**20} MiB")
-        vertices = config.scale * reader(path.read_bytes())
-    except OSError as error:
-        raise MeshError(f"{error.strerror}") from None
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > WORLD_LIMIT:
-        raise MeshError(f"it reaches farther than {WORLD_LIMIT:g} m; is its scale right?")
-    return np.unique(vertices, axis=0)
+        corners = np.sort(ConvexHull(points).vertices)
+    except QhullError:
+        raise MeshError("lies in one plane, which encloses no volume") from None
+    if len(corners) > MAX_CORNERS:
+        limit = f"{len(corners)} corners, more than {MAX_CORNERS}"
+        raise MeshError(f"has a hull of {limit}; make it simpler")
+    return points[corners]
 
 
 HULL_POINTS: dict[type[Any], Callable[[Any], Array]] = {
@@ -134,7 +150,7 @@ def body_hull(config: Any, path: str) -> Hull:
     try:
         return hull_of(HULL_POINTS[type(config)](config))
     except MeshError as error:
-        message = f"{name}cannot be read: {error}"
+        message = f"{name}{error}"
     except MassError as error:
         message = f"{name}is no solid: {error}"
     raise SceneError([Problem(path + where, message)])

@@ -22,7 +22,7 @@ import llvmlite
 import numba
 from numba.core import caching
 
-from pipeline.atomic_file import write_if_changed
+from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.simulation.compilation import observer
 
 DIGEST_BYTES = 16
@@ -84,7 +84,7 @@ class StoredCode(caching.FunctionCache):  # type: ignore[misc]
         data = caching.dumps(self._impl.reduce(compiled))
         path = self._path(signature, compiled.codegen)
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(path.parent)
             write_if_changed(path, _digest(data) + data)
         except OSError as error:
             observer().warn(

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,27 @@ from numpy.typing import NDArray
 from pipeline.errors import MassError
 from pipeline.simulation.spatial import Array, cross, normalized
 
-SAME_PLANE = 1e-9
-"""Distance from a plane that counts as zero, relative to the extent of the points."""
+SAME_PLANE = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+"""Distances from a plane that count as zero, relative to the extent of the points.
+
+The first one that rounding of the points leaves a closed hull: those of meshes may be rounded to
+single precision.
+"""
 
 SAME_FACET_SINE = 1e-7
 """Sine of the angle between neighbouring triangles of one facet."""
+
+MOST_OUTSIDE = 2e-5
+"""Farthest that a point may lie outside a face, relative to the extent of the points."""
+
+
+class UnresolvedHull(MassError):
+    """Points are too near to one another, or to one plane, for the hull to be told."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "its points are too near to one another, or to one plane, to tell its corners"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +84,25 @@ def hull_of(points: Array) -> Hull:
 
 def _hull(points: Array) -> Hull:
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    near = SAME_PLANE * extent
+    for tolerance in SAME_PLANE[:-1]:
+        try:
+            return _hull_within(points, tolerance * extent)
+        except UnresolvedHull:
+            continue
+    return _hull_within(points, SAME_PLANE[-1] * extent)
+
+
+def _hull_within(points: Array, near: float) -> Hull:
+    """Returns the hull of points, of which those within `near` [m] of a plane lie in it.
+
+    Raises:
+        UnresolvedHull: if rounding left the triangles open.
+        MassError: as `hull_of`.
+    """
     faces = _grow_hull(points, _initial_tetrahedron(points, near), near)
+    normals, offsets = _planes(points, faces)
+    if (points @ normals.T - offsets).max() > MOST_OUTSIDE * np.ptp(points, axis=0).max():
+        raise UnresolvedHull
     used = np.unique(faces)
     number = np.zeros(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
@@ -107,6 +141,8 @@ def _grow_hull(points: Array, first: Sequence[int], near: float) -> NDArray[np.i
         if not seen.any():
             continue
         rim = _rim(faces[seen])
+        if not len(rim):
+            raise UnresolvedHull
         new = np.column_stack([rim, np.full(len(rim), i)])
         faces = np.concatenate([faces[~seen], new])
         own = _planes(points, new)
@@ -129,11 +165,17 @@ def _rim(faces: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
-    """Merges coplanar triangles into facets."""
+    """Merges coplanar triangles into facets.
+
+    Raises:
+        MassError: if rounding left the triangles open, or one beside another.
+    """
     normals, _ = _planes(vertices, faces)
     owner = {}
     for f, (a, b, c) in enumerate(faces.tolist()):
         owner[a, b] = owner[b, c] = owner[c, a] = f
+    if len(owner) < 3 * len(faces) or any((b, a) not in owner for a, b in owner):
+        raise UnresolvedHull
     group = list(range(len(faces)))
 
     def root(f: int) -> int:
@@ -151,14 +193,10 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
     facets, flat = list[tuple[int, ...]](), list[Array]()
     edges = set[tuple[int, int]]()
     for members in patches.values():
-        after = {int(a): int(b) for a, b in _rim(faces[members])}
-        start = min(after)
-        loop = [start]
-        while after[loop[-1]] != start:
-            loop.append(after[loop[-1]])
+        loop = _loop(_rim(faces[members]))
         facets.append(tuple(loop))
         flat.append(_polygon_area(vertices[loop]))
-        edges |= {(min(e), max(e)) for e in after.items()}
+        edges |= {(min(e), max(e)) for e in pairwise([*loop, loop[0]])}
     return Hull(
         vertices,
         faces.astype(np.uint32),
@@ -166,6 +204,21 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
         normalized(np.array(flat)),
         np.array(sorted(edges)),
     )
+
+
+def _loop(rim: NDArray[np.int64]) -> list[int]:
+    """Returns the vertices of a closed rim (n, 2) of directed edges, in their order.
+
+    Raises:
+        UnresolvedHull: if the edges are no single loop.
+    """
+    after = {int(a): int(b) for a, b in rim}
+    loop = [min(after, default=0)]
+    while len(loop) < len(after):
+        loop.append(after.get(loop[-1], -1))
+    if len(set(loop)) < len(rim) or after.get(loop[-1]) != loop[0]:
+        raise UnresolvedHull
+    return loop
 
 
 def _polygon_area(polygon: Array) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.errors import SimulationError
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.locomotion.foot_placement.step_batch import StepRequest
 from pipeline.simulation.locomotion.foot_state import hold_up, place_foot
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
@@ -19,12 +19,22 @@ from pipeline.simulation.locomotion.step_sequencer import (
     predict_footholds,
 )
 
+ELSEWHERE = (
+    "place it elsewhere with `at`, or raise `unsteppable_slope_deg` of the terrain, whose "
+    "`show_forbidden: true` shows where no foot may stand"
+)
+"""What to do about a start without a foothold."""
 
-def place_feet(sequencer: StepSequencer) -> None:
+
+def place_feet(sequencer: StepSequencer, numbers: Sequence[int]) -> None:
     """Place every foot where it would be if its creature had come walking.
 
+    Args:
+        sequencer: of the steps.
+        numbers: of the creatures in the cast of the scene.
+
     Raises:
-        SimulationError: if a foot has no foothold; names one leg of each such creature.
+        SceneError: if a foot has no foothold; names one leg of each such creature.
     """
     herd, feet, progress = sequencer.herd, sequencer.feet, sequencer.progress
     walks = herd.walks[herd.owner]
@@ -47,7 +57,7 @@ def place_feet(sequencer: StepSequencer) -> None:
         feet.lowering[:, leg] = hold.lowering
         feet.footholds.append(hold)
     if lost:
-        raise SimulationError("\n".join(_no_start(herd, leg) for leg in lost.values()))
+        raise SceneError([_no_start(herd, leg, numbers[c]) for c, leg in lost.items()])
     predict_footholds(
         sequencer, [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()]
     )
@@ -88,11 +98,10 @@ def _stand_from_start(sequencer: StepSequencer, c: int) -> None:
             place_foot(sequencer.feet, leg, hold)
 
 
-def _no_start(herd: Herd, leg: int) -> str:
-    owner = int(herd.owner[leg])
-    x, z = herd.starts[owner]
-    return (
-        f"{herd.names[owner]}: leg {herd.leg_names[leg]} finds no foothold around its start at "
-        f"[{x:g}, {z:g}]: all is forbidden or out of reach; place the creature elsewhere with "
-        "`at`, or raise `unsteppable_slope_deg`"
+def _no_start(herd: Herd, leg: int, number: int) -> Problem:
+    x, z = herd.starts[int(herd.owner[leg])]
+    return Problem(
+        f"cast[{number}].at",
+        f"leg {herd.leg_names[leg]} of '{herd.names[int(herd.owner[leg])]}' finds no foothold "
+        f"around its start at [{x:g}, {z:g}]: all is forbidden or out of reach; {ELSEWHERE}",
     )

@@ -99,7 +99,7 @@ class WalkerTroupe(Troupe):
         self._pose_notes: list[TakeNote] = []
         self._arrived: list[str] = []
         self._buffered: list[HerdSnapshot] = []
-        place_feet(self.sequencer)
+        place_feet(self.sequencer, [number for number, _, _ in cast])
         self._notes: list[TakeNote] = list(self.sequencer.notes)
 
     @property

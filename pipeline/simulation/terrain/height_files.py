@@ -5,14 +5,20 @@ The faces of a mesh are not read: every cell is cut as those of all terrains are
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
 
-from pipeline.errors import Problem, SceneError
+from pipeline.errors import Problem, ProductionError, SceneError
+from pipeline.foreign_files.reader_process import (
+    ReaderMissing,
+    ReaderProcessError,
+    Reading,
+    read_confined,
+)
+from pipeline.foreign_files.safe_file import TERRAIN_MESH, ForeignFileError
+from pipeline.simulation.mesh_file import MeshError, mesh_vertices
+from pipeline.simulation.png_reader import MAX_PIXELS, SAMPLE_TYPES
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.generators import generates
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -25,11 +31,11 @@ def refused(message: str) -> SceneError:
     return SceneError([Problem("file", message)])
 
 
-MAX_PIXELS, MIN_PIXELS = 4000, 3
-"""Pixels along one side."""
-
-WHITE_VALUES = {"1": 1.0, "L": 255.0, "I;16": 65535.0, "I;16B": 65535.0, "I": 65535.0}
+WHITE_VALUES = {"1": 255.0, "L": 255.0, "I;16": 65535.0, "I;16B": 65535.0, "I": 65535.0}
 """Value of white by Pillow's mode of the picture."""
+
+PNG_MEMORY, PNG_TIME = 512 * 2**20, 30.0
+"""Memory [bytes] and processor time [s] that the decoding of a picture may take."""
 
 
 @generates(ImageTerrain)
@@ -59,42 +65,27 @@ def read_gray(file: str) -> Array:
 
     Raises:
         SceneError: the file is no such picture.
+        ProductionError: no picture can be read.
     """
-    name = f"'{Path(file).name}'"
+    content = bytearray()
+    reading = Reading(
+        "pipeline.simulation.png_reader:read_gray",
+        Path(file),
+        PNG_MEMORY,
+        PNG_TIME,
+        max_bytes=4 * MAX_PIXELS**2,
+    )
     try:
-        with warnings.catch_warnings():
-            # Of pictures beyond 89 million pixels Pillow warns before it tells their size.
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            picture = Image.open(file, formats=("PNG",))
-        with picture:
-            _check(picture, name)
-            values = np.asarray(picture, dtype=float)
-            return values / WHITE_VALUES[picture.mode]
-    except UnidentifiedImageError:
-        raise refused(f"{name} is no PNG picture") from None
-    except Image.DecompressionBombError:
-        raise refused(f"{name} is larger than {MAX_PIXELS} x {MAX_PIXELS} pixels") from None
-    except (OSError, SyntaxError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise refused(f"{name} cannot be read: {reason}") from None
+        facts = read_confined(reading, content.extend)
+    except ForeignFileError as error:
+        raise refused(f"'{Path(file).name}' {error}") from None
+    except (ReaderMissing, ReaderProcessError) as error:
+        raise ProductionError(f"{file}: cannot be read: {error}") from error
+    width, height = facts["size"]
+    values = np.frombuffer(content, SAMPLE_TYPES[facts["mode"]]).reshape(height, width)
+    return values.astype(float) / WHITE_VALUES[facts["mode"]]
 
 
-def _check(picture: Image.Image, name: str) -> None:
-    width, height = picture.size
-    if max(width, height) > MAX_PIXELS:
-        size = f"{width} x {height} pixels, more than {MAX_PIXELS} x {MAX_PIXELS}"
-        raise refused(f"{name} has {size}; make it smaller")
-    if min(width, height) < MIN_PIXELS:
-        raise refused(
-            f"{name} has {width} x {height} pixels, fewer than {MIN_PIXELS} x {MIN_PIXELS}"
-        )
-    if picture.mode not in WHITE_VALUES:
-        raise refused(
-            f"{name} is a picture of kind {picture.mode}; should be grayscale of 8 or 16 bits"
-        )
-
-
-MAX_FILE_BYTES = 2**30
 MAX_VERTICES, MIN_VERTICES = 4001, 3
 """Vertices of a mesh along one side."""
 
@@ -105,115 +96,6 @@ SPACING_TOLERANCE = 0.01
 """Largest deviation from even spacing, as a fraction of the spacing."""
 
 
-PLY_TYPES = {
-    "char": "i1",
-    "uchar": "u1",
-    "short": "i2",
-    "ushort": "u2",
-    "int": "i4",
-    "uint": "u4",
-    "int8": "i1",
-    "uint8": "u1",
-    "int16": "i2",
-    "uint16": "u2",
-    "int32": "i4",
-    "uint32": "u4",
-    "float": "f4",
-    "double": "f8",
-    "float32": "f4",
-    "float64": "f8",
-}
-"""NumPy types by their names in PLY files."""
-
-BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-
-
-class MeshError(Exception):
-    """Why a mesh is none, in terrain."""
-
-
-def obj_vertices(content: bytes) -> Array:
-    """Return the vertices (V, 3) of an OBJ file.
-
-    Raises:
-        MeshError: it has none, or one that is no vertex.
-    """
-    rows = [line.split()[1:4] for line in content.splitlines() if line.startswith((b"v ", b"v\t"))]
-    if not rows:
-        raise MeshError("it has no vertices (lines that begin with v)")
-    return _numbers(rows)
-
-
-def ply_vertices(content: bytes) -> Array:
-    """Return the vertices (V, 3) of a PLY file.
-
-    Raises:
-        MeshError: it is none, or its vertices are not its first element.
-    """
-    head, end, body = content.partition(b"end_header")
-    lines = [line.split() for line in head.decode("latin-1").splitlines()]
-    if not lines or lines[0] != ["ply"] or not end:
-        raise MeshError("it does not begin with the header of a PLY file")
-    order, count, columns = _header(lines)
-    # The header ends with its line; what follows is data.
-    body = body[1:] if body.startswith(b"\n") else body.partition(b"\n")[2]
-    if order == "":
-        return _text_vertices(body, count, list(columns))
-    row = np.dtype([(name, order + kind) for name, kind in columns.items()])
-    if len(body) < count * row.itemsize:
-        raise MeshError("it ends before its last vertex")
-    table = np.frombuffer(body, row, count)
-    return np.stack([table[axis].astype(float) for axis in "xyz"], axis=-1)
-
-
-def _header(lines: list[list[str]]) -> tuple[str, int, dict[str, str]]:
-    """Return byte order, number of vertices, and the type of each of their columns."""
-    order: str | None = None
-    count = -1
-    elements = 0
-    columns: dict[str, str] = {}
-    for line in lines:
-        match line:
-            case ["format", kind, *_]:
-                order = BYTE_ORDERS.get(kind)
-            case ["element", name, number]:
-                elements += 1
-                if elements == 1 and name != "vertex":
-                    raise MeshError(f"its first element is '{name}'; should be 'vertex'")
-                if elements == 1 and number.isdigit():
-                    count = int(number)
-            case ["property", kind, name] if elements == 1:
-                columns[name] = PLY_TYPES.get(kind, "")
-            case ["property", "list", *_] if elements == 1:
-                raise MeshError("its vertices have lists")
-    if order is None:
-        raise MeshError(f"its format is none of {', '.join(BYTE_ORDERS)}")
-    if count < 0 or not {"x", "y", "z"} <= columns.keys() or not all(columns.values()):
-        raise MeshError("its header says no number of vertices with x, y and z")
-    return order, count, columns
-
-
-def _text_vertices(body: bytes, count: int, columns: list[str]) -> Array:
-    rows = [line.split() for line in body.splitlines() if line.strip()][:count]
-    if len(rows) < count or any(len(row) < len(columns) for row in rows):
-        raise MeshError("it ends before its last vertex")
-    places = [columns.index(axis) for axis in "xyz"]
-    return _numbers([[row[k] for k in places] for row in rows])
-
-
-def _numbers(rows: list[list[Any]]) -> Array:
-    try:
-        found = np.array(rows, dtype=float)
-    except ValueError:
-        found = np.zeros(0)
-    if found.ndim != 2 or found.shape[1] != 3:
-        raise MeshError("a vertex is not three numbers")
-    return found
-
-
-READERS = {".obj": obj_vertices, ".ply": ply_vertices}
-
-
 @generates(MeshTerrain)
 def mesh(terrain: MeshTerrain, rng: np.random.Generator) -> HeightField:
     """Return the heights of a mesh, at its own places in x and z.
@@ -222,41 +104,22 @@ def mesh(terrain: MeshTerrain, rng: np.random.Generator) -> HeightField:
         SceneError: the file is no mesh that can be read, or no regular grid.
     """
     del rng
-    vertices = terrain.scale * read_vertices(Path(terrain.file))
+    name = f"'{Path(terrain.file).name}'"
+    try:
+        vertices = mesh_vertices(Path(terrain.file), TERRAIN_MESH, MAX_VERTICES**2)
+    except MeshError as error:
+        raise refused(f"{name} {error}") from None
+    if len(vertices) < MIN_VERTICES**2:
+        raise refused(f"{name} has {len(vertices)} vertices, fewer than {MIN_VERTICES**2}")
+    if np.abs(vertices).max() > WORLD_LIMIT / terrain.scale:
+        raise refused(f"{name} reaches farther than {WORLD_LIMIT:g} m; is its scale right?")
+    vertices *= terrain.scale
     if terrain.up == "z":
         vertices = np.stack([vertices[:, 0], vertices[:, 2], -vertices[:, 1]], axis=-1)
-    name = f"'{Path(terrain.file).name}'"
-    if np.abs(vertices).max() > WORLD_LIMIT:
-        raise refused(f"{name} reaches farther than {WORLD_LIMIT:g} m; is its scale right?")
     try:
         return grid_of(vertices)
     except MeshError as error:
         raise refused(f"{name} is no regular grid in x and z: {error}") from None
-
-
-def read_vertices(path: Path) -> Array:
-    """Return the vertices (V, 3) of a mesh file, in its own units.
-
-    Raises:
-        SceneError: it cannot be read.
-    """
-    name = f"'{path.name}'"
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise refused(f"{name} should end in .obj or .ply")
-    try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise refused(f"{name} is larger than {MAX_FILE_BYTES // 2**20} MiB")
-        vertices = reader(path.read_bytes())
-    except OSError as error:
-        raise refused(f"{name} cannot be read: {error.strerror}") from None
-    except MeshError as error:
-        raise refused(f"{name} cannot be read: {error}") from None
-    if len(vertices) < MIN_VERTICES**2:
-        raise refused(f"{name} has {len(vertices)} vertices, fewer than {MIN_VERTICES**2}")
-    if not np.isfinite(vertices).all():
-        raise refused(f"{name} has a vertex that is not finite")
-    return vertices
 
 
 def grid_of(vertices: Array) -> HeightField:

@@ -24,6 +24,7 @@ from pipeline.spec.model_base import (
     LengthOrZero,
     MaterialName,
     Number,
+    Positive,
     fault_error,
 )
 from pipeline.spec.suggestions import hint
@@ -64,8 +65,8 @@ class TerrainConfig(ConfigModel):
         "four triangles about a middle at the mean height of the corners.",
     )
     material: MaterialName = Field("dry soil", description="Material of the ground, by name.")
-    unsteppable_slope_deg: Number = Field(
-        40.0, gt=0, lt=90, description="Slopes steeper than this are no footholds [degrees]."
+    unsteppable_slope_deg: Positive = Field(
+        40.0, lt=90, description="Slopes steeper than this are no footholds [degrees]."
     )
     foot_radius: LengthOrZero = Field(
         0.08,
@@ -139,20 +140,23 @@ def too_coarse(
         least: number of cells that it needs.
         axes: axes along which the grid must be fine enough.
     """
-    for axis in axes:
-        k = "xz".index(axis)
-        cell = terrain.size[k] / terrain.cells[k]
-        # A whole number of cells is one only up to rounding.
-        if length >= least * cell * (1.0 - 1e-9):
-            continue
-        needed = math.ceil(terrain.size[k] * least / length)
-        finer = f"or cells[{k}] at least {needed}" if needed <= MAX_CELLS else "or size smaller"
-        yield Fault(
-            (key,),
-            f"{key} makes features of {length:g} m, less than {least} cells of {cell:g} m "
-            f"along {axis}; make that larger, {finer}",
-        )
+    cells = {axis: terrain.size[k] / terrain.cells[k] for k, axis in enumerate("xz")}
+    # A whole number of cells is one only up to rounding.
+    coarse = [axis for axis in axes if length < least * cells[axis] * (1.0 - 1e-9)]
+    if not coarse:
         return
+    needed = {axis: math.ceil(terrain.size["xz".index(axis)] * least / length) for axis in coarse}
+    if max(needed.values()) > MAX_CELLS:
+        finer = "or size smaller"
+    elif len(coarse) > 1:
+        finer = f"or cells at least [{needed['x']}, {needed['z']}]"
+    else:
+        finer = f"or cells[{'xz'.index(coarse[0])}] at least {needed[coarse[0]]}"
+    sides = " and ".join(f"{least} cells of {cells[axis]:g} m along {axis}" for axis in coarse)
+    yield Fault(
+        (key,),
+        f"{key} makes features of {length:g} m, less than {sides}; make that larger, {finer}",
+    )
 
 
 def written_out(value: Any, without: Collection[str] = ()) -> Any:

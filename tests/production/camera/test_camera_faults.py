@@ -118,7 +118,9 @@ def test_what_can_be_seen_has_no_fault(camera: str, others: str) -> None:
     assert faults(camera, others) == []
 
 
-@pytest.mark.parametrize("name", ["dice", "over_the_box", "through_the_wall"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("dice", marks=pytest.mark.nightly), "over_the_box", "through_the_wall"]
+)
 def test_shipped_scenes_have_no_fault(name: str) -> None:
     scene = load_scene(ROOT / "scenes" / f"{name}.yaml")
     assert ShotBuilder(scene, simulate(scene)).camera_faults() == []

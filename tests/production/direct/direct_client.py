@@ -13,8 +13,8 @@ from pipeline.production.direct.scene_recorder import SceneRecorder
 from pipeline.production.direct.server import serve
 from pipeline.production.direct.session import Session
 from pipeline.production.direct.transport import MessageStream
-from pipeline.production.run.production import take_key
 from pipeline.production.run.progress import Reporter
+from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene, read_scene

@@ -26,9 +26,10 @@ from pipeline.production.goldens.golden_content import Content, read_content
 from pipeline.production.goldens.golden_record import record
 from pipeline.production.goldens.judges import judge_frames
 from pipeline.production.goldens.verdict import Outcome
+from pipeline.production.run.file_records import FileRecords
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
-from pipeline.production.run.workers import FrameBatch, film_in_processes
+from pipeline.production.run.workers import FrameJob, film_in_processes
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import write_take
@@ -303,8 +304,8 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
     outputs.frames.mkdir(parents=True)
     write_take(base.take, outputs.take)
     keys = {number: "key" for number in golden.frames}
-    share = FrameBatch(scene, outputs.take, outputs, choose("llvm"), keys)
-    film_in_processes(share, 2, lambda done, pace: None)
+    job = FrameJob(scene, outputs.take, outputs, choose("llvm"), keys)
+    film_in_processes(job, 2, FileRecords(outputs.folder, {}), lambda done, pace: None)
     frames = {number: read_png(outputs.frame(number)) for number in golden.frames}
     assert check_frames(base, frames) is Outcome.IDENTICAL
 

@@ -71,7 +71,7 @@ def dispatched_units() -> str:
     ).stdout.strip()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @needs_avx2
 def test_goldens_are_identical_where_the_environment_names_the_held_kernels() -> None:
     found = verdicts(["dominoes", "through_the_wall"], OPENBLAS_CORETYPE="Haswell")

@@ -61,7 +61,7 @@ def table_of(err: str) -> dict[str, str]:
         (("midi",), "{}.mid"),
         pytest.param(("sheet", "--count", "1"), "{}_sheet.png", marks=pytest.mark.slow),
         pytest.param(("render",), "{}.mp4", marks=pytest.mark.slow),
-        pytest.param(("render", "--jobs", "2"), "{}.mp4", marks=pytest.mark.slow),
+        pytest.param(("render", "--jobs", "2"), "{}.mp4", marks=pytest.mark.nightly),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )

@@ -231,7 +231,7 @@ def test_a_single_frame_equals_that_of_the_film(film: Studio, tmp_path: Path, pr
     assert studio.changes(before) == set()
     studio.frame(3).unlink()
     assert pronk("frame", "tiny", "3", cwd=studio.folder)[0] == 0
-    assert studio.changes(before) == {"frames/0003.png"}
+    assert studio.changes(before) == {"frames/0003.png", "manifest.json"}
     assert studio.contents() == film.contents()
 
 
@@ -239,7 +239,7 @@ def test_a_sheet_shows_frames_of_the_film(studio: Studio, pronk: Pronk) -> None:
     before = studio.state()
     arguments = ("sheet", "tiny", "--count", "4", "--columns", "2")
     assert pronk(*arguments, cwd=studio.folder)[1] == "out/tiny/tiny_sheet.png\n"
-    assert studio.changes(before) == {"tiny_sheet.png"}
+    assert studio.changes(before) == {"tiny_sheet.png", "manifest.json"}
     sheet = read_png(studio.made / "tiny_sheet.png")
     assert sheet.shape == (2 * 36 + 3 * 6, 2 * 64 + 3 * 6, 3)
     np.testing.assert_array_equal(sheet[6:42, 6:70], read_png(studio.frame(1)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import io
 import json
 import wave
@@ -17,6 +18,7 @@ import symusic
 
 from audio.config.sound import Sound
 from audio.score import Marker, Score, ScoreEvent
+from pipeline.errors import SceneError
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
@@ -32,6 +34,7 @@ from pipeline.production.sound.score_builder import film_markers
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import OrderRecord, Take
 from render.shot import CameraPose
+from tests.audio.soundfont_writer import sf2
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -263,3 +266,30 @@ def test_a_rate_without_timecode_is_noted_once(
     assert err.count("no edit list") == 1
     assert not (studio.made / "tiny.edl").exists()
     assert all(at * 240 == int(at * 240) for at in onsets(studio))
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("tinysoundfont") is None, reason="tinysoundfont is not installed"
+)
+def test_a_soundfont_that_fails_while_it_plays_is_an_error_of_the_scene(
+    unmade: Studio, tmp_path: Path
+) -> None:
+    studio = unmade.copied(tmp_path / "studio")
+    font = studio.folder / "a.sf2"
+    font.write_bytes(sf2(np.sin(np.arange(400))))
+    text = studio.scene.read_text("utf-8") + "sound: {soundfont: a.sf2}\n"
+    studio.scene.write_text(text, "utf-8")
+    order = studio.order()
+    score_only(order, Reporter())
+    before = studio.made.joinpath("tiny.wav").read_bytes()
+    damaged = bytearray(font.read_bytes())
+    at = damaged.index(b"phdr") + 8 + 24
+    damaged[at : at + 2] = b"\xff\x7f"
+    # Since it was checked.
+    font.write_bytes(damaged)
+    with pytest.raises(SceneError, match="crashes its reader") as refused:
+        score_only(order, Reporter())
+    (problem,) = refused.value.problems
+    assert (problem.file, problem.path) == (str(studio.scene), "sound.soundfont")
+    assert problem.line == len(text.splitlines())
+    assert studio.made.joinpath("tiny.wav").read_bytes() == before

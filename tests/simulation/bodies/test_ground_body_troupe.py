@@ -10,9 +10,13 @@ import pytest
 import trimesh
 
 from pipeline.errors import SceneError
+from pipeline.simulation.bodies.body_model import body_hull
+from pipeline.simulation.dynamics.mass import mass_of_solid
 from pipeline.simulation.simulate import Simulation, simulate
+from pipeline.simulation.spatial import Array, normalized
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene, read_scene, simulation_key
+from pipeline.spec.body import MeshBody
 from tests.simulation.conftest import scene_of
 
 DIE = "{name: die, body: {shape: die, size: 0.2}, at: [0, 0.6, 0], spin_deg: [300, 50, 200]}"
@@ -146,6 +150,36 @@ def test_invalid_bodies_are_refused(member: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         Simulation(scene_of(member, "{name: b, prop: {shape: ball}}"))
     assert all(problem.line > 0 for problem in caught.value.problems)
+
+
+def mesh_of(vertices: Array) -> str:
+    return "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in vertices)
+
+
+def test_large_meshes_have_the_hull_of_all_their_vertices(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    (tmp_path / "a.obj").write_text(mesh_of(rng.uniform(-0.1, 0.1, (6000, 3))))
+    hull = body_hull(MeshBody(shape="mesh", file=str(tmp_path / "a.obj")), "body")
+    vertices = np.loadtxt(tmp_path / "a.obj", usecols=(1, 2, 3))
+    expected = trimesh.convex.convex_hull(vertices)
+    assert mass_of_solid(hull.vertices, hull.faces, 1.0).mass == pytest.approx(expected.volume)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "said"),
+    [
+        (normalized(np.random.default_rng(1).normal(size=(5100, 3))), "has a hull of 5100 corners"),
+        (np.random.default_rng(1).uniform(-1, 1, (5100, 3)) * [1, 0, 1], "lies in one plane"),
+        (np.full((9, 3), 1e308), "reaches farther than 10000 m"),
+    ],
+    ids=["round", "flat", "far"],
+)
+def test_meshes_that_take_too_long_or_are_no_solids_are_refused(
+    tmp_path: Path, vertices: Array, said: str
+) -> None:
+    (tmp_path / "a.obj").write_text(mesh_of(vertices))
+    with pytest.raises(SceneError, match=f"^body.file: 'a.obj' {said}"):
+        body_hull(MeshBody(shape="mesh", file=str(tmp_path / "a.obj"), scale=100.0), "body")
 
 
 def test_scripts_for_bodies_are_refused() -> None:

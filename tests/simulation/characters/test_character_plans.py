@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from pipeline.simulation.characters.body_plan import character_arrays
-from pipeline.simulation.characters.character_plans import LINK_NAMES, person_plan
-from pipeline.simulation.characters.playthings import merry_go_round_plan
+from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
+from pipeline.simulation.characters.playthings import (
+    BALL_RADIUS,
+    BOX_SIZES,
+    DECK_RADIUS,
+    merry_go_round_plan,
+)
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
+from pipeline.spec.character_kinds import KIND_TEXTS
 from tests.simulation.characters.character_yard import build_yard, random_rotation, smallest_bend
 from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
@@ -88,3 +96,18 @@ def test_a_merry_go_round_rests_on_its_base_and_keeps_turning() -> None:
     rates = np.degrees(np.diff(np.unwrap(angles))) * STEPS
     # Only air slows the merry-go-round.
     assert rates[-1] == pytest.approx(rates[0] * np.exp(-0.12 * 2.0), rel=0.02)
+
+
+def test_listed_sizes_are_those_of_the_bodies() -> None:
+    sizes = {
+        "child": (CHILD.height,),
+        "adult": (ADULT.height,),
+        "ragdoll": (RAGDOLL.height,),
+        "ball": (2 * BALL_RADIUS,),
+        "merry-go-round": (2 * DECK_RADIUS,),
+        "box": BOX_SIZES["box"][0][:1],
+        "bench": BOX_SIZES["bench"][0][2:0:-1],
+    }
+    for kind, text in KIND_TEXTS.items():
+        told = tuple(float(number) for number in re.findall(r"([\d.]+) m ", text))
+        assert told == pytest.approx(sizes[kind])

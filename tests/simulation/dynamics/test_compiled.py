@@ -68,7 +68,7 @@ print(code_folder())
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_compiled_code_is_stored_and_a_damaged_file_replaced(tmp_path: Path) -> None:
     def lines() -> list[str]:
         return run_python(

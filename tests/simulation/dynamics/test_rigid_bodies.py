@@ -80,6 +80,23 @@ def test_flat_points_have_no_hull() -> None:
         hull_of(np.outer(np.arange(5.0), [1.0, 2.0, 3.0]))
 
 
+def test_points_within_rounding_of_one_another_have_a_hull_or_are_refused() -> None:
+    """Of points of very different distances rounding leaves the triangles of some open."""
+    refused = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        points = rng.normal(size=(12, 3))
+        near = rng.normal(size=(9, 3)) * 10.0 ** rng.uniform(-12, -4, (9, 1))
+        points = np.concatenate([points * [1.0, 1.0, 1e-9], near])
+        try:
+            hull = hull_of(points)
+        except MassError as error:
+            refused.append(str(error))
+            continue
+        assert trimesh.Trimesh(hull.vertices, hull.faces, process=False).is_watertight
+    assert any("too near" in message for message in refused)
+
+
 @pytest.mark.parametrize("shape", ["cube", "tetrahedron", "dodecahedron", "pyramid"])
 def test_bevels_stay_inside_and_on_the_facets(shape: str) -> None:
     hull = body_hull(Body.model_validate({"body": {"shape": shape}}).body, "")

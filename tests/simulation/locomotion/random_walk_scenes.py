@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from pipeline.errors import SimulationError
+from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
 from pipeline.simulation.simulate import Simulation
@@ -77,8 +77,10 @@ def random_walk(number: int, folder: Path, seed: int = SEED) -> RandomWalk:
         scene = load_scene(path)
         try:
             Simulation(scene)
-        except SimulationError:
-            # There is no foothold: try another place, and allow steeper ground.
+        except SceneError as error:
+            if "no foothold" not in str(error):
+                raise
+            # Try another place, and allow steeper ground.
             steep = terrain.get("unsteppable_slope_deg", 40.0) + 1.0
             terrain = terrain | {"unsteppable_slope_deg": min(steep, 60.0)}
             continue

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipeline.errors import SceneError, SimulationError
+from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
     FRONT,
@@ -427,10 +427,12 @@ def test_start_without_allowed_ground_is_refused(scene_of: SceneOf) -> None:
         "{figure: inchworm, name: w, at: [0.5, 0]}",
         terrain="{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}",
     )
-    with pytest.raises(SimulationError) as caught:
+    with pytest.raises(SceneError) as caught:
         Simulation(scene)
-    for phrase in ("w: ", "[0.5, 0]", "`at`"):
-        assert phrase in str(caught.value)
+    (problem,) = caught.value.problems
+    assert problem.path == "cast[0].at"
+    for phrase in ("'w' finds no ground", "[0.5, 0]", "`at`"):
+        assert phrase in problem.message
 
 
 def test_only_straight_chains_are_inchworms(shipped: Figure) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import struct
 import zlib
 from collections.abc import Callable
@@ -16,10 +17,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from pipeline.errors import SceneError
+from pipeline.simulation.mesh_file import MeshError, obj_vertices, ply_vertices
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.terrain.height_files import MeshError, grid_of, obj_vertices, ply_vertices
+from pipeline.simulation.terrain.height_files import grid_of
 from pipeline.spec import load_scene, simulation_key
 
 SCENE = "pronk: 1\nduration: 1\nterrain: {config}\ncast: [{{prop: {{shape: ball}}}}]\n"
@@ -127,8 +129,19 @@ def test_unusable_images_are_refused(tmp_path: Path, content: bytes, message: st
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     message = refusal_message(tmp_path, "{kind: image, file: b.png}")
-    assert message == f"'b.png' does not exist in {tmp_path}"
+    assert message == f"'b.png' is no file in {tmp_path}"
     assert refusal_message(tmp_path, "{kind: mesh, file: .}").endswith("is a folder, not a file")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+@pytest.mark.parametrize("kind", ["image", "mesh"])
+def test_links_to_devices_and_named_pipes_are_refused_at_once(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "a.ply").symlink_to("/dev/zero")
+    os.mkfifo(tmp_path / "b.ply")
+    config = f"{{kind: {kind}, file: a.ply}}"
+    assert refusal_message(tmp_path, config) == "'a.ply' is a device, not a file"
+    config = f"{{kind: {kind}, file: b.ply}}"
+    assert refusal_message(tmp_path, config) == "'b.ply' is a named pipe, not a file"
 
 
 GRID = smooth_heights(5, 7)
@@ -205,6 +218,17 @@ def above_another(vertices: Array) -> None:
 NO_GRID = "'a.obj' is no regular grid in x and z: "
 
 
+NO_COUNT = "'a.ply' cannot be read: its header says no number of vertices with x, y and z"
+
+TOO_MANY = "'a.ply' has more than 16008001 vertices; make it simpler"
+
+
+def ply_head(count: str) -> bytes:
+    """Return the header of a PLY file that claims a number of vertices and holds none."""
+    axes = "".join(f"property float {axis}\n" for axis in "xyz")
+    return f"ply\nformat ascii 1.0\nelement vertex {count}\n{axes}end_header\n".encode()
+
+
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -250,8 +274,27 @@ NO_GRID = "'a.obj' is no regular grid in x and z: "
             grid_mesh().export(file_type="ply", encoding="binary")[:400],
             "'a.ply' cannot be read: it ends before its last vertex",
         ),
+        ("a.ply", ply_head("²"), NO_COUNT),
+        ("a.ply", ply_head("9" * 5000), NO_COUNT),
+        ("a.ply", ply_head("-1"), NO_COUNT),
+        (
+            "a.ply",
+            ply_head("99999999999"),
+            "'a.ply' has more than 16008001 vertices; make it simpler",
+        ),
+        ("a.ply", ply_head("0"), "'a.ply' has 0 vertices, fewer than 9"),
+        (
+            "a.ply",
+            ply_head("1").replace(b" y", b" x"),
+            "'a.ply' cannot be read: its vertices have two properties 'x'",
+        ),
+        (
+            "a.obj",
+            b"v 1e308 0 1e308\n" * 9,
+            "'a.obj' reaches farther than 10000 m; is its scale right?",
+        ),
     ],
-    ids=range(14),
+    ids=range(21),
 )
 def test_meshes_that_are_no_grid_are_refused_with_the_reason(
     tmp_path: Path, name: str, content: bytes, message: str
@@ -272,7 +315,7 @@ def test_any_bytes_are_read_or_refused(content: bytes) -> None:
             b"ply\nformat binary_little_endian 1.0\nelement vertex 1\n",
         ):
             try:
-                vertices = read(start + content)
+                vertices = read(start + content, 1000)
             except MeshError:
                 continue
             assert vertices.shape[1:] == (3,)

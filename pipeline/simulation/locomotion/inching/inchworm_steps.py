@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.errors import SimulationError
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import bump
 from pipeline.simulation.locomotion.inching.inchworm_chain import FRONT, REAR, InchwormChain
 from pipeline.simulation.locomotion.inching.inchworm_pace import InchwormPace
@@ -22,6 +22,7 @@ from pipeline.simulation.locomotion.inching.inchworm_pose import (
     ground_penetration,
     swing_poses,
 )
+from pipeline.simulation.locomotion.initial_stance import ELSEWHERE
 from pipeline.simulation.spatial import Array
 
 MIN_STEP = 0.05
@@ -84,6 +85,7 @@ class Inchworm:
 
     Attributes:
         name: of the performer.
+        number: of the performer in the cast of the scene.
         chain: its joints and links.
         pace: how it walks.
         track: that it walks on.
@@ -91,6 +93,7 @@ class Inchworm:
     """
 
     name: str
+    number: int
     chain: InchwormChain
     pace: InchwormPace
     track: InchwormTrack
@@ -100,7 +103,7 @@ class Inchworm:
         """Return the initial pose as the end of a step of the rear foot.
 
         Raises:
-            SimulationError: no ground near its start fits its feet.
+            SceneError: no ground near its start fits its feet.
         """
         chain, track = self.chain, self.track
         chords = self.pace.chords[:1] if self.walks else [part * chain.free for part in REST_CHORDS]
@@ -111,11 +114,11 @@ class Inchworm:
         )
         if not good.any():
             x, z = track.start
-            raise SimulationError(
-                f"{self.name}: finds no ground for both its ends around its start at "
-                f"[{x:g}, {z:g}]: all is forbidden or too steep; "
-                "place it elsewhere with `at`, or raise `unsteppable_slope_deg`"
+            message = (
+                f"'{self.name}' finds no ground for both its ends around its start at "
+                f"[{x:g}, {z:g}]: all is forbidden or too steep; {ELSEWHERE}"
             )
+            raise SceneError([Problem(f"cast[{self.number}].at", message)])
         back, fore = rear[good], front[good]
         # A higher arch at the start is better than a lower one elsewhere.
         order = np.argsort(np.tile(np.arange(len(shifts)), len(chords))[good], kind="stable")

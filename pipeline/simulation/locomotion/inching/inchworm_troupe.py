@@ -235,6 +235,7 @@ def _build_inchworm(number: int, member: Creature, figure: Figure, world: World)
     )
     return Inchworm(
         member.name,
+        number,
         chain,
         resolve_inchworm_pace(number, member, chain),
         track,

@@ -1,0 +1,110 @@
+"""Film source: what a film is made of, as the manifest keeps it for whoever checks the film."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fileseq import FrameSet
+
+from pipeline.errors import UsageError
+from pipeline.production.run.file_records import FileRecords
+from pipeline.production.run.frame_ranges import read_frames
+from pipeline.production.run.outputs import Outputs
+from render.color import developed, developed16
+from render.film_codecs import CODECS
+from render.film_encoder import Picture
+from render.image_files import read_exr, read_png
+
+
+@dataclass(frozen=True, slots=True)
+class FilmSource:
+    """What a film is made of.
+
+    Attributes:
+        frames: ascending.
+        rate: frames per second.
+        format: of the frames, "png" or "exr".
+        exposure: with which EXR frames are developed [stops].
+        has_sound: whether it has the sound of the WAV file.
+        codec: of the film, a name in `CODECS`.
+    """
+
+    frames: tuple[int, ...]
+    rate: Fraction
+    format: str
+    exposure: float
+    has_sound: bool
+    codec: str
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Its members as JSON has them."""
+        return {**asdict(self), "frames": str(FrameSet(self.frames)), "rate": str(self.rate)}
+
+    @staticmethod
+    def read(members: object) -> FilmSource | None:
+        """Return the source that `facts` wrote, None for anything else."""
+        match members:
+            case {
+                "frames": str(frames),
+                "rate": str(rate),
+                "format": "png" | "exr" as format,
+                "exposure": float(exposure),
+                "has_sound": bool(has_sound),
+                "codec": str(codec),
+            } if codec in CODECS:
+                try:
+                    numbers = read_frames(frames)
+                    return FilmSource(numbers, Fraction(rate), format, exposure, has_sound, codec)
+                except (UsageError, ValueError, ZeroDivisionError):
+                    return None
+        return None
+
+    @property
+    def sound_from(self) -> Fraction:
+        """Time in the sound of the first frame [s]."""
+        return (self.frames[0] - 1) / self.rate
+
+    def files(self, outputs: Outputs) -> list[Path]:
+        """Return the files of the frames."""
+        return [outputs.frame(frame, self.format) for frame in self.frames]
+
+    def key(self, outputs: Outputs, records: FileRecords) -> str:
+        """Return the key of the film: a digest of its codec, its rate and its sources' records."""
+        names = [records.name(path) for path in self.files(outputs)]
+        keys = [records[name].key if name in records else "" for name in names]
+        state = hashlib.blake2b(digest_size=20)
+        codec = repr(CODECS[self.codec])
+        state.update("\n".join([codec, str(self.rate), str(self.frames[0]), *keys]).encode())
+        if self.has_sound:
+            sound = records.of(outputs.wav)
+            state.update(f"\n{sound.digest if sound else ''}".encode())
+        return state.hexdigest()
+
+    def picture(self, path: Path) -> Picture:
+        """Return the frame of a file as a picture of the film, with the bits of its codec.
+
+        Raises:
+            FrameFileError: the frame cannot be read.
+        """
+        deep = CODECS[self.codec].bits == 16
+        if self.format == "exr":
+            return (developed16 if deep else developed)(read_exr(path), self.exposure)
+        picture = read_png(path)
+        # 257 = 65535 / 255, so that white stays white.
+        return picture.astype(np.uint16) * 257 if deep else picture
+
+    def pictures(self, outputs: Outputs) -> Iterator[Picture]:
+        """Yield the pictures of the film in their order.
+
+        Raises:
+            FrameFileError: a frame cannot be read.
+        """
+        for path in self.files(outputs):
+            yield self.picture(path)

@@ -1,0 +1,93 @@
+"""Take stage: the take of a scene, simulated only if the stored one does not fit."""
+
+from __future__ import annotations
+
+import hashlib
+
+from pipeline.atomic_file import PARTIAL, replace_folder
+from pipeline.errors import StoreError
+from pipeline.production.run.compile_progress import compile_progress
+from pipeline.production.run.film_end import notes_after_end
+from pipeline.production.run.frame_ranges import counted
+from pipeline.production.run.notes import clock_of, take_notes
+from pipeline.production.run.progress import stage
+from pipeline.production.run.scene_run import SceneRun
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.take import Take
+from pipeline.simulation.take_store import read_key, read_take, write_take
+from pipeline.simulation.versions import versions
+from pipeline.spec import Scene, simulation_key
+
+
+def take_key(scene: Scene) -> str:
+    """Return the key of a scene's take: a digest of the simulated settings and the versions."""
+    text = f"{simulation_key(scene)}|{sorted(versions().items())}"
+    return hashlib.blake2b(text.encode(), digest_size=20).hexdigest()
+
+
+def take_of(run: SceneRun) -> Take:
+    """Return the take of the scene, simulating only if the stored one does not fit.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict; a new take is not stored.
+        SimulationError: the scene cannot be simulated.
+    """
+    scene = run.order.scene
+    clock = clock_of(scene)
+    key = take_key(scene)
+    run.notes = notes_after_end(scene)
+    with stage(run.reporter, "simulate", scene.n_frames, "s", float(1 / scene.rate)) as current:
+        stored = _stored_take(run, key)
+        if stored is not None:
+            current.keep(scene.n_frames)
+            current.result = "take is up to date"
+            run.notes += take_notes(stored, clock)
+            run.refuse_notes()
+            return stored
+        with compile_progress(run.reporter, current) as compiling:
+
+            def progress(done: int, _: int) -> None:
+                compiling.close()
+                current.advance(done)
+
+            take = simulate(scene, key, progress)
+        current.done = scene.n_frames
+        current.result = (
+            f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
+        )
+        run.notes += take_notes(take, clock)
+        run.refuse_notes()
+        run.record_time(current)
+        store_take(run, take)
+    return take
+
+
+def store_take(run: SceneRun, take: Take) -> None:
+    """Store a take in place of an earlier one, and describe it in the manifest."""
+    place = run.outputs.take
+    new = place.with_name(f".{place.name}{PARTIAL}")
+    write_take(take, new)
+    replace_folder(new, place)
+    run.records.add(place, take.header.key)
+    run.describe(take)
+
+
+def _stored_take(run: SceneRun, key: str) -> Take | None:
+    """Return the take that an earlier run stored under `key`, None if there is none."""
+    place = run.outputs.take
+    try:
+        if read_key(place) != key:
+            return None
+        take = read_take(place)
+        if run.records.of(place, key) is None:
+            run.records.add(place, key)
+        elif not run.records.is_intact(place, key):
+            raise StoreError(f"{place}: the take is damaged: it is not as it was written")
+        run.describe(take)
+        return take
+    except StoreError as error:
+        run.reporter.note(f"{error}; it is made again")
+    except Exception as error:
+        # A damaged file can raise anything, and a take can be made again.
+        run.reporter.note(f"{place}: is no take that can be read ({error}); it is made again")
+    return None

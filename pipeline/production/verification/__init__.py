@@ -1,0 +1,1 @@
+"""Verification: whether the outputs of a scene are what was written."""

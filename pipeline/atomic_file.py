@@ -24,6 +24,9 @@ PARTIAL = ".partial"
 NAME_LENGTH = 64
 """Characters of a file's name that its temporary file keeps: long names stay below the limit."""
 
+PRIVATE_MODE = 0o600
+"""Mode of files for their owner alone."""
+
 NOT_SUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
 """Errors of file systems that cannot do what is asked, such as some that networks share."""
 
@@ -71,6 +74,23 @@ def write_if_changed(path: Path, data: bytes) -> bool:
     with replaced_when_complete(path) as temporary:
         temporary.write_bytes(data)
     return True
+
+
+def write_private(path: Path, data: bytes) -> None:
+    """Writes a file atomically that nobody but its owner can read, at no moment.
+
+    Raises:
+        OSError: if the file cannot be written, or its file system knows no owners; an earlier one
+            is untouched.
+    """
+    with replaced_when_complete(path) as temporary:
+        # A killed process of the same number may have left one, with any mode.
+        temporary.unlink(missing_ok=True)
+        file = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE_MODE)
+        with open(file, "wb") as opened:
+            if os.name == "posix" and os.fstat(file).st_mode & 0o077:
+                raise OSError(errno.EPERM, "other users could read it there")
+            opened.write(data)
 
 
 def make_folder(path: Path) -> None:

@@ -8,11 +8,15 @@ TOOLS  := $(VENV)/.tools
 # Stands while packages are being installed: one that was interrupted cannot be installed over.
 UNFINISHED := $(VENV)/.unfinished
 LOG    := $(VENV)/pip.log
-PIP    := $(BIN)/python -m pip install --progress-bar off -c constraints.txt
+PIP    := $(BIN)/python -m pip install --progress-bar off --no-deps
+# Exactly the pinned files, and wheels alone: what a source distribution is built with is not pinned.
+PINNED := --require-hashes --only-binary :all:
+# Tools of maintainers, apart from what is released.
+RELEASE := .release-venv
 WORKERS ?= 2
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test fast test-all check compiled ready-to-test goldens bench clean
+.PHONY: demo test fast test-all check compiled ready-to-test goldens bench lock dist sbom clean
 
 demo: $(READY)
 	@$(BIN)/pronk render first_steps
@@ -47,23 +51,70 @@ goldens: $(TOOLS)
 bench: $(TOOLS)
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
 
+# pip is heard only when it fails. Of files with a wrong hash it lists every hash that would do.
+FAILED = { sed -n '/DO NOT MATCH THE HASHES/,$$p' $(1) | grep -v Expected \
+	&& echo 'see "Pinned packages" in CONTRIBUTING.md' || cat $(1); exit 1; }
+
 # A stamp is written last, so that a set-up that was interrupted is done again, from the start.
-$(READY): pyproject.toml constraints.txt
+$(READY): pyproject.toml requirements/runtime.txt requirements/build.txt
 	@echo "setting up $(VENV), once: this downloads about 350 MB"
 	@$(PYTHON) -c 'import sys; sys.exit("pronk needs Python 3.11 or newer; try: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
 	@if [ -e $(UNFINISHED) ]; then rm -rf $(VENV); fi
 	@mkdir -p $(VENV) && touch $(UNFINISHED)
 	@$(PYTHON) -m venv $(VENV)
-	@$(PIP) -e . > $(LOG) 2>&1 || { cat $(LOG); exit 1; }
+	@$(PIP) $(PINNED) -r requirements/runtime.txt -r requirements/build.txt > $(LOG) 2>&1 \
+		|| $(call FAILED,$(LOG))
+	@$(PIP) --no-build-isolation -e . > $(LOG) 2>&1 || $(call FAILED,$(LOG))
 	@rm $(UNFINISHED) && touch $@
 
-$(TOOLS): $(READY)
+$(TOOLS): $(READY) requirements/dev.txt
 	@echo "adding the tools of the tests to $(VENV), once"
 	@touch $(UNFINISHED) && rm $(READY)
-	@$(PIP) -e '.[dev]' > $(LOG) 2>&1 || { cat $(LOG); exit 1; }
-	@# Plays SoundFonts for its tests; alone, for what it needs beside plays on loudspeakers.
-	@$(PIP) --no-deps tinysoundfont > $(LOG) 2>&1 || cat $(LOG)
+	@$(PIP) $(PINNED) -r requirements/dev.txt > $(LOG) 2>&1 || $(call FAILED,$(LOG))
 	@rm $(UNFINISHED) && touch $(READY) && touch $@
 
+# Tools of maintainers have an environment of their own, apart from what is released.
+$(RELEASE)/.ready: requirements/release.txt
+	@echo "setting up $(RELEASE), once"
+	@rm -rf $(RELEASE) && $(PYTHON) -m venv $(RELEASE)
+	@$(RELEASE)/bin/python -m pip install --no-deps $(PINNED) -r $< > $(RELEASE)/pip.log 2>&1 \
+		|| $(call FAILED,$(RELEASE)/pip.log)
+	@touch $@
+
+# Pins what pyproject.toml asks for; UPGRADE="numpy av" looks for newer versions, UPGRADE=all of all.
+COMPILE = $(RELEASE)/bin/uv pip compile --quiet --universal --python-version 3.11 --no-python-downloads \
+	--generate-hashes --only-binary :all: --fork-strategy fewest --annotation-style line \
+	--custom-compile-command "make lock" \
+	$(if $(filter all,$(UPGRADE)),--upgrade,$(addprefix --upgrade-package ,$(UPGRADE)))
+
+lock: $(RELEASE)/.ready
+	$(COMPILE) pyproject.toml -o requirements/runtime.txt
+	$(COMPILE) --group build -c requirements/runtime.txt -o requirements/build.txt
+	$(COMPILE) --group dev -c requirements/runtime.txt -c requirements/build.txt -o requirements/dev.txt
+	$(COMPILE) --group bench -c requirements/runtime.txt -c requirements/dev.txt -o requirements/bench.txt
+	$(COMPILE) --group release -c requirements/build.txt -c requirements/dev.txt -o requirements/release.txt
+
+# The same sources give the same bytes; SOURCE_DATE_EPOCH, if it is set, dates the files.
+dist: $(RELEASE)/.ready
+	rm -rf dist
+	$(RELEASE)/bin/python -m build --no-isolation
+
+# What an installed pronk consists of, from an environment that holds nothing else; pip is needed
+# when packages first start, the setuptools of older Pythons is not.
+SHIPPED := $(RELEASE)/shipped
+BILL    := $(RELEASE)/pronk.cdx.json
+
+sbom: dist
+	@rm -rf $(SHIPPED) && $(PYTHON) -m venv $(SHIPPED)
+	@{ $(SHIPPED)/bin/python -m pip install --no-deps $(PINNED) -r requirements/runtime.txt \
+		&& $(SHIPPED)/bin/python -m pip install --no-deps dist/*.whl \
+		&& $(SHIPPED)/bin/python -m pip uninstall --yes setuptools; } > $(RELEASE)/pip.log 2>&1 \
+		|| $(call FAILED,$(RELEASE)/pip.log)
+	$(RELEASE)/bin/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml \
+		-o $(BILL) $(SHIPPED)/bin/python
+	$(RELEASE)/bin/python requirements/bill_of_materials.py $(BILL) \
+		$$($(SHIPPED)/bin/python -c 'import sysconfig; print(sysconfig.get_path("platlib"))')
+	@wheel=$$(echo dist/*.whl) && mv $(BILL) $${wheel%-py3-none-any.whl}.cdx.json && rm -rf $(SHIPPED)
+
 clean:
-	rm -rf $(VENV) out dist
+	rm -rf $(VENV) $(RELEASE) out dist

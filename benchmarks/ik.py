@@ -3,8 +3,8 @@
 Six, a hundred and a thousand legs of the beetle follow a foot's path with warm starts. Side
 by side in one run: our batch; the same damped iterations, preferred values and limits
 included, with MuJoCo's kinematics and Jacobians, leg by leg; the same with kinematics in
-plain numpy; and mink, whose steps are quadratic programs, where it is installed (the extra
-`bench`). All stop at the same distance from the goal.
+plain numpy; and mink, whose steps are quadratic programs, where it is installed
+(`requirements/bench.txt`). All stop at the same distance from the goal.
 
 Prints microseconds a leg and step, and how many times faster the batch is.
 

@@ -28,6 +28,9 @@ NAME_LENGTH = 64
 SEAL_BYTES = 16
 """Length of the digest that a sealed file begins with."""
 
+PRIVATE_MODE = 0o600
+"""Mode of files for their owner alone."""
+
 NOT_SUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
 """Errors of file systems that cannot do what is asked, such as some that networks share."""
 
@@ -99,6 +102,23 @@ def read_sealed(path: Path) -> bytes | None:
 def _seal(path: Path, data: bytes) -> bytes:
     named = os.fsencode(path.name) + b"\0" + data
     return hashlib.blake2b(named, digest_size=SEAL_BYTES).digest()
+
+
+def write_private(path: Path, data: bytes) -> None:
+    """Writes a file atomically that nobody but its owner can read, at no moment.
+
+    Raises:
+        OSError: if the file cannot be written, or its file system knows no owners; an earlier one
+            is untouched.
+    """
+    with replaced_when_complete(path) as temporary:
+        # A killed process of the same number may have left one, with any mode.
+        temporary.unlink(missing_ok=True)
+        file = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, PRIVATE_MODE)
+        with open(file, "wb") as opened:
+            if os.name == "posix" and os.fstat(file).st_mode & 0o077:
+                raise OSError(errno.EPERM, "other users could read it there")
+            opened.write(data)
 
 
 def make_folder(path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import os
 import sys
 from typing import Annotated, Never
@@ -11,8 +13,10 @@ import typer
 from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
-from pipeline.errors import PronkError
+from pipeline.errors import UsageError
 from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
+from pipeline.text_stream import EscapingFormatter, print_text
+from pipeline.unexpected_error import require_memory, told_error
 
 app = typer.Typer(
     name="pronk",
@@ -54,7 +58,7 @@ def _version(wanted: bool) -> None:
     if wanted:
         import pipeline
 
-        typer.echo(f"pronk {pipeline.__version__}")
+        print_text(sys.stdout, f"pronk {pipeline.__version__}")
         raise typer.Exit
 
 
@@ -70,6 +74,8 @@ def _common(
 
 def main() -> Never:
     """Run the command line; every error is one message and an exit code."""
+    _hold_streams()
+    _log_escaped()
     listen()
     try:
         code = _ended()
@@ -78,24 +84,63 @@ def main() -> Never:
         code = INTERRUPTED
     if code == INTERRUPTED:
         ignore()
-        typer.echo(f"stopped; {options.CURRENT.options.stopped}", err=True)
+        print_text(sys.stderr, f"stopped; {options.CURRENT.options.stopped}")
         # Libraries whose threads were at work would add tracebacks of their own.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     sys.exit(code)
 
 
+def _hold_streams() -> None:
+    """Make standard streams that can hold any text, and files where they are closed.
+
+    A file that is opened later would take the place of a closed stream, and what is printed would
+    go into it.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            # Takes the lowest number that is free, which is this one.
+            os.open(os.devnull, os.O_RDWR)
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", encoding="utf-8", closefd=False)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _require_output() -> None:
+    """Refuse to work where the result cannot be told.
+
+    Raises:
+        UsageError: standard output is closed.
+    """
+    if sys.stdout is None:
+        raise UsageError("standard output is closed; write > /dev/null where it is not wanted")
+
+
+def _log_escaped() -> None:
+    """Escape control characters in warnings of the log, too."""
+    last = logging.lastResort
+    if last is not None:
+        last.setFormatter(EscapingFormatter())
+
+
 def _ended() -> str | int | None:
     """Run the command and return the code it ends with."""
     try:
+        _require_output()
+        require_memory()
         app()
-    except PronkError as error:
-        options.say(error)
-        return error.exit_code
     except SystemExit as end:
         # Typer turns Ctrl-C into a code of its own and says nothing.
         return end.code
     except BaseException as error:
-        if not is_interrupt(error):
+        if is_interrupt(error):
+            return INTERRUPTED
+        if not isinstance(error, Exception):
             raise
-        return INTERRUPTED
+        told = told_error(error)
+        options.say(told)
+        return told.exit_code
     raise AssertionError("typer ends every command by SystemExit")

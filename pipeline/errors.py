@@ -22,6 +22,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import ClassVar
 
+from pipeline.terminal_text import escaped_line
+
 
 class PronkError(Exception):
     """Root of all errors that pronk reports as one clear message."""
@@ -62,10 +64,13 @@ class Problem:
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
-        head = ": ".join(piece for piece in (place, self.path, self.message) if piece)
+        pieces = (place, self.path, self.message)
+        # Names within them may hold line feeds, which would pass for lines of their own.
+        head = ": ".join(escaped_line(piece) for piece in pieces if piece)
         if not self.source.strip():
             return head
-        return f"{head}\n    {self.source.rstrip()}\n    {' ' * (self.column - 1)}^"
+        before = len(escaped_line(self.source[: self.column - 1].ljust(self.column - 1)))
+        return f"{head}\n    {escaped_line(self.source.rstrip())}\n    {' ' * before}^"
 
 
 class SceneError(PronkError):

@@ -18,7 +18,8 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-from render.film_encoder import CODECS, RATE, Codec, Picture, Sound, video_frame
+from render.film_codecs import CODECS, CONTAINERS, RATE, Codec, Sound
+from render.film_encoder import Picture, video_frame
 
 BLOCK = 16
 """Side of a block of luma; blocks of subsampled chroma are as large in the picture [pixels]."""
@@ -26,14 +27,17 @@ BLOCK = 16
 MAX_LEVELS = 6.0
 """Greatest difference between the means of a block, of 255.
 
-Measured: 1.5 on rendered scenes, 3.7 on black and white noise in ProRes.
+Measured: 2.0 on rendered scenes (AV1), 3.7 on black and white noise in ProRes.
 """
 
 WINDOW = RATE // 10
 """Length of a window of sound [samples]."""
 
 MIN_CORRELATION = 0.35
-"""Least correlation of a window that is audible. Measured: 0.99 on steps, 0.51 on white noise."""
+"""Least correlation of a window that is audible.
+
+Measured: 0.99 on steps and 0.51 on white noise in AAC, 0.75 on a film in Opus.
+"""
 
 AUDIBLE = 0.003
 """Root mean square from which a window is audible, of full scale."""
@@ -53,16 +57,19 @@ class _Nothing(enum.Enum):
     ENDED = enum.auto()
 
 
-def picture_differences(path: Path, frames: Iterable[Picture | None], fps: Fraction) -> list[str]:
+def picture_differences(
+    path: Path, frames: Iterable[Picture | None], fps: Fraction, codec: str = "h264"
+) -> list[str]:
     """Return how the pictures of a film differ from those that `write_film` makes.
 
     Args:
         path: of the film.
         frames: as for `write_film`; None for a frame that is not compared.
         fps: frames per second.
+        codec: of the film, a name in `CODECS`.
     """
     try:
-        return list(_picture_differences(path, frames, fps))
+        return list(_picture_differences(path, frames, fps, CODECS[codec]))
     except (OSError, ValueError, IndexError, av.FFmpegError) as error:
         return [f"cannot be decoded ({error})"]
 
@@ -87,9 +94,9 @@ def sound_differences(
 
 
 def _picture_differences(
-    path: Path, frames: Iterable[Picture | None], fps: Fraction
+    path: Path, frames: Iterable[Picture | None], fps: Fraction, codec: Codec
 ) -> Iterator[str]:
-    compared = _Comparison(fps, CODECS[path.suffix])
+    compared = _Comparison(fps, codec, CONTAINERS[path.suffix].tick)
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
         # Broken pictures would be patched up in silence.
@@ -110,6 +117,7 @@ class _Comparison:
     Attributes:
         fps: frames per second.
         codec: of the film.
+        tick: unit of its times [s], 0 where they are exact.
         frames: number of frames.
         shown: number of pictures.
         late: those that are shown at another time.
@@ -119,6 +127,7 @@ class _Comparison:
 
     fps: Fraction
     codec: Codec
+    tick: Fraction
     frames: int = 0
     shown: int = 0
     late: list[int] = field(default_factory=list)
@@ -128,7 +137,8 @@ class _Comparison:
     def add(self, index: int, picture: av.VideoFrame, frame: Picture | None) -> None:
         """Compare a picture with its frame, None for one that is not compared."""
         self.shown += 1
-        if Fraction(picture.pts or 0) * (picture.time_base or 0) != index / self.fps:
+        time = Fraction(picture.pts or 0) * (picture.time_base or 0)
+        if abs(time - index / self.fps) > self.tick / 2:
             self.late.append(index + 1)
         if frame is None:
             return
@@ -193,8 +203,6 @@ def _listed(numbers: list[int]) -> str:
 
 def _sound_differences(path: Path, sound: Path | None, sound_from: Fraction) -> Iterator[str]:
     with av.open(str(path)) as container:
-        video = container.streams.video[0]
-        length = Fraction(video.duration or 0) * (video.time_base or 0)
         tracks = container.streams.audio
         if sound is None or not tracks:
             if tracks:
@@ -202,10 +210,25 @@ def _sound_differences(path: Path, sound: Path | None, sound_from: Fraction) -> 
             elif sound is not None:
                 yield "has no sound"
             return
-        lasts = Fraction(tracks[0].duration or 0) * (tracks[0].time_base or 0)
+        length, lasts = _lengths(container)
         if abs(lasts - length) > Fraction(1, RATE):
             yield f"its sound lasts {float(lasts):.3f} s instead of {float(length):.3f} s"
     yield from _wave_differences(path, sound, round(sound_from * RATE), round(length * RATE))
+
+
+def _lengths(container: Any) -> tuple[Fraction, Fraction]:
+    """Return the lengths of the pictures and the sound [s]."""
+    video, audio = container.streams.video[0], container.streams.audio[0]
+    if video.duration is not None:
+        return video.duration * video.time_base, audio.duration * audio.time_base
+    # WebM tells no lengths of its tracks.
+    pictures = samples = 0
+    for packet in container.demux(video, audio):
+        if packet.stream is video:
+            pictures += packet.size > 0
+        else:
+            samples += sum(block.samples for block in packet.decode())
+    return pictures / Fraction(video.average_rate), Fraction(samples, RATE)
 
 
 def _wave_differences(path: Path, sound: Path, skipped: int, length: int) -> Iterator[str]:

@@ -1,19 +1,15 @@
 """Film encoder: frames in order, with sound, as a film in one of `CODECS`.
 
-H.264 with AAC in MP4 is for viewing. ProRes 422 HQ with PCM in MOV is for editing: ten bits, no
-prediction between frames, uncompressed sound.
-
 The time base of the video is 1 / fps, so that frame f (from 1) is presented at exactly
-(f - 1) / fps; sound is cut or padded to exactly N / fps seconds.
+(f - 1) / fps, in WebM at the nearest millisecond; sound is cut or padded to exactly N / fps
+seconds.
 """
 
 from __future__ import annotations
 
 import itertools
-import math
-import struct
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+import os
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -25,79 +21,15 @@ from numpy.typing import NDArray
 
 from pipeline.atomic_file import replaced_when_complete
 from render.errors import EncodeError
+from render.film_codecs import CONTAINERS, RATE, Codec, Container, Sound, SoundCodec, find_codec
 
-RATE = 48_000
-"""Sample rate of the film's sound [Hz]."""
-_AAC_FRAME = 1024
-"""Samples in one frame of AAC."""
-_X264_THREADS = 4
-"""A constant, because the bytes of x264 depend on it."""
+_THREADS = 4
+"""A constant, because the bytes of H.264 and VP9 depend on it."""
+
+# The encoder of AV1 describes itself on standard error; at level 1 it tells errors alone.
+os.environ.setdefault("SVT_LOG", "1")
 
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
-Sound = NDArray[np.float32]
-
-
-@dataclass(frozen=True, slots=True)
-class Codec:
-    """Encoders and formats of one kind of film.
-
-    Attributes:
-        container: FFmpeg's name of the container.
-        video: FFmpeg's name of the video encoder.
-        pixels: pixel format of the video.
-        bits: per channel of the input frames, 8 or 16.
-        audio: FFmpeg's name of the audio encoder.
-        samples: sample format of the audio: `fltp` or `s32`.
-        bit_rate: of the audio [bit/s]; None for PCM.
-        options: of the video encoder.
-    """
-
-    container: str
-    video: str
-    pixels: str
-    bits: int
-    audio: str
-    samples: str
-    bit_rate: int | None = None
-    options: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def input_pixels(self) -> str:
-        """Pixel format of the input frames."""
-        return "rgb24" if self.bits == 8 else "rgb48le"
-
-    def quantized(self, sound: Sound) -> Sound | NDArray[np.int32]:
-        """Return sound (channels, N) in the sample format of the encoder."""
-        if self.samples == "fltp":
-            return sound
-        whole = np.clip(np.rint(sound.astype(np.float64) * 2**31), -(2**31), 2**31 - 1)
-        return np.ascontiguousarray(whole.astype(np.int32).T.reshape(1, -1))
-
-
-CODECS: dict[str, Codec] = {
-    # Constant rate factor 17 is visually lossless.
-    ".mp4": Codec(
-        container="mp4",
-        video="libx264",
-        pixels="yuv420p",
-        bits=8,
-        audio="aac",
-        samples="fltp",
-        bit_rate=192_000,
-        # With a lookahead thread one film in a thousand came out otherwise on a busy machine.
-        options={"crf": "17", "preset": "medium", "x264-params": "sync-lookahead=0"},
-    ),
-    ".mov": Codec(
-        container="mov",
-        video="prores_ks",
-        pixels="yuv422p10le",
-        bits=16,
-        audio="pcm_s24le",
-        samples="s32",
-        options={"profile": "3", "vendor": "apl0"},
-    ),
-}
-"""Codecs by the suffix of the film's file."""
 
 
 def write_film(
@@ -107,63 +39,37 @@ def write_film(
     sound: Path | None = None,
     sound_from: Fraction = Fraction(0),
     key: str = "",
+    codec: str = "h264",
 ) -> int:
     """Write frames with sound, if any, and return the number of frames.
 
     Args:
-        path: of the film, with a suffix of `CODECS`; replaced when the new film is complete.
+        path: of the film, with a suffix of `CONTAINERS`; replaced when the new film is complete.
         frames: images (H, W, 3) sRGB of one even size, with the codec's bits, in order.
         fps: frames per second.
         sound: WAV file of 48 kHz, one or two channels; cut or padded to the video.
         sound_from: time in it of the first frame [s].
         key: stored in the film's comment, for `film_key`.
+        codec: name in `CODECS`.
 
     Raises:
         EncodeError: there is no frame, the frames differ in size, the sound has another
-            format, or the encoder or the disk failed.
+            format, the encoder is missing, or the encoder or the disk failed.
     """
-    codec = CODECS.get(path.suffix)
-    if codec is None:
-        suffixes = " or ".join(CODECS)
+    container = CONTAINERS.get(path.suffix)
+    if container is None:
+        suffixes = " or ".join(CONTAINERS)
         raise EncodeError(f"{path} is no film file; write a name that ends in {suffixes}")
+    encoders = find_codec(codec)
     try:
         samples = None if sound is None else _read_wav(sound)[:, round(sound_from * RATE) :]
         with replaced_when_complete(path) as temporary:
-            return _write(temporary, frames, fps, samples, key, codec)
+            return _write(temporary, frames, fps, samples, key, encoders, container)
     except (OSError, ValueError, av.FFmpegError) as error:
         reason: object = error
         if isinstance(error, OSError) and error.filename == str(path):
             reason = error.strerror
         raise EncodeError(f"{path} could not be encoded: {reason}") from error
-
-
-def film_key(path: Path) -> str | None:
-    """Return the key that a film was written with; None if it has none or is torn."""
-    try:
-        if not _is_complete(path):
-            return None
-        with av.open(str(path)) as container:
-            return container.metadata.get("comment")
-    except (OSError, ValueError, av.FFmpegError):
-        return None
-
-
-def _is_complete(path: Path) -> bool:
-    """Return whether the boxes of an MP4 file add up to its length.
-
-    Its index stands at its start, so that FFmpeg opens a torn film as well.
-    """
-    length, at = path.stat().st_size, 0
-    with path.open("rb") as file:
-        while at + 8 <= length:
-            file.seek(at)
-            (size,) = struct.unpack(">I", file.read(4))
-            if size == 1:  # a 64-bit size follows the name
-                (size,) = struct.unpack(">4xQ", file.read(12))
-            if size < 8:
-                return False
-            at += size
-    return at == length
 
 
 def _write(
@@ -173,23 +79,18 @@ def _write(
     sound: Sound | None,
     key: str,
     codec: Codec,
+    form: Container,
 ) -> int:
-    options = {
-        "movflags": "+faststart",
-        "fflags": "+bitexact",
-        "use_editlist": "1",
-        # The unit of lengths, which must resolve both N / fps and whole samples.
-        "movie_timescale": str(math.lcm(RATE, fps.numerator)),
-    }
+    options = {"fflags": "+bitexact", **form.options(fps)}
     pictures = iter(frames)
     first = next(pictures, None)
     if first is None:
         raise EncodeError("there is no frame; render some first")
-    with av.open(str(path), "w", format=codec.container, options=options) as container:
+    with av.open(str(path), "w", format=form.name, options=options) as container:
         container.metadata["comment"] = key
         # The first packet writes the header, so both streams are declared before.
         video = _video_stream(container, first.shape, fps, codec)
-        track = None if sound is None else _SoundTrack(container, sound, codec)
+        track = None if sound is None else _SoundTrack(container, sound, codec.sound)
         count = 0
         for picture in itertools.chain([first], pictures):
             if picture.shape != first.shape:
@@ -208,12 +109,12 @@ def _write(
 
 
 def _video_stream(container: Any, shape: tuple[int, ...], fps: Fraction, codec: Codec) -> Any:
-    video = container.add_stream(codec.video, rate=fps)
+    video = container.add_stream(codec.encoder, rate=fps)
     video.height, video.width = shape[:2]
     video.pix_fmt = codec.pixels
     context = video.codec_context
     context.time_base = 1 / fps
-    context.thread_count = _X264_THREADS
+    context.thread_count = _THREADS
     # Without B-frames decoding order is presentation order, and no edit list shifts time.
     context.max_b_frames = 0
     context.gop_size = max(1, round(fps))
@@ -248,19 +149,19 @@ def video_frame(picture: Picture, count: int, fps: Fraction, codec: Codec) -> av
 class _SoundTrack:
     """The sound of a film, encoded along with the video."""
 
-    def __init__(self, container: Any, sound: Sound, codec: Codec) -> None:
+    def __init__(self, container: Any, sound: Sound, codec: SoundCodec) -> None:
         self._container, self._codec = container, codec
         self._sound = sound
         self._layout = "mono" if len(sound) == 1 else "stereo"
-        self._stream = container.add_stream(codec.audio, rate=RATE, layout=self._layout)
+        self._stream = container.add_stream(codec.encoder, rate=RATE, layout=self._layout)
         if codec.bit_rate is not None:
             self._stream.bit_rate = codec.bit_rate
         self._at = 0
 
     def encode_until(self, seconds: Fraction) -> None:
         """Encode the complete blocks that end before a time."""
-        while (self._at + _AAC_FRAME) <= seconds * RATE:
-            self._encode(_AAC_FRAME)
+        while (self._at + self._codec.block) <= seconds * RATE:
+            self._encode(self._codec.block)
 
     def finish_at(self, seconds: Fraction) -> None:
         """Encode the rest up to a time."""

@@ -169,7 +169,7 @@ class Shot:
             *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
             *_light_values(self.light),
             # The preset is expanded already, and a codec concerns the film.
-            self.film.model_dump_json(exclude={"preset", "codec"}),
+            self.film.model_dump_json(exclude={"preset", "codec", "container"}),
             "pinhole" if self.camera.lens is None else "lens",
         )
         return _digest(

@@ -17,7 +17,7 @@ from pipeline.spec.terrain.base import TERRAIN_KINDS
 from pipeline.spec.verbs import verb_table
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 BLOCK = re.compile(r"```yaml\n(.*?)```", re.DOTALL)
 WALKER = "cast: [{name: mare, figure: horse, walk: {}}]\n"
 

@@ -1,17 +1,19 @@
 """A small drama manager: brings a cast together, two at a time, and counts how they meet.
 
     python docs/examples/drama_manager.py SCENE [--out FOLDER] [--pronk COMMAND]
+    python docs/examples/drama_manager.py HOST:PORT --token-file FILE
 
-It starts `pronk direct SCENE` and queries the cast. Until the end of the scene it sends the
-performer that waited longest to the one that was visited least. On arrival the visited performer
-looks at the visitor, and the next pair follows. Performers that can hug do so. Nothing of pronk is
-imported: any program that speaks JSON-RPC 2.0 can do the same.
+It starts `pronk direct SCENE`, or connects to one that waits at a port, and queries the cast. Until
+the end of the scene it sends the performer that waited longest to the one that was visited least.
+On arrival the visited performer looks at the visitor, and the next pair follows. Performers that
+can hug do so. Nothing of pronk is imported: any program that speaks JSON-RPC 2.0 can do the same.
 """
 
 import argparse
 import itertools
 import json
 import shlex
+import socket
 import subprocess
 import sys
 
@@ -26,10 +28,41 @@ class Stage:
         events: notifications so far.
     """
 
-    def __init__(self, command):
+    def __init__(self, reader, writer, leave):
         self.events = []
+        self.leave = leave
         self._numbers = itertools.count(1)
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self._reader, self._writer = reader, writer
+
+    @staticmethod
+    def started(command):
+        """Start pronk and connect to its standard input and output."""
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+        def leave():
+            process.stdin.close()
+            return process.wait()
+
+        return Stage(process.stdout, process.stdin, leave)
+
+    @staticmethod
+    def connected(address, token):
+        """Connect to a port, where the first line is `hello` with the token."""
+        host, _, port = address.rpartition(":")
+        connection = socket.create_connection((host, int(port)))
+        stream = connection.makefile("rwb")
+
+        def leave():
+            stream.close()
+            connection.close()
+            return 0
+
+        stage = Stage(stream, stream, leave)
+        try:
+            stage.ask("hello", token=token)
+        except ValueError as error:
+            raise SystemExit(f"{address}: {error}") from None
+        return stage
 
     def ask(self, method, **params):
         """Send a request and return its result, keeping notifications.
@@ -39,9 +72,9 @@ class Stage:
         """
         number = next(self._numbers)
         request = {"jsonrpc": "2.0", "id": number, "method": method, "params": params}
-        self._process.stdin.write(json.dumps(request).encode() + b"\n")
-        self._process.stdin.flush()
-        for line in self._process.stdout:
+        self._writer.write(json.dumps(request).encode() + b"\n")
+        self._writer.flush()
+        for line in self._reader:
             message = json.loads(line)
             if "method" in message:
                 self.events.append(message["params"])
@@ -49,12 +82,7 @@ class Stage:
                 raise ValueError(message["error"]["message"])
             else:
                 return message["result"]
-        raise SystemExit(self._process.wait() or 1)
-
-    def leave(self):
-        """Close the connection and return the exit code of pronk."""
-        self._process.stdin.close()
-        return self._process.wait()
+        raise SystemExit(self.leave() or 1)
 
 
 class Manager:
@@ -124,11 +152,17 @@ class Manager:
 def main():
     """Direct a scene and report the meetings."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scene")
+    parser.add_argument("scene", help="scene, or address of a port where one waits")
+    parser.add_argument("--token-file", help="file that holds the token of the port")
     parser.add_argument("--out", default="out")
     parser.add_argument("--pronk", default="pronk", help="command of pronk")
     given = parser.parse_args()
-    stage = Stage([*shlex.split(given.pronk), "direct", given.scene, "--out", given.out, "-q"])
+    if given.token_file:
+        with open(given.token_file) as file:
+            stage = Stage.connected(given.scene, file.read().strip())
+    else:
+        command = [*shlex.split(given.pronk), "direct", given.scene, "--out", given.out, "-q"]
+        stage = Stage.started(command)
     manager = Manager(stage)
     manager.direct()
     end = stage.ask("end")

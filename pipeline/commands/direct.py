@@ -35,6 +35,12 @@ def direct(
     host: Annotated[
         str, typer.Option(help="Address of the port; default: this machine only.")
     ] = "127.0.0.1",
+    token_file: Annotated[
+        Path | None,
+        typer.Option(
+            help="File for the token of the port; default: SCENE_directed.token with the outputs."
+        ),
+    ] = None,
     name: Annotated[
         str | None, typer.Option(help="Name of the directed scene; default: SCENE_directed.")
     ] = None,
@@ -50,4 +56,5 @@ def direct(
 
     file = find_scene(scene).resolve()
     place = recorder_for(file, name, options.out, options.quiet, options.verbose)
-    serve(load_scene(file, options.sets or []), place, transport_for(socket, port, host))
+    transport = transport_for(socket, port, host, token_file, place.outputs)
+    serve(load_scene(file, options.sets or []), place, transport)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from pipeline.commands.completion import complete_kind
+from pipeline.terminal_text import escaped_line
+from pipeline.text_stream import print_json, print_text
 
 
 def list_names(
@@ -22,8 +25,6 @@ def list_names(
     json_lines: Annotated[bool, typer.Option("--json", help="Print JSON lines.")] = False,
 ) -> None:
     """List the names there are: figures, scenes, materials, gaits, instruments and others."""
-    import json
-
     from pipeline.production.reports.figure_size import ListedName, listed_names
     from pipeline.spec.name_catalogue import NAME_KINDS, NameEntry
 
@@ -33,13 +34,14 @@ def list_names(
         entries = list(listed_names(kind, Path()))
     if json_lines:
         for listed in entries:
-            typer.echo(json.dumps(listed.facts, ensure_ascii=False))
+            print_json(sys.stdout, listed.facts)
         return
     width = max((len(listed.entry.name) for listed in entries), default=0)
     group = ""
     for listed in entries:
         if listed.entry.group != group:
             group = listed.entry.group
-            typer.echo(f"{group}:")
+            print_text(sys.stdout, f"{group}:")
         indent = "  " if group else ""
-        typer.echo(f"{indent}{listed.entry.name:<{width}}  {listed.text}".rstrip())
+        line = f"{indent}{listed.entry.name:<{width}}  {listed.text}".rstrip()
+        print_text(sys.stdout, escaped_line(line))

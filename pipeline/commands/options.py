@@ -10,6 +10,7 @@ import enum
 import inspect
 import logging
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
@@ -20,6 +21,7 @@ import typer
 
 from pipeline.commands.completion import completion
 from pipeline.errors import PronkError, UsageError, located
+from pipeline.text_stream import print_json, print_text
 
 if TYPE_CHECKING:
     from pipeline.production.run.order import Order
@@ -308,12 +310,10 @@ def say(error: PronkError, scene: str = "", file: Path | None = None) -> None:
     """
     text = str(error) if file is None else located(error, file)
     if not CURRENT.options.as_json:
-        typer.echo(f"error: {text}", err=True)
+        print_text(sys.stderr, f"error: {text}")
         return
-    import json
-
     event: dict[str, object] = {"event": "error", "exit_code": error.exit_code}
     if scene:
         event["scene"] = scene
     event.update(error.facts)
-    typer.echo(json.dumps({**event, "message": text}, ensure_ascii=False))
+    print_json(sys.stdout, {**event, "message": text})

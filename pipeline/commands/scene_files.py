@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +18,7 @@ from pipeline.commands.options import (
     StrictOption,
     with_options,
 )
+from pipeline.text_stream import print_json, print_text
 
 if TYPE_CHECKING:
     from pipeline.production.run.progress import Reporter
@@ -31,7 +33,8 @@ def new(
     from pipeline.production.run.starter_scene import write_starter
 
     path = write_starter(name, Path())
-    typer.echo(f"{path}: written; try: pronk render {shlex.quote(str(path))} --preset draft")
+    line = f"{path}: written; try: pronk render {shlex.quote(str(path))} --preset draft"
+    print_text(sys.stdout, line)
 
 
 @with_options
@@ -104,7 +107,7 @@ def schema(
     from pipeline.spec import schema as scene_schema
 
     result = figure_schema() if figure else scene_schema()
-    typer.echo(json.dumps(result, indent=2, ensure_ascii=False))
+    print_text(sys.stdout, json.dumps(result, indent=2, ensure_ascii=False))
 
 
 def doctor(
@@ -112,7 +115,6 @@ def doctor(
     json_lines: Annotated[bool, typer.Option("--json", help="Print JSON lines.")] = False,
 ) -> None:
     """Report what is installed, what will be used, and what is missing."""
-    import json
     from dataclasses import asdict
 
     from pipeline.production.run.doctor import examine
@@ -120,10 +122,10 @@ def doctor(
     findings = examine(fresh)
     for finding in findings:
         if json_lines:
-            typer.echo(json.dumps(asdict(finding), ensure_ascii=False))
+            print_json(sys.stdout, asdict(finding))
         else:
             mark = "ok " if finding.ok else "!! " if finding.needed else "-  "
-            typer.echo(f"{mark} {finding.what:<13} {finding.text}")
+            print_text(sys.stdout, f"{mark} {finding.what:<13} {finding.text}")
     if any(not finding.ok and finding.needed for finding in findings):
         raise typer.Exit(1)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
-from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, keyed_union
+from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, Positive, keyed_union
 from pipeline.spec.suggestions import decided_by_key
 from pipeline.spec.targets import BALL, CHARACTER, JOINTED_CHARACTER, TargetKind
 
@@ -122,7 +122,7 @@ class Wander(Urge):
 class SitDown(Urge):
     """Sits down on the ground while nothing is more pressing."""
 
-    rest: Annotated[Number, Field(gt=0, le=1e6)] = Field(
+    rest: Annotated[Positive, Field(le=1e6)] = Field(
         description="Time for which nothing else must be pressing [s]."
     )
 

@@ -20,6 +20,7 @@ from pipeline.spec.model_base import (
     Number,
     Point,
     Position,
+    Positive,
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
@@ -31,7 +32,7 @@ AROUND_IT = "Diameter of the sphere around it [m]."
 class Matter(ConfigModel):
     """What every body has besides its shape."""
 
-    density: Annotated[Number, Field(gt=0, le=30_000)] = Field(600.0, description="[kg/m³].")
+    density: Annotated[Positive, Field(le=30_000)] = Field(600.0, description="[kg/m³].")
     bounciness: Annotated[Number, Field(ge=0, le=1)] = Field(
         0.4,
         description="Speed after / before an impact: 0 stays down, 1 comes back as high. Below "
@@ -83,7 +84,7 @@ class Brick(Matter):
     size: tuple[Length, Length, Length] = Field(
         (0.24, 0.071, 0.115), description="Its extent along x, y and z [m]."
     )
-    density: Annotated[Number, Field(gt=0, le=30_000)] = Field(1800.0, description="[kg/m³].")
+    density: Annotated[Positive, Field(le=30_000)] = Field(1800.0, description="[kg/m³].")
 
 
 class Cube(Matter):

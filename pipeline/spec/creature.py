@@ -17,6 +17,7 @@ from pipeline.spec.model_base import (
     LengthOrZero,
     Number,
     Point,
+    Positive,
     Target,
     raise_faults,
 )
@@ -39,7 +40,7 @@ class Pronk(ConfigModel):
         None, description="From lift-off until back at that height, over the ground [m]."
     )
     height: Length | None = Field(None, description="Of a jump, above the lift-off [m].")
-    speed: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+    speed: Annotated[Positive, Field(le=1000)] | None = Field(
         None,
         description="At lift-off, along the way of the jump [m/s]; with a distance it says the "
         "height, of two that do the lower one.",
@@ -47,7 +48,7 @@ class Pronk(ConfigModel):
     crouch: Length | None = Field(
         None, description="Height of the body above the ground at which a landing ends [m]."
     )
-    max_force: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+    max_force: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="That a leg gives at most [body weights]; enough if left out."
     )
     balance: Annotated[Number, Field(ge=0, le=1000)] | None = Field(

@@ -21,6 +21,7 @@ from pipeline.spec.model_base import (
     MaterialName,
     Name,
     Number,
+    Positive,
     fault_error,
     raise_faults,
 )
@@ -49,7 +50,7 @@ JOINT_KEYS = tuple(f"{joint}_deg" for joint in (*ARM_JOINTS, *TRUNK_JOINTS))
 Angle = Annotated[Number, Field(ge=-200, le=200)]
 Step = Annotated[Number, Field(ge=-3, le=3)]
 Position = tuple[Step, Step, Step]
-Beats = Annotated[Number, Field(gt=0, le=256)]
+Beats = Annotated[Positive, Field(le=256)]
 Seconds = Annotated[Number, Field(ge=0.05, le=60)]
 Hand = Literal["r", "l"]
 Controller = Literal["force-field", "joint-torque"]

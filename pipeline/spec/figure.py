@@ -24,6 +24,7 @@ from pipeline.spec.model_base import (
     Name,
     Number,
     Point,
+    Positive,
     raise_faults,
 )
 from pipeline.spec.operations import Operation, carry_out
@@ -126,7 +127,7 @@ class Figure(ConfigModel):
         description="Whether its head ends in two jaws, which are seen and weigh nothing; an "
         "insect's does if left out.",
     )
-    density: Annotated[Number, Field(gt=0, le=MAX_DENSITY)] = Field(
+    density: Annotated[Positive, Field(le=MAX_DENSITY)] = Field(
         1000.0, description="Mass of the visible solids by volume [kg/m³]; water's if left out."
     )
 

@@ -14,6 +14,7 @@ from pipeline.spec.model_base import (
     Integer,
     Name,
     Number,
+    Positive,
     raise_faults,
 )
 from render.config.base import EASE_DESCRIPTION, HELD_EASE_DESCRIPTION, TURN_DESCRIPTION, Ease
@@ -32,7 +33,7 @@ SmoothEase = Literal["spline", "linear", "in", "out", "in-out"]
 
 Time = Annotated[Number, Field(ge=0, le=1e6)]
 Angle = Annotated[Number, Field(ge=-36_000, le=36_000)]
-Factor = Annotated[Number, Field(gt=0, le=1000)]
+Factor = Annotated[Positive, Field(le=1000)]
 Rate = Annotated[Number, Field(ge=-36_000, le=36_000)]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 Turn = tuple[Angle, Angle, Angle]
@@ -188,7 +189,7 @@ class PoseKey(ConfigModel):
         description="1 comes first; what comes later gets what the joints have left. 1 for "
         "limbs and nodes, 2 for joints, if left out.",
     )
-    weight: Annotated[Number, Field(gt=0, le=1000)] = Field(
+    weight: Annotated[Positive, Field(le=1000)] = Field(
         1.0, description="Share in a compromise with what else has this priority."
     )
     joints: dict[Name, Number] | None = Field(

@@ -20,6 +20,7 @@ from pipeline.spec.scene_library import (
     SUFFIX,
     existing_file,
     files_beside,
+    is_file,
     is_path,
     library,
     missing_file_message,
@@ -178,7 +179,7 @@ class LibrarySearch:
         if self.beside is not None:
             folders = [self.beside, self.beside / block.block, *folders]
         for path in (folder / (name + SUFFIX) for folder in folders):
-            if not path.is_file() or str(path) == self.scene_file:
+            if not is_file(path) or str(path) == self.scene_file:
                 continue
             tree, _ = self._read(path)
             # A scene may be called like the figure or the dance in it.

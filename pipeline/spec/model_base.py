@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 from pydantic.annotated_handlers import GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
@@ -29,7 +29,18 @@ paths. Spelled out, because pydantic, Python and editors disagree on what `\\w` 
 WORLD_LIMIT = 10_000.0
 """Largest coordinate [m]: beyond 10 km a float32 vertex is not exact to a millimetre."""
 
+LEAST = 1e-9
+"""Smallest of the numbers that must be positive: quotients of much smaller ones overflow."""
+
+
+def _not_tiny(value: float) -> float:
+    if value < LEAST:
+        raise fault_error(f"must be at least {LEAST:g}, is {value!r}")
+    return value
+
+
 Number = Annotated[float, Strict()]
+Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_tiny)]
 Integer = Annotated[int, Strict()]
 Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=64)]
 
@@ -56,7 +67,7 @@ MoodName = Annotated[Name, ListedIn("moods")]
 BehaviourName = Annotated[Name, ListedIn("behaviours")]
 
 Coordinate = Annotated[Number, Field(ge=-WORLD_LIMIT, le=WORLD_LIMIT)]
-Length = Annotated[Number, Field(gt=0, le=WORLD_LIMIT)]
+Length = Annotated[Positive, Field(le=WORLD_LIMIT)]
 LengthOrZero = Annotated[Number, Field(ge=0, le=WORLD_LIMIT)]
 Phase = Annotated[Number, Field(ge=0, le=1)]
 Point = tuple[Coordinate, Coordinate]

@@ -16,6 +16,7 @@ from pipeline.spec.model_base import (
     Length,
     LengthOrZero,
     Number,
+    Positive,
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
@@ -143,10 +144,10 @@ class ForceMotion(ConfigModel):
     keys: Annotated[tuple[ForceKey, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
         (), description="Instead: forces and torques at certain times."
     )
-    mass: Annotated[Number, Field(gt=0, le=1e9)] | None = Field(
+    mass: Annotated[Positive, Field(le=1e9)] | None = Field(
         None, description="[kg]; by its shape and density if left out."
     )
-    density: Annotated[Number, Field(gt=0, le=30_000)] = Field(600.0, description="[kg/m³].")
+    density: Annotated[Positive, Field(le=30_000)] = Field(600.0, description="[kg/m³].")
     gravity: bool = Field(False, description="Whether its weight pulls it down as well.")
     drag: Annotated[Number, Field(ge=0, le=1e6)] = Field(
         0.0, description="Force that holds it back, for each metre a second [N s/m]."

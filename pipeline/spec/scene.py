@@ -17,9 +17,9 @@ from pipeline.spec.model_base import (
     Fault,
     Integer,
     Name,
-    Number,
     Point,
     Position,
+    Positive,
     fault_error,
     raise_faults,
 )
@@ -103,7 +103,7 @@ class Scene(ConfigModel):
     pronk: Literal[1] = Field(description="Version of the scene language.")
     title: str = Field("", max_length=200, description="Title of the film.")
     fps: Rate = Field(24, description="Frames a second: 24, 25, 60 or '30000/1001'.")
-    duration: Annotated[Number, Field(gt=0, le=MAX_FRAMES)] | None = Field(
+    duration: Annotated[Positive, Field(le=MAX_FRAMES)] | None = Field(
         None, description="How long the film lasts [s]; give this or frames."
     )
     frames: Annotated[Integer, Field(gt=0, le=MAX_FRAMES)] | None = Field(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from pipeline.errors import UsageError
 from pipeline.spec.suggestions import close_names, hint, joined_choices
 from pipeline.spec.yaml_reader import read_file
+from pipeline.terminal_text import escaped_line
 
 SUFFIX = ".yaml"
 PATH_SUFFIXES = (SUFFIX, ".yml")
@@ -66,6 +68,14 @@ def scenes_in(folder: Path) -> dict[str, Path]:
     return {name: paths[name] for name, tree in trees.items() if tree and "cast" in tree.entries}
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is such a file; no file has a name that the system does not allow."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def is_path(text: str) -> bool:
     """Return whether a reference is the path of a file, not a name."""
     return text.endswith(PATH_SUFFIXES) or "/" in text or "\\" in text
@@ -76,11 +86,8 @@ def existing_file(folder: Path, text: str) -> Path | None:
 
     The suffix of scene files may be left out.
     """
-    try:
-        files = (folder / text, folder / (text + SUFFIX))
-        return next((file for file in files if file.is_file()), None)
-    except (OSError, ValueError):
-        return None
+    files = (folder / text, folder / (text + SUFFIX))
+    return next((file for file in files if is_file(file)), None)
 
 
 def missing_file_message(folder: Path, text: str) -> str:
@@ -100,14 +107,41 @@ def missing_file_message(folder: Path, text: str) -> str:
     return f"'{text}' is no file in {whole.parent}, {near}"
 
 
+MAX_NAME_BYTES = 200
+"""Length of a scene's name: those of its outputs are longer, and most systems take 255."""
+
+
+def name_fault(name: str) -> str | None:
+    """Return why a name cannot be that of a folder of outputs and of the files in it."""
+    if name != escaped_line(name):
+        return "holds characters that cannot be printed"
+    if not name or name.startswith("."):
+        return "begins with a dot" if name else "is empty"
+    if name != name.strip() or name.endswith("."):
+        return "ends with a dot" if name.endswith(".") else "begins or ends with a blank"
+    if len(os.fsencode(name)) > MAX_NAME_BYTES:
+        return f"is longer than {MAX_NAME_BYTES} bytes"
+    return None
+
+
 def find_scene(name: str) -> Path:
     """Return the file of a scene, given its path or its name.
 
     A name stands for a file in the current folder, else for a shipped scene.
 
     Raises:
-        UsageError: there is no such scene.
+        UsageError: there is no such scene, or its outputs cannot be named by it.
     """
+    path = _scene_file(name)
+    fault = name_fault(path.stem)
+    if fault is not None:
+        stem = escaped_line(path.stem)
+        message = f"a scene's file names its outputs, and '{stem}' {fault}; rename the file"
+        raise UsageError(f"'{escaped_line(name)}': {message}")
+    return path
+
+
+def _scene_file(name: str) -> Path:
     given = Path(name)
     beside = given if name.endswith(SUFFIX) else Path(name + SUFFIX)
     try:

@@ -22,6 +22,7 @@ from pipeline.spec.model_base import (
     Name,
     Number,
     Point,
+    Positive,
     Target,
     keyed_union,
     raise_faults,
@@ -79,7 +80,7 @@ class TurnBy(ConfigModel):
 class SetSpeed(ConfigModel):
     """Go faster or slower from now on."""
 
-    speed: Annotated[Number, Field(gt=0, le=1000)] = Field(
+    speed: Annotated[Positive, Field(le=1000)] = Field(
         description="The new speed on level ground [m/s]."
     )
 
@@ -87,7 +88,7 @@ class SetSpeed(ConfigModel):
 class Wait(ConfigModel):
     """Stop, and go on later."""
 
-    wait: Annotated[Number, Field(gt=0, le=1e6)] = Field(
+    wait: Annotated[Positive, Field(le=1e6)] = Field(
         description="How long it stops before it goes on [s]."
     )
 
@@ -129,7 +130,7 @@ class JumpSettings(ConfigModel):
         None, description="From lift-off until back at that height, over the ground [m]."
     )
     height: Length | None = Field(None, description="Above the lift-off [m].")
-    speed: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+    speed: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="At lift-off, along the way of the jump [m/s]."
     )
     land_at: Point | None = Field(
@@ -201,7 +202,7 @@ class Kick(ConfigModel):
         description="Where to: [x, y, z] [m], a member of the cast, or a place; straight ahead if "
         "left out.",
     )
-    speed: Annotated[Number, Field(gt=0, le=40)] = Field(
+    speed: Annotated[Positive, Field(le=40)] = Field(
         5.0, description="Speed of the foot where it meets it [m/s]."
     )
 

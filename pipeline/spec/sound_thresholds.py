@@ -14,11 +14,11 @@ from pydantic import AfterValidator, Field, model_validator
 
 from audio.acoustic_materials import FAMILIES
 from audio.config.sound import Sound
-from pipeline.spec.model_base import ConfigModel, Fault, Number, fault_error, raise_faults
+from pipeline.spec.model_base import ConfigModel, Fault, Number, Positive, fault_error, raise_faults
 from pipeline.spec.suggestions import hint
 
 Speed = Annotated[Number, Field(ge=0, le=1000)]
-Rate = Annotated[Number, Field(gt=0, le=100_000)]
+Rate = Annotated[Positive, Field(le=100_000)]
 Seconds = Annotated[Number, Field(ge=0, le=60)]
 Pattern = Annotated[str, Field(min_length=1)]
 
@@ -32,9 +32,7 @@ def _known_families(factors: dict[str, float]) -> dict[str, float]:
     return factors
 
 
-Factors = Annotated[
-    dict[str, Annotated[Number, Field(gt=0, le=1000)]], AfterValidator(_known_families)
-]
+Factors = Annotated[dict[str, Annotated[Positive, Field(le=1000)]], AfterValidator(_known_families)]
 
 
 class Cause(ConfigModel):
@@ -196,7 +194,7 @@ class Breath(Cause):
     """Creatures that breathe; heard only if it is asked for."""
 
     heard: bool = Field(False, description="True to hear breathing.")
-    per_minute: Annotated[Number, Field(gt=0, le=600)] | None = Field(
+    per_minute: Annotated[Positive, Field(le=600)] | None = Field(
         None, description="Breaths a minute at rest; chosen by mass if left out."
     )
     strides: Annotated[Number, Field(ge=0.25, le=100)] = Field(

@@ -16,6 +16,7 @@ from pipeline.spec.model_base import (
     Number,
     Phase,
     Point,
+    Positive,
     fault_error,
     raise_faults,
 )
@@ -116,10 +117,10 @@ class Manner(ConfigModel):
         description="Part of the cycle that each foot is down; its swing is lengthened or "
         "shortened around its middle. The gait's own if left out.",
     )
-    cycle: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+    cycle: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="Duration of one gait cycle [s]."
     )
-    speed: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+    speed: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="Speed of the body over the ground [m/s]."
     )
     stride: Length | None = Field(

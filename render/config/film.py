@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from render.config.base import RenderConfig
 
 Denoise = Literal["off", "fast", "high"]
 SoftLight = Literal["half", "full"]
 Format = Literal["png", "exr"]
-Codec = Literal["h264", "prores"]
+Codec = Literal["h264", "prores", "vp9", "av1"]
+Container = Literal["mp4", "mov", "webm"]
 Preset = Literal["draft", "preview", "final", "master"]
 Degrees = Annotated[float, Field(ge=0, le=360)]
 Moments = Annotated[int, Field(ge=1, le=256)]
-# H.264 in 4:2:0 keeps one chroma sample for two by two pixels.
+# Video in 4:2:0 keeps one chroma sample for two by two pixels.
 Even = Annotated[int, Field(ge=16, le=8192, multiple_of=2)]
 
 RAYS_PER_PATH = 4
@@ -27,6 +28,17 @@ _SHARP: dict[str, Any] = {"shutter_deg": 0.0, "moments": 4}
 _BLURRED: dict[str, Any] = {"shutter_deg": 180.0, "moments": 6}
 _FOR_VIEWING: dict[str, Any] = {"format": "png", "codec": "h264"}
 _FOR_EDITING: dict[str, Any] = {"format": "exr", "codec": "prores"}
+
+MIN_AV1_SIDE = 32
+"""Shortest side of a film in AV1 [pixels]; with shorter ones its encoder may never return."""
+
+CONTAINERS: dict[Codec, tuple[Container, ...]] = {
+    "h264": ("mp4",),
+    "prores": ("mov",),
+    "vp9": ("mp4", "webm"),
+    "av1": ("mp4", "webm"),
+}
+"""Containers that hold each codec, the default first."""
 
 _PRESETS: dict[Preset, dict[str, Any]] = {
     "draft": {
@@ -101,14 +113,44 @@ class Film(RenderConfig):
     )
     codec: Codec | None = Field(
         None,
-        description="Codec of the film: h264 in MP4 is ready to show; prores in MOV has ten bits "
+        description="Codec of the film: h264, vp9 and av1 are ready to show; prores has ten bits "
         "and uncompressed sound, for editing.",
     )
+    container: Container | None = Field(
+        None,
+        description="Format of the film's file: mp4 of h264, vp9 and av1, mov of prores. Films of "
+        "vp9 and av1 may also be webm, whose times are whole milliseconds.",
+    )
+
+    @field_validator("codec")
+    @classmethod
+    def _check_codec(cls, value: Codec | None, info: ValidationInfo) -> Codec | None:
+        size = info.data.get("size")
+        if value == "av1" and size is not None and min(size) < MIN_AV1_SIDE:
+            raise ValueError(
+                f"av1 needs a size of at least {MIN_AV1_SIDE}x{MIN_AV1_SIDE}, is "
+                f"{size[0]}x{size[1]}; write a larger size, or codec: vp9"
+            )
+        return value
+
+    @field_validator("container")
+    @classmethod
+    def _check_container(cls, value: Container | None, info: ValidationInfo) -> Container | None:
+        # A wrong preset or codec is not among the values, and has an error of its own.
+        if value is None or not {"preset", "codec"} <= info.data.keys():
+            return value
+        codec = info.data["codec"] or _PRESETS[info.data["preset"]]["codec"]
+        if value in CONTAINERS[codec]:
+            return value
+        holds = " or ".join(name for name, its in CONTAINERS.items() if value in its)
+        right = " or ".join(CONTAINERS[codec])
+        raise ValueError(f"{value} does not hold {codec}; write {right}, or codec: {holds}")
 
     def resolved(self) -> FullFilm:
         """Return the film with the values of its preset written out."""
         given = {k: v for k, v in self.model_dump().items() if v is not None}
-        return FullFilm.model_validate({**_PRESETS[self.preset], **given})
+        full = {**_PRESETS[self.preset], **given}
+        return FullFilm.model_validate({"container": CONTAINERS[full["codec"]][0], **full})
 
 
 class FullFilm(Film):
@@ -123,6 +165,7 @@ class FullFilm(Film):
     moments: Moments
     format: Format
     codec: Codec
+    container: Container
 
     @property
     def rays(self) -> int:
@@ -137,7 +180,7 @@ class FullFilm(Film):
     @property
     def suffix(self) -> str:
         """Suffix of the film's file."""
-        return {"h264": ".mp4", "prores": ".mov"}[self.codec]
+        return f".{self.container}"
 
     @property
     def exposures(self) -> tuple[float, ...]:

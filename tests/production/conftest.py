@@ -24,9 +24,9 @@ from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene
+from tests.production.killed_runs import contents_of
 
 FRAMES = 8
-MANIFEST = "manifest.json"
 
 TINY = f"""\
 pronk: 1
@@ -101,7 +101,7 @@ class Studio:
 
     def contents(self) -> dict[str, str]:
         """Return the digest of every file but the manifest, whose seconds never repeat."""
-        return {name: digest for name, (_, digest) in self.state().items() if name != MANIFEST}
+        return contents_of(self.made)
 
     def changes(self, before: State) -> set[str]:
         """Return files created, deleted or written since `before`, the take's as one."""
@@ -184,22 +184,35 @@ def _hear_interrupts() -> None:
 
 
 class Running:
-    """A command in its own process, to interrupt or kill."""
+    """A command in its own process, to interrupt or kill.
 
-    def __init__(self, arguments: tuple[str | Path, ...], cwd: Path) -> None:
+    Args:
+        arguments: of `pronk`.
+        cwd: its working folder.
+        messages: file of its standard input.
+    """
+
+    def __init__(
+        self, arguments: tuple[str | Path, ...], cwd: Path, messages: Path | None = None
+    ) -> None:
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", "from pipeline.cli import main; main()", *map(str, arguments)],
-            cwd=cwd,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            # A process group, as of a terminal, so that Ctrl-C reaches the workers too.
-            start_new_session=True,
-            # Tests in the background inherit an ignored SIGINT.
-            preexec_fn=_hear_interrupts,
-        )
+        with contextlib.ExitStack() as files:
+            self.process = subprocess.Popen(
+                [
+                    *(sys.executable, "-c", "from pipeline.cli import main; main()"),
+                    *map(str, arguments),
+                ],
+                cwd=cwd,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+                stdin=files.enter_context(messages.open("rb")) if messages else None,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                # A process group, as of a terminal, so that Ctrl-C reaches the workers too.
+                start_new_session=True,
+                # Tests in the background inherit an ignored SIGINT.
+                preexec_fn=_hear_interrupts,
+            )
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""
@@ -224,8 +237,8 @@ def start() -> Iterator[Callable[..., Running]]:
     """Return a function that starts a command; running commands are killed at the end."""
     running: list[Running] = []
 
-    def begin(*arguments: str | Path, cwd: Path) -> Running:
-        running.append(Running(arguments, cwd))
+    def begin(*arguments: str | Path, cwd: Path, messages: Path | None = None) -> Running:
+        running.append(Running(arguments, cwd, messages))
         return running[-1]
 
     yield begin

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from render.film_codecs import RATE
 from render.film_comparison import picture_differences, sound_differences
-from render.film_encoder import RATE, write_film
+from render.film_encoder import write_film
 
 FPS = Fraction(24)
 SIZE = (48, 64, 3)
@@ -24,12 +25,19 @@ def smooth(count: int = 12) -> np.ndarray:
     return np.stack([np.repeat(127 + 110 * w, 3, axis=2) for w in waves]).astype(np.uint8)
 
 
-def noise() -> np.ndarray:
-    return RNG.integers(0, 2, (12, *SIZE), dtype=np.uint8) * 255
+def noise(rng: np.random.Generator = RNG) -> np.ndarray:
+    return rng.integers(0, 2, (12, *SIZE), dtype=np.uint8) * 255
 
 
-def film_of(path: Path, frames: np.ndarray, sound: Path | None = None) -> Path:
-    write_film(path, deep(frames) if path.suffix == ".mov" else list(frames), FPS, sound)
+CODEC = {".mp4": "h264", ".mov": "prores", ".webm": "vp9"}
+SUFFIXES = list(CODEC)
+
+
+def film_of(
+    path: Path, frames: np.ndarray, sound: Path | None = None, codec: str | None = None
+) -> Path:
+    pictures = deep(frames) if path.suffix == ".mov" else list(frames)
+    write_film(path, pictures, FPS, sound, codec=codec or CODEC[path.suffix])
     return path
 
 
@@ -37,27 +45,41 @@ def deep(frames: np.ndarray) -> list[np.ndarray]:
     return [frame.astype(np.uint16) * 257 for frame in frames]
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".mov"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("frames", [smooth(), noise()], ids=["smooth", "noise"])
 def test_a_film_shows_its_frames(tmp_path: Path, suffix: str, frames: np.ndarray) -> None:
     film = film_of(tmp_path / f"a{suffix}", frames)
     given = deep(frames) if suffix == ".mov" else frames
-    assert picture_differences(film, given, FPS) == []
-    assert picture_differences(film, [None] * 12, FPS) == []
+    assert picture_differences(film, given, FPS, CODEC[suffix]) == []
+    assert picture_differences(film, [None] * 12, FPS, CODEC[suffix]) == []
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".mov"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_other_pictures_are_told(tmp_path: Path, suffix: str) -> None:
     frames = smooth()
     film = film_of(tmp_path / f"a{suffix}", frames)
     frames[4, :16, 32:48] += 12
     frames[[7, 9]] = frames[[9, 7]]
     given = deep(frames) if suffix == ".mov" else list(frames)
-    (text,) = picture_differences(film, given, FPS)
+    (text,) = picture_differences(film, given, FPS, CODEC[suffix])
     assert text.startswith("pictures 5, 8, 10 are unlike the frame, by up to ")
     given[7] = given[9] = None
-    (text,) = picture_differences(film, given, FPS)
+    (text,) = picture_differences(film, given, FPS, CODEC[suffix])
     assert text == "picture 5 is unlike the frame, by up to 10 levels of 255"
+
+
+@pytest.mark.parametrize("codec", ["vp9", "av1"])
+@pytest.mark.parametrize(
+    "frames", [smooth(36), noise(np.random.default_rng(1))], ids=["smooth", "noise"]
+)
+def test_films_of_other_codecs_are_as_their_frames_and_sound(
+    tmp_path: Path, codec: str, frames: np.ndarray
+) -> None:
+    sound = wav_of(tmp_path / "s.wav", steps())
+    film = film_of(tmp_path / "a.mp4", frames, sound, codec)
+    assert picture_differences(film, frames, FPS, codec) == []
+    assert sound_differences(film, sound) == []
+    assert picture_differences(film, frames[::-1], FPS, codec) != []
 
 
 def test_missing_and_added_pictures_are_told(tmp_path: Path) -> None:
@@ -117,7 +139,7 @@ def wav_of(path: Path, samples: np.ndarray) -> Path:
     return path
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".mov"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize(
     "samples",
     [steps(), RNG.normal(0, 0.3, (72000, 2)), RNG.normal(0, 0.01, (72000, 2)), np.zeros((9, 2))],
@@ -137,7 +159,7 @@ def test_the_sound_of_a_part_is_compared_from_its_start(tmp_path: Path) -> None:
     assert text.startswith("its sound differs from s.wav from 0.0 s on")
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".mov"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize(
     ("start", "change"),
     [(0.5, 0.0), (1.1, -1.0), (0.8, "added")],

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from render.errors import EncodeError
-from render.film_encoder import RATE, film_key, write_film
+from render.film_codecs import RATE
+from render.film_encoder import write_film
+from render.film_file import film_key
 
 RATES = [Fraction(24), Fraction(25), Fraction(30000, 1001), Fraction(60), Fraction(15, 2)]
 COUNT = 37

@@ -11,13 +11,16 @@ import av_drift_detector as meter
 import numpy as np
 import pytest
 
-from render.film_encoder import RATE, write_film
+from render.film_codecs import RATE
+from render.film_encoder import write_film
 
 SIZE = (640, 360)
 COUNT = 60
 
 
-def write_late_film(folder: Path, fps: Fraction, delay: float) -> Path:
+def write_late_film(
+    folder: Path, fps: Fraction, delay: float, codec: str = "h264", suffix: str = ".mp4"
+) -> Path:
     """Write the meter's own pattern as a film, its sound late by `delay` [s]."""
     rate = f"{fps.numerator}/{fps.denominator}"
     pattern = meter.PatternRenderer(fps=rate, width=SIZE[0], height=SIZE[1])
@@ -34,8 +37,8 @@ def write_late_film(folder: Path, fps: Fraction, delay: float) -> Path:
         file.setsampwidth(2)
         file.setframerate(RATE)
         file.writeframes((np.clip(sound, -1, 1) * 32767).astype("<i2").tobytes())
-    film = folder / "f.mp4"
-    write_film(film, (picture(i) for i in range(COUNT)), fps, folder / "s.wav")
+    film = folder / f"f{suffix}"
+    write_film(film, (picture(i) for i in range(COUNT)), fps, folder / "s.wav", codec=codec)
     return film
 
 
@@ -49,6 +52,7 @@ def late_ms(film: Path, fps: Fraction) -> float:
             reader.read(bytes(plane), *SIZE, time, plane.line_size)
     with av.open(str(film)) as container:
         blocks = [frame for frame in container.decode(audio=0)]
+    # One channel, so that rows and interleaved samples are the same.
     heard = np.concatenate([b.to_ndarray()[0] for b in blocks]).astype(np.float32)
     start = float(blocks[0].pts * blocks[0].time_base)
     report = meter.analyze_frames(
@@ -69,6 +73,13 @@ def late_ms(film: Path, fps: Fraction) -> float:
 @pytest.mark.parametrize("fps", [Fraction(24), Fraction(30000, 1001)])
 def test_sound_and_picture_are_synchronous(tmp_path: Path, fps: Fraction) -> None:
     assert abs(late_ms(write_late_film(tmp_path, fps, 0.0), fps)) < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("codec", "suffix"), [("vp9", ".mp4"), ("vp9", ".webm"), ("av1", ".mp4")])
+def test_other_codecs_are_as_synchronous(tmp_path: Path, codec: str, suffix: str) -> None:
+    fps = Fraction(30000, 1001)
+    assert abs(late_ms(write_late_film(tmp_path, fps, 0.0, codec, suffix), fps)) < 1.0
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ pjrpc brings no transport, needs no other library and is maintained. One thing i
 because it deviates from the specification: a batch is answered request by request, so that an
 invalid one affects no other, and only if there is anything to answer.
 
-Source: JSON-RPC 2.0 Specification, 2013.
+Source: JSON-RPC 2013.
 """
 
 from __future__ import annotations
@@ -23,13 +23,18 @@ from pjrpc.server.validators.base import (
 )
 
 from pipeline.errors import PronkError, SceneError
-from pipeline.production.direct.transport import MAX_MESSAGE_BYTES, OversizedMessage
-
-MAX_DEPTH = 48
-"""Deepest nesting of lists and mappings in a message."""
+from pipeline.production.direct.messages import (
+    MAX_MESSAGE_BYTES,
+    OversizedMessage,
+    decoded,
+    refusal,
+)
 
 MAX_BATCH = 1000
 """Most requests of one message."""
+
+MAX_ANSWER_BYTES = 2**24
+"""Size of a batch's answers after which its further requests are refused [bytes]."""
 
 Method = Callable[[Mapping[str, Any]], object]
 """Returns the result of a request with these parameters."""
@@ -70,7 +75,7 @@ class Protocol:
                 InvalidRequestError(data=f"a message has at most {MAX_MESSAGE_BYTES} bytes")
             )
         try:
-            content = _decoded(message)
+            content = decoded(message)
         except ValueError as error:
             return _error(ParseError(data=str(error)))
         if not isinstance(content, list):
@@ -78,7 +83,18 @@ class Protocol:
         if not content or len(content) > MAX_BATCH:
             data = f"a batch has 1 to {MAX_BATCH} requests"
             return _error(InvalidRequestError(data=data))
-        answers = [a for request in content if (a := self._answer_one(request)) is not None]
+        return self._answer_batch(content)
+
+    def _answer_batch(self, requests: list[object]) -> str | None:
+        answers, size = list[str](), 0
+        for request in requests:
+            if size > MAX_ANSWER_BYTES:
+                answer: str | None = _too_many_answers(request)
+            else:
+                answer = self._answer_one(request)
+            if answer is not None:
+                answers.append(answer)
+                size += len(answer)
         return f"[{', '.join(answers)}]" if answers else None
 
     def _answer_one(self, request: object) -> str | None:
@@ -88,11 +104,6 @@ class Protocol:
             return _error(InvalidRequestError(data="id should be a whole number or text"))
         answer = self._dispatcher.dispatch(json.dumps(request), None)
         return None if answer is None else answer[0]
-
-
-def notification(method: str, params: Mapping[str, object]) -> str:
-    """Return the text of a notification."""
-    return json.dumps({"jsonrpc": "2.0", "method": method, "params": params})
 
 
 class _NamedParams(BaseValidatorFactory):
@@ -125,40 +136,14 @@ def _with_rpc_errors(method: Method) -> Method:
     return called
 
 
+def _too_many_answers(request: object) -> str:
+    """Return the answer to a request of a batch that is not carried out."""
+    data = f"the batch was answered with over {MAX_ANSWER_BYTES} bytes before; send it in parts"
+    number = request.get("id") if isinstance(request, dict) else None
+    known = number if type(number) in (int, str) else None
+    return refusal(InvalidRequestError(data=data).to_json(), known)
+
+
 def _error(error: JsonRpcError) -> str:
     """Return the answer to an invalid request, whose id is unknown."""
-    return json.dumps({"jsonrpc": "2.0", "id": None, "error": error.to_json()})
-
-
-def _decoded(message: bytes) -> object:
-    """Return the content of a message.
-
-    Raises:
-        ValueError: it is not valid JSON.
-    """
-    try:
-        content: object = json.loads(message.decode("utf-8"), parse_constant=_refuse_constant)
-        is_too_deep = _is_too_deep(content)
-    except RecursionError:
-        is_too_deep = True
-    if is_too_deep:
-        raise ValueError(f"lists and mappings go deeper than {MAX_DEPTH} levels")
-    return content
-
-
-def _refuse_constant(name: str) -> Any:
-    raise ValueError(f"{name} is no number of JSON")
-
-
-def _is_too_deep(content: object) -> bool:
-    level: list[object] = [content]
-    for _ in range(MAX_DEPTH):
-        level = [
-            inner
-            for outer in level
-            if isinstance(outer, dict | list)
-            for inner in (outer.values() if isinstance(outer, dict) else outer)
-        ]
-        if not level:
-            return False
-    return True
+    return refusal(error.to_json())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import Field
 
@@ -17,6 +17,12 @@ ParamsModel = TypeVar("ParamsModel", bound=ConfigModel)
 Count = Annotated[Integer, Field(ge=1, le=10**9)]
 Names = Annotated[tuple[str, ...], Field(max_length=1000)]
 Topic = Literal["time", "performers", "places", "poses", "channels", "notes"]
+
+
+class HelloParams(ConfigModel):
+    """Greeting; a port lets nobody in without it."""
+
+    token: str | None = Field(None, description="Token of the port.")
 
 
 class StepParams(ConfigModel):
@@ -34,7 +40,9 @@ class StepParams(ConfigModel):
 class QueryParams(ConfigModel):
     """Topics and performers of a query."""
 
-    what: tuple[Topic, ...] = Field(("time", "places"), description="Topics.")
+    what: Annotated[tuple[Topic, ...], Field(max_length=len(get_args(Topic)))] = Field(
+        ("time", "places"), description="Topics."
+    )
     who: Names = Field((), description="Performers; all if left out.")
 
 

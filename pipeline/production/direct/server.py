@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 
+from pipeline.production.direct.message_stream import Disconnected, MessageStream
+from pipeline.production.direct.messages import notification
 from pipeline.production.direct.notification_queue import Notification
-from pipeline.production.direct.protocol import Protocol, notification
+from pipeline.production.direct.protocol import Protocol
 from pipeline.production.direct.scene_recorder import RecordedScene, SceneRecorder
 from pipeline.production.direct.session import Session
-from pipeline.production.direct.transport import Disconnected, MessageStream, Transport
+from pipeline.production.direct.transport import Transport
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.interrupts import answered
 from pipeline.spec import Scene
@@ -32,6 +34,9 @@ def direct(scene: Scene, recorder: SceneRecorder, transport: Transport) -> Recor
         try:
             with transport(recorder.reporter.note) as stream:
                 serve(session, stream)
+            if session.goes_on:
+                end = stream.end or "has disconnected"
+                recorder.reporter.note(f"the other program {end}; the scene goes to its end")
             # The same Ctrl-C can have stopped the other program a moment earlier.
             return session.recorded or session.finish()
         except KeyboardInterrupt:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
+import pipeline
 from pipeline.errors import Problem, PronkError, SceneError, SimulationError
+from pipeline.production.direct.access_token import HELLO
 from pipeline.production.direct.notification_queue import (
     EVENT_KINDS,
     Notification,
@@ -14,6 +16,7 @@ from pipeline.production.direct.notification_queue import (
 from pipeline.production.direct.protocol import Method, OutOfOrder
 from pipeline.production.direct.request_params import (
     EndParams,
+    HelloParams,
     QueryParams,
     StepParams,
     SubscribeParams,
@@ -55,9 +58,15 @@ class Session:
         self._failure: PronkError | None = None
 
     @property
+    def goes_on(self) -> bool:
+        """Whether the scene has neither ended nor failed."""
+        return self.recorded is None and self._failure is None
+
+    @property
     def methods(self) -> Mapping[str, Method]:
         """The RPC methods by name."""
         return {
+            HELLO: self.hello,
             "step": self.step,
             "command": self.command,
             "query": self.query,
@@ -66,6 +75,11 @@ class Session:
         }
 
     # --- methods ------------------------------------------------------------------
+
+    def hello(self, params: Params) -> object:
+        """Return the version of pronk and the time; a port has checked the token before."""
+        read_params(HelloParams, params)
+        return {"pronk": pipeline.__version__, **self._queries.time()}
 
     def step(self, params: Params) -> object:
         """Step to a limit; return the time and the events that ended the step."""

@@ -1,83 +1,32 @@
 """Transport: messages over standard input and output, a local socket, or a TCP port.
 
-Each line is a message. A socket is open to this machine alone unless its host is given, and is
-closed once a program has connected, because a scene has one director.
+Each line is a message. A local socket is open to its owner alone, from the moment that it exists.
+A port is open to this machine alone unless its host is given, and there to whoever has its token.
+Both are closed once the director has connected, because a scene has one.
 """
 
 from __future__ import annotations
 
 import contextlib
-import io
 import ipaddress
 import os
-import re
 import socket
 import stat
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import BinaryIO
 
 from pipeline.errors import StoreError, UsageError
-
-MAX_MESSAGE_BYTES = 2**20
-"""Longest message that is read [bytes]."""
-
-DISCARD_BYTES = 2**16
-"""Block size when a longer message is discarded [bytes]."""
-
-
-class Disconnected(Exception):
-    """The other program has disconnected."""
-
-
-class OversizedMessage:
-    """Stands for a message that is too long."""
-
-
-class MessageStream:
-    """Two byte streams with one message per line."""
-
-    def __init__(self, reader: BinaryIO, writer: BinaryIO) -> None:
-        self._reader = reader
-        self._writer = writer
-
-    def messages(self) -> Iterator[bytes | OversizedMessage]:
-        """Yield messages until the other end closes; blank lines are skipped."""
-        while line := self._line():
-            if len(line) > MAX_MESSAGE_BYTES:
-                self._skip(line)
-                yield OversizedMessage()
-            elif line.strip():
-                yield line
-
-    def send(self, text: str) -> None:
-        """Send a message.
-
-        Raises:
-            Gone: nobody takes it.
-        """
-        try:
-            self._writer.write(text.encode("ascii") + b"\n")
-            self._writer.flush()
-        except (OSError, ValueError) as error:
-            raise Disconnected from error
-
-    def _line(self) -> bytes:
-        try:
-            return self._reader.readline(MAX_MESSAGE_BYTES + 1)
-        except (OSError, ValueError):
-            return b""
-
-    def _skip(self, line: bytes) -> None:
-        """Discard the rest of a line."""
-        while line and not line.endswith(b"\n"):
-            try:
-                line = self._reader.readline(DISCARD_BYTES)
-            except (OSError, ValueError):
-                return
-
+from pipeline.production.direct.access_token import token_in
+from pipeline.production.direct.admission import Admission
+from pipeline.production.direct.message_stream import (
+    MessageStream,
+    pipe_writer,
+    socket_reader,
+    socket_writer,
+)
+from pipeline.production.run.outputs import Outputs
 
 Announce = Callable[[str], None]
 Transport = Callable[[Announce], AbstractContextManager[MessageStream]]
@@ -85,12 +34,21 @@ Transport = Callable[[Announce], AbstractContextManager[MessageStream]]
 
 LOOPBACK = "127.0.0.1"
 
-HTTP_REQUEST = re.compile(rb"[A-Z]+ \S+ HTTP/")
-"""Start of a browser's request, which any web page can cause."""
+BACKLOG = 128
+"""Connections that wait to be accepted."""
 
 
-def transport_for(path: Path | None, number: int | None, host: str) -> Transport:
+def transport_for(
+    path: Path | None, number: int | None, host: str, token_file: Path | None, outputs: Outputs
+) -> Transport:
     """Return the transport for these options, by default standard input and output.
+
+    Args:
+        path: of a local socket.
+        number: of a TCP port.
+        host: address of the port.
+        token_file: for the port's token; None for a file among the outputs.
+        outputs: of the directed scene.
 
     Raises:
         UsageError: the options contradict each other, or the socket is occupied.
@@ -99,9 +57,13 @@ def transport_for(path: Path | None, number: int | None, host: str) -> Transport
         raise UsageError("--socket and --port conflict; give one of them")
     if number is None and host != LOOPBACK:
         raise UsageError("--host is the address of a port; give --port as well")
+    if number is None and token_file is not None:
+        raise UsageError("--token-file is for the token of a port; give --port as well")
     if path is not None:
         return local_socket(path)
-    return standard_streams if number is None else tcp_port(number, host)
+    if number is None:
+        return standard_streams
+    return tcp_port(number, host, token_file or outputs.token)
 
 
 @contextmanager
@@ -113,8 +75,8 @@ def standard_streams(announce: Announce) -> Iterator[MessageStream]:
     os.dup2(2, 1)
     try:
         with (
-            _closing(open(0, "rb", closefd=False)) as reader,
-            _closing(open(out, "wb", closefd=False)) as writer,
+            open(0, "rb", closefd=False) as reader,
+            pipe_writer(out) as writer,
         ):
             yield MessageStream(reader, writer)
     finally:
@@ -143,18 +105,23 @@ def local_socket(path: Path) -> Transport:
             finally:
                 os.umask(before)
             try:
-                listener.listen(1)
+                listener.listen(BACKLOG)
                 announce(f"waiting at {path}")
-                with _accepted(listener) as stream:
-                    yield stream
+                director = Admission(listener, None, announce).director()
             finally:
                 path.unlink(missing_ok=True)
+        with _stream(*director) as stream:
+            yield stream
 
     return transport
 
 
-def tcp_port(number: int, host: str) -> Transport:
-    """Return the transport over a TCP port; 0 takes a free one and announces it."""
+def tcp_port(number: int, host: str, token_file: Path) -> Transport:
+    """Return the transport over a TCP port; 0 takes a free one and announces it.
+
+    The first line of the program that connects has to hold the token, which is in `token_file`
+    while the port waits.
+    """
 
     @contextmanager
     def transport(announce: Announce) -> Iterator[MessageStream]:
@@ -166,15 +133,26 @@ def tcp_port(number: int, host: str) -> Transport:
             except OSError as error:
                 reason = error.strerror or str(error)
                 raise StoreError(f"{host}:{number}: cannot be listened at ({reason})") from error
-            listener.listen(1)
-            place = "{}:{}".format(*listener.getsockname()[:2])
-            if not ipaddress.ip_address(listener.getsockname()[0]).is_loopback:
-                announce(f"note: whoever can reach {place} can direct this scene")
-            announce(f"waiting at {place}")
-            with _accepted(listener) as stream:
-                yield stream
+            with token_in(token_file) as token:
+                listener.listen(BACKLOG)
+                _announce_port(listener, token, token_file, announce)
+                director = Admission(listener, token, announce).director()
+        # A director whose machine has failed says no goodbye.
+        director[0].setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        with _stream(*director) as stream:
+            yield stream
 
     return transport
+
+
+def _announce_port(
+    listener: socket.socket, token: str, token_file: Path, announce: Announce
+) -> None:
+    place = "{}:{}".format(*listener.getsockname()[:2])
+    if not ipaddress.ip_address(listener.getsockname()[0]).is_loopback:
+        announce(f"note: {place} is open to other machines; the token crosses the network as it is")
+    announce(f"token {token} (in {token_file})")
+    announce(f"waiting at {place}")
 
 
 def _address(host: str, number: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
@@ -186,37 +164,14 @@ def _address(host: str, number: int) -> tuple[socket.AddressFamily, tuple[str, i
 
 
 @contextmanager
-def _accepted(listener: socket.socket) -> Iterator[MessageStream]:
-    """Wait for a program to connect and stop listening; browsers are refused."""
-    while True:
-        connection, _ = listener.accept()
-        reader = connection.makefile("rb")
-        first = _first_bytes(reader)
-        if HTTP_REQUEST.match(first) is None:
-            break
-        reader.close()
-        connection.close()
-    listener.close()
-    with connection, _closing(reader), _closing(connection.makefile("wb")) as writer:
+def _stream(connection: socket.socket, received: bytes) -> Iterator[MessageStream]:
+    """Open the messages of a connection of which something was received already."""
+    with (
+        connection,
+        socket_reader(connection, received) as reader,
+        socket_writer(connection) as writer,
+    ):
         yield MessageStream(reader, writer)
-
-
-@contextmanager
-def _closing(stream: BinaryIO) -> Iterator[BinaryIO]:
-    """Close a stream at the end; unsent data of a lost connection is dropped."""
-    try:
-        yield stream
-    finally:
-        with contextlib.suppress(OSError):
-            stream.close()
-
-
-def _first_bytes(reader: io.BufferedReader) -> bytes:
-    """Return the first bytes without consuming them."""
-    try:
-        return reader.peek(64)[:64]
-    except OSError:
-        return b""
 
 
 def _refuse_occupied(path: Path) -> None:

@@ -27,7 +27,8 @@ from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from render.film_encoder import CODECS, Picture, write_film
+from render.film_codecs import CODECS
+from render.film_encoder import Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 
@@ -96,12 +97,13 @@ class Candidate:
     @cached_property
     def film(self) -> FilmFacts:
         """Facts of the film, with slates instead of rendered frames."""
-        codec = CODECS[self.scene.film.resolved().suffix]
+        film = self.scene.film.resolved()
         with translated_errors(), tempfile.TemporaryDirectory(prefix="pronk-") as folder:
             wav = Path(folder, "sound.wav")
             self.write_sound(wav)
-            path = Path(folder, f"film{self.scene.film.resolved().suffix}")
-            write_film(path, self._slates(codec.bits), self.scene.rate, wav)
+            path = Path(folder, f"film{film.suffix}")
+            slates = self._slates(CODECS[film.codec].bits)
+            write_film(path, slates, self.scene.rate, wav, codec=film.codec)
             return facts_of_film(path)
 
     def write_sound(self, path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from pipeline.production.run.interrupts import INTERRUPTED, is_interrupt
 from pipeline.production.run.notes import Note
 from pipeline.production.run.progress import Reporter, SceneRow, Stage
 from pipeline.spec import find_scene
+from pipeline.unexpected_error import told_error
 
 FRAME_STAGES = ("simulate", "render")
 """Stages whose things are frames; the last of them counts in the table."""
@@ -24,16 +24,6 @@ Work = Callable[[str, Reporter], None]
 
 ReportError = Callable[[PronkError, str, Path | None], None]
 """Tells an error with the name of the scene and its file, None if there is none."""
-
-
-class Defect(PronkError):
-    """Pronk failed in a way that it does not know."""
-
-    exit_code = 4
-
-    def __init__(self, error: Exception) -> None:
-        lines = "".join(traceback.format_exception(error)).rstrip()
-        super().__init__(f"a defect of pronk, please report it: {error!r}\n{lines}")
 
 
 class SceneReporter(Reporter):
@@ -127,7 +117,7 @@ def _run_scene(
     except Exception as error:
         if is_interrupt(error):
             raise
-        told = error if isinstance(error, PronkError) else Defect(error)
+        told = told_error(error)
         row.state, row.exit_code = "failed", told.exit_code
         row.error = _shortened(str(told).splitlines()[0])
         report_error(told, row.scene, file)

@@ -41,6 +41,7 @@ def examine(fresh: bool) -> list[Finding]:
         _python,
         _installation,
         _packages,
+        _codecs,
         lambda: _backend(fresh),
         _library,
         _code,
@@ -78,6 +79,18 @@ def _packages() -> Iterator[Finding]:
             yield Finding(name, True, version(name))
         except PackageNotFoundError:
             yield Finding(name, False, f"missing; install it with: pip install {name}")
+
+
+def _codecs() -> Iterator[Finding]:
+    """Report the codecs of films, and the encoders that the installed PyAV lacks."""
+    from render.film_codecs import CODECS
+
+    there = [name for name, codec in CODECS.items() if not codec.missing_encoders]
+    yield Finding("codecs", bool(there), ", ".join(there) or "none; install another PyAV")
+    for name, codec in CODECS.items():
+        if name not in there:
+            text = f"PyAV lacks {' and '.join(codec.missing_encoders)}; use another codec"
+            yield Finding(name, False, text, needed=False)
 
 
 def _backend(fresh: bool) -> Iterator[Finding]:

@@ -17,7 +17,8 @@ from pipeline.production.run.file_records import FileRecords
 from pipeline.production.run.frame_ranges import read_frames
 from pipeline.production.run.outputs import Outputs
 from render.color import developed, developed16
-from render.film_encoder import CODECS, Picture
+from render.film_codecs import CODECS
+from render.film_encoder import Picture
 from render.image_files import read_exr, read_png
 
 
@@ -31,6 +32,7 @@ class FilmSource:
         format: of the frames, "png" or "exr".
         exposure: with which EXR frames are developed [stops].
         has_sound: whether it has the sound of the WAV file.
+        codec: of the film, a name in `CODECS`.
     """
 
     frames: tuple[int, ...]
@@ -38,6 +40,7 @@ class FilmSource:
     format: str
     exposure: float
     has_sound: bool
+    codec: str
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -54,10 +57,11 @@ class FilmSource:
                 "format": "png" | "exr" as format,
                 "exposure": float(exposure),
                 "has_sound": bool(has_sound),
-            }:
+                "codec": str(codec),
+            } if codec in CODECS:
                 try:
                     numbers = read_frames(frames)
-                    return FilmSource(numbers, Fraction(rate), format, exposure, has_sound)
+                    return FilmSource(numbers, Fraction(rate), format, exposure, has_sound, codec)
                 except (UsageError, ValueError, ZeroDivisionError):
                     return None
         return None
@@ -72,38 +76,35 @@ class FilmSource:
         return [outputs.frame(frame, self.format) for frame in self.frames]
 
     def key(self, outputs: Outputs, records: FileRecords) -> str:
-        """Return the key of the film: a digest of its rate and the records of its sources."""
+        """Return the key of the film: a digest of its codec, its rate and its sources' records."""
         names = [records.name(path) for path in self.files(outputs)]
         keys = [records[name].key if name in records else "" for name in names]
         state = hashlib.blake2b(digest_size=20)
-        state.update("\n".join([str(self.rate), str(self.frames[0]), *keys]).encode())
+        codec = repr(CODECS[self.codec])
+        state.update("\n".join([codec, str(self.rate), str(self.frames[0]), *keys]).encode())
         if self.has_sound:
             sound = records.of(outputs.wav)
             state.update(f"\n{sound.digest if sound else ''}".encode())
         return state.hexdigest()
 
-    def picture(self, path: Path, suffix: str) -> Picture:
-        """Return a frame as a picture of a film.
-
-        Args:
-            path: of the frame.
-            suffix: of the film, which decides on the bits per channel.
+    def picture(self, path: Path) -> Picture:
+        """Return the frame of a file as a picture of the film, with the bits of its codec.
 
         Raises:
             FrameFileError: the frame cannot be read.
         """
-        deep = CODECS[suffix].bits == 16
+        deep = CODECS[self.codec].bits == 16
         if self.format == "exr":
             return (developed16 if deep else developed)(read_exr(path), self.exposure)
         picture = read_png(path)
         # 257 = 65535 / 255, so that white stays white.
         return picture.astype(np.uint16) * 257 if deep else picture
 
-    def pictures(self, outputs: Outputs, suffix: str) -> Iterator[Picture]:
-        """Yield the pictures of a film in their order.
+    def pictures(self, outputs: Outputs) -> Iterator[Picture]:
+        """Yield the pictures of the film in their order.
 
         Raises:
             FrameFileError: a frame cannot be read.
         """
         for path in self.files(outputs):
-            yield self.picture(path, suffix)
+            yield self.picture(path)

@@ -21,15 +21,16 @@ def make_film(run: SceneRun, frames: tuple[int, ...]) -> None:
     has_sound = order.sound and contiguous(frames)
     if order.sound and not has_sound:
         run.reporter.note("film: frames with gaps between them have no sound")
-    source = FilmSource(frames, order.scene.rate, film.format, film.exposure, has_sound)
+    rate = order.scene.rate
+    source = FilmSource(frames, rate, film.format, film.exposure, has_sound, film.codec)
     key = source.key(outputs, run.records)
     with stage(run.reporter, "film", len(frames), "frames") as current:
         if run.records.is_intact(place, key):
             current.result = f"{place.name} is up to date"
             return
         sound = outputs.wav if has_sound else None
-        pictures = _reported(source.pictures(outputs, place.suffix), current)
-        write_film(place, pictures, source.rate, sound, source.sound_from, key)
+        pictures = _reported(source.pictures(outputs), current)
+        write_film(place, pictures, rate, sound, source.sound_from, key, film.codec)
         _record(run, place, key, source)
         run.record_time(current)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")

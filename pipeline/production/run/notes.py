@@ -16,6 +16,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from pipeline.spec.yaml_tree import MappingNode
+from pipeline.terminal_text import escaped_line
 
 MAX_LINES = 10
 """Lines of a summary, of which the last may count the rest."""
@@ -164,11 +165,12 @@ def summary(notes: Sequence[Note], rest: str = "") -> list[str]:
         rest: where those stand that have no line.
     """
     groups = list(_groups(notes))
-    if len(groups) > MAX_LINES:
-        shown = groups[: MAX_LINES - 1]
-        left = len(notes) - sum(map(len, shown))
-        return [*map(_line, shown), f"and {left} more" + (f" in {rest}" if rest else "")]
-    return [_line(group) for group in groups]
+    if len(groups) <= MAX_LINES:
+        return [escaped_line(_line(group)) for group in groups]
+    shown = groups[: MAX_LINES - 1]
+    left = len(notes) - sum(map(len, shown))
+    last = f"and {left} more" + (f" in {rest}" if rest else "")
+    return [escaped_line(line) for line in (*map(_line, shown), last)]
 
 
 def _groups(notes: Iterable[Note]) -> Iterator[list[Note]]:

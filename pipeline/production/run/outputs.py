@@ -76,6 +76,11 @@ class Outputs:
         return self.folder / "take.zarr"
 
     @property
+    def token(self) -> Path:
+        """The token of a port at which a program may direct the scene, while the port waits."""
+        return self.folder / f"{self.name}.token"
+
+    @property
     def manifest(self) -> Path:
         """Sources, versions and times of all outputs."""
         return self.folder / "manifest.json"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.film_stage import make_film
 from pipeline.production.run.frame_ranges import parse_frames
@@ -23,6 +24,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
         PronkError: something cannot be made; earlier outputs stay.
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
+    require_encoders(order.scene)
     with working(order, reporter) as run:
         run.frames = frames
         shooting = shooting_of(run)

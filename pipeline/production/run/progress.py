@@ -6,7 +6,6 @@ error except the result of the command, which goes to standard output so that it
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -21,6 +20,8 @@ from rich.text import Text
 
 from pipeline.production.run.notes import Note, counted_notes, summary
 from pipeline.production.run.time_estimate import TimeEstimate
+from pipeline.terminal_text import escaped, escaped_line
+from pipeline.text_stream import print_json, print_text
 
 MIN_LOG_INTERVAL, MAX_LOG_INTERVAL = 10.0, 300.0
 """Shortest and longest time between two progress lines of a log [s]."""
@@ -182,12 +183,16 @@ class SceneRow:
 
 def table_lines(rows: Sequence[SceneRow]) -> list[str]:
     """Return the table of several scenes, line by line."""
-    cells = [("scene", "frames", "cached", "seconds", "state"), *(row.cells for row in rows)]
+    cells = [("scene", "frames", "cached", "seconds", "state"), *map(_cells, rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [
         "  ".join([row[0].ljust(widths[0]), *(row[i].rjust(widths[i]) for i in (1, 2, 3)), row[4]])
         for row in cells
     ]
+
+
+def _cells(row: SceneRow) -> tuple[str, ...]:
+    return tuple(map(escaped_line, row.cells))
 
 
 class Reporter:
@@ -306,11 +311,10 @@ class LogReporter(Reporter):
 
     def result(self, text: str, **facts: object) -> None:
         """Write a line to standard output."""
-        sys.stdout.write(f"{text}\n")
-        sys.stdout.flush()
+        print_text(sys.stdout, text)
 
     def _print(self, text: str) -> None:
-        print(text, file=self._stream, flush=True)
+        print_text(self._stream, text)
 
 
 class _StageColumn(ProgressColumn):
@@ -322,7 +326,7 @@ class _StageColumn(ProgressColumn):
 
     def render(self, task: Task) -> Text:
         """Return the text as it is now."""
-        return Text(self._text(task.fields["stage"]))
+        return Text(escaped_line(self._text(task.fields["stage"])))
 
 
 class TerminalReporter(LogReporter):
@@ -361,12 +365,12 @@ class TerminalReporter(LogReporter):
             if not self._bars:
                 self._progress.stop()
                 self._progress = None
-        mark = "[green]✓[/]" if stage.result else "[yellow]■[/]"
-        text = f"{stage.name:<9} {stage.result or 'stopped'}"
-        self._console.print(f"{mark} {text} [dim]{stage.seconds:.1f} s[/]")
+        mark = ("✓", "green") if stage.result else ("■", "yellow")
+        text = escaped(f" {stage.name:<9} {stage.result or 'stopped'} ")
+        self._console.print(Text.assemble(mark, text, (f"{stage.seconds:.1f} s", "dim")))
 
     def _print(self, text: str) -> None:
-        self._console.print(text, markup=False, soft_wrap=True)
+        self._console.print(escaped(text), markup=False, soft_wrap=True)
 
 
 class JsonReporter(Reporter):
@@ -416,7 +420,7 @@ class JsonReporter(Reporter):
 
     def _print(self, event: str, **members: object) -> None:
         line = {"event": event, **self._scene, **members}
-        print(json.dumps(line, ensure_ascii=False), file=self._stream, flush=True)
+        print_json(self._stream, line)
 
 
 def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:

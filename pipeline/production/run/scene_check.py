@@ -9,6 +9,7 @@ from pipeline.errors import Problem
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.reports.figure_size import FigureSize, metres
 from pipeline.production.run.compile_progress import compile_progress
+from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import clock_of, refuse_notes, take_notes
@@ -45,9 +46,11 @@ def check_scene(
 
     Raises:
         NotesRefused: there are notes, and the check is strict.
-        PronkError: a figure is wrong, a performer cannot start its part, or the simulation fails.
+        PronkError: a figure is wrong, a performer cannot start its part, the film has no encoder
+            here, or the simulation fails.
     """
     reporter = reporter or Reporter()
+    require_encoders(scene)
     with compile_progress(reporter):
         simulation = Simulation(scene)
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)

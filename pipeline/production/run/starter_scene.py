@@ -8,6 +8,7 @@ from pathlib import Path
 
 from pipeline.atomic_file import write_if_changed
 from pipeline.errors import StoreError, UsageError
+from pipeline.spec.scene_library import name_fault
 
 TEXT = """\
 # yaml-language-server: $schema=scene.schema.json
@@ -60,7 +61,7 @@ def write_starter(name: str, folder: Path) -> Path:
     """
     stem = name.removesuffix(".yaml")
     odd = not stem.isprintable() or set(stem) & set(FORBIDDEN_CHARACTERS)
-    if odd or stem != stem.strip() or not stem or stem.startswith(("-", ".")):
+    if odd or name_fault(stem) is not None or stem.startswith("-"):
         raise UsageError(f"'{name}' is no name for a scene; letters, digits, - and _ are")
     path = folder / f"{stem}.yaml"
     title = stem.replace("_", " ").capitalize()

@@ -10,7 +10,8 @@ from pipeline.production.run.file_records import FileRecord, content_digest
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.verification.fault import MISSING, NOT_AS_WRITTEN
 from pipeline.simulation.take_store import read_take
-from render.film_encoder import CODECS, film_key
+from render.film_codecs import CONTAINERS
+from render.film_file import film_key
 from render.image_files import has_digest, read_key
 
 FRAME = re.compile(r"\d{4,}\.(png|exr)")
@@ -44,7 +45,7 @@ def fault_of(outputs: Outputs, path: Path, record: FileRecord | None) -> str | N
             return None
         if not is_as_recorded:
             return NOT_AS_WRITTEN
-        is_film = path.suffix in CODECS
+        is_film = path.suffix in CONTAINERS
         return OTHER_KEY if is_film and film_key(path) != record.key else ""
     except OSError as error:
         return f"cannot be read ({error.strerror or error})"

@@ -44,11 +44,11 @@ def film_faults(
                 yield None
                 continue
             try:
-                yield source.picture(frame, path.suffix)
+                yield source.picture(frame)
             except RenderError:
                 yield None
 
-    found = picture_differences(path, pictures(), source.rate)
+    found = picture_differences(path, pictures(), source.rate, source.codec)
     if outputs.wav.name not in damaged:
         sound = outputs.wav if source.has_sound else None
         found += sound_differences(path, sound, source.sound_from)

@@ -18,7 +18,7 @@ from pipeline.production.verification.fault import MISSING, NOT_AS_WRITTEN, Faul
 from pipeline.production.verification.file_check import fault_of, is_frame
 from pipeline.production.verification.film_check import film_faults, film_sources, is_current
 from pipeline.spec import find_scene
-from render.film_encoder import CODECS
+from render.film_codecs import CONTAINERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +157,7 @@ class _Check:
         """Yield the names of outputs that have no record, of a run that was stopped."""
         outputs, folder = self.outputs, self.outputs.folder
         others = (outputs.take, outputs.midi, outputs.wav, outputs.events, outputs.event_table)
-        films = (p for p in folder.glob(f"{glob.escape(outputs.name)}*") if p.suffix in CODECS)
+        films = (p for p in folder.glob(f"{glob.escape(outputs.name)}*") if p.suffix in CONTAINERS)
         for path in (*outputs.frames.glob("*"), *others, *films):
             name = self.records.name(path)
             is_output = is_frame(path) or path.parent == folder
@@ -193,7 +193,7 @@ class _Check:
         outputs = self.outputs
         own = (outputs.take, outputs.midi, outputs.wav, outputs.events, outputs.event_table)
         cues = (outputs.edit_list, outputs.labels)
-        films = (outputs.film(suffix=suffix) for suffix in CODECS)
+        films = (outputs.film(suffix=suffix) for suffix in CONTAINERS)
         path = outputs.folder / name
         if is_frame(path) or path in (*own, *cues, *films):
             return ""

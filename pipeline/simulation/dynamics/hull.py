@@ -19,13 +19,27 @@ from numpy.typing import NDArray
 from pipeline.errors import MassError
 from pipeline.simulation.spatial import Array, cross, normalized
 
-SAME_PLANE = 1e-9
-"""Distance from a plane that counts as zero, relative to the extent of the points."""
+SAME_PLANE = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+"""Distances from a plane that count as zero, relative to the extent of the points.
+
+The first one that rounding of the points leaves a closed hull: those of meshes may be rounded to
+single precision.
+"""
 
 SAME_FACET_SINE = 1e-7
 """Sine of the angle between neighbouring triangles of one facet."""
 
-UNRESOLVED = "its points are too near to one another, or to one plane, to tell its corners"
+MOST_OUTSIDE = 2e-5
+"""Farthest that a point may lie outside a face, relative to the extent of the points."""
+
+
+class UnresolvedHull(MassError):
+    """Points are too near to one another, or to one plane, for the hull to be told."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "its points are too near to one another, or to one plane, to tell its corners"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +84,25 @@ def hull_of(points: Array) -> Hull:
 
 def _hull(points: Array) -> Hull:
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    near = SAME_PLANE * extent
+    for tolerance in SAME_PLANE[:-1]:
+        try:
+            return _hull_within(points, tolerance * extent)
+        except UnresolvedHull:
+            continue
+    return _hull_within(points, SAME_PLANE[-1] * extent)
+
+
+def _hull_within(points: Array, near: float) -> Hull:
+    """Returns the hull of points, of which those within `near` [m] of a plane lie in it.
+
+    Raises:
+        UnresolvedHull: if rounding left the triangles open.
+        MassError: as `hull_of`.
+    """
     faces = _grow_hull(points, _initial_tetrahedron(points, near), near)
+    normals, offsets = _planes(points, faces)
+    if (points @ normals.T - offsets).max() > MOST_OUTSIDE * np.ptp(points, axis=0).max():
+        raise UnresolvedHull
     used = np.unique(faces)
     number = np.zeros(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
@@ -111,7 +142,7 @@ def _grow_hull(points: Array, first: Sequence[int], near: float) -> NDArray[np.i
             continue
         rim = _rim(faces[seen])
         if not len(rim):
-            raise MassError(UNRESOLVED)
+            raise UnresolvedHull
         new = np.column_stack([rim, np.full(len(rim), i)])
         faces = np.concatenate([faces[~seen], new])
         own = _planes(points, new)
@@ -144,7 +175,7 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
     for f, (a, b, c) in enumerate(faces.tolist()):
         owner[a, b] = owner[b, c] = owner[c, a] = f
     if len(owner) < 3 * len(faces) or any((b, a) not in owner for a, b in owner):
-        raise MassError(UNRESOLVED)
+        raise UnresolvedHull
     group = list(range(len(faces)))
 
     def root(f: int) -> int:
@@ -179,14 +210,14 @@ def _loop(rim: NDArray[np.int64]) -> list[int]:
     """Returns the vertices of a closed rim (n, 2) of directed edges, in their order.
 
     Raises:
-        MassError: if the edges are no single loop.
+        UnresolvedHull: if the edges are no single loop.
     """
     after = {int(a): int(b) for a, b in rim}
     loop = [min(after, default=0)]
     while len(loop) < len(after):
         loop.append(after.get(loop[-1], -1))
     if len(set(loop)) < len(rim) or after.get(loop[-1]) != loop[0]:
-        raise MassError(UNRESOLVED)
+        raise UnresolvedHull
     return loop
 
 

@@ -24,6 +24,7 @@ from pipeline.spec.model_base import (
     LengthOrZero,
     MaterialName,
     Number,
+    Positive,
     fault_error,
 )
 from pipeline.spec.suggestions import hint
@@ -64,8 +65,8 @@ class TerrainConfig(ConfigModel):
         "four triangles about a middle at the mean height of the corners.",
     )
     material: MaterialName = Field("dry soil", description="Material of the ground, by name.")
-    unsteppable_slope_deg: Number = Field(
-        40.0, gt=0, lt=90, description="Slopes steeper than this are no footholds [degrees]."
+    unsteppable_slope_deg: Positive = Field(
+        40.0, lt=90, description="Slopes steeper than this are no footholds [degrees]."
     )
     foot_radius: LengthOrZero = Field(
         0.08,

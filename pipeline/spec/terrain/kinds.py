@@ -20,6 +20,7 @@ from pipeline.spec.model_base import (
     Length,
     LengthOrZero,
     Number,
+    Positive,
     raise_faults,
 )
 from pipeline.spec.terrain.base import (
@@ -148,7 +149,7 @@ class RampTerrain(GridTerrain):
     cells: Cells = Field((600, 60), description=CELLS)
     course: Course = Field("up and down", description=COURSE)
     start: Coordinate = Field(1.0, description="Where it begins, along x [m].")
-    slope_deg: Number = Field(15.0, gt=0, le=85, description="Its slope [degrees].")
+    slope_deg: Positive = Field(15.0, le=85, description="Its slope [degrees].")
     height: LengthOrZero = Field(1.0, description="How high, or how deep, it leads [m].")
     level: LengthOrZero = Field(
         2.0, description="How long its level top is before it leads down again [m]."

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import json
-import random
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import pipeline
+from pipeline.production.direct import protocol
+from pipeline.production.direct.messages import MAX_MESSAGE_BYTES
 from pipeline.production.direct.protocol import MAX_BATCH, Protocol
-from pipeline.production.direct.transport import MAX_MESSAGE_BYTES
-from pipeline.spec import read_scene
-from tests.production.direct.direct_client import STAGE, replayed, request, served, session_in
-
-PARSE, INVALID, UNKNOWN, PARAMS = -32700, -32600, -32601, -32602
+from tests.production.direct.direct_client import (
+    INVALID,
+    PARAMS,
+    PARSE,
+    UNKNOWN,
+    request,
+    served,
+    session_in,
+)
 
 
 def _answer(message: bytes) -> Any:
     """Return what a server of two methods answers, None for nothing."""
-    protocol = Protocol({"echo": dict, "fail": _fail})
-    answer = protocol.answer(message)
+    answer = Protocol({"echo": dict, "fail": _fail}).answer(message)
     return None if answer is None else json.loads(answer)
 
 
@@ -94,77 +98,24 @@ def test_an_oversized_message_is_discarded_to_its_end(tmp_path: Path) -> None:
     assert [line["id"] for line in served(session_in(tmp_path), [exact])] == [6]
 
 
-# --- fuzz -------------------------------------------------------------------------
-
-ODD: list[Any] = [
-    *(None, True, -1, 0, 1, 2**63, 10**400, 0.5, -1e308, "", "bug", "\ud800", "stop", "*"),
-    *([], {}, [[]], [1, 2], {"go_to": [1, 1]}, {"jump": {}}, {"": 0}, ["nothing"], "end", "now"),
-]
-METHODS = ("step", "command", "query", "subscribe", "stepp", "rpc.x", "")
-KEYS = (
-    *("steps", "frames", "until", "event", "who", "what", "events", "do", "at", "when", "x", ""),
-    *("jsonrpc", "id", "method", "params"),
-)
-DO: list[Any] = [
-    *("stop", "walk", "hop", {"go_to": [1, 2]}, {"turn_deg": 30}, {"speed": 0.4}, {"wait": 0.1}),
-    *({"gait": "wave"}, {"mood": "happy"}, {"look_at": "roo"}, {"hop_over": "box"}, {"jump": {}}),
-]
-
-
-def _fuzzed(rng: random.Random) -> bytes:
-    """Return a random message: valid, nearly valid or arbitrary."""
-    content: Any = {"jsonrpc": "2.0", "id": rng.randrange(9), "method": rng.choice(METHODS)}
-    params = rng.choice(
-        [
-            {"steps": rng.randrange(1, 4)},
-            {"event": ["footfall"], "who": ["bug"], "frames": 1},
-            {"who": rng.choice(("bug", "roo", "box")), "do": rng.choice(DO)},
-            {"what": ["time", "poses"]},
-            {"events": ["footfall", "told"]},
-        ]
-    )
-    content["params"] = deepcopy(params)
-    for _ in range(rng.choice((0, 0, 1, 2))):
-        place = content if rng.random() < 0.4 else content["params"]
-        if isinstance(place, dict):
-            place[rng.choice(KEYS)] = deepcopy(rng.choice(ODD))
-        content.setdefault("params", {})
-    if rng.random() < 0.05:
-        content = [content, deepcopy(rng.choice(ODD)), content]
-    text = json.dumps(content).encode()
-    if rng.random() < 0.2:
-        at = rng.randrange(len(text))
-        text = text[:at] + bytes(rng.randrange(256) for _ in range(rng.randrange(4)))
-        text += json.dumps(content).encode()[at + rng.randrange(3) :]
-    if rng.random() < 0.02:
-        text = bytes(rng.randrange(256) for _ in range(rng.randrange(200)))
-    return text.replace(b"\n", b" ").replace(b"\r", b" ")
-
-
-@pytest.mark.parametrize(
-    ("count", "seed"),
-    [
-        pytest.param(1000, 1, marks=pytest.mark.slow),
-        pytest.param(10_000, 2, marks=pytest.mark.nightly),
-    ],
-)
-def test_fuzzed_messages_leave_a_take_that_replays(
-    count: int, seed: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+def test_a_batch_is_refused_from_where_its_answers_are_too_large(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    rng = random.Random(seed)
-    # The scene lasts longer than the messages.
-    session = session_in(tmp_path, read_scene(STAGE, overrides=[f"frames={count // 6}"]))
-    lines = served(session, [*(_fuzzed(rng) for _ in range(count)), request("end", "last")])
-    answers = [one for line in lines for one in (line if isinstance(line, list) else [line])]
-    for one in answers:
-        assert one["jsonrpc"] == "2.0"
-        assert ("result" in one) + ("error" in one) + ("method" in one) == 1
-    codes = {one["error"]["code"] for one in answers if "error" in one}
-    # Nothing failed inside: no -32000 and no -32603.
-    assert codes == {PARSE, INVALID, UNKNOWN, PARAMS}
-    assert "Traceback" not in json.dumps(lines)
-    assert capfd.readouterr().err == ""
-    end = answers[-1]
-    assert end["id"] == "last"
-    assert len(session.simulation.script.told) > count // 200
-    assert replayed(end["result"]["scene"]).digest == end["result"]["digest"]
+    monkeypatch.setattr(protocol, "MAX_ANSWER_BYTES", 150)
+    requests = [request("echo", n, x="y" * 60) for n in range(3)]
+    answer = _answer(b"[" + b", ".join([*requests, request("echo", None), b"1"]) + b"]")
+    assert [one["id"] for one in answer] == [0, 1, 2, None, None]
+    codes = [one.get("error", {}).get("code") for one in answer]
+    assert codes == [None, None, INVALID, INVALID, INVALID]
+    assert "150 bytes" in answer[2]["error"]["data"]
+
+
+def test_hello_is_answered_without_a_port(tmp_path: Path) -> None:
+    (line,) = served(session_in(tmp_path), [request("hello", 3)])
+    assert line["id"] == 3
+    assert line["result"].items() >= {"pronk": pipeline.__version__, "step": 0}.items()
+
+
+def test_topics_are_not_repeated_without_limit(tmp_path: Path) -> None:
+    (line,) = served(session_in(tmp_path), [request("query", what=["poses"] * 7)])
+    assert line["error"]["code"] == PARAMS

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import fcntl
 import os
-import random
 import shutil
 import signal
 import time
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pipeline.production.run.outputs import Outputs, opened
+from tests.production.killed_runs import kill_repeatedly
 
 if TYPE_CHECKING:
     from tests.production.conftest import Running, Studio
@@ -75,41 +75,28 @@ def test_an_interrupt_at_any_moment_gives_no_traceback(
         assert code in (0, 130), delay
 
 
-def _kill_repeatedly(
-    film: Studio, place: Path, start: Start, times: int, jobs: int, seed: int
-) -> None:
-    """Kill runs at random moments spread over the length of a run, then let one finish."""
-    studio = _copy_without_outputs(film, place)
-    began = time.monotonic()
-    arguments = ("render", "tiny", "--jobs", str(jobs))
-    assert start(*arguments, cwd=studio.folder).end()[0] == 0
-    length = time.monotonic() - began
-    _assert_complete(studio, film)
-    shutil.rmtree(studio.made)
-    delays = random.Random(seed)
-    killed = 0
-    for i in range(times):
-        running = start(*arguments, cwd=studio.folder)
-        time.sleep(length * (i + delays.random()) / times)
-        killed += running.process.poll() is None
-        running.kill()
-        running.end()
-        if i % 3 == 2:
-            # Else the later moments would find nothing left to do.
-            shutil.rmtree(studio.made / "frames", ignore_errors=True)
-            (studio.made / "tiny.mp4").unlink(missing_ok=True)
-    assert killed >= times // 2
-    code, _, err = start(*arguments, cwd=studio.folder).end()
-    assert (code, "Traceback" in err) == (0, False)
-    _assert_complete(studio, film)
-
-
 @pytest.mark.nightly
-@pytest.mark.parametrize(("times", "jobs", "seed"), [(3, 1, 1), (10, 1, 2), (10, 2, 3)])
+@pytest.mark.parametrize(
+    ("scenes", "times", "jobs", "seed"),
+    [(["tiny"], 5, 1, 1), (["tiny"], 8, 2, 2), (["tiny", "other"], 10, 2, 3)],
+    ids=["one process", "two processes", "two scenes"],
+)
 def test_a_film_is_equal_after_killed_runs(
-    film: Studio, tmp_path: Path, start: Start, times: int, jobs: int, seed: int
+    unmade: Studio,
+    tmp_path: Path,
+    start: Start,
+    scenes: list[str],
+    times: int,
+    jobs: int,
+    seed: int,
 ) -> None:
-    _kill_repeatedly(film, tmp_path / "studio", start, times, jobs, seed)
+    studio = unmade.copied(tmp_path / "studio")
+    other = studio.scene.read_text().replace("seed: 3", "seed: 4")
+    (studio.folder / "other.yaml").write_text(other)
+    arguments = ("render", *scenes, "--jobs", str(jobs))
+    kill_repeatedly(
+        lambda: start(*arguments, cwd=studio.folder), studio.folder / "out", times, seed
+    )
 
 
 @pytest.mark.nightly

@@ -177,6 +177,53 @@ def test_a_master_has_ten_bits_and_uncompressed_sound(studio: Studio) -> None:
     assert (studio.made / "frames" / "0008.exr").exists()
 
 
+@pytest.mark.slow
+def test_another_codec_encodes_the_film_again_and_nothing_else(
+    film: Studio, tmp_path: Path
+) -> None:
+    studio = film.copied(tmp_path / "studio")
+    first = (studio.made / "tiny.mp4").read_bytes()
+    before = studio.state()
+    studio.render("film.codec=vp9")
+    assert studio.changes(before) == {"tiny.mp4", "manifest.json"}
+    with av.open(str(studio.made / "tiny.mp4")) as container:
+        assert [s.codec_context.name for s in container.streams] == ["vp9", "opus"]
+    assert len(shown(studio.made / "tiny.mp4")) == 8
+    before = studio.state()
+    studio.render("film.codec=vp9")
+    assert studio.changes(before) == set()
+    studio.render("film.codec=av1", "film.container=webm")
+    assert studio.changes(before) == {"tiny.webm", "tiny.edl", "manifest.json"}
+    before = studio.state()
+    studio.render("film.codec=av1", "film.container=webm")
+    assert studio.changes(before) == set()
+    studio.render()
+    assert (studio.made / "tiny.mp4").read_bytes() == first
+
+
+def test_a_missing_encoder_is_told_with_its_line_before_anything_is_made(
+    studio: Studio, pronk: Pronk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = av.Codec
+
+    def lacking(name: str, mode: str) -> av.Codec:
+        return real("no such encoder" if name == "libsvtav1" else name, mode)
+
+    monkeypatch.setattr(av, "Codec", lacking)
+    lines = [line for line in studio.scene.read_text().splitlines() if "film" not in line]
+    scene = studio.folder / "other.yaml"
+    scene.write_text("\n".join([*lines, "film:", "  codec: av1", ""]))
+    wanted = (
+        f"error: other.yaml:{len(lines) + 2}:10: film.codec: the installed PyAV {av.__version__} "
+        "cannot encode av1: it lacks libsvtav1; write h264 or prores or vp9\n"
+    )
+    for command in ("check", "render"):
+        code, out, err = pronk(command, "other.yaml", cwd=studio.folder)
+        assert (code, out) == (3, "")
+        assert err.startswith(wanted)
+    assert not (studio.folder / "out" / "other").exists()
+
+
 def test_a_single_frame_equals_that_of_the_film(film: Studio, tmp_path: Path, pronk: Pronk) -> None:
     studio = film.copied(tmp_path / "studio")
     before = studio.state()

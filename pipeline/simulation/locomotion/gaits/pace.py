@@ -149,6 +149,8 @@ def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout
     height = _body_height(where, walk, walks, figure, gait, flight, legs)
     cycle, stride, bounce = _rhythm(walk, gait, legs, height, flight, figure.style)
     longest = legs.longest_stride(gait, height)
+    if walks:
+        refuse_short_cycle(where, cycle)
     if walks and stride > longest:
         raise SceneError([stride_too_long(where, walk, gait, legs, height, (cycle, stride))])
     return Pace(
@@ -245,6 +247,24 @@ def cycle_and_stride(walk: Manner, cycle: float, stride: float) -> tuple[float, 
     elif walk.speed is not None:
         cycle = stride / walk.speed
     return cycle, stride
+
+
+MIN_CYCLE = 0.005
+"""Shortest gait cycle [s]: half of a step of the world at 24 frames a second."""
+
+
+def refuse_short_cycle(where: str, cycle: float) -> None:
+    """Refuse a cycle [s] of which the steps of the world would miss all.
+
+    Raises:
+        SceneError: it is too short.
+    """
+    if cycle < MIN_CYCLE:
+        message = (
+            f"a gait cycle of {cycle:.3g} s is shorter than {MIN_CYCLE:g} s; take a larger scale, "
+            "a longer stride or a lower speed"
+        )
+        raise SceneError([Problem(where, message)])
 
 
 def _legless_pace(where: str, walk: Manner | None, figure: Figure) -> Pace:

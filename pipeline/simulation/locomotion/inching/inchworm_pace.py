@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.gaits.pace import cycle_and_stride
+from pipeline.simulation.locomotion.gaits.pace import cycle_and_stride, refuse_short_cycle
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
     MAX_AMPLITUDE,
     MIN_AMPLITUDE,
@@ -91,6 +91,8 @@ def resolve_inchworm_pace(number: int, member: Creature, chain: InchwormChain) -
     longest_stride = longest - shortest
     natural = CYCLE_PERIODS * math.sqrt(chain.length / GRAVITY)
     cycle, stride = cycle_and_stride(config, natural, DEFAULT_STRIDE * longest_stride)
+    if member.walk is not None:
+        refuse_short_cycle(f"cast[{number}].walk", cycle)
     if member.walk is not None and (stride > longest_stride or longest_stride <= 0.0):
         raise SceneError(
             [Problem(f"cast[{number}].walk", _stride_message(member, stride, longest_stride))]

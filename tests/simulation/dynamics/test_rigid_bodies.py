@@ -81,8 +81,8 @@ def test_flat_points_have_no_hull() -> None:
 
 
 def test_points_within_rounding_of_one_another_have_a_hull_or_are_refused() -> None:
-    """Of points of very different distances rounding leaves the triangles of some open."""
-    refused = []
+    """Of points of very different distances rounding may leave triangles open."""
+    closed, refused = 0, list[str]()
     for seed in range(60):
         rng = np.random.default_rng(seed)
         points = rng.normal(size=(12, 3))
@@ -94,7 +94,9 @@ def test_points_within_rounding_of_one_another_have_a_hull_or_are_refused() -> N
             refused.append(str(error))
             continue
         assert trimesh.Trimesh(hull.vertices, hull.faces, process=False).is_watertight
-    assert any("too near" in message for message in refused)
+        closed += 1
+    assert closed
+    assert all("plane" in message for message in refused)
 
 
 @pytest.mark.parametrize("shape", ["cube", "tetrahedron", "dodecahedron", "pyramid"])

@@ -165,8 +165,16 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
         ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
         ("{at: 0, who: post, do: stop}", "people can carry, throw or kick it"),
         (
+            "{at: 0, who: bug, do: {sit: post}}",
+            "for which sit is no order; write go_to, follow, chase",
+        ),
+        (
             "{at: 0, who: bug, do: {grab: post}}",
-            "for which grab is no order; write go_to, follow, chase",
+            r"for which grab is no order; write `pose: .* \(`pronk figure beetle` lists its limbs",
+        ),
+        (
+            "{at: 0, who: arm, do: {reach: post}}",
+            r"'arm' is a creature, and no order moves its limbs; write `pose: ",
         ),
         ("{at: 0, who: bug, do: {chase: bug}}", "cannot do that to itself"),
         ("{at: 0, who: bug, do: {go_to: gat}}", "did you mean 'gate'"),
@@ -175,7 +183,8 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
     ],
 )
 def test_impossible_conditions_and_orders_are_refused(script: str, message: str) -> None:
-    cast = [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"]
+    arm = "{name: arm, figure: robot_arm, at: [-4, 0]}"
+    cast = [BUG, arm, "{name: post, prop: {shape: box}, at: [9, 9]}"]
     with pytest.raises(SceneError, match=message):
         take_of(cast, [script], "places: {gate: [1, 2]}")
 

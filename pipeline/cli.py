@@ -11,6 +11,7 @@ import typer
 from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
+from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.errors import PronkError
 from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
 
@@ -41,9 +42,9 @@ for command in (
     scene_files.doctor,
     direct,
 ):
-    app.command()(command)
-app.command("compile")(scene_files.compile_code)
-app.command("list")(name_list.list_names)
+    app.command(cls=SuggestingCommand)(command)
+app.command("compile", cls=SuggestingCommand)(scene_files.compile_code)
+app.command("list", cls=SuggestingCommand)(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")
 app.add_typer(analysis.reports, name="report")

@@ -172,6 +172,23 @@ def test_schemas_are_of_draft_07(pronk: Pronk, flag: tuple[str, ...]) -> None:
     jsonschema.Draft7Validator.check_schema(schema)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("midi", "tiny", "--preset", "draft"), "'--preset' is an option of render, frame, sheet"),
+        (("check", "tiny", "--strikt"), "no option is called '--strikt', did you mean '--strict'?"),
+        (("list", "--zzz"), "no option is called '--zzz'; list has --json"),
+    ],
+)
+def test_an_unknown_option_is_led_to_the_meant_one(
+    pronk: Pronk, folder: Path, arguments: tuple[str, ...], message: str
+) -> None:
+    code, _, err = pronk(*arguments)
+    words = [word for word in err.split() if word != "│"]
+    assert code == 2
+    assert message in " ".join(words)
+
+
 def test_check_summarises_valid_scenes(pronk: Pronk, folder: Path) -> None:
     code, out, err = pronk("check", "tiny", "tiny.yaml")
     assert (code, len(out.splitlines())) == (0, 2)

@@ -137,6 +137,13 @@ class Creature(Performer):
             faults.append(Fault(("at",), "a creature stands on the ground; write [x, z]"))
         if self.pronk is not None:
             faults += self._faults_of_hopping()
+        start = (self.at[0], self.at[-1])
+        if self.walk is not None and self.walk.path and {*self.walk.path} == {start}:
+            message = (
+                "leads nowhere, because the creature starts there; write another place, or leave "
+                "`walk` out for one that stands"
+            )
+            faults.append(Fault(("walk", "path"), message))
         if self.parent is not None and self.walk is not None:
             message = "conflicts with parent; remove one"
             faults.append(Fault(("walk",), message, at_key=True))

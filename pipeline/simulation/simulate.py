@@ -15,8 +15,8 @@ from pipeline.simulation.signals import Signal
 from pipeline.simulation.start_overlaps import overlap_notes
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
-from pipeline.spec.group import Group
 from pipeline.spec.handled_members import refusal_of_handling
+from pipeline.spec.order_support import performer_kind
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -54,8 +54,8 @@ class Simulation:
         self._members, self._monitor = parts.members, parts.monitor
         self._ground_places = parts.ground_places
         self._detection = parts.detection
-        groups = [member.name for member in scene.cast if isinstance(member, Group)]
-        self.order_log = OrderLog(groups)
+        kinds = {member.name: performer_kind(member) for member in scene.cast}
+        self.order_log = OrderLog({name: kind for name, kind in kinds.items() if kind})
         self._scene, self.step_number = scene, 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)

@@ -157,6 +157,24 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
     assert not take_notes(take, CLOCK)
 
 
+def test_jumps_replace_no_order_and_are_done_one_after_the_other() -> None:
+    cast = [
+        "{name: roo, figure: hopper, scale: 0.5, pronk: {jumps: 1, height: 0.1}}",
+        "{name: mare, figure: horse, scale: 0.3, at: [0, 4], walk: {}}",
+    ]
+    script = [
+        "{at: 0.5, who: roo, do: {jump: {distance: 0.2, height: 0.1}}}",
+        "{at: 0.5, who: roo, do: {jump: {distance: 0.3, height: 0.1}}}",
+        "{at: 0.1, who: mare, do: {go_to: [9, 4]}}",
+        "{at: 0.2, who: mare, do: {jump: {height: 0.1}}}",
+        "{at: 0.3, who: mare, do: stop}",
+    ]
+    take = take_of(cast, script, "terrain: flat", duration=3.5)
+    outcomes = {record.text: record.outcome for record in take.orders if record.who == "roo"}
+    assert list(outcomes.values()) == ["done", "done"]
+    assert [r.outcome for r in take.orders if r.who == "mare"] == ["replaced", "replaced", "begun"]
+
+
 @pytest.mark.parametrize(
     ("script", "message"),
     [

@@ -75,7 +75,9 @@ class Pronk(ConfigModel):
         False, description="Whether it looks for landings outside of forbidden zones."
     )
     start: Annotated[Number, Field(ge=0, le=1e6)] = Field(
-        0.0, description="When it begins to crouch for its first jump [s]."
+        0.0,
+        description="When it begins to crouch for the first jump of its own; orders of the script "
+        "are carried out before, too [s].",
     )
     jumps: Annotated[Integer, Field(ge=1, le=1_000_000)] | None = Field(
         None, description="How many jumps until it stands; it hops on if left out."

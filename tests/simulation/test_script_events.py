@@ -175,6 +175,18 @@ def test_jumps_replace_no_order_and_are_done_one_after_the_other() -> None:
     assert [r.outcome for r in take.orders if r.who == "mare"] == ["replaced", "replaced", "begun"]
 
 
+def test_orders_to_a_hopper_do_not_wait_for_its_own_start() -> None:
+    cast = ["{name: roo, figure: hopper, scale: 0.5, pronk: {start: 3, height: 0.1}}"]
+    script = ["{at: 0.5, who: roo, do: {jump: {distance: 0.3, height: 0.1}}}"]
+    take = take_of(cast, script, "terrain: flat", duration=3.6)
+    rows = 96
+    x = take.positions[:, 0, 0]
+    (record,) = take.orders
+    assert record.outcome == "done"
+    assert record.end < 2 * rows
+    assert np.ptp(x[2 * rows : 3 * rows]) < 1e-6 < np.ptp(x[3 * rows :])
+
+
 @pytest.mark.parametrize(
     ("script", "message"),
     [

@@ -133,7 +133,7 @@ def has_next_jump(hopper: Hopper, state: HopState) -> bool:
 
 
 def _has_own_jump(hopper: Hopper, state: HopState, jumps_made: int) -> bool:
-    """Return whether the configuration asks by now for another jump after `jumps_made` configured ones."""
+    """Return whether the configuration asks by now for a jump after `jumps_made` of its own."""
     config = hopper.config
     if not state.queue.keep_hopping or state.time < state.queue.hops_from - TIME_ROUNDING:
         return False

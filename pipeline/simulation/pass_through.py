@@ -7,10 +7,11 @@ the terrain only. Rows of the take are looked at in intervals.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.members import Members
@@ -72,7 +73,7 @@ def pass_through_notes(
     per_row = clock.steps // clock.samples
     apart = max(round(LIMITS.interval / (clock.dt * per_row)), 1)
     rows = np.arange(0, len(recorder.positions), apart)
-    pairs = list(_pairs(cast, meeting))
+    pairs = _pairs(cast, meeting)
     passages = _Passages(members, recorder, rows)
     notes = [
         TakeNote("passes_through", row * per_row, mover.name, _text(depth, other))
@@ -83,8 +84,8 @@ def pass_through_notes(
     return sorted(notes, key=lambda note: note.step)
 
 
-def _pairs(cast: Sequence[Member], meeting: Collection[str]) -> Iterator[tuple[Member, Member]]:
-    """Yields who may go through what: both do not meet, and nothing connects them."""
+def _pairs(cast: Sequence[Member], meeting: Collection[str]) -> list[tuple[Member, Member]]:
+    """Returns who may go through what: both do not meet, and nothing connects them."""
     assembly = assemblies(cast)
     things = [m for m in cast if isinstance(m, Prop | Body) and m.name not in meeting]
     creatures = [m for m in cast if isinstance(m, Creature)]
@@ -92,16 +93,12 @@ def _pairs(cast: Sequence[Member], meeting: Collection[str]) -> Iterator[tuple[M
     people = [m for m in cast if isinstance(m, Character) and m.acts]
     dancers = [m for m in cast if isinstance(m, Dancer)]
     bodies = [m for m in things if isinstance(m, Body)]
-    for mover, others in (
-        *((creature, [*things, *dancers, *creatures]) for creature in going),
-        *((person, bodies) for person in people),
-    ):
-        first = going.index(mover) if mover in going else 0
-        for other in others:
-            # Of two creatures that go, the first is told.
-            is_told = other in going[: first + 1]
-            if not is_told and assembly[mover.name] != assembly[other.name]:
-                yield mover, other
+    pairs: list[tuple[Member, Member]] = [(one, body) for one in people for body in bodies]
+    for k, creature in enumerate(going):
+        # Of two creatures that go, the first is told.
+        others = [other for other in creatures if other not in going[: k + 1]]
+        pairs += [(creature, other) for other in (*things, *dancers, *others)]
+    return [(one, other) for one, other in pairs if assembly[one.name] != assembly[other.name]]
 
 
 def _text(depth: float, other: Member) -> str:
@@ -120,7 +117,7 @@ class _Passages:
         rows: (S,) that are looked at, in order.
     """
 
-    def __init__(self, members: Members, recorder: Recorder, rows: Array) -> None:
+    def __init__(self, members: Members, recorder: Recorder, rows: NDArray[np.int64]) -> None:
         self._members, self._recorder, self._rows = members, recorder, rows
         self._is_bent = bent_parts(recorder)
         self._boxes: dict[str, tuple[Array, Array]] = {}

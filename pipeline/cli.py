@@ -13,6 +13,7 @@ import typer
 from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
 from pipeline.commands.golden import golden
+from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.errors import UsageError
 from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
 from pipeline.text_stream import EscapingFormatter, print_text
@@ -46,9 +47,9 @@ for command in (
     scene_files.doctor,
     direct,
 ):
-    app.command()(command)
-app.command("compile")(scene_files.compile_code)
-app.command("list")(name_list.list_names)
+    app.command(cls=SuggestingCommand)(command)
+app.command("compile", cls=SuggestingCommand)(scene_files.compile_code)
+app.command("list", cls=SuggestingCommand)(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
 app.add_typer(golden, name="golden")
 app.add_typer(analysis.reports, name="report")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.commands.options import (
     BackendName,
     BackendOption,
@@ -72,7 +73,7 @@ def fit(scene: SceneName, options: SceneOptions) -> None:
     reporter.result(fitted.text, fit=fitted.facts[0])
 
 
-@plots.command("events")
+@plots.command("events", cls=SuggestingCommand)
 @with_options
 def plot_events(
     scene: SceneName,
@@ -91,7 +92,7 @@ def plot_events(
     reporter.result(f"{svg}, {png}")
 
 
-@plots.command("gait")
+@plots.command("gait", cls=SuggestingCommand)
 @with_options
 def plot_gait(scene: SceneName, options: RunOptions) -> None:
     """Draw planned and actual foot contacts of all walkers."""
@@ -102,7 +103,7 @@ def plot_gait(scene: SceneName, options: RunOptions) -> None:
     reporter.result(f"{svg}, {png}")
 
 
-@plots.command("mind")
+@plots.command("mind", cls=SuggestingCommand)
 @with_options
 def plot_mind(scene: SceneName, options: RunOptions) -> None:
     """Draw anxiety, distance, focus and behaviour of autonomous characters."""
@@ -118,7 +119,7 @@ def about() -> None:
     """Print measurements of a scene."""
 
 
-@reports.command()
+@reports.command(cls=SuggestingCommand)
 @with_options
 def jerk(scene: SceneName, options: RunOptions) -> None:
     """Report how smoothly the first dancer moves its hands with both controllers."""

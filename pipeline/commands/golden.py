@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.completion import completion
+from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.commands.options import (
     Assignments,
     BackendName,
@@ -40,7 +41,7 @@ Seeds = Annotated[
 golden = typer.Typer(no_args_is_help=True, help="Regression tests of films: motion, frames, sound.")
 
 
-@golden.command()
+@golden.command(cls=SuggestingCommand)
 @with_options
 def record(
     scenes: SceneNames,
@@ -64,7 +65,7 @@ def record(
         )
 
 
-@golden.command()
+@golden.command(cls=SuggestingCommand)
 @with_options
 def check(
     options: Reporting,
@@ -93,7 +94,7 @@ def check(
         raise typer.Exit(code)
 
 
-@golden.command()
+@golden.command(cls=SuggestingCommand)
 @with_options
 def approve(
     scenes: SceneNames,
@@ -111,7 +112,7 @@ def approve(
         reporter.result(golden_record.approve(case, layers_of(layers)))
 
 
-@golden.command(name="list")
+@golden.command(name="list", cls=SuggestingCommand)
 @with_options
 def list_(
     options: Reporting,
@@ -124,7 +125,7 @@ def list_(
     options.reporter().result(text, goldens=facts)
 
 
-@golden.command()
+@golden.command(cls=SuggestingCommand)
 @with_options
 def calibrate(
     options: Reporting,

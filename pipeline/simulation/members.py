@@ -106,6 +106,11 @@ class Members:
             self._row = row
             self._states.clear()
 
+    @property
+    def row(self) -> int:
+        """The written row whose states these are."""
+        return self._row
+
     def state(self, name: str) -> MemberState:
         """Returns the state of a member, a part of one as `bug.head`, or a place."""
         if name in self._places:

@@ -10,13 +10,15 @@ from pipeline.simulation.assembly import assemble
 from pipeline.simulation.event_monitor import reported_events
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.order_log import OrderLog
+from pipeline.simulation.pass_through import pass_through_notes
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.start_overlaps import overlap_notes
+from pipeline.simulation.steep_steps import steep_step_notes
 from pipeline.simulation.take import Take
 from pipeline.simulation.troupe import Facts, pushed_troupe
-from pipeline.spec.group import Group
 from pipeline.spec.handled_members import refusal_of_handling
+from pipeline.spec.order_support import performer_kind
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
@@ -54,8 +56,8 @@ class Simulation:
         self._members, self._monitor = parts.members, parts.monitor
         self._ground_places = parts.ground_places
         self._detection = parts.detection
-        groups = [member.name for member in scene.cast if isinstance(member, Group)]
-        self.order_log = OrderLog(groups)
+        kinds = {member.name: performer_kind(member) for member in scene.cast}
+        self.order_log = OrderLog({name: kind for name, kind in kinds.items() if kind})
         self._scene, self.step_number = scene, 0
         self._collect_facts()
         self.recorder.add_facts(self._facts.contacts, (), self._facts.notes)
@@ -110,6 +112,14 @@ class Simulation:
         """Returns the take of a finished simulation."""
         self._members.update(0)
         notes = overlap_notes(self._scene.cast, self._members, self.recorder)
+        pushed = pushed_troupe(self.troupes)
+        meeting = {n.performer for n in pushed.inventory.nodes} if pushed is not None else set()
+        notes += pass_through_notes(
+            self._scene.cast, self._members, self.recorder, self.world.clock, meeting
+        )
+        notes += steep_step_notes(
+            self._scene.cast, self.recorder, self.world.clock, self.world.ground
+        )
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         self.order_log.finish(self.step_number, self.script)

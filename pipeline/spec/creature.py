@@ -76,7 +76,9 @@ class Pronk(ConfigModel):
         False, description="Whether it looks for landings outside of forbidden zones."
     )
     start: Annotated[Number, Field(ge=0, le=1e6)] = Field(
-        0.0, description="When it begins to crouch for its first jump [s]."
+        0.0,
+        description="When it begins to crouch for the first jump of its own; orders of the script "
+        "are carried out before, too [s].",
     )
     jumps: Annotated[Integer, Field(ge=1, le=1_000_000)] | None = Field(
         None, description="How many jumps until it stands; it hops on if left out."
@@ -138,6 +140,13 @@ class Creature(Performer):
             faults.append(Fault(("at",), "a creature stands on the ground; write [x, z]"))
         if self.pronk is not None:
             faults += self._faults_of_hopping()
+        start = (self.at[0], self.at[-1])
+        if self.walk is not None and self.walk.path and {*self.walk.path} == {start}:
+            message = (
+                "leads nowhere, because the creature starts there; write another place, or leave "
+                "`walk` out for one that stands"
+            )
+            faults.append(Fault(("walk", "path"), message))
         if self.parent is not None and self.walk is not None:
             message = "conflicts with parent; remove one"
             faults.append(Fault(("walk",), message, at_key=True))

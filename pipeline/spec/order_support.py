@@ -48,6 +48,9 @@ from pipeline.spec.verbs import (
     verbs_of,
 )
 
+HAND_ORDERS = ("reach", "grab", "carry", "throw", "let_go")
+"""Orders to hands, which creatures have poses for."""
+
 
 @dataclass(frozen=True, slots=True)
 class NamedThings:
@@ -112,16 +115,18 @@ def performer_kind(member: object) -> str | None:
     return DANCER if kind == "dancer" else None
 
 
-def _faults_of_performer(name: str, member: object, path: Path) -> Iterator[Fault]:
+def _faults_of_performer(name: str, member: object, path: Path, do: object) -> Iterator[Fault]:
     """Find a member that follows no orders; one that is itself wrong is told where it stands."""
     if kind_of(member) is not None:
-        yield _fault_of_performer(name, member, path)
+        yield _fault_of_performer(name, member, path, do)
 
 
-def _fault_of_performer(name: str, member: object, path: Path) -> Fault:
-    """Return why a member follows no orders."""
+def _fault_of_performer(name: str, member: object, path: Path, do: object = None) -> Fault:
+    """Return why a member follows no orders, such as the order `do`."""
     kind = kind_of(member)
-    if kind == "figure":
+    if kind == "figure" and key_of_order(do) in HAND_ORDERS:
+        message = f"'{name}' is a creature, and no order moves its limbs; {_pose_instead(member)}"
+    elif kind == "figure":
         message = f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}"
     elif value_at(member, "limp") is True:
         message = f"'{name}' is limp, and follows no script"
@@ -138,14 +143,15 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
     member = named.cast[name]
     performer = performer_kind(member)
     if performer is None:
-        yield from _faults_of_performer(name, member, (*path, "who"))
+        yield from _faults_of_performer(name, member, (*path, "who"), do)
         return
     key, order = key_of_order(do), (*path, "do")
     if key is None:
         return
     if performer not in VERBS[key].performers:
-        can = ", ".join(verbs_of(performer))
-        message = f"'{name}' is {PERFORMERS[performer]}, for which {key} is no order; write {can}"
+        posed = key in HAND_ORDERS and kind_of(member) == "figure"
+        can = _pose_instead(member) if posed else f"write {', '.join(verbs_of(performer))}"
+        message = f"'{name}' is {PERFORMERS[performer]}, for which {key} is no order; {can}"
         yield _at_order(do, key, order, message)
         return
     for field, fitting in VERBS[key].targets.items():
@@ -163,6 +169,14 @@ def _faults_of_order(name: str, do: object, path: Path, named: NamedThings) -> I
         yield from _faults_of_part(do, order, named.cast)
     if performer == DANCER:
         yield from _faults_of_dancer(name, member, do, order, named)
+
+
+def _pose_instead(member: object) -> str:
+    """Return what moves the limbs of a creature."""
+    return (
+        "write `pose: [{at: 1, limb: ..., reach: [x, y, z]}]` beside its figure, and `held` at "
+        f"what it takes (`pronk figure {value_at(member, 'figure')}` lists its limbs)"
+    )
 
 
 def _at_order(do: object, key: str, path: Path, message: str) -> Fault:

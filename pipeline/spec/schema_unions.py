@@ -35,11 +35,29 @@ def with_conditions(schema: Any, definitions: Mapping[str, Schema]) -> Any:
         if len(mappings) > 1:
             del result[union]
             others = [_typed(item) for item in alternatives if item not in mappings]
-            decided = _chain(mappings, definitions)
-            result |= {"anyOf": [*others, decided]} if others else decided
+            result |= _with_others(_chain(mappings, definitions), others)
         else:
             result[union] = [_typed(item) for item in alternatives]
     return result
+
+
+def _with_others(mapping: Schema, others: Sequence[Schema]) -> Schema:
+    """Return the union of a mapping and other alternatives.
+
+    A word is checked against the words and a mapping against the mapping alone. What is neither,
+    such as a value that is still to be written, is open to both, and editors offer both.
+    """
+    if not others:
+        return mapping
+    union = {"anyOf": [*others, mapping]}
+    if any(other.get("type") != "string" for other in others):
+        return union
+    word = others[0] if len(others) == 1 else {"anyOf": list(others)}
+    return {
+        "if": {"type": "object"},
+        "then": mapping,
+        "else": {"if": {"type": "string"}, "then": word, "else": union},
+    }
 
 
 def _typed(schema: Any) -> Any:

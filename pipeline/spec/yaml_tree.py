@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -193,6 +193,16 @@ def _replaced(tree: SourceNode, path: Sequence[PathSegment], node: SourceNode) -
     return tree.with_item(step, _replaced(tree.items[step], below, node))
 
 
+def _files_of(tree: SourceNode) -> set[str]:
+    """Return the names of the files that the values of a tree stand in."""
+    below: Iterable[SourceNode] = ()
+    if isinstance(tree, MappingNode):
+        below = (entry.value for entry in tree.entries.values())
+    elif isinstance(tree, ListNode):
+        below = tree.items
+    return {tree.place.file}.union(*map(_files_of, below))
+
+
 def has_refused(tree: SourceNode) -> bool:
     """Return whether a value in the tree was refused."""
     match tree:
@@ -278,6 +288,11 @@ class SourceMap:
 
     def __hash__(self) -> int:
         return 0
+
+    @property
+    def files(self) -> set[str]:
+        """Names of the files that the scene was read from: its own, those of figures and dances."""
+        return _files_of(self.tree) - {""} if self.tree is not None else set()
 
     def find(self, path: str) -> SourceLocation | None:
         """Return the location of a path, or of its nearest parent that has one.

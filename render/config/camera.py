@@ -43,6 +43,48 @@ FOCUS_DESCRIPTION = (
     "world, or a distance [m]"
 )
 
+
+def _refuse_name(value: object) -> object:
+    """Refuse a name where the camera looks at a point.
+
+    Raises:
+        ValueError: it is a name.
+    """
+    if isinstance(value, str):
+        raise ValueError(
+            f"is a point [x, y, z]; write `follow: {value}` for a camera that looks at a member of "
+            "the cast"
+        )
+    return value
+
+
+def _refuse_point(value: object) -> object:
+    """Refuse a point where the camera follows members of the cast.
+
+    Raises:
+        ValueError: it is a point.
+    """
+    numbers = value if isinstance(value, list | tuple) else ()
+    if numbers and all(isinstance(number, int | float) for number in numbers):
+        point = ", ".join(f"{number:g}" for number in numbers)
+        raise ValueError(
+            f"names members of the cast; write `look_at: [{point}]` for a camera that looks at a "
+            "point"
+        )
+    return value
+
+
+LookedAt = Annotated[
+    Place | None, BeforeValidator(_refuse_name, json_schema_input_type=Place | None)
+]
+"""A point [x, y, z] [m]."""
+
+Followed = Annotated[
+    str | tuple[str, ...] | None,
+    BeforeValidator(_refuse_point, json_schema_input_type=str | tuple[str, ...] | None),
+]
+"""Members of the cast by name."""
+
 FieldOfView = Annotated[float, Field(ge=1, le=150)]
 
 
@@ -60,7 +102,7 @@ class CameraKey(RenderConfig):
 
     at: Time = Field(description="Time from the start of the film [s].")
     position: Place | None = Field(None, description="Position [x, y, z] [m].")
-    target: Place | None = Field(None, description="Point it looks at, [x, y, z] [m].")
+    target: LookedAt = Field(None, description="Point it looks at, [x, y, z] [m].")
     rotation_deg: Turn | None = Field(
         None,
         description=f"Rotation: {TURN_DESCRIPTION}; at 0 it looks along +X.",
@@ -89,7 +131,7 @@ class Camera(RenderConfig):
     """One cut: a camera that follows performers, stands still, or is animated by the author."""
 
     start: float = Field(0.0, ge=0, description="Time at which this cut starts [s].")
-    follow: str | tuple[str, ...] | None = Field(
+    follow: Followed = Field(
         None, description="Performer or performers to keep in the frame; all by default."
     )
     view: View | None = Field(
@@ -105,9 +147,7 @@ class Camera(RenderConfig):
     at: Place | None = Field(
         None, description="Position [x, y, z] of the camera, in its parent or the world."
     )
-    look_at: Place | None = Field(
-        None, description="Point [x, y, z] of the world at which it looks."
-    )
+    look_at: LookedAt = Field(None, description="Point [x, y, z] of the world at which it looks.")
     parent: str | None = Field(
         None,
         min_length=1,

@@ -129,3 +129,11 @@ def test_the_sun_sets_in_the_west() -> None:
     # North at -Z puts west at -X, east at +X.
     assert sun_direction(Sun(hour=17, north_deg=90))[0] < -0.5
     assert sun_direction(Sun(hour=7, north_deg=90))[0] > 0.5
+
+
+def test_a_camera_names_the_other_key_for_a_point_and_a_name() -> None:
+    with pytest.raises(ValidationError, match=r"write `follow: bug` for a camera"):
+        Camera.model_validate({"look_at": "bug"})
+    with pytest.raises(ValidationError, match=r"write `look_at: \[0, 1.5, 0\]` for a camera"):
+        Camera.model_validate({"follow": [0, 1.5, 0]})
+    assert Camera.model_validate({"follow": ["bug", "roo"]}).follow == ("bug", "roo")

@@ -157,6 +157,36 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
     assert not take_notes(take, CLOCK)
 
 
+def test_jumps_replace_no_order_and_are_done_one_after_the_other() -> None:
+    cast = [
+        "{name: roo, figure: hopper, scale: 0.5, pronk: {jumps: 1, height: 0.1}}",
+        "{name: mare, figure: horse, scale: 0.3, at: [0, 4], walk: {}}",
+    ]
+    script = [
+        "{at: 0.5, who: roo, do: {jump: {distance: 0.2, height: 0.1}}}",
+        "{at: 0.5, who: roo, do: {jump: {distance: 0.3, height: 0.1}}}",
+        "{at: 0.1, who: mare, do: {go_to: [9, 4]}}",
+        "{at: 0.2, who: mare, do: {jump: {height: 0.1}}}",
+        "{at: 0.3, who: mare, do: stop}",
+    ]
+    take = take_of(cast, script, "terrain: flat", duration=3.5)
+    outcomes = {record.text: record.outcome for record in take.orders if record.who == "roo"}
+    assert list(outcomes.values()) == ["done", "done"]
+    assert [r.outcome for r in take.orders if r.who == "mare"] == ["replaced", "replaced", "begun"]
+
+
+def test_orders_to_a_hopper_do_not_wait_for_its_own_start() -> None:
+    cast = ["{name: roo, figure: hopper, scale: 0.5, pronk: {start: 3, height: 0.1}}"]
+    script = ["{at: 0.5, who: roo, do: {jump: {distance: 0.3, height: 0.1}}}"]
+    take = take_of(cast, script, "terrain: flat", duration=3.6)
+    rows = 96
+    x = take.positions[:, 0, 0]
+    (record,) = take.orders
+    assert record.outcome == "done"
+    assert record.end < 2 * rows
+    assert np.ptp(x[2 * rows : 3 * rows]) < 1e-6 < np.ptp(x[3 * rows :])
+
+
 @pytest.mark.parametrize(
     ("script", "message"),
     [
@@ -165,8 +195,16 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
         ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
         ("{at: 0, who: post, do: stop}", "people can carry, throw or kick it"),
         (
+            "{at: 0, who: bug, do: {sit: post}}",
+            "for which sit is no order; write go_to, follow, chase",
+        ),
+        (
             "{at: 0, who: bug, do: {grab: post}}",
-            "for which grab is no order; write go_to, follow, chase",
+            r"for which grab is no order; write `pose: .* \(`pronk figure beetle` lists its limbs",
+        ),
+        (
+            "{at: 0, who: arm, do: {reach: post}}",
+            r"'arm' is a creature, and no order moves its limbs; write `pose: ",
         ),
         ("{at: 0, who: bug, do: {chase: bug}}", "cannot do that to itself"),
         ("{at: 0, who: bug, do: {go_to: gat}}", "did you mean 'gate'"),
@@ -175,7 +213,8 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
     ],
 )
 def test_impossible_conditions_and_orders_are_refused(script: str, message: str) -> None:
-    cast = [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"]
+    arm = "{name: arm, figure: robot_arm, at: [-4, 0]}"
+    cast = [BUG, arm, "{name: post, prop: {shape: box}, at: [9, 9]}"]
     with pytest.raises(SceneError, match=message):
         take_of(cast, [script], "places: {gate: [1, 2]}")
 

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.simulation.obstacles import outermost
 from pipeline.simulation.simulate import simulate
-from pipeline.simulation.start_overlaps import convex_depth, depth_bound
+from pipeline.simulation.solid_overlaps import convex_depth, depth_bound
 
 if TYPE_CHECKING:
     from pipeline.spec import Scene

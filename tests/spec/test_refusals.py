@@ -108,6 +108,9 @@ ONE_MISTAKE = [
      "should be true or false, is the text 'yes'"),
     ("terrain: hills", "film: {size: [320, §x]}", "film.size[1]",
      "should be a whole number, is the text 'x'"),
+    ("{speed: 0.5}", "{path: §[[0, 0]]}", "cast[0].walk.path",
+     "leads nowhere, because the creature starts there; write another place, or leave `walk` out "
+     "for one that stands"),
     ("[1, 0]", "§1", "figures.bug.nodes.knee_l",
      "should be a mapping of keys to values, is 1"),
     ("[1, 0]", "[1, §a]", "figures.bug.nodes.knee_l[1]", "should be a number, is the text 'a'"),

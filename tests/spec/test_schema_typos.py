@@ -111,6 +111,23 @@ def test_the_best_error_names_the_typo_and_its_place(
     assert repr(named) in error.message
 
 
+@pytest.mark.parametrize(
+    ("do", "names"),
+    [
+        ({"goto": "bug"}, "goto"),
+        ({"jmp": {}}, "jmp"),
+        ({"kick": "ball", "sped": 3}, "sped"),
+        ({"jump": {"hieght": 1}}, "hieght"),
+        ("walk_to", "walk_to"),
+    ],
+)
+def test_all_errors_of_an_order_are_about_its_typo(do: Any, names: str) -> None:
+    # Editors show the error of a union whose branch they take for the meant one: it has no union.
+    (error,) = VALIDATOR.iter_errors(with_typo(["script", 0], "do", None, do))
+    assert not error.context
+    assert f"'{names}'" in error.message
+
+
 def test_own_names_are_accepted_where_the_scene_has_a_block_for_them() -> None:
     scene = with_typo(["cast", 1], "material", None, "goo")
     assert not VALIDATOR.is_valid(scene)

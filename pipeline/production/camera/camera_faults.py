@@ -1,18 +1,21 @@
 """Camera faults: frames in which a camera does not show its subject, known before rendering.
 
-The camera is inside something; the subject is out of the frame, tiny, or hidden.
+The camera is inside something; the subject is out of the frame, tiny, or hidden. A view that the
+author named and that had to be turned is told as well.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.production.camera.camera_subjects import camera_subjects
-from pipeline.production.camera.cuts import cut_frames
+from pipeline.production.camera.cuts import FilmedCut, cut_frames
+from pipeline.production.camera.view_turn import ViewTurn
 from pipeline.production.camera.visibility import Sight, Visibility
 from pipeline.simulation.clock import Clock
 from render.config import Camera
@@ -66,7 +69,7 @@ class _Finding:
 def camera_faults(
     visibility: Visibility,
     cameras: Sequence[Camera],
-    poses: Sequence[CameraPose],
+    filmed: Sequence[FilmedCut],
     aspect: float,
 ) -> list[CameraFault]:
     """Return the faults of all cuts in the order of time.
@@ -74,15 +77,17 @@ def camera_faults(
     Args:
         visibility: of the take that is filmed.
         cameras: one for each cut.
-        poses: of the camera at every frame.
+        filmed: the cuts with these cameras.
         aspect: width by height of the frame.
     """
+    poses = [pose for cut in filmed for pose in cut.poses]
     header = visibility.take.header
     step = max(round(SAMPLE_INTERVAL_S * header.rate), -(-header.frames // MAX_SAMPLES), 1)
     faults: list[CameraFault] = []
     for number, frames in enumerate(cut_frames(cameras, header.rate, header.frames)):
         if frames:
             faults += _raised(cameras[number], number, frames, poses)
+            faults += _turned(cameras[number], number, frames, filmed[number].turn)
             sampled = sorted({*frames[::step], frames[-1]})
             found = _findings(visibility, cameras[number], frames, sampled, poses, aspect)
             least = min(LEAST_DURATION_S * float(header.rate), len(frames))
@@ -100,6 +105,19 @@ def _raised(
     if rise > LEAST_RAISE:
         text = f"`at` lies in the ground, so that the camera is raised by {rise:.2f} m"
         yield CameraFault("camera_raised", number, "camera", ((frames[0], frames[-1]),), text)
+
+
+def _turned(
+    camera: Camera, number: int, frames: range, turn: ViewTurn | None
+) -> Iterator[CameraFault]:
+    """Yield the fault of a view that the author named, and that is turned."""
+    if turn is not None and camera.view is not None:
+        angle = abs(math.degrees(turn.angle))
+        text = (
+            f"`view: {camera.view}` is turned by {angle:.0f} degrees, because {turn.reason} "
+            "(a camera with `at` is never turned)"
+        )
+        yield CameraFault("view_turned", number, "camera", ((frames[0], frames[-1]),), text)
 
 
 def _findings(

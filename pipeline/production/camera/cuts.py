@@ -18,7 +18,7 @@ from pipeline.production.camera.clearance import Clearance, VisibleGround
 from pipeline.production.camera.keyframed_camera import animated_path, fields_of_view, has_direction
 from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
-from pipeline.production.camera.view_turn import clear_path
+from pipeline.production.camera.view_turn import ViewTurn, clear_path
 from pipeline.production.camera.visibility import Visibility
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array
@@ -27,15 +27,40 @@ from render.config import Camera
 from render.shot import CameraPose
 
 
+@dataclass(frozen=True, slots=True)
+class FilmedCut:
+    """A cut as it is filmed.
+
+    Attributes:
+        poses: of the camera, one for each frame of the cut.
+        turn: of its view away from what hides the subject, None without any.
+    """
+
+    poses: tuple[CameraPose, ...] = ()
+    turn: ViewTurn | None = None
+
+
 def camera_poses(
     take: Take,
     cameras: Sequence[Camera],
     aspect: float,
     mounts: Sequence[int] | None = None,
     nodes: Mapping[str, int] | None = None,
-    clear: Collection[str] = (),
 ) -> tuple[CameraPose, ...]:
-    """Return the camera pose of every frame.
+    """Return the camera pose of every frame, see `filmed_cuts`."""
+    cuts = filmed_cuts(take, cameras, aspect, mounts, nodes)
+    return tuple(pose for cut in cuts for pose in cut.poses)
+
+
+def filmed_cuts(
+    take: Take,
+    cameras: Sequence[Camera],
+    aspect: float,
+    mounts: Sequence[int] | None = None,
+    nodes: Mapping[str, int] | None = None,
+    clear: Collection[str] = (),
+) -> list[FilmedCut]:
+    """Return the cuts of a film.
 
     Args:
         take: that is filmed.
@@ -49,18 +74,20 @@ def camera_poses(
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     ground = VisibleGround(take.terrain)
     visibility = Visibility(take, ground, clear)
-    poses: list[CameraPose] = []
+    filmed: list[FilmedCut] = []
     mounts = mounts or [-1] * len(cameras)
     frames = cut_frames(cameras, header.rate, header.frames)
     for camera, mount, shown in zip(cameras, mounts, frames, strict=True):
         if not shown:
+            filmed.append(FilmedCut())
             continue
         rows = np.array([clock.row_of_frame(f) for f in shown], dtype=np.int64)
         seconds = float(shown[-1] / header.rate) - camera.start
         cut = _Cut(visibility, camera, rows, seconds, mount, nodes or {}, aspect)
-        path, place = _path(cut)
-        poses.extend(path.poses(lenses(take, camera, rows, path, place, cut.nodes)))
-    return tuple(poses)
+        path, place, turn = _path(cut)
+        poses = path.poses(lenses(take, camera, rows, path, place, cut.nodes))
+        filmed.append(FilmedCut(tuple(poses), turn))
+    return filmed
 
 
 def first_frames(cameras: Sequence[Camera], rate: Fraction) -> list[int]:
@@ -125,16 +152,16 @@ class _Cut:
         return follow(self.take, self.camera.follow, self.rows)
 
 
-def _path(cut: _Cut) -> tuple[CameraPath, Array]:
-    """Return the camera path of a cut, and what it looks at before lead room (F, 3)."""
+def _path(cut: _Cut) -> tuple[CameraPath, Array, ViewTurn | None]:
+    """Return the camera path of a cut, what it looks at before lead room (F, 3), and its turn."""
     if cut.camera.is_animated:
-        return _animated(cut)
+        return *_animated(cut), None
     if cut.camera.at is not None:
-        return _standing(cut)
+        return *_standing(cut), None
     return _framed(cut)
 
 
-def _framed(cut: _Cut) -> tuple[CameraPath, Array]:
+def _framed(cut: _Cut) -> tuple[CameraPath, Array, ViewTurn | None]:
     camera, followed = cut.camera, cut.follow()
     look_at = cut.look_at
     target = followed.place if look_at is None else look_at
@@ -147,7 +174,8 @@ def _framed(cut: _Cut) -> tuple[CameraPath, Array]:
         aspect=cut.aspect,
         fov_deg=fields_of_view(camera, cut.times),
     )
-    return clear_path(framing, cut.visibility, cut.rows), target
+    path, turn = clear_path(framing, cut.visibility, cut.rows)
+    return path, target, turn
 
 
 def _standing(cut: _Cut) -> tuple[CameraPath, Array]:

@@ -8,8 +8,9 @@ whole cut.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +40,26 @@ MAX_TURN_OF_VIEW_DEG = 40.0
 """Greatest turn of a view that the author named: more would make it another view [degrees]."""
 
 
-def clear_path(framing: AutoFraming, visibility: Visibility, rows: NDArray[np.int64]) -> CameraPath:
+@dataclass(frozen=True, slots=True)
+class ViewTurn:
+    """A turn of the view of a cut.
+
+    Attributes:
+        angle: positive about +Y [rad].
+        reason: what most often obstructs the usual view.
+    """
+
+    angle: float
+    reason: str
+
+
+def clear_path(
+    framing: AutoFraming, visibility: Visibility, rows: NDArray[np.int64]
+) -> tuple[CameraPath, ViewTurn | None]:
     """Return the path of an automatic camera, turned by the least angle that clears its sight.
 
-    Where no turn clears it, the best one is taken. A view from above, an orbit and a camera with a
-    `look_at` are left as they are.
+    The turn is None where the view is as usual. Where no turn clears it, the best one is taken. A
+    view from above, an orbit and a camera with a `look_at` are left as they are.
 
     Args:
         framing: of the cut.
@@ -52,28 +68,36 @@ def clear_path(framing: AutoFraming, visibility: Visibility, rows: NDArray[np.in
     """
     path, cut = framing.path(), framing.cut
     if cut.view == "top" or cut.orbit is not None or cut.look_at is not None:
-        return path
+        return path, None
     subjects = camera_subjects(visibility.take, cut, rows)
     interval = max(round(SAMPLE_INTERVAL_S * framing.followed.rate), -(-len(rows) // MAX_SAMPLES))
     sampled = np.arange(0, len(rows), max(interval, 1))
 
+    reasons: list[Counter[str]] = []
+
     def lost(paths: Sequence[CameraPath]) -> NDArray[np.int64]:
         """Return in how many of the frames that are looked at each path loses its subject."""
         poses = [path.poses((None,) * len(rows)) for path in paths]
-        count = np.zeros(len(paths), dtype=np.int64)
+        found: list[Counter[str]] = [Counter() for _ in paths]
         for frame in sampled:
             cast = visibility.at(int(rows[frame]))
-            if cast is not None:
-                count += [_loses(cast, subjects, p[frame], framing.aspect) for p in poses]
-        return count
+            for k, p in enumerate(poses if cast is not None else ()):
+                assert cast is not None
+                found[k].update(_obstructions(cast, subjects, p[frame], framing.aspect))
+        reasons.extend(found)
+        return np.array([counter.total() for counter in found], dtype=np.int64)
 
     (usual,) = lost([path])
     if usual < 2 or usual < LEAST_LOST * len(sampled):
-        return path
-    others = [_turned(framing, angle) for angle in _turns(named=cut.view is not None)]
+        return path, None
+    angles = _turns(named=cut.view is not None)
+    others = [_turned(framing, angle) for angle in angles]
     counts = lost(others)
     best = int(counts.argmin())
-    return others[best] if counts[best] < usual else path
+    if counts[best] >= usual:
+        return path, None
+    ((reason, _),) = reasons[0].most_common(1)
+    return others[best], ViewTurn(angles[best], reason)
 
 
 def _turns(*, named: bool) -> list[float]:
@@ -87,11 +111,16 @@ def _turned(framing: AutoFraming, angle: float) -> CameraPath:
     return replace(framing, moves=framing.moves.turned(angle)).path()
 
 
-def _loses(
+def _obstructions(
     cast: PosedCast, subjects: Sequence[frozenset[str]], pose: CameraPose, aspect: float
-) -> bool:
-    """Return whether a camera is inside something or does not see one of its subjects."""
-    if cast.surrounding(np.array(pose.p_WC)):
-        return True
-    sights = [cast.sight(names, pose, aspect) for names in subjects]
-    return any(sight is not None and sight.is_blocked for sight in sights)
+) -> list[str]:
+    """Return what a camera is inside of, or what hides one of its subjects; at most one."""
+    around = cast.surrounding(np.array(pose.p_WC))
+    if around:
+        return [f"the camera would be inside {around}"]
+    for names in subjects:
+        sight = cast.sight(names, pose, aspect)
+        if sight is not None and sight.is_blocked:
+            hidden = "the cast" if len(names) > 1 else next(iter(names))
+            return [f"{sight.blocker} hides {hidden}"]
+    return []

@@ -7,9 +7,11 @@ a run that was stopped at any moment can go on.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from pipeline.atomic_file import make_folder, remove
 from pipeline.errors import StoreError
@@ -81,6 +83,16 @@ class Outputs:
         return self.folder / f"{self.name}.token"
 
     @property
+    def refused_take(self) -> Path:
+        """A take whose notes `--strict` refused; `take` stays that of the film."""
+        return self.folder / "take_refused.zarr"
+
+    @property
+    def lock(self) -> Path:
+        """File that is locked while a run is at work."""
+        return self.folder / ".lock"
+
+    @property
     def manifest(self) -> Path:
         """Sources, versions and times of all outputs."""
         return self.folder / "manifest.json"
@@ -90,13 +102,16 @@ class Outputs:
 def opened(outputs: Outputs) -> Iterator[None]:
     """Make the folder of `outputs`, lock it, and remove unfinished files of earlier runs.
 
+    At the end the lock is removed, and folders that stayed empty.
+
     Raises:
         StoreError: the folder cannot be written to, or another run is at work in it.
     """
+    missing = [folder for folder in outputs.folder.parents if not folder.exists()]
     with contextlib.ExitStack() as stack:
         try:
             make_folder(outputs.frames)
-            stack.enter_context(locked(outputs))
+            stack.enter_context(locked(outputs, (outputs.frames, outputs.folder, *missing)))
             _clear(outputs)
         except OSError as error:
             reason = error.strerror or str(error)
@@ -108,17 +123,44 @@ def opened(outputs: Outputs) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def locked(outputs: Outputs) -> Iterator[None]:
+def locked(outputs: Outputs, folders: Sequence[Path] = ()) -> Iterator[None]:
     """Lock the folder of `outputs` against other runs.
+
+    Args:
+        outputs: of the scene.
+        folders: removed at the end if they are empty.
 
     Raises:
         StoreError: another run is at work in it.
         OSError: it cannot be written to.
     """
-    with (outputs.folder / ".lock").open("a") as lock:
+    lock = _lock(outputs.lock)
+    if lock is None:
+        raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
+    with lock:
+        try:
+            yield
+        finally:
+            # Where an open file cannot be removed, it stays.
+            with contextlib.suppress(OSError):
+                outputs.lock.unlink()
+            for folder in folders:
+                with contextlib.suppress(OSError):
+                    folder.rmdir()
+
+
+def _lock(path: Path) -> IO[str] | None:
+    """Open a file and lock it; return None if another process has locked it."""
+    while True:
+        lock = path.open("a")
         if not _take_lock(lock.fileno()):
-            raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
-        yield
+            lock.close()
+            return None
+        # A run that ended meanwhile has removed the file that is locked now.
+        if path.exists() and os.path.samestat(path.stat(), os.fstat(lock.fileno())):
+            return lock
+        lock.close()
+        make_folder(path.parent)
 
 
 def _take_lock(descriptor: int) -> bool:
@@ -142,7 +184,7 @@ def _clear(outputs: Outputs) -> None:
     # Atomic writing cuts long names short, because a name has at most 255 bytes.
     own = [f".{outputs.name}{end}"[:65] for end in "._"]
     for path in outputs.folder.iterdir():
-        if path.name.startswith((*own, ".events.", ".manifest.", ".take.")):
+        if path.name.startswith((*own, ".events.", ".manifest.", ".take.", ".take_")):
             remove(path)
     for path in outputs.frames.glob(".[0-9]*"):
         remove(path)

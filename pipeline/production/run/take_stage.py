@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+from pathlib import Path
 
-from pipeline.atomic_file import PARTIAL, replace_folder
+from pipeline.atomic_file import PARTIAL, remove, replace_folder
 from pipeline.errors import StoreError
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
-from pipeline.production.run.notes import clock_of, take_notes
+from pipeline.production.run.notes import NotesRefused, clock_of, take_notes
 from pipeline.production.run.progress import stage
 from pipeline.production.run.scene_run import SceneRun
 from pipeline.simulation.simulate import simulate
@@ -29,7 +30,7 @@ def take_of(run: SceneRun) -> Take:
     """Return the take of the scene, simulating only if the stored one does not fit.
 
     Raises:
-        NotesRefused: there are notes and the order is strict; a new take is not stored.
+        NotesRefused: there are notes and the order is strict; a new take is stored apart.
         SimulationError: the scene cannot be simulated.
     """
     scene = run.order.scene
@@ -43,6 +44,8 @@ def take_of(run: SceneRun) -> Take:
             current.result = "take is up to date"
             run.notes += take_notes(stored, clock)
             run.refuse_notes()
+            _accept_take(run, key)
+            run.describe(stored)
             return stored
         with compile_progress(run.reporter, current) as compiling:
 
@@ -56,7 +59,12 @@ def take_of(run: SceneRun) -> Take:
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
         run.notes += take_notes(take, clock)
-        run.refuse_notes()
+        try:
+            run.refuse_notes()
+        except NotesRefused:
+            # It need not be simulated again, and earlier outputs stay.
+            _write_take(take, run.outputs.refused_take)
+            raise
         run.record_time(current)
         store_take(run, take)
     return take
@@ -64,30 +72,38 @@ def take_of(run: SceneRun) -> Take:
 
 def store_take(run: SceneRun, take: Take) -> None:
     """Store a take in place of an earlier one, and describe it in the manifest."""
-    place = run.outputs.take
+    _write_take(take, run.outputs.take)
+    remove(run.outputs.refused_take)
+    run.records.add(run.outputs.take, take.header.key)
+    run.describe(take)
+
+
+def _write_take(take: Take, place: Path) -> None:
     new = place.with_name(f".{place.name}{PARTIAL}")
     write_take(take, new)
     replace_folder(new, place)
-    run.records.add(place, take.header.key)
-    run.describe(take)
 
 
 def _stored_take(run: SceneRun, key: str) -> Take | None:
     """Return the take that an earlier run stored under `key`, None if there is none."""
-    place = run.outputs.take
-    try:
-        if read_key(place) != key:
-            return None
-        take = read_take(place)
-        if run.records.of(place, key) is None:
-            run.records.add(place, key)
-        elif not run.records.is_intact(place, key):
-            raise StoreError(f"{place}: the take is damaged: it is not as it was written")
-        run.describe(take)
-        return take
-    except StoreError as error:
-        run.reporter.note(f"{error}; it is made again")
-    except Exception as error:
-        # A damaged file can raise anything, and a take can be made again.
-        run.reporter.note(f"{place}: is no take that can be read ({error}); it is made again")
+    for place in (run.outputs.take, run.outputs.refused_take):
+        try:
+            if read_key(place) == key:
+                take = read_take(place)
+                if run.records.of(place, key) and not run.records.is_intact(place, key):
+                    raise StoreError(f"{place}: the take is damaged: it is not as it was written")
+                return take
+        except StoreError as error:
+            run.reporter.note(f"{error}; it is made again")
+        except Exception as error:
+            # A damaged file can raise anything, and a take can be made again.
+            run.reporter.note(f"{place}: is no take that can be read ({error}); it is made again")
     return None
+
+
+def _accept_take(run: SceneRun, key: str) -> None:
+    """Make the take that a strict run refused the take of the film, if it is the one in use."""
+    if read_key(run.outputs.take) != key:
+        replace_folder(run.outputs.refused_take, run.outputs.take)
+    if run.records.of(run.outputs.take, key) is None:
+        run.records.add(run.outputs.take, key)

@@ -11,7 +11,8 @@ import watchfiles
 from pipeline.errors import PronkError, SceneError
 from pipeline.production.run.order import Order
 from pipeline.production.run.progress import Reporter
-from pipeline.spec import Scene
+from pipeline.spec import Scene, library
+from pipeline.spec.scene_library import DANCES, FIGURES, SUFFIX
 
 FOLDER = "watch"
 """Folder beside those of the scenes, so that no film is overwritten."""
@@ -66,8 +67,14 @@ def watch(
 
 
 def files_of(scene: Scene) -> set[Path]:
-    """Return the files that a scene names."""
-    return {path for text in _texts(scene.model_dump()) if (path := _file(text)) is not None}
+    """Return the files of a scene, but those of the library.
+
+    They are its own, those of its figures and dances, and the meshes, pictures and sound fonts
+    that it names.
+    """
+    named = {path for text in _texts(scene.model_dump()) if (path := _file(text)) is not None}
+    read = {Path(name).absolute() for name in scene.source_map.files}
+    return named | {path for path in read if not path.resolve().is_relative_to(library())}
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -105,19 +112,19 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 
 def changes_of(seen: Stamps) -> Iterator[object]:
-    """Yield an item when files differ from their stamps or a figure beside them changes.
+    """Yield an item when files differ from their stamps or a figure or dance beside them changes.
 
     Folders are watched because editors replace files.
     """
     known = {path.resolve() for path in seen}
     folders = {path.parent for path in known}
-    figures = {folder / "figures" for folder in folders}
-    places = {*folders, *(folder for folder in figures if folder.is_dir())}
+    shelves = {folder / name for folder in folders for name in (FIGURES, DANCES)}
+    places = {*folders, *(shelf for shelf in shelves if shelf.is_dir())}
 
     def is_relevant(change: watchfiles.Change, name: str) -> bool:
         path = Path(name)
-        scene_or_figure = path.suffix == ".yaml" and path.parent in places
-        return path in known or path.resolve() in known or scene_or_figure
+        scene_or_figure = path.suffix == SUFFIX and path.parent in places
+        return path in {*known, *shelves} or path.resolve() in known or scene_or_figure
 
     batches = watchfiles.watch(
         *places,

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
-from pipeline.production.camera.cuts import camera_poses, first_frames
+from pipeline.production.camera.cuts import filmed_cuts, first_frames
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
@@ -49,7 +49,8 @@ class ShotBuilder:
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
-        self.poses = camera_poses(take, scene.camera, aspect, mounts, focus, clear)
+        self._filmed = filmed_cuts(take, scene.camera, aspect, mounts, focus, clear)
+        self.poses = tuple(pose for cut in self._filmed for pose in cut.poses)
         self._cuts, self._clear = scene.camera, clear
         self._interpolator = PoseInterpolator(self.poses, first_frames(scene.camera, header.rate))
         terrain = scene.terrain
@@ -79,7 +80,7 @@ class ShotBuilder:
         """Return what is wrong with the cameras, by their paths and the take."""
         visibility = Visibility(self.take, VisibleGround(self.take.terrain), self._clear)
         aspect = self.film.size[0] / self.film.size[1]
-        return camera_faults(visibility, self._cuts, self.poses, aspect)
+        return camera_faults(visibility, self._cuts, self._filmed, aspect)
 
     def _moment(self, frame: int, part: float) -> Moment:
         """Return the moment a fraction of a frame after its start."""

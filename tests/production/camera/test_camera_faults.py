@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -137,6 +138,16 @@ def test_an_automatic_view_turns_around_what_hides_its_subject() -> None:
     assert turned.camera_faults() == []
     angle = azimuth(turned) - azimuth(free)
     assert 15.0 < abs(angle) < 65.0
+
+
+def test_a_named_view_that_is_turned_is_told() -> None:
+    pillar = PILLAR.replace("[0.85, 0.66]", "[0, 1.2]")
+    assert shooting("{follow: ball, view: side}").camera_faults() == []
+    (fault,) = shooting("{follow: ball, view: side}", pillar).camera_faults()
+    assert (fault.kind, fault.frames) == ("view_turned", ((1, FRAMES),))
+    assert re.match(
+        r"`view: side` is turned by [24]0 degrees, because pillar hides ball", fault.text
+    )
 
 
 def azimuth(shots: ShotBuilder) -> float:

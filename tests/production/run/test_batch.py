@@ -70,12 +70,12 @@ def test_scenes_after_one_that_fails_are_made(
 ) -> None:
     scenes = ("a", "bad", "nowhere", "fail", "folder.yaml", "d")
     code, out, err = pronk(*command, *scenes)
-    assert code == 4
+    assert code == 3
     for name in ("a", "d"):
         assert (folder / "out" / name / made.format(name)).exists()
     assert len(out.splitlines()) == 2
     errors = [line for line in err.splitlines() if line.startswith("error: ")]
-    starts = ("bad.yaml:", "no scene is called 'nowhere'", "fail.yaml: bug:", "'folder.yaml' is")
+    starts = ("bad.yaml:", "no scene is called 'nowhere'", "fail.yaml:8:", "'folder.yaml' is")
     assert len(errors) == len(starts)
     assert all(e.startswith(f"error: {s}") for e, s in zip(errors, starts, strict=True))
     rows = table_of(err)
@@ -97,8 +97,8 @@ def test_the_table_counts_frames_and_cached_ones(pronk: Pronk, folder: Path, sho
     [
         (("a", "d"), 0),
         (("nowhere", "a"), 2),
-        (("bad", "nowhere"), 3),
-        (("fail", "bad", "nowhere", "a"), 4),
+        (("nowhere", "bad", "a"), 3),
+        (("fail", "nowhere", "a"), 3),
     ],
 )
 def test_the_exit_code_is_the_highest(
@@ -109,20 +109,21 @@ def test_the_exit_code_is_the_highest(
 
 def test_quiet_leaves_the_errors_alone(pronk: Pronk, folder: Path) -> None:
     code, out, err = pronk("check", "a", "fail", "nowhere", "-q")
-    assert (code, out) == (4, "")
-    assert [line[:12] for line in err.splitlines()] == ["error: fail.", "error: no sc"]
+    assert (code, out) == (3, "")
+    errors = [line for line in err.splitlines() if line.startswith("error")]
+    assert [line[:12] for line in errors] == ["error: fail.", "error: no sc"]
 
 
 def test_one_scene_has_no_table(pronk: Pronk, folder: Path) -> None:
     assert pronk("check", "a")[2] == ""
-    assert len(pronk("check", "fail")[2].splitlines()) == 1
+    assert "seconds" not in pronk("check", "fail")[2]
 
 
 def test_check_tells_all_mistakes_of_all_files(pronk: Pronk, folder: Path) -> None:
     code, out, err = pronk("check", "a", "bad", "wrong", "fail", "d")
-    assert code == 4
+    assert code == 3
     assert [line.split(":")[0] for line in out.splitlines()] == ["a", "d"]
-    for told in ("bad.yaml:6:", "wrong.yaml:5:1: sead", "wrong.yaml:3:6: fps", "fail.yaml: bug"):
+    for told in ("bad.yaml:6:", "wrong.yaml:5:1: sead", "wrong.yaml:3:6: fps", "fail.yaml:8:"):
         assert f"\nerror: {told}" in err or f"\n{told}" in err
 
 
@@ -245,9 +246,6 @@ def test_check_tells_of_all_creatures_without_foothold(pronk: Pronk, folder: Pat
         text.replace("materials:", "  - {name: bee, figure: beetle, walk: {}}\nmaterials:")
     )
     code, _, err = pronk("check", "fail")
-    assert code == 4
-    lines = err.splitlines()
-    assert [line[:32] for line in lines] == [
-        "error: fail.yaml: bug: leg l1 fi",
-        "fail.yaml: bee: leg l1 finds no ",
-    ]
+    assert code == 3
+    for place in ("cast[0].at: leg l1 of 'bug' finds no", "cast[1].at: leg l1 of 'bee' finds no"):
+        assert place in err

@@ -157,7 +157,7 @@ def test_unfinished_files_of_a_killed_run_are_removed(studio: Studio, film: Stud
 @pytest.mark.parametrize("name", ["l", "lock", "take", "x" * 80])
 def test_other_files_are_kept(tmp_path: Path, name: str) -> None:
     outputs = Outputs(tmp_path / name, name)
-    kept = [".lock", ".git", ".notes.txt", "take.txt", f"{name}.mid", "frames/0001.png"]
+    kept = [".git", ".notes.txt", "take.txt", f"{name}.mid", "frames/0001.png"]
     outputs.frames.mkdir(parents=True)
     for each in kept:
         (outputs.folder / each).write_bytes(b"mine")

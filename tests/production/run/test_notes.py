@@ -145,8 +145,23 @@ def test_strict_stops_after_the_simulation_and_leaves_earlier_outputs(
     assert err.splitlines()[0] == "error: edge.yaml: 2 notes, and --strict allows none"
     assert "  bug.l1 stopped at 0.3 s: no foothold ahead" in err
     assert {p: p.read_bytes() for p in files} == files
-    assert not list((edge / "out/edge/frames").iterdir())
+    new = {path.name for path in (edge / "out/edge").iterdir()} - {path.name for path in files}
+    assert new == {"take.zarr", "take_refused.zarr"}
     assert (edge / "out/wide/take.zarr").exists()
+
+
+def test_a_refused_take_is_not_simulated_again(pronk: Pronk, edge: Path) -> None:
+    made = edge / "out/edge"
+    for _ in range(2):
+        code, _, err = pronk("simulate", "edge", "--strict")
+        assert code == 1
+        assert [path.name for path in made.iterdir()] == ["take_refused.zarr"]
+    assert "take is up to date" in err
+    code, _, err = pronk("simulate", "edge")
+    assert code == 0
+    assert "take is up to date" in err
+    names = {path.name for path in made.iterdir()}
+    assert names == {"take.zarr", "events.csv", "events.jsonl", "manifest.json"}
 
 
 def test_strict_refuses_a_stored_take_too(pronk: Pronk, edge: Path) -> None:

@@ -90,7 +90,7 @@ def test_scoring_renders_nothing(unmade: Studio, tmp_path: Path, pronk: Pronk) -
     studio = unmade.copied(tmp_path / "studio")
     code, out, _ = pronk("midi", "tiny", cwd=studio.folder)
     assert (code, out) == (0, "out/tiny/tiny.mid\n")
-    assert list((studio.made / "frames").iterdir()) == []
+    assert not (studio.made / "frames").exists()
     assert not list(studio.made.glob("*.mp4"))
     with wave.open(str(studio.made / "tiny.wav")) as sound:
         assert Fraction(sound.getnframes(), sound.getframerate()) == Fraction(8, 24)

@@ -14,7 +14,7 @@ from pipeline.errors import PronkError
 from pipeline.production.run.order import Order
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.watch import Stamps, changes_of, files_of, stamps, watch
-from pipeline.spec import load_scene
+from pipeline.spec import library, load_scene
 
 SCENE = "pronk: 1\nframes: 4\ncast: [{figure: beetle, walk: {}}]\n"
 
@@ -65,10 +65,34 @@ def test_every_change_makes_a_picture_and_errors_are_reported(tmp_path: Path) ->
 def test_files_of_a_scene_are_watched(tmp_path: Path) -> None:
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     (tmp_path / "thing.obj").write_text(corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (tmp_path / "heights.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 2 3\n")
+    (tmp_path / "my.sf2").write_bytes(b"RIFF")
+    figure = (library() / "figures" / "tripod.yaml").read_text("utf-8")
+    for folder, name in (("drawings", "g3"), ("figures", "g4"), (".", "g5")):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / f"{name}.yaml").write_text(figure)
     file = tmp_path / "play.yaml"
-    member = "{name: a, body: {shape: mesh, file: thing.obj}, at: [0, 2, 0]}"
-    file.write_text(f"pronk: 1\nframes: 2\ncast: [{member}]\n")
-    assert files_of(load_scene(file)) == {tmp_path / "thing.obj"}
+    members = (
+        "{name: a, body: {shape: mesh, file: thing.obj}, at: [0, 2, 0]}",
+        "{figure: beetle}, {figure: ./drawings/g3.yaml}, {figure: g4}, {figure: g5}",
+    )
+    file.write_text(
+        f"pronk: 1\nframes: 2\ncast: [{', '.join(members)}]\n"
+        "terrain: {kind: mesh, file: heights.obj}\nsound: {soundfont: my.sf2}\n"
+    )
+    names = {str(path.relative_to(tmp_path)) for path in files_of(load_scene(file))}
+    figures = {"drawings/g3.yaml", "figures/g4.yaml", "g5.yaml"}
+    assert names == {"play.yaml", "thing.obj", "heights.obj", "my.sf2", *figures}
+
+
+def test_a_folder_of_figures_that_comes_later_is_noticed(tmp_path: Path) -> None:
+    file = tmp_path / "play.yaml"
+    file.write_text(SCENE)
+    later = threading.Timer(0.5, (tmp_path / "figures").mkdir)
+    later.start()
+    seen = next(changes_of(stamps({file})))
+    later.join()
+    assert {Path(name).name for _, name in seen} == {"figures"}  # type: ignore[attr-defined]
 
 
 def test_changes_before_watching_are_not_missed(tmp_path: Path) -> None:

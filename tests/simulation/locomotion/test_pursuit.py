@@ -96,3 +96,32 @@ def test_who_avoids_something_steps_away_and_stays_there() -> None:
     apart = distances(take)
     assert apart[0] < 1.0
     assert apart[-1] > 1.8
+
+
+PASSING = """
+pronk: 1
+duration: 9
+terrain: flat
+cast:
+  - {name: bug, figure: beetle, scale: 0.3, walk: {speed: 0.6}}
+  - name: cart
+    prop: {shape: box, size: [0.3, 0.4, 0.3]}
+    keyframes:
+      - {at: 0, position: [1.4, 0.2, -1.5]}
+      - {at: 4, position: [1.4, 0.2, 3], ease: linear}
+script:
+  - {at: 0, who: bug, do: {go_to: [2.5, 0]}}
+  - {at: 0, who: bug, do: {avoid: cart, distance: 0.3}}
+"""
+
+
+def test_who_avoids_something_that_passes_goes_on_to_its_goal() -> None:
+    take = simulate(read_scene(PASSING))
+    bug = take.positions[:, NodeNames.of(take).find("bug")][:, [0, 2]]
+    going = next(record for record in take.orders if record.text == "go_to [2.5, 0]")
+    assert going.outcome == "done"
+    assert np.hypot(*(bug[-1] - [2.5, 0.0])) < 0.05
+    # It stepped aside on its way, which is no arrival.
+    assert bug[:, 1].max() > 0.5
+    per_row = take.header.steps // take.header.samples
+    assert np.hypot(*(bug[going.end // per_row] - [2.5, 0.0])) < 0.05

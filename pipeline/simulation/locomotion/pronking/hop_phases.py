@@ -310,7 +310,9 @@ def _begin_rise(hopper: Hopper, ground: Ground, state: HopState) -> None:
 
 
 def _begin_standing(state: HopState) -> None:
-    state.phase, state.phase_end = "standing", math.inf
+    queue = state.queue
+    waits = queue.keep_hopping and state.time < queue.hops_from
+    state.phase, state.phase_end = "standing", queue.hops_from if waits else math.inf
     state.v, state.a = np.zeros(3), np.zeros(3)
     state.attitude, state.control = (state.attitude[0], ZERO_VECTOR), NO_CONTROL
 
@@ -318,7 +320,7 @@ def _begin_standing(state: HopState) -> None:
 def wake_if_jumping(hopper: Hopper, state: HopState) -> None:
     """Start crouching if the creature stands and is to jump again."""
     if state.phase == "standing" and has_next_jump(hopper, state):
-        state.phase_end = min(state.phase_end, max(state.time, hopper.config.start))
+        state.phase_end = state.time
 
 
 def begin_fall(state: HopState, feet: Array) -> None:

@@ -298,6 +298,7 @@ class JumpQueue:
     Attributes:
         jump: the configured jump.
         keep_hopping: whether it makes configured jumps when it has no order.
+        hops_from: time from which it makes configured jumps; orders are carried out before [s].
         orders: scripted orders, the current one first.
         planned: the jump of the current order that is being made; None for a configured one.
         jumps_made: number of configured jumps made.
@@ -306,6 +307,7 @@ class JumpQueue:
 
     jump: Jump
     keep_hopping: bool = True
+    hops_from: float = 0.0
     orders: list[JumpOrder] = field(default_factory=list)
     planned: PlannedJump | None = None
     jumps_made: int = 0

@@ -271,9 +271,10 @@ def scripted_jump(hopper: Hopper, config: JumpSettings, where: str) -> Jump:
 
 
 def _resume_hopping(simulation: HopSimulation, order: Do, members: Members) -> None:
-    """Make configured jumps again."""
+    """Make configured jumps from now on."""
     del order, members
-    simulation.state.queue.keep_hopping = True
+    queue = simulation.state.queue
+    queue.keep_hopping, queue.hops_from = True, 0.0
 
 
 def _stop(simulation: HopSimulation, order: Do, members: Members) -> None:

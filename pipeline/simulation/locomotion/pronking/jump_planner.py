@@ -56,6 +56,9 @@ TURN_ANGLES = tuple(math.radians(a) for a in (0, 12, -12, 30, -30, 55, -55))
 TIME_TOLERANCE = 1e-13
 """Precision of event times [s]."""
 
+TIME_ROUNDING = 1e-9
+"""By which the end of a phase may miss its time [s]."""
+
 MAX_ITERATIONS = 60
 
 
@@ -130,9 +133,9 @@ def has_next_jump(hopper: Hopper, state: HopState) -> bool:
 
 
 def _has_own_jump(hopper: Hopper, state: HopState, jumps_made: int) -> bool:
-    """Return whether the configuration asks for another jump after `jumps_made` configured ones."""
+    """Return whether the configuration asks by now for a jump after `jumps_made` of its own."""
     config = hopper.config
-    if not state.queue.keep_hopping:
+    if not state.queue.keep_hopping or state.time < state.queue.hops_from - TIME_ROUNDING:
         return False
     if config.land_at:
         return jumps_made < len(config.land_at)

@@ -63,6 +63,7 @@ def _standing_on_ground(hopper: Hopper, ground: Ground) -> HopState:
     # On rough ground some legs may reach nothing: they hang.
     hangs = hopper.rest_feet - [0.0, min(hopper.standing_height, 0.8 * hopper.leg_length), 0.0]
     state.phase, state.phase_end = "standing", hopper.config.start
+    state.queue.hops_from = hopper.config.start
     state.p, state.tips = origin + R @ hopper.mass.centre, feet
     state.down, state.swing = ~hopper.leg_reach.misses((feet - origin) @ R), SwingPath.still(hangs)
     state.floor_height = floor_height(hopper, state)

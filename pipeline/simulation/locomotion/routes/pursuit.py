@@ -85,6 +85,7 @@ class Pursuit:
         nearest: least distance to the target so far [m]; of one that flees, the greatest, negative.
         since: time at which that was reached [s].
         speed: fraction of the pace's speed before it hurried; None if it does not.
+        is_evasion: whether it is no order, but a step away from what is avoided.
     """
 
     order: GoTo | Follow | Chase | Flee
@@ -93,6 +94,7 @@ class Pursuit:
     nearest: float = math.inf
     since: float = 0.0
     speed: float | None = None
+    is_evasion: bool = False
 
     @property
     def target(self) -> Target:
@@ -172,8 +174,11 @@ class Pursuits:
 
     # --- one creature -------------------------------------------------------------------
 
-    def _begin(self, c: int, order: GoTo | Follow | Chase | Flee) -> None:
-        pursuit = self._active[c] = Pursuit(order, since=self.progress.time)
+    def _begin(
+        self, c: int, order: GoTo | Follow | Chase | Flee, *, is_evasion: bool = False
+    ) -> None:
+        since = self.progress.time
+        pursuit = self._active[c] = Pursuit(order, since=since, is_evasion=is_evasion)
         if isinstance(order, Chase | Flee):
             # Those who chase or flee go as fast as their legs can.
             pursuit.speed = float(self.progress.requested_fraction[c])
@@ -263,7 +268,8 @@ class Pursuits:
         if distance - self._reach(c) >= enough:
             self._end(c)
             apply_order(self.progress, c, "stop")
-            self.arrived.append(c)
+            if not pursuit.is_evasion:
+                self.arrived.append(c)
             return
         if not self._gets_nearer(pursuit, stride, -distance):
             self._give_up(c, pursuit, f"cannot get farther than {distance:.2g} m")
@@ -288,12 +294,25 @@ class Pursuits:
             if flight is not None:
                 self._interrupted[c] = flight.order
                 self._end(c)
+            elif (goal := self._goal(c)) is not None:
+                self._interrupted[c] = GoTo(go_to=goal)
             escape = Flee(flee=order.avoid, distance=LIMITS.reserve * order.distance)
-            self._begin(c, escape)
+            self._begin(c, escape, is_evasion=True)
         elif c in self._interrupted:
             again = self._interrupted.pop(c)
+            if isinstance(again, GoTo) and not isinstance(again.go_to, str):
+                apply_order(self.progress, c, again)
+                return
             assert isinstance(again, PURSUITS)
             self._begin(c, again)
+
+    def _goal(self, c: int) -> tuple[float, float] | None:
+        """Return the end (x, z) of the route that a creature is on [m]; None without one."""
+        route = self.progress.trajectory.routes[c]
+        if self.progress.arrived[c] or not route.stops:
+            return None
+        x, z = route.xz[-1].tolist()
+        return x, z
 
     def _plan(self, c: int, pursuit: Pursuit, target: Array, goal: Array) -> None:
         """Plan the route to a goal (2,) again if the target (2,) moved, or the route is over."""

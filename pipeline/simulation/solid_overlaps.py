@@ -1,0 +1,155 @@
+"""Solid overlaps: how deep the convex solids of performers are in one another.
+
+A part that is not convex, such as a ring or a room, is left out, since what stands in its hull may
+well be outside of it.
+
+Source: Ericson 2005, 3.11 (Minkowski differences).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from pipeline.simulation.members import Members
+from pipeline.simulation.obstacles import directions, outermost
+from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.take import Mesh
+from pipeline.spec.cast import Member
+
+TOLERANCE = 0.02
+"""Depth that counts as touching [m]."""
+
+THIN = 0.2
+"""Depth that counts as touching, in the smallest extent of the thinner solid."""
+
+BULGE = 0.05
+"""Height of a convex part above the planes of its faces, in its extent."""
+
+
+class PlacedSolid(NamedTuple):
+    """A convex solid in the world.
+
+    Attributes:
+        part: name of the part.
+        node: that it follows.
+        corners: (n, 3) [m].
+    """
+
+    part: str
+    node: int
+    corners: Array
+
+
+def solids_of(name: str, members: Members, recorder: Recorder) -> list[PlacedSolid]:
+    """Returns the solids of a performer; a skin has one for each node that it follows."""
+    row = members.row
+    solids = [PlacedSolid(s.name, s.node, corners) for s, corners in members.solids(name)]
+    for part in recorder.parts:
+        mesh = recorder.meshes[part.mesh]
+        if part.performer != name or _is_rigid(mesh):
+            continue
+        nearest = np.take_along_axis(mesh.nodes, mesh.weights.argmax(axis=1)[:, None], axis=1)
+        for node in np.unique(nearest).tolist():
+            rest = mesh.vertices[nearest[:, 0] == node].astype(float) - recorder.nodes[node].rest
+            R = matrix(recorder.quaternions[row, node])
+            corners = recorder.positions[row, node] + outermost(rest) @ R.T
+            solids.append(PlacedSolid(part.name, node, corners))
+    return solids
+
+
+def _is_rigid(mesh: Mesh) -> bool:
+    return bool((mesh.nodes == mesh.nodes[0, 0]).all())
+
+
+def assemblies(cast: Sequence[Member]) -> dict[str, str]:
+    """Returns, by name, one member of all those that parents and hands connect."""
+    root = {member.name: member.name for member in cast}
+
+    def find(name: str) -> str:
+        while root[name] != name:
+            name = root[name]
+        return name
+
+    for member in cast:
+        holders = [hold.by for hold in getattr(member, "held", ())]
+        for holder in [*holders, *([member.parent] if member.parent else [])]:
+            root[find(member.name)] = find(holder.partition(".")[0])
+    return {name: find(name) for name in root}
+
+
+def bent_parts(recorder: Recorder) -> Callable[[str], bool]:
+    """Returns a function that tells whether a part, by its name, is not convex."""
+    meshes = {part.name: recorder.meshes[part.mesh] for part in recorder.parts}
+    return cache(lambda name: name in meshes and _is_bent(meshes[name]))
+
+
+def deepest_overlap(
+    one: Sequence[PlacedSolid], other: Sequence[PlacedSolid], is_bent: Callable[[str], bool]
+) -> float:
+    """Returns the largest depth of the solids of two performers, 0 if they only touch [m]."""
+    own, others = (boxes_of([solid.corners for solid in solids]) for solids in (one, other))
+    return _deepest(((one[i], other[j]) for i, j in overlapping(own, others)), is_bent)
+
+
+def boxes_of(points: Sequence[Array]) -> Array:
+    """Returns the lowest and highest corners (n, 2, 3) of sets of points [m]."""
+    return np.array([(p.min(axis=0), p.max(axis=0)) for p in points]).reshape(-1, 2, 3)
+
+
+def overlapping(one: Array, other: Array) -> list[tuple[int, int]]:
+    """Returns the pairs of boxes (n, 2, 3) and (m, 2, 3) that overlap."""
+    apart = np.maximum(one[:, None, 0] - other[None, :, 1], other[None, :, 0] - one[:, None, 1])
+    return [(int(i), int(j)) for i, j in np.argwhere(apart.max(axis=-1, initial=-np.inf) < 0.0)]
+
+
+def _deepest(
+    pairs: Iterable[tuple[PlacedSolid, PlacedSolid]], is_bent: Callable[[str], bool]
+) -> float:
+    """Returns the largest depth of pairs of solids, 0 if they only touch [m]."""
+    bounds = [(depth_bound(a.corners, b.corners), a, b) for a, b in pairs]
+    deepest = 0.0
+    for bound, (one, _, a), (other, _, b) in sorted(bounds, key=lambda pair: -pair[0]):
+        if bound <= deepest:
+            break
+        thinnest = min(float(np.ptp(points, axis=0).min()) for points in (a, b))
+        least = max(min(TOLERANCE, THIN * thinnest), deepest)
+        if bound > least and not is_bent(one) and not is_bent(other):
+            depth = convex_depth(a, b)
+            deepest = depth if depth > least else deepest
+    return deepest
+
+
+def depth_bound(a: Array, b: Array) -> float:
+    """Returns an upper bound on the depth of two convex hulls: along a few directions [m]."""
+    ways = directions().T
+    reach = (a @ ways).max(axis=0) - (b @ ways).min(axis=0)
+    return float(reach.min())
+
+
+def convex_depth(a: Array, b: Array) -> float:
+    """Returns the least motion that parts the hulls of points (n, 3) and (m, 3) [m].
+
+    That is the distance of the origin from the surface of their Minkowski difference.
+    """
+    differences = (a[:, None] - b[None]).reshape(-1, 3)
+    # Joggled, so that points in one plane are no error.
+    return max(0.0, float(-ConvexHull(differences, qhull_options="QJ").equations[:, 3].max()))
+
+
+def _is_bent(mesh: Mesh) -> bool:
+    """Returns whether a rigid part lies on both sides of one of its faces."""
+    if not _is_rigid(mesh):
+        return False
+    a, b, c = mesh.vertices.astype(float)[mesh.faces.astype(np.int64)].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    normals = normals[lengths > 0.0] / lengths[lengths > 0.0, None]
+    corners = outermost(mesh.vertices.astype(float))
+    above = normals @ corners.T - (normals * a[lengths > 0.0]).sum(axis=1)[:, None]
+    return bool(above.max() > BULGE * np.ptp(corners, axis=0).max())

@@ -82,7 +82,7 @@ def test_flat_points_have_no_hull() -> None:
 
 def test_points_within_rounding_of_one_another_have_a_hull_or_are_refused() -> None:
     """Of points of very different distances rounding may leave triangles open."""
-    closed, refused = 0, list[str]()
+    closed = 0
     for seed in range(60):
         rng = np.random.default_rng(seed)
         points = rng.normal(size=(12, 3))
@@ -90,13 +90,12 @@ def test_points_within_rounding_of_one_another_have_a_hull_or_are_refused() -> N
         points = np.concatenate([points * [1.0, 1.0, 1e-9], near])
         try:
             hull = hull_of(points)
-        except MassError as error:
-            refused.append(str(error))
+        except MassError:
             continue
         assert trimesh.Trimesh(hull.vertices, hull.faces, process=False).is_watertight
         closed += 1
-    assert closed
-    assert all("plane" in message for message in refused)
+    # To refuse all of them would be no answer.
+    assert closed > 30
 
 
 @pytest.mark.parametrize("shape", ["cube", "tetrahedron", "dodecahedron", "pyramid"])

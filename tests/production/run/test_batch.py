@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pipeline.production.reports import stills
-from pipeline.production.run import batch, production
+from pipeline.production.run import production
 from pipeline.production.run.batch import run_batch
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs
@@ -208,8 +208,7 @@ def test_an_interrupt_ends_all_and_the_table_tells_what_is_done(
     assert last == "stopped; the same command goes on where it was"
 
 
-def test_an_interrupt_behind_another_error_ends_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch, "find_scene", Path)
+def test_an_interrupt_behind_another_error_ends_all() -> None:
     worked: list[str] = []
 
     def work(name: str, reporter: Reporter) -> None:
@@ -217,7 +216,7 @@ def test_an_interrupt_behind_another_error_ends_all(monkeypatch: pytest.MonkeyPa
         raise ValueError("torn") from KeyboardInterrupt()
 
     with pytest.raises(ValueError, match="torn"):
-        run_batch(["one", "two"], work, Reporter(), lambda *_: None)
+        run_batch(["one", "two"], work, Reporter(), lambda *_: None, find=Path)
     assert worked == ["one"]
 
 

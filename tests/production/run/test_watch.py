@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pipeline.errors import PronkError
@@ -15,6 +16,7 @@ from pipeline.production.run.order import Order
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.watch import Stamps, changes_of, files_of, stamps, watch
 from pipeline.spec import library, load_scene
+from tests.audio.soundfont_writer import sf2
 
 SCENE = "pronk: 1\nframes: 4\ncast: [{figure: beetle, walk: {}}]\n"
 
@@ -66,7 +68,7 @@ def test_files_of_a_scene_are_watched(tmp_path: Path) -> None:
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     (tmp_path / "thing.obj").write_text(corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     (tmp_path / "heights.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 2 3\n")
-    (tmp_path / "my.sf2").write_bytes(b"RIFF")
+    (tmp_path / "my.sf2").write_bytes(sf2(np.sin(np.arange(400))))
     figure = (library() / "figures" / "tripod.yaml").read_text("utf-8")
     for folder, name in (("drawings", "g3"), ("figures", "g4"), (".", "g5")):
         (tmp_path / folder).mkdir(exist_ok=True)

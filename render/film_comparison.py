@@ -70,7 +70,8 @@ def picture_differences(
     """
     try:
         return list(_picture_differences(path, frames, fps, CODECS[codec]))
-    except (OSError, ValueError, IndexError, av.FFmpegError) as error:
+    except Exception as error:
+        # A damaged file can raise anything.
         return [f"cannot be decoded ({error})"]
 
 
@@ -86,7 +87,8 @@ def sound_differences(
     """
     try:
         return list(_sound_differences(path, sound, sound_from))
-    except (OSError, ValueError, IndexError, av.FFmpegError) as error:
+    except Exception as error:
+        # A damaged file can raise anything.
         return [f"its sound cannot be decoded ({error})"]
 
 

@@ -52,8 +52,12 @@ class FrameFileError(RenderError):
     """
 
     def __init__(self, path: Path, reason: str) -> None:
+        # Both are arguments, so that it can be pickled.
+        super().__init__(path, reason)
         self.path = path
-        super().__init__(f"{path} {reason}")
+
+    def __str__(self) -> str:
+        return "{} {}".format(*self.args)
 
 
 class EncodeError(RenderError):

@@ -70,7 +70,8 @@ def picture_differences(
     """
     try:
         return list(_picture_differences(path, frames, fps, CODECS[codec]))
-    except (OSError, ValueError, IndexError, av.FFmpegError) as error:
+    except Exception as error:
+        # A damaged file can raise anything.
         return [f"cannot be decoded ({error})"]
 
 
@@ -86,7 +87,8 @@ def sound_differences(
     """
     try:
         return list(_sound_differences(path, sound, sound_from))
-    except (OSError, ValueError, IndexError, av.FFmpegError) as error:
+    except Exception as error:
+        # A damaged file can raise anything.
         return [f"its sound cannot be decoded ({error})"]
 
 
@@ -98,7 +100,7 @@ def _picture_differences(
 ) -> Iterator[str]:
     compared = _Comparison(fps, codec, CONTAINERS[path.suffix].tick)
     with av.open(str(path)) as container:
-        stream = container.streams.video[0]
+        stream = _decodable(container.streams.video)
         # Broken pictures would be patched up in silence.
         stream.codec_context.options = {"err_detect": "explode"}
         pairs = itertools.zip_longest(container.decode(stream), frames, fillvalue=_Nothing.ENDED)
@@ -108,6 +110,17 @@ def _picture_differences(
                 known = None if frame is _Nothing.ENDED else frame
                 compared.add(number, picture, known)
     yield from compared.texts()
+
+
+def _decodable(streams: Any) -> Any:
+    """Return the first of the streams.
+
+    Raises:
+        ValueError: there is none, or none that can be decoded.
+    """
+    if not streams or streams[0].codec_context is None:
+        raise ValueError("it has no stream that can be")
+    return streams[0]
 
 
 @dataclass
@@ -210,6 +223,7 @@ def _sound_differences(path: Path, sound: Path | None, sound_from: Fraction) -> 
             elif sound is not None:
                 yield "has no sound"
             return
+        _decodable(tracks)
         length, lasts = _lengths(container)
         if abs(lasts - length) > Fraction(1, RATE):
             yield f"its sound lasts {float(lasts):.3f} s instead of {float(length):.3f} s"

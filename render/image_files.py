@@ -37,7 +37,10 @@ _LEVEL = 1
 
 _PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
-_UNREADABLE = (OSError, SyntaxError, ValueError, KeyError, RuntimeError)
+_UNREADABLE = (
+    *(OSError, SyntaxError, ValueError, KeyError, RuntimeError),
+    Image.DecompressionBombError,
+)
 """Exceptions of the libraries for a file that is missing or damaged."""
 
 Pixels = NDArray[np.uint8] | NDArray[np.float16]

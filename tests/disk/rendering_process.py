@@ -5,7 +5,8 @@
 
 `record` renders in a folder of a studio and logs all calls. `fail` renders again and again from the
 same state; each time another call fails, from the FIRST on, every STEP-th. It prints a JSON line
-for each: the call, exit code, errors, and what the outputs are afterwards.
+for each: the call, exit code, errors, and what the outputs are afterwards; the first time that they
+are so, also what the next run makes of them.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from pipeline import cli
 from pipeline.production.run.order import Order
@@ -50,9 +52,9 @@ def record(studio: Path, log: Path, sets: list[str]) -> None:
 
 
 def fail(studio: Path, code: int, first: int, step: int, sets: list[str]) -> None:
-    """Render from the same state with another call failing each time."""
+    """Render from the same state with another call failing each time, and once more after that."""
     _warm_up(studio, sets)
-    shim, number = Shim(), first
+    shim, number, seen = Shim(), first, list[dict[str, str]]()
     arguments = ["render", "tiny", *(word for text in sets for word in ("--set", text))]
     before = studio.parent / f"{studio.name}.before"
     shutil.copytree(studio / "out", before)
@@ -67,19 +69,18 @@ def fail(studio: Path, code: int, first: int, step: int, sets: list[str]) -> Non
         if not shim.failed:
             return
         state = contents(studio / "out")
-        # What a failed run leaves must not be in the way of the next one.
-        with _captured() as next_err:
-            next_end = _command(arguments)
-        line = {
+        line: dict[str, Any] = {
             "number": number,
             "call": shim.failed.replace(str(studio), ""),
             "code": end,
             "err": err.getvalue(),
             "state": state,
-            "next_code": next_end,
-            "next_err": next_err.getvalue(),
-            "next_state": contents(studio / "out"),
         }
+        if state not in seen:
+            seen.append(state)
+            with _captured() as next_err:
+                line["next_code"] = _command(arguments)
+            line |= {"next_err": next_err.getvalue(), "next_state": contents(studio / "out")}
         print(json.dumps(line), flush=True)  # noqa: T201 (the result)
         number += step
 

@@ -113,6 +113,16 @@ def test_damaged_data_are_told(tmp_path: Path, share: float) -> None:
     assert picture_differences(film, frames, FPS) != []
 
 
+def test_a_film_whose_index_is_damaged_is_told(tmp_path: Path) -> None:
+    film, sound = tmp_path / "a.mp4", wav_of(tmp_path / "s.wav", steps())
+    film_of(film, smooth(), sound)
+    whole = film.read_bytes()
+    for kind in (b"avc1", b"stsd", b"minf", b"stsz", b"stco", b"trak"):
+        film.write_bytes(whole.replace(kind, b"none"))
+        assert picture_differences(film, smooth(), FPS), kind
+        assert sound_differences(film, sound) or kind == b"avc1", kind
+
+
 def test_what_is_no_film_is_told(tmp_path: Path) -> None:
     (tmp_path / "a.mp4").write_bytes(b"no film")
     (text,) = picture_differences(tmp_path / "a.mp4", [], FPS)

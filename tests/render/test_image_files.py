@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,13 @@ def test_writing_leaves_no_temporary_files(tmp_path: Path) -> None:
     write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), "2")
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
     assert read_key(tmp_path / "a.png") == "2"
+
+
+def test_an_error_of_a_file_passes_between_processes(tmp_path: Path) -> None:
+    with pytest.raises(FrameFileError) as caught:
+        read_png(tmp_path / "none.png")
+    passed = pickle.loads(pickle.dumps(caught.value))
+    assert (str(passed), passed.path) == (str(caught.value), tmp_path / "none.png")
 
 
 def test_an_unwritable_path_is_reported(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-BEHIND_PLANE = 1e-7
+BEHIND_PLANE = 1e-10
 """Height above a plane that counts as zero, in radii."""
 
 

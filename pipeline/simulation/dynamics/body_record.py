@@ -174,7 +174,7 @@ def set_motion(body: Record, motion: Motion) -> None:
 SAME_CONTACT_DISTANCE = 1e-4
 """Distance of contacts that count as one, in sizes of the body."""
 
-SAME_NORMAL_TOLERANCE = 1e-6
+SAME_NORMAL_TOLERANCE = 1e-14
 """Largest 1 - n · n' of normals that count as one."""
 
 

@@ -9,7 +9,13 @@ in the contact velocities u = J V after the impulses, with V⁺ = V + M⁻¹ J�
 J M⁻¹ Jᵀ is what (12.18) divides by: 1/m + N · ((I⁻¹ (L × N)) × L). Block Gauss-Seidel solves it;
 a body has few contacts, so this is fast, and redundant contacts do no harm.
 
-Source: Sims 1987, 12.3; Jean 1999 (block Gauss-Seidel for contact with friction).
+Gauss-Seidel favours the contact that comes first: with friction the solution depends on the order,
+and a box that lands on an edge would leave its plane of symmetry. So contacts that are alike but
+for a reflection or rotation are solved together, each for its share of the mass (Jacobi with mass
+splitting), which is stable for any number of them.
+
+Source: Sims 1987, 12.3; Jean 1999 (block Gauss-Seidel for contact with friction); Tonge et al. 2012
+(mass splitting).
 """
 
 from __future__ import annotations
@@ -25,6 +31,7 @@ from pipeline.simulation.dynamics.vectors import (
     cross,
     dot,
     length,
+    minus,
     plus,
     put,
     row,
@@ -39,12 +46,19 @@ MAX_SWEEPS = 400
 CONVERGED = 1e-12
 """Change of a speed that ends the sweeps, relative to the largest speed error."""
 
+ALIKE_TOLERANCE = 1e-6
+"""Difference of speeds of contacts that are alike, in the largest speed error, and relative
+difference of their effective masses."""
+
 
 SOLVER_CONTACT = np.dtype(
     [
         # Number of the contact, and whether it is active.
         ("which", "i8"),
         ("acts", "?"),
+        # First of the contacts that are alike; there their number, zero at the others.
+        ("leader", "i8"),
+        ("alike", "i8"),
         # Normal and two tangents d; L × d [m]; angular velocity by unit impulses,
         # I⁻¹ (L × d) [1/(kg m)].
         ("axes", "f8", (3, 3)),
@@ -57,6 +71,8 @@ SOLVER_CONTACT = np.dtype(
         ("gentle", "f8"),
         # Tangential speeds by a unit normal impulse [1/kg].
         ("beside", "f8", 2),
+        # Normal speed before the impulses, above the lower bound [m/s].
+        ("error", "f8"),
         # Lower bound of the normal speed, and tangential speeds that friction aims at [m/s];
         # impulses along the axes [N s].
         ("target", "f8", 3),
@@ -136,19 +152,33 @@ def solve_contacts(
     for k in range(n):
         if scale == 0.0 or not parts[k].acts:
             parts[k].impulse[0] = parts[k].impulse[1] = parts[k].impulse[2] = 0.0
-        else:
-            v, w = _apply_impulse(parts[k], v, w, per_mass, triple(parts[k].impulse))
     if scale == 0.0:
         return v, w
+    _group_alike(parts, n, ALIKE_TOLERANCE * scale)
+    for k in range(n):
+        if parts[k].acts:
+            v, w = _apply_impulse(parts[k], v, w, per_mass, triple(parts[k].impulse))
     for _ in range(rounds):
-        changed = 0.0
-        for k in range(n):
-            if parts[k].acts:
-                v, w, change = _project_contact(parts[k], v, w, per_mass, friction)
-                changed = max(changed, change)
+        v, w, changed = _sweep(parts, n, v, w, per_mass, friction)
         if changed <= still * scale:
             break
     return v, w
+
+
+@compiled
+def _sweep(
+    parts: Records, n: int, v: Vector, w: Vector, per_mass: float, friction: float
+) -> tuple[Vector, Vector, float]:
+    """Solves each contact, or group of them, once; returns v, w and the largest change [m/s]."""
+    changed = 0.0
+    for k in range(n):
+        if parts[k].alike > 1:
+            v, w, change = _project_alike(parts, n, k, v, w, per_mass, friction)
+            changed = max(changed, change)
+        elif parts[k].alike == 1 and parts[k].acts:
+            v, w, change = _project_contact(parts[k], v, w, per_mass, friction, 1.0)
+            changed = max(changed, change)
+    return v, w, changed
 
 
 @compiled
@@ -156,31 +186,77 @@ def _largest_error(parts: Records, n: int, v: Vector, w: Vector) -> float:
     """Returns the largest difference between a contact speed and its target [m/s]."""
     scale = 0.0
     for k in range(n):
-        if parts[k].acts:
-            for i in range(3):
-                scale = max(scale, abs(contact_speed(parts[k], i, v, w) - parts[k].target[i]))
+        part = parts[k]
+        part.error = contact_speed(part, 0, v, w) - part.target[0]
+        if part.acts:
+            scale = max(scale, abs(part.error))
+            for i in range(1, 3):
+                scale = max(scale, abs(contact_speed(part, i, v, w) - part.target[i]))
     return scale
 
 
 @compiled
-def _project_contact(
-    part: Record, v: Vector, w: Vector, per_mass: float, friction: float
+def _group_alike(parts: Records, n: int, near: float) -> None:
+    """Groups the contacts with equal effective masses and equal speeds, up to `near` [m/s].
+
+    Contacts that are mirror images of one another agree in both. Others that do so by chance are
+    solved together as well, and converge to the same solution.
+    """
+    for k in range(n):
+        part = parts[k]
+        part.leader, part.alike = k, 1
+        for j in range(k):
+            first = parts[j]
+            if (
+                first.leader == j
+                and abs(first.error - part.error) <= near
+                and abs(first.normal - part.normal) <= ALIKE_TOLERANCE * part.normal
+            ):
+                part.leader, part.alike = j, 0
+                first.alike += 1
+                break
+
+
+@compiled
+def _project_alike(
+    parts: Records, n: int, leader: int, v: Vector, w: Vector, per_mass: float, friction: float
 ) -> tuple[Vector, Vector, float]:
-    """Solves one contact alone; returns v, w and the change of its speed [m/s]."""
+    """Solves a group of contacts from the same velocities, each for its share of the mass.
+
+    Returns:
+        v, w, and the largest change of a speed if it were for the whole mass [m/s].
+    """
+    count, after_v, after_w, changed = parts[leader].alike, v, w, 0.0
+    for k in range(leader, n):
+        part = parts[k]
+        if part.leader == leader and part.acts:
+            own_v, own_w, change = _project_contact(part, v, w, per_mass, friction, 1.0 / count)
+            after_v, after_w = plus(after_v, minus(own_v, v)), plus(after_w, minus(own_w, w))
+            changed = max(changed, change)
+    return after_v, after_w, count * changed
+
+
+@compiled
+def _project_contact(
+    part: Record, v: Vector, w: Vector, per_mass: float, friction: float, share: float
+) -> tuple[Vector, Vector, float]:
+    """Solves one contact alone, for a share of the mass; returns v, w and its change [m/s]."""
     before, target = triple(part.impulse), triple(part.target)
-    first = max(before[0] - (contact_speed(part, 0, v, w) - target[0]) * part.normal, 0.0)
+    error = contact_speed(part, 0, v, w) - target[0]
+    first = max(before[0] - error * (share * part.normal), 0.0)
     second = third = 0.0
     limit = friction * first
     if limit > 0.0:
-        push = first - before[0]
+        push = (first - before[0]) / share
         x = contact_speed(part, 1, v, w) - target[1] + part.beside[0] * push
         y = contact_speed(part, 2, v, w) - target[2] + part.beside[1] * push
-        a, b, c = triple(part.across)
+        a, b, c = times(share, triple(part.across))
         second, third = before[1] - (a * x + b * y), before[2] - (b * x + c * y)
         if second * second + third * third > limit * limit:
             # Sliding friction opposes the sliding: only a step of equal length along every axis
             # converges to that direction.
-            second, third = before[1] - part.gentle * x, before[2] - part.gentle * y
+            gentle = share * part.gentle
+            second, third = before[1] - gentle * x, before[2] - gentle * y
             hold = math.sqrt(second * second + third * third)
             if hold > limit:
                 second, third = second * (limit / hold), third * (limit / hold)

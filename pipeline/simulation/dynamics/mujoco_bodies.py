@@ -14,6 +14,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_arrays import THING
 from pipeline.simulation.dynamics.mujoco_model import (
     add_ground,
+    is_level,
     log_warnings,
     memory_for,
 )
@@ -69,6 +70,15 @@ BODY_BIT, FIXED_BIT = 1, 2
 """Collision bits: bodies meet one another and what does not give way."""
 
 
+def ground_is_box(colliders: Sequence[Collider], field: HeightField) -> bool:
+    """Returns whether a terrain is a box for MuJoCo: a level one that no mesh meets.
+
+    MuJoCo finds one contact of a mesh with a box, somewhere on the facet that lands flat, so the
+    mesh is turned by chance. On a height field it has all of `terrain_contacts`.
+    """
+    return is_level(field) and all(c.build.hull is None or c.half is not None for c in colliders)
+
+
 def build_model(
     colliders: Sequence[Collider], field: HeightField, pushers: Sequence[Array]
 ) -> tuple[Any, Any, Any]:
@@ -79,7 +89,7 @@ def build_model(
     spec = mujoco.MjSpec()
     _set_options(spec, mujoco)
     matter = {"contype": FIXED_BIT, "conaffinity": 0, **_contact_options(0.0, 0.0)}
-    add_ground(spec, mujoco, field, matter)
+    add_ground(spec, mujoco, field, matter, ground_is_box(colliders, field))
     for i, collider in enumerate(colliders):
         _add_body(spec, mujoco, f"body {i}", collider)
     heaviest = max(c.build.mass.mass for c in colliders)

@@ -66,7 +66,9 @@ def use_upward_collision(option: Any, mujoco: Any) -> None:
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
 
 
-def add_ground(spec: Any, mujoco: Any, field: HeightField, matter: Mapping[str, Any]) -> None:
+def add_ground(
+    spec: Any, mujoco: Any, field: HeightField, matter: Mapping[str, Any], boxed: bool
+) -> None:
     """Adds the terrain to a model.
 
     Args:
@@ -74,11 +76,12 @@ def add_ground(spec: Any, mujoco: Any, field: HeightField, matter: Mapping[str, 
         mujoco: the module.
         field: the terrain.
         matter: common options of its geoms.
+        boxed: whether it is a box, which only a level terrain can be; otherwise a height field.
     """
     c, s = math.cos(0.5 * field.heading), math.sin(0.5 * field.heading)
     turned = np.array([c, 0.0, s, 0.0])
     low = float(field.heights.min())
-    if is_level(field):
+    if boxed:
         x, z = field.size[0] / 2.0, field.size[1] / 2.0
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,

@@ -30,11 +30,13 @@ from pipeline.simulation.dynamics.contact_sliding import (
 )
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
-from pipeline.simulation.dynamics.mujoco_bodies import Collider, build_model, impact_things
-from pipeline.simulation.dynamics.mujoco_callback import ImpactCallback
-from pipeline.simulation.dynamics.mujoco_model import (
-    is_level,
+from pipeline.simulation.dynamics.mujoco_bodies import (
+    Collider,
+    build_model,
+    ground_is_box,
+    impact_things,
 )
+from pipeline.simulation.dynamics.mujoco_callback import ImpactCallback
 from pipeline.simulation.dynamics.mujoco_terrain import TerrainCollision
 from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.dynamics.substeps import Substeps
@@ -116,7 +118,11 @@ class MujocoWorld:
         self.substeps = Substeps(builds, pushers, field, step, *moving)
         things, own = impact_things(builds, len(pushers)), (self.model, self.data, self._mujoco)
         self.law = ImpactCallback(things, self.count, *own)
-        self._terrain = None if is_level(field) else TerrainCollision(builds, state, field, *own)
+        self._terrain = (
+            None
+            if ground_is_box(colliders, field)
+            else TerrainCollision(builds, state, field, *own)
+        )
         self.masks = CollisionMasks(self.model, self.data, self._mujoco, self.count)
         self.ballistic = np.zeros(self.count, dtype=bool)
         self._any_gone = False

@@ -184,7 +184,8 @@ def build_model(
     matter = {"friction": [FRICTION, 0.0, 0.0], "condim": 3, "solref": hard}
     matter["solimp"] = [0.95, 0.99, 0.001 * size, 0.5, 2.0]
     # Bones are round: fifty contacts support one, and tiles would cost hundreds of geoms.
-    add_ground(spec, mujoco, field, {"contype": GROUND_BIT, "conaffinity": 0, **matter})
+    ground = {"contype": GROUND_BIT, "conaffinity": 0, **matter}
+    add_ground(spec, mujoco, field, ground, is_level(field))
     # Options of bones have priority over those of the ground.
     matter |= {"contype": 0, "conaffinity": GROUND_BIT, "priority": 1}
     made, first = list[Any](), 0

@@ -50,6 +50,9 @@ MAX_FORCE_SWEEPS = 60
 WARM_START_DISTANCE = 0.03
 """Distance of contacts that count as the same one sub-step later, in sizes of the body."""
 
+SAME_PLACE = 1e-6
+"""Difference of distances that count as equal, in sizes of the body."""
+
 DEPTH_CORRECTION = 0.1
 """Fraction of a larger depth that is corrected in a sub-step."""
 
@@ -143,15 +146,20 @@ def _set_target(part: Record, body: Record, v: Vector, w: Vector, h: float) -> N
 
 @compiled
 def _warm_start(part: Record, body: Record, h: float) -> None:
-    """Sets the impulse of the contact at the same place one sub-step before."""
-    nearest, same = -1, (WARM_START_DISTANCE * body.size) * (WARM_START_DISTANCE * body.size)
+    """Sets the impulse of the contact at the same place one sub-step before.
+
+    Contacts at one place, such as that of an edge with two planes, share their forces.
+    """
+    lever, least = row(body.lever, part.which), WARM_START_DISTANCE * body.size
     for old in range(body.held):
-        apart = minus(row(body.force_lever, old), row(body.lever, part.which))
-        if dot(apart, apart) <= same:
-            nearest, same = old, dot(apart, apart)
-    if nearest < 0:
+        least = min(least, length(minus(row(body.force_lever, old), lever)))
+    force, count = (0.0, 0.0, 0.0), 0
+    for old in range(body.held):
+        if length(minus(row(body.force_lever, old), lever)) <= least + SAME_PLACE * body.size:
+            force, count = plus(force, row(body.force, old)), count + 1
+    if count == 0:
         return
-    first, second, third = turned(rows_of(part.axes), times(h, row(body.force, nearest)))
+    first, second, third = turned(rows_of(part.axes), times(h / count, force))
     first = max(first, 0.0)
     limit, hold = body.friction * first, math.sqrt(second * second + third * third)
     within = limit / hold if hold > limit else 1.0

@@ -16,6 +16,8 @@ Source: Ericson 2005, 5.1.5 (closest point on a triangle).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from pipeline.simulation.dynamics.body_record import (
@@ -34,6 +36,7 @@ from pipeline.simulation.dynamics.terrain_grid import (
     cell_span,
     cells_around,
     highest_around,
+    is_near_crease,
     is_over_grid,
     surface_at,
     to_grid_frame,
@@ -57,7 +60,7 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-BEHIND_PLANE = 1e-7
+BEHIND_PLANE = 1e-10
 """Height above a plane that counts as zero, in radii."""
 
 
@@ -150,8 +153,11 @@ HOLLOW_TOLERANCE = 2e-4
 """Excess distance of further triangles that touch the same vertex in a hollow, in sizes
 of the body."""
 
+CREASE_DISTANCE = 1e-6
+"""Distance from a crease at which a vertex is over both of its sides, in cells."""
+
 SAME_DISTANCE = 1e-6
-"""Relative difference of distances to one edge."""
+"""Difference of distances to two triangles that count as equally near, in sizes of the body."""
 
 
 @compiled
@@ -174,6 +180,40 @@ def add_vertex_contacts(grid: Grid, body: Record, p: Vector, world: Array, slack
                 _add_sunk_vertex(grid, body, p, at, -above)
             elif above * normal[1] <= slack:
                 insert_contact(body, above * normal[1], normal, minus(at, p))
+                if is_near_crease(grid.frame, at[0], at[2], CREASE_DISTANCE):
+                    _add_planes_beside(grid, body, p, at)
+
+
+@compiled
+def _add_planes_beside(grid: Grid, body: Record, p: Vector, at: Vector) -> None:
+    """Adds the planes of all triangles that a vertex is over, to within `CREASE_DISTANCE`.
+
+    At a crease rounding must not decide to which side the vertex is pushed.
+    """
+    frame = grid.frame
+    reach = CREASE_DISTANCE * max(frame.size_x / frame.n_x, frame.size_z / frame.n_z)
+    i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
+    for line in range(j, j_last + 1):
+        for column in range(i, i_last + 1):
+            for k in range(triangles_per_cell(frame)):
+                a, b, c = triangle(grid, line, column, k)
+                if _is_over_triangle(at, (a, b, c), reach):
+                    up = cross(minus(b, a), minus(c, a))
+                    normal = times(1.0 / length(up), up)
+                    insert_new_contact(body, dot(normal, minus(at, a)), normal, minus(at, p))
+
+
+@compiled
+def _is_over_triangle(at: Vector, corners: Triangle, reach: float) -> bool:
+    """Returns whether a place is straight above or below a triangle, or `reach` [m] beside it."""
+    a, b, c = corners
+    for start, end in ((a, b), (b, c), (c, a)):
+        x, z = end[0] - start[0], end[2] - start[2]
+        # Counter-clockwise from above is from Z to X.
+        inside = z * (at[0] - start[0]) - x * (at[2] - start[2])
+        if inside < -reach * math.sqrt(x * x + z * z):
+            return False
+    return True
 
 
 @compiled
@@ -202,7 +242,7 @@ def _add_sunk_vertex(grid: Grid, body: Record, p: Vector, at: Vector, depth: flo
                 normal = times(1.0 / length(up), up)
                 gap = dot(normal, minus(at, a))
                 # In a hollow a vertex is in front of one plane and below another.
-                if gap >= 0.0 or away <= least * (1.0 + SAME_DISTANCE):
+                if gap >= 0.0 or away <= least + SAME_DISTANCE * body.size:
                     insert_new_contact(body, gap, normal, minus(at, p))
 
 

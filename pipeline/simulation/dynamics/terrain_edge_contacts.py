@@ -49,11 +49,17 @@ LEVEL_NORMAL = 1e-9
 PARALLEL_EDGES = 1e-6
 """Sine of the angle between edges that count as parallel."""
 
+EDGE_END = 1e-6
+"""Distance beyond the end of an edge that still belongs to it, in lengths of the edge."""
+
 EDGE_IN_PLANE = 1e-3
 """Sine of the angle to a plane at which an edge counts as lying in it."""
 
 DEEP_OVERLAP = 1e-3
 """Depth beyond which a contact must be the direction of least overlap, in sizes of the body."""
+
+EQUAL_DISTANCE = 1e-5
+"""Difference of distances that count as equal, in sizes of the body."""
 
 UPWARD_FACET = 1e-3
 """Vertical component of the normal above which nothing below can touch a facet."""
@@ -141,13 +147,15 @@ def _add_vertex_on_facet(
     """Adds a vertex of the ground near a facet, with its distance from the facet as the gap.
 
     The ground has no overhangs, so its vertices enter through downward facets, also where the body
-    has got below a vertex from the side.
+    has got below a vertex from the side. At an edge of the body all facets count that are equally
+    near: their order must not decide to which side the vertex pushes.
     """
     lever = minus(peak, p)
     place = inverse_turned(R, lever)
-    most, which, beside = -np.inf, -1, -np.inf
+    most, beside = -np.inf, -np.inf
     # Where the vertical line through it enters and leaves the body.
     low, high = -np.inf, np.inf
+    near = EQUAL_DISTANCE * body.size
     first, count = body.facets
     for k in range(first, first + count):
         away, up = dot(row(facets, k), place) - facets[k, 3], dot(R[1], row(facets, k))
@@ -155,18 +163,21 @@ def _add_vertex_on_facet(
             if away > slack:
                 return
             low = max(low, -away / up)
-            if away > most:
-                most, which = away, k
+            most = max(most, away)
         else:
             beside = max(beside, away)
             if up > LEVEL_NORMAL:
                 high = min(high, -away / up)
-            elif away > 0.0:
+            elif away > near:
                 return
-    if most < -DEEP_OVERLAP * body.size and beside > most:
+    if most < -DEEP_OVERLAP * body.size and beside > most + near:
         return
-    if which >= 0 and low <= high:
-        insert_new_contact(body, most, times(-1.0, turned(R, row(facets, which))), lever)
+    if most == -np.inf or low > high + near:
+        return
+    for k in range(first, first + count):
+        away = dot(row(facets, k), place) - facets[k, 3]
+        if away >= most - near and dot(R[1], row(facets, k)) < -LEVEL_NORMAL:
+            insert_new_contact(body, away, times(-1.0, turned(R, row(facets, k))), lever)
 
 
 @compiled
@@ -191,33 +202,64 @@ def _add_crossings(
         t = between_x * z - between_z * x
         if width < 0.0:
             width, s, t = -width, -s, -t
-        if s >= 0.0 and t >= 0.0 and s <= width and t <= width and width > 0.0:
-            s, t = s / width, t / width
-            along = (x, edges[e, 4], z)
+        # Edges that meet at an end cross, whichever way that is rounded.
+        end = EDGE_END * width
+        if width > 0.0 and min(s, t) >= -end and max(s, t) <= width + end:
+            start, along = row(edges, e), (x, edges[e, 4], z)
             one, other = (
                 (edges[e, 6], edges[e, 7], edges[e, 8]),
                 (edges[e, 9], edges[e, 10], edges[e, 11]),
             )
             if _separates(along, row(sides, 0), row(sides, 1)) and _separates(ground, one, other):
-                place = plus(c, times(t, ground))
-                start = row(edges, e)
-                rise = start[1] + s * along[1] - place[1]
-                normal = cross(along, ground)
-                size = length(normal)
-                if size <= PARALLEL_EDGES * length(along) * length(ground):
-                    continue
-                normal = times(math.copysign(1.0 / size, normal[1]), normal)
-                gap = rise * normal[1]
-                if gap > slack:
-                    continue
-                if gap < -DEEP_OVERLAP * body.size:
-                    s, t = _nearest_of_lines(minus(c, start), along, ground)
-                    if min(s, t) < 0.0 or max(s, t) > 1.0:
-                        continue
-                    place = plus(c, times(t, ground))
-                    if gap < _lowest_over_planes(body, room.world, sides, place):
-                        continue
-                insert_new_contact(body, gap, normal, minus(place, p))
+                place = plus(c, times(t / width, ground))
+                rise = start[1] + s / width * along[1] - place[1]
+                _add_crossing(
+                    room.world, body, p, (start, along), (c, ground), sides, rise, place, slack
+                )
+
+
+@compiled
+def _add_crossing(
+    world: Array,
+    body: Record,
+    p: Vector,
+    edge: tuple[Vector, Vector],
+    ridge: tuple[Vector, Vector],
+    sides: Array,
+    rise: float,
+    place: Vector,
+    slack: float,
+) -> None:
+    """Adds the contact of two edges that cross, seen from above.
+
+    Args:
+        world: (V, 3) vertices of the body in the world [m].
+        body: the body.
+        p: its position [m].
+        edge: start and extent of its edge [m].
+        ridge: start and extent of that of the ground [m].
+        sides: (2, 3) normals of the ground beside it.
+        rise: height of the edge above the ridge where they cross [m].
+        place: this point of the ridge [m].
+        slack: largest gap of a contact [m].
+    """
+    (start, along), (c, ground) = edge, ridge
+    normal = cross(along, ground)
+    size = length(normal)
+    if size <= PARALLEL_EDGES * length(along) * length(ground):
+        return
+    normal = times(math.copysign(1.0 / size, normal[1]), normal)
+    gap = rise * normal[1]
+    if gap > slack or not _is_between(normal, row(sides, 0), row(sides, 1)):
+        return
+    if gap < -DEEP_OVERLAP * body.size:
+        s, t = _nearest_of_lines(minus(c, start), along, ground)
+        if min(s, t) < -EDGE_END or max(s, t) > 1.0 + EDGE_END:
+            return
+        place = plus(c, times(t, ground))
+        if gap < _lowest_over_planes(body, world, sides, place) - EQUAL_DISTANCE * body.size:
+            return
+    insert_new_contact(body, gap, normal, minus(place, p))
 
 
 @compiled
@@ -226,6 +268,16 @@ def _separates(way: Vector, one: Vector, other: Vector) -> bool:
     first, second = dot(way, one), dot(way, other)
     level = EDGE_IN_PLANE * length(way)
     return first * second <= 0.0 or min(abs(first), abs(second)) <= level
+
+
+@compiled
+def _is_between(normal: Vector, one: Vector, other: Vector) -> bool:
+    """Returns whether a normal of an edge lies between those of the planes beside it.
+
+    Edges that nearly lie in one vertical plane have a level normal, which separates nothing.
+    """
+    least = dot(one, other) - EDGE_IN_PLANE
+    return min(dot(normal, one), dot(normal, other)) >= least
 
 
 @compiled

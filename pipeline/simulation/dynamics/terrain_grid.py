@@ -211,6 +211,17 @@ def surface_at(frame: Record, vertices: Array, x: float, z: float) -> tuple[floa
 
 
 @compiled
+def is_near_crease(frame: Record, x: float, z: float, near: float) -> bool:
+    """Returns whether a position is within `near` of an edge between triangles, in cells."""
+    x, z = to_grid_frame(frame, x, z)
+    u, v = (x / frame.size_x + 0.5) * frame.n_x, (z / frame.size_z + 0.5) * frame.n_z
+    u, v = u - math.floor(u), v - math.floor(v)
+    if min(min(u, 1.0 - u), min(v, 1.0 - v)) <= near or abs(u - v) <= near:
+        return True
+    return bool(frame.quads and abs(u + v - 1.0) <= near)
+
+
+@compiled
 def _slope_normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
     """Returns the normal of a plane with the given rise along the sides of a cell."""
     along_x, along_z = rise_u * frame.n_x / frame.size_x, rise_v * frame.n_z / frame.size_z

@@ -171,7 +171,7 @@ def test_collision_geometry_of_the_ground_is_its_surface() -> None:
     for kind in (HeightField, QuadField):
         field = kind(rng.random((8, 12)), (5.0, 4.0), (1.0, -2.0), 0.7)
         spec = mujoco.MjSpec()
-        add_ground(spec, mujoco, field, {})
+        add_ground(spec, mujoco, field, {}, False)
         model = spec.compile()
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)

@@ -45,6 +45,9 @@ _LENS_TOLERANCE: Final = 1e-4
 _FOCUS_TOLERANCE: Final = 5e-3
 """Of the distance of the focus [m]."""
 
+_LENS: Final = 10
+"""Number of the radius of the lens in a pose; the focus follows."""
+
 _DIGITS: Final = 5
 _MAX_LISTED: Final = 6
 """Differences that are listed one by one."""
@@ -161,7 +164,7 @@ def cue_differences(golden: Cues, new: Cues, exact: bool, crossing: bool = False
 def _as_recorded(cues: Cues) -> Cues:
     """Return cues with no more than goldens of earlier versions hold."""
     notes = tuple(NoteOn(n.tick, n.track, n.channel, n.pitch, n.velocity) for n in cues.notes)
-    camera = {frame: pose[:10] for frame, pose in cues.camera.items()}
+    camera = {frame: pose[:_LENS] for frame, pose in cues.camera.items()}
     return replace(cues, camera=camera, notes=notes, look={}, shapes={})
 
 
@@ -184,6 +187,9 @@ def _camera_differences(
         return
     for frame, pose in then.items():
         apart = [abs(a - b) for a, b in zip(pose, now[frame], strict=True)]
+        if len(apart) > _LENS and not (pose[_LENS] and now[frame][_LENS]):
+            # A pinhole has no focus.
+            del apart[_LENS + 1 :]
         off = [k for k, amount in enumerate(apart) if amount > bounds[k]]
         if off:
             worst = max(off, key=lambda k: apart[k] / bounds[k])

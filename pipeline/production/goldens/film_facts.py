@@ -215,6 +215,5 @@ def _heard_differences(golden: FilmFacts, new: FilmFacts, frame: float) -> Itera
             yield f"{fate} heard at {times} s{more}"
     if golden.sound is None or new.sound is None:
         return
-    yield from sound_differences(golden.sound, new.sound, levels=not late)
-    if not late:
-        yield from onset_differences(golden.onsets, new.onsets, frame)
+    onsets = onset_differences(golden.onsets, new.onsets, frame)
+    yield from sound_differences(golden.sound, new.sound, onsets, bool(late))

@@ -99,13 +99,16 @@ class Candidate:
     @cached_property
     def film(self) -> FilmFacts:
         """Facts of the film, with slates instead of rendered frames."""
-        codec = CODECS[self.scene.film.resolved().suffix]
         with translated_errors(), tempfile.TemporaryDirectory(prefix="pronk-") as folder:
             wav = Path(folder, "sound.wav")
             self.write_sound(wav)
             path = Path(folder, f"film{self.scene.film.resolved().suffix}")
-            write_film(path, self._slates(codec.bits), self.scene.rate, wav)
+            self.write_film(path, wav)
             return facts_of_film(path, wav)
+
+    def write_film(self, path: Path, sound: Path) -> None:
+        """Write the film of slates with its sound."""
+        write_film(path, self._slates(CODECS[path.suffix].bits), self.scene.rate, sound)
 
     def write_sound(self, path: Path) -> None:
         """Write the sound of the film."""

@@ -24,16 +24,16 @@ from pipeline.production.goldens.sound_levels import (
     level_rows,
     levels_from,
     levels_of,
+    loudness_text,
     window_of,
 )
-from pipeline.production.goldens.sound_onsets import RATE, SILENCE, Onset, common_shift
-
-EXACT: Final = 0.5
-"""Of the instant of an onset [samples]. What the layer of motion lets pass moves it by less than
-0.1."""
+from pipeline.production.goldens.sound_onsets import EXACT, RATE, SILENCE, Onset, common_shift
 
 _MAX_LISTED: Final = 6
 """Onsets that are listed one by one."""
+
+_WHOLE: Final = "the sound is"
+"""Begin of what holds for all onsets."""
 
 _LATE_REACH: Final = RATE // 4
 """Largest delay of a film's track that is measured [samples]."""
@@ -125,7 +125,8 @@ def _carriage(
     power = float(np.dot(written, written))
     if power <= written.size * 10 ** (SILENCE / 10):
         return None
-    late = _delay(written, heard)
+    audible = float(np.dot(heard, heard)) > heard.size * 10 ** (SILENCE / 10)
+    late = _delay(written, heard) if audible else 0
     placed = np.roll(heard, -late)
     gain = float(np.dot(written, placed)) / power
     rest = placed - gain * written
@@ -178,31 +179,49 @@ def sound_from(members: dict[str, Any]) -> SoundFacts:
     )
 
 
-def sound_differences(golden: SoundFacts, new: SoundFacts, levels: bool) -> Iterator[str]:
+def sound_differences(
+    golden: SoundFacts, new: SoundFacts, onsets: Sequence[str], late: bool
+) -> Iterator[str]:
     """Yield the differences of a sound from its golden as text.
 
     Args:
         golden: expected facts.
         new: present facts.
-        levels: whether to compare levels; those of a late sound all differ.
+        onsets: differences of the onsets, as text.
+        late: whether the whole sound is, so that all its onsets and levels differ.
     """
-    if golden.digest != new.digest and levels and golden.window == new.window:
-        yield from level_differences(golden.levels, new.levels, golden.window / RATE)
+    written: list[str] = []
+    if golden.digest != new.digest and not late and golden.window == new.window:
+        written = level_differences(golden.levels, new.levels, golden.window / RATE)
+    yield from written
+    if not late and not any(text.startswith(_WHOLE) for text in written):
+        yield from onsets
+    same = not late and not written
     for name, then, now in zip(CHANNELS, golden.carried, new.carried, strict=True):
         if then is not None and now is not None:
-            yield from _carriage_differences(name, then, now)
+            yield from _carriage_differences(name, then, now, same)
 
 
-def _carriage_differences(name: str, then: Carriage, now: Carriage) -> Iterator[str]:
+def _carriage_differences(name: str, then: Carriage, now: Carriage, same: bool) -> Iterator[str]:
+    """Yield the difference of a channel in the film's track as text.
+
+    Args:
+        name: of the channel.
+        then: of the golden.
+        now: of the film.
+        same: whether the same sound was written; the noise depends on it.
+    """
     track = f"the film's track: the {name} channel"
     if abs(now.late - then.late) > _LATE_TOLERANCE:
         yield f"{track} is {shift_text(now.late - then.late)} against the sound that was written"
     elif abs(now.gain - then.gain) > TOLERANCE:
-        change = now.gain - then.gain
-        yield f"{track} is {abs(change):.1f} dB {'louder' if change > 0 else 'softer'} than written"
-    elif now.noise > then.noise + _NOISE_RISE:
-        yield f"{track} has noise {now.noise:.0f} dB below the sound, the golden's {then.noise:.0f}"
-    elif now.worst > then.worst + _WORST_RISE:
+        yield f"{track} is {loudness_text(now.gain - then.gain)} than written"
+    elif same and now.noise > then.noise + _NOISE_RISE:
+        yield (
+            f"{track} has noise {-now.noise:.0f} dB below the sound, "
+            f"in the golden {-then.noise:.0f}"
+        )
+    elif same and now.worst > then.worst + _WORST_RISE:
         yield f"{track} is up to {now.worst:.1f} dB off, the golden's {then.worst:.1f}"
 
 
@@ -247,16 +266,12 @@ def _onset_texts(old: Onset, new: Onset) -> Iterator[str]:
         for name, change in zip(CHANNELS, changes, strict=False)
         if abs(change) > TOLERANCE
     }
-    for amounts, text in ((late, shift_text), (loud, _loudness_text)):
+    for amounts, text in ((late, shift_text), (loud, loudness_text)):
         if not amounts:
             continue
         name = max(amounts, key=lambda key: abs(amounts[key]))
         side = "" if len(amounts) == len(CHANNELS) else f" on the {name}"
         yield f"{where} is {text(amounts[name])}{side}"
-
-
-def _loudness_text(change: float) -> str:
-    return f"{abs(change):.1f} dB {'louder' if change > 0 else 'softer'}"
 
 
 def late_text(then: Sequence[Onset], now: Sequence[Onset], frame: float) -> str:

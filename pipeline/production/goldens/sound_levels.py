@@ -34,6 +34,9 @@ _WINDOW: Final = round(0.1 * RATE)
 _MASKING: Final = 1e-3
 """Share of the power of the loudest cell of a window below which others are not heard."""
 
+_HEARD: Final = 10.0
+"""Ratio to the masked power above which a level changes by as much as its sound."""
+
 _UNIFORM: Final = 0.5
 """Spread of a change that is the same everywhere [dB]."""
 
@@ -72,14 +75,30 @@ def decibels(power: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def level_changes(then: NDArray[np.float64], now: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the audible changes of levels (windows, ...) [dB]."""
-    old, new = 10 ** (then / 10), 10 ** (now / 10)
-    loudest = old.max(axis=tuple(range(1, old.ndim)), keepdims=True, initial=0.0)
-    floor = 10 ** (SILENCE / 10) + _MASKING * loudest
-    return 10.0 * np.log10((new + floor) / (old + floor))
+    floor = _floor(then)
+    return 10.0 * np.log10((10 ** (now / 10) + floor) / (10 ** (then / 10) + floor))
 
 
-def level_differences(then: Levels, now: Levels, seconds: float) -> Iterator[str]:
-    """Yield the differences of levels from their golden as text, one per channel.
+def _floor(levels: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean square that counts as nothing in each window (windows, 1, ...)."""
+    power = 10 ** (levels / 10)
+    loudest = power.max(axis=tuple(range(1, power.ndim)), keepdims=True, initial=0.0)
+    return np.asarray(10 ** (SILENCE / 10) + _MASKING * loudest)
+
+
+def even_change(then: NDArray[np.float64], now: NDArray[np.float64]) -> float:
+    """Return the change of all that is heard [dB] if it is the same everywhere, else 0."""
+    heard = 10 ** (then / 10) > _HEARD * _floor(then)
+    amounts = (now - then)[heard]
+    if not amounts.size:
+        return 0.0
+    middle = float(np.median(amounts))
+    even = bool(np.abs(amounts - middle).max() < _UNIFORM)
+    return middle if even and abs(middle) > TOLERANCE else 0.0
+
+
+def level_differences(then: Levels, now: Levels, seconds: float) -> list[str]:
+    """Return the differences of levels from their golden as text, one per channel.
 
     Args:
         then: of the golden.
@@ -88,33 +107,22 @@ def level_differences(then: Levels, now: Levels, seconds: float) -> Iterator[str
     """
     count = min(len(then), len(now))
     if not count:
-        return
+        return []
     old, new = np.array(then[:count]), np.array(now[:count])
     changes = level_changes(old, new)
-    heard = np.maximum(old, new) > SILENCE + 10.0
-    sides = slice(0, len(CHANNELS))
     if not (np.abs(changes) > TOLERANCE).any():
-        return
-    if even := _even_change(changes[:, sides], heard[:, sides]):
-        yield f"the sound is {_told(even)} throughout"
-        return
-    found = False
+        return []
+    if even := even_change(old, new):
+        return [f"the sound is {loudness_text(even)} throughout"]
+    found = []
     for row, name in enumerate((*CHANNELS, "")):
         beyond = np.abs(changes[:, row]) > TOLERANCE
         if not beyond.any() or (not name and found):
             continue
-        found = True
         channel = f"the {name} channel is" if name else "both channels together are"
-        yield f"{channel} {_row_text(changes[:, row], old[:, row], new[:, row], seconds)}"
-
-
-def _even_change(changes: NDArray[np.float64], heard: NDArray[np.bool_]) -> float:
-    """Return the change [dB] of all that is heard if it is the same everywhere, else 0."""
-    amounts = changes[heard]
-    # Softer cells change less, because they are masked.
-    middle = float(amounts[np.argmax(np.abs(amounts))]) if amounts.size else 0.0
-    even = bool(np.abs(amounts - np.median(amounts)).max(initial=0.0) < _UNIFORM)
-    return middle if even and abs(middle) > TOLERANCE else 0.0
+        text = _row_text(changes[:, row], old[:, row], new[:, row], seconds)
+        found.append(f"{channel} {text}")
+    return found
 
 
 def _row_text(
@@ -124,29 +132,30 @@ def _row_text(
     seconds: float,
 ) -> str:
     """Return the change of a channel, as text: changes and levels are (windows, bands)."""
-    heard = np.maximum(old, new) > SILENCE + 10.0
-    if heard.any() and (new <= SILENCE).all():
+    if (new <= SILENCE).all():
         return "silent"
-    if even := _even_change(changes, heard):
-        return f"{_told(even)} throughout"
+    if even := even_change(old, new):
+        return f"{loudness_text(even)} throughout"
     beyond = np.abs(changes) > TOLERANCE
     windows = np.flatnonzero(beyond.any(axis=1))
     first = int(windows[0])
     band = int(np.argmax(np.abs(changes[first])))
     text = (
-        f"{_told(float(changes[first, band]))} from {first * seconds:.1f} to "
+        f"{loudness_text(float(changes[first, band]))} from {first * seconds:.1f} to "
         f"{(first + 1) * seconds:.1f} s {band_text(band)}"
     )
     if len(windows) > 1:
-        most, where = np.unravel_index(int(np.argmax(np.abs(changes))), changes.shape)
+        most, where = map(int, np.unravel_index(np.argmax(np.abs(changes)), changes.shape))
+        change = loudness_text(float(changes[most, where]))
         text += (
             f"; {len(windows)} of {len(changes)} stretches differ, most the one at "
-            f"{most * seconds:.1f} s, {_told(float(changes[most, where]))} {band_text(int(where))}"
+            f"{most * seconds:.1f} s, {change} {band_text(where)}"
         )
     return text
 
 
-def _told(change: float) -> str:
+def loudness_text(change: float) -> str:
+    """Return a change of a level as text."""
     return f"{abs(change):.1f} dB {'louder' if change > 0 else 'softer'}"
 
 

@@ -16,6 +16,10 @@ RATE: Final = 48_000
 SILENCE: Final = -70.0
 """Level of silence [dBFS]."""
 
+EXACT: Final = 0.5
+"""Of the instant of an onset [samples]. What the layer of motion lets pass moves it by less than
+0.1."""
+
 MIN_RISE: Final = 4.0
 """Least rise of an onset [dB]."""
 
@@ -186,7 +190,7 @@ def _without_match(
 def common_shift(then: Sequence[Onset], now: Sequence[Onset]) -> float:
     """Return the delay of the sound [s] if it explains nearly all differences, else 0."""
     exact = all(onset.instants for onset in (*then, *now))
-    bound = 1.0 / RATE if exact else 2.0 * _HOP
+    bound = EXACT / RATE if exact else 2.0 * _HOP
     old, new = (
         np.array([onset.moment if exact else onset.time for onset in onsets])
         for onsets in (then, now)
@@ -207,5 +211,6 @@ def common_shift(then: Sequence[Onset], now: Sequence[Onset]) -> float:
     best = max(tried, key=lambda k: explained(k * bound), default=0)
     if explained(best * bound) < _COMMON_SHARE * old.size:
         return 0.0
-    near = delays[np.abs(delays - best * bound) <= bound]
-    return float(np.median(near))
+    late = float(np.median(delays[np.abs(delays - best * bound) <= bound]))
+    # Sounds are moved by whole samples; less is another attack.
+    return round(late * RATE) / RATE if exact else late

@@ -140,7 +140,7 @@ def _container(container: Any) -> dict[str, str]:
     return facts
 
 
-def decoded_sound(path: Path) -> NDArray[np.float64]:
+def decoded_sound(path: Path) -> NDArray[np.float32]:
     """Return the sound of a film or a WAV file (channels, N) from time 0 on.
 
     Raises:
@@ -154,7 +154,7 @@ def decoded_sound(path: Path) -> NDArray[np.float64]:
                 first = round(Fraction(piece.pts or 0) * (piece.time_base or 0) * RATE)
                 blocks.append((first, piece.to_ndarray()))
     length = max((first + values.shape[1] for first, values in blocks), default=0)
-    heard = np.zeros((len(blocks[0][1]) if blocks else 2, length))
+    heard = np.zeros((len(blocks[0][1]) if blocks else 2, length), np.float32)
     for first, values in blocks:
         # Players drop samples before time 0.
         cut = max(-first, 0)

@@ -29,11 +29,23 @@ from pipeline.production.goldens.sound_levels import (
 )
 from pipeline.production.goldens.sound_onsets import EXACT, RATE, SILENCE, Onset, common_shift
 
+Side = NDArray[np.floating[Any]]
+"""Samples (N,) of a channel."""
+
+Sides = NDArray[np.floating[Any]]
+"""Samples (channels, N)."""
+
 _MAX_LISTED: Final = 6
 """Onsets that are listed one by one."""
 
-_WHOLE: Final = "the sound is"
-"""Begin of what holds for all onsets."""
+_NO_GAIN: Final = 1e-4
+"""Of a channel that is silent, or inverted."""
+
+_LOUD_RANGE: Final = 30.0
+"""Range below the loudest window in which changes by the encoder count [dB]."""
+
+_WHOLE: Final = ("throughout", "silent")
+"""Ends of what is told of a whole channel."""
 
 _LATE_REACH: Final = RATE // 4
 """Largest delay of a film's track that is measured [samples]."""
@@ -97,57 +109,62 @@ class SoundFacts:
         }
 
 
-def facts_of_sound(written: NDArray[np.float64], heard: NDArray[np.float64]) -> SoundFacts:
+def facts_of_sound(written: Sides, heard: Sides) -> SoundFacts:
     """Return the facts of a sound.
 
     Args:
         written: (2, N).
         heard: (channels, M) of the film.
     """
-    window = window_of(written.shape[1])
-    whole = np.rint(written * 2.0**23).astype("<i4")
+    samples = written.shape[1]
+    window = window_of(samples)
     found = np.zeros_like(written)
-    length = min(heard.shape[1], written.shape[1])
+    length = min(heard.shape[1], samples)
     found[: len(heard), :length] = heard[: len(found), :length]
+    digest = hashlib.blake2b(digest_size=10)
+    for first in range(0, samples, window):
+        digest.update(np.rint(written[:, first : first + window] * 2.0**23).astype("<i4").tobytes())
     return SoundFacts(
-        written.shape[1],
-        hashlib.blake2b(whole.tobytes(), digest_size=10).hexdigest(),
+        samples,
+        digest.hexdigest(),
         window,
         levels_of(written, window),
         tuple(_carriage(*pair, window) for pair in zip(written, found, strict=True)),
     )
 
 
-def _carriage(
-    written: NDArray[np.float64], heard: NDArray[np.float64], window: int
-) -> Carriage | None:
+def _carriage(written: Side, heard: Side, window: int) -> Carriage | None:
     """Return how a channel (N,) is heard, None if nothing was written in it."""
-    power = float(np.dot(written, written))
-    if power <= written.size * 10 ** (SILENCE / 10):
+    silence = written.size * 10 ** (SILENCE / 10)
+    if _products(written, written, window).sum() <= silence:
         return None
-    audible = float(np.dot(heard, heard)) > heard.size * 10 ** (SILENCE / 10)
+    audible = _products(heard, heard, window).sum() > silence
     late = _delay(written, heard) if audible else 0
-    placed = np.roll(heard, -late)
-    gain = float(np.dot(written, placed)) / power
-    rest = placed - gain * written
-    noise = float(np.dot(rest, rest)) / max(gain**2 * power, 1e-12)
-    before, after = (_window_levels(sound, window) for sound in (written, placed))
-    changes = level_changes(before, after)
-    heard_windows = before > before.max() - 30.0
+    heard = np.roll(heard, -late) if late else heard
+    own, both, other = (
+        _products(*pair, window) for pair in ((written, written), (written, heard), (heard, heard))
+    )
+    gain = float(both.sum() / own.sum())
+    # What remains of the track without the sound in it.
+    noise = float(other.sum() - gain * both.sum()) / max(gain**2 * float(own.sum()), 1e-12)
+    before, after = (10.0 * np.log10(np.maximum(p / window, 1e-12)) for p in (own, other))
+    changes = level_changes(before, after)[before > before.max() - _LOUD_RANGE]
     return Carriage(
         late,
-        round(20.0 * float(np.log10(max(gain, 1e-4))), 1) + 0.0,
+        round(20.0 * float(np.log10(max(gain, _NO_GAIN))), 1) + 0.0,
         round(10.0 * float(np.log10(max(noise, 1e-9))), 1),
-        round(float(np.abs(changes[heard_windows]).max(initial=0.0)), 1),
+        round(float(np.abs(changes).max()), 1),
     )
 
 
-def _window_levels(sound: NDArray[np.float64], window: int) -> NDArray[np.float64]:
-    power = np.add.reduceat(sound**2, np.arange(0, sound.size, window)) / window
-    return 10.0 * np.log10(np.maximum(power, 1e-12))
+def _products(one: Side, other: Side, window: int) -> NDArray[np.float64]:
+    """Return the inner products of two channels (N,) in windows."""
+    firsts = range(0, one.size, window)
+    pairs = ((one[k : k + window], other[k : k + window]) for k in firsts)
+    return np.array([np.dot(a.astype(np.float64), b.astype(np.float64)) for a, b in pairs])
 
 
-def _delay(written: NDArray[np.float64], heard: NDArray[np.float64]) -> int:
+def _delay(written: Side, heard: Side) -> int:
     """Return the delay of a channel [samples], measured where it is loudest."""
     middle = int(np.argmax(np.abs(written)))
     first = max(min(middle - _LATE_LENGTH // 2, written.size - _LATE_LENGTH), 0)
@@ -156,7 +173,7 @@ def _delay(written: NDArray[np.float64], heard: NDArray[np.float64]) -> int:
     spectrum = np.fft.rfft(new, size) * np.conj(np.fft.rfft(old, size))
     likeness = np.fft.irfft(spectrum, size)
     lags = np.arange(-_LATE_REACH, _LATE_REACH + 1)
-    return int(lags[np.argmax(likeness[lags])])
+    return int(lags[np.argmax(np.abs(likeness[lags]))])
 
 
 def sound_from(members: dict[str, Any]) -> SoundFacts:
@@ -167,6 +184,8 @@ def sound_from(members: dict[str, Any]) -> SoundFacts:
     """
     samples, window = int(members["samples"]), int(members["window"])
     rows = {int(k): [float(level) for level in row] for k, row in members["levels"].items()}
+    if len(members["carried"]) != len(CHANNELS):
+        raise ValueError(f"it has {len(members['carried'])} channels where 2 belong")
     return SoundFacts(
         samples,
         str(members["digest"]),
@@ -194,12 +213,22 @@ def sound_differences(
     if golden.digest != new.digest and not late and golden.window == new.window:
         written = level_differences(golden.levels, new.levels, golden.window / RATE)
     yield from written
-    if not late and not any(text.startswith(_WHOLE) for text in written):
-        yield from onsets
+    if not late:
+        whole = [text for text in written if text.endswith(_WHOLE)]
+        yield from (text for text in onsets if not _told_already(text, whole))
     same = not late and not written
     for name, then, now in zip(CHANNELS, golden.carried, new.carried, strict=True):
         if then is not None and now is not None:
             yield from _carriage_differences(name, then, now, same)
+
+
+def _told_already(onset: str, whole: Sequence[str]) -> bool:
+    """Return whether the difference of an onset belongs to one of its channel or of the sound."""
+    return any(
+        text.startswith("the sound")
+        or any(f"the {name} channel" in text and onset.endswith(name) for name in CHANNELS)
+        for text in whole
+    )
 
 
 def _carriage_differences(name: str, then: Carriage, now: Carriage, same: bool) -> Iterator[str]:
@@ -214,6 +243,8 @@ def _carriage_differences(name: str, then: Carriage, now: Carriage, same: bool) 
     track = f"the film's track: the {name} channel"
     if abs(now.late - then.late) > _LATE_TOLERANCE:
         yield f"{track} is {shift_text(now.late - then.late)} against the sound that was written"
+    elif now.gain <= 20.0 * np.log10(_NO_GAIN) < then.gain:
+        yield f"{track} is silent or inverted"
     elif abs(now.gain - then.gain) > TOLERANCE:
         yield f"{track} is {loudness_text(now.gain - then.gain)} than written"
     elif same and now.noise > then.noise + _NOISE_RISE:

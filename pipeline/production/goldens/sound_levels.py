@@ -7,7 +7,7 @@ and against silence.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,24 +46,21 @@ def window_of(samples: int) -> int:
     return _WINDOW * max(1, -(-samples // (_WINDOW * MAX_WINDOWS)))
 
 
-def levels_of(sides: NDArray[np.float64], window: int) -> Levels:
+def levels_of(sides: NDArray[np.floating[Any]], window: int) -> Levels:
     """Return the levels of a sound (2, N) in windows: left, right and both together.
 
     Both together differ where one channel is inverted or late.
     """
-    rows = np.vstack([sides, sides.mean(axis=0)])
-    count = -(-rows.shape[1] // window)
-    rows = np.pad(rows, ((0, 0), (0, count * window - rows.shape[1])))
     return tuple(
-        tuple(map(tuple, _band_levels(rows[:, k * window : (k + 1) * window]).tolist()))
-        for k in range(count)
+        tuple(map(tuple, _band_levels(sides[:, first : first + window], window).tolist()))
+        for first in range(0, sides.shape[1], window)
     )
 
 
-def _band_levels(block: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the levels (rows, bands) of a block (rows, N) [dBFS]."""
-    size = block.shape[1]
-    power = 2.0 * np.abs(np.fft.rfft(block)) ** 2 / size**2
+def _band_levels(sides: NDArray[np.floating[Any]], size: int) -> NDArray[np.float64]:
+    """Return the levels (rows, bands) of a block (2, N) of at most `size` samples [dBFS]."""
+    block = np.vstack([sides, sides.mean(axis=0)]).astype(np.float64)
+    power = 2.0 * np.abs(np.fft.rfft(block, size)) ** 2 / size**2
     edges = [round(edge * size / RATE) for edge in BANDS]
     return decibels(np.add.reduceat(power, edges, axis=1))
 

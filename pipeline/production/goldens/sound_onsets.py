@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,11 +77,11 @@ class Onset:
         return min(known) / RATE if known else self.time
 
 
-def onsets_of(heard: NDArray[np.float64]) -> tuple[Onset, ...]:
+def onsets_of(heard: NDArray[np.floating[Any]]) -> tuple[Onset, ...]:
     """Return the onsets in a sound (N,) at `RATE`, to about a hop."""
     hop = round(_HOP * RATE)
     count = len(heard) // hop
-    power = np.mean(heard[: count * hop].reshape(count, hop) ** 2, axis=1)
+    power = np.mean(np.square(heard[: count * hop].reshape(count, hop)), axis=1, dtype=np.float64)
     level = np.maximum(10.0 * np.log10(np.maximum(power, 1e-12)), SILENCE)
     before = np.concatenate([np.full(_RISE_HOPS, SILENCE), level])
     # The loudest of the hops before, because the tremolo of a lasting sound is no onset.
@@ -96,7 +96,7 @@ def onsets_of(heard: NDArray[np.float64]) -> tuple[Onset, ...]:
     return tuple(found)
 
 
-def measured_onsets(sides: NDArray[np.float64]) -> tuple[Onset, ...]:
+def measured_onsets(sides: NDArray[np.floating[Any]]) -> tuple[Onset, ...]:
     """Return the onsets in a sound (channels, N) with their instants and levels."""
     return tuple(
         Onset(
@@ -113,13 +113,13 @@ def _rounded(instant: float | None) -> float | None:
     return None if instant is None else round(instant, 1)
 
 
-def _level_of(side: NDArray[np.float64], onset: Onset) -> float:
+def _level_of(side: NDArray[np.floating[Any]], onset: Onset) -> float:
     start = round(onset.time * RATE)
-    power = float(np.sum(side[start : start + _BODY] ** 2)) / _BODY
+    power = float(np.sum(side[start : start + _BODY].astype(np.float64) ** 2)) / _BODY
     return max(round(10.0 * float(np.log10(max(power, 1e-12))), 1), SILENCE)
 
 
-def instant_of(sound: NDArray[np.float64], onset: Onset) -> float | None:
+def instant_of(sound: NDArray[np.floating[Any]], onset: Onset) -> float | None:
     """Return the instant of an onset [samples], to a fraction of a sample.
 
     A shift of the sound by whole samples shifts it by as many; a gain leaves it.
@@ -136,7 +136,7 @@ def instant_of(sound: NDArray[np.float64], onset: Onset) -> float | None:
     first = round(onset.time * RATE) - home
     energy = np.zeros(home + _MAX_MOVE + _AFTER)
     low, high = max(first, 0), min(first + energy.size, sound.size)
-    energy[low - first : high - first] = sound[low:high] ** 2
+    energy[low - first : high - first] = sound[low:high].astype(np.float64) ** 2
     if energy.mean() <= 10 ** (SILENCE / 10):
         return None
     came = np.concatenate([[0.0], np.cumsum(energy)])

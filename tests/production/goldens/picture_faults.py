@@ -60,13 +60,13 @@ LIGHT = (
     word("the sun half an hour later", "frames", "hour: 16.5", "hour: 17", base=1),
     word("the sun a minute later", "motion", "hour: 16.5", "hour: 16.517", "light: sun.hour", 1),
     word("clouds", "frames", "hour: 16.5", "hour: 16.5, clouds: 0.2", base=1),
-    word("haze", "frames", "hour: 16.5", "hour: 16.5, turbidity: 4", base=1),
     word(
         "a lamp",
         "frames",
         "rim: 0.5}",
         "rim: 0.5}, lamps: [{at: [0.5, 0.8, 0.5], brightness: 0.5, radius: 0}]",
     ),
+    word("haze", "frames", "hour: 16.5", "hour: 16.5, turbidity: 4", base=1),
 )
 
 # --- camera -----------------------------------------------------------------------

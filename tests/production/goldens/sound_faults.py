@@ -147,7 +147,10 @@ SOUND = (
         "'ball'",
     ),
     track("late by the priming of the encoder", shifted(1024), "1024 samples (21.3 ms) late"),
-    track("left channel silent", lambda x: x * [0, 1], "the film's track: the left channel"),
+    track(
+        "left channel silent", lambda x: x * [0, 1], "the film's track: the left channel is silent"
+    ),
+    track("right channel inverted", lambda x: x * [1, -1], "right channel is silent or inverted"),
     track("1 dB softer", gain(-1), "the film's track: the left channel is 1.0 dB softer"),
     track("without its last blow", from_to(0.45, 0.5, gain(-200)), "the film's track"),
 )

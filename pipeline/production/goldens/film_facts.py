@@ -215,5 +215,5 @@ def _heard_differences(golden: FilmFacts, new: FilmFacts, frame: float) -> Itera
             yield f"{fate} heard at {times} s{more}"
     if golden.sound is None or new.sound is None:
         return
-    onsets = onset_differences(golden.onsets, new.onsets, frame)
-    yield from sound_differences(golden.sound, new.sound, onsets, bool(late))
+    starts = onset_differences(golden.onsets, new.onsets, frame)
+    yield from sound_differences(golden.sound, new.sound, starts, bool(late))

@@ -32,9 +32,6 @@ MAX_SHAPES: Final = 300
 EXTENT_TOLERANCE: Final = 5e-4
 """Of the extent of a part [m]."""
 
-_DEFAULT: Final = " (default)"
-"""Marks settings that the scene leaves out; a version of pronk without them says nothing."""
-
 
 def look_of(film: Film, light: Light, materials: Mapping[str, Material]) -> Look:
     """Return the settings of a film by block."""
@@ -46,25 +43,29 @@ def look_of(film: Film, light: Light, materials: Mapping[str, Material]) -> Look
 
 
 def _settings(block: BaseModel) -> dict[str, str]:
-    chosen = dict(_paths(block.model_dump(mode="json", exclude_defaults=True)))
-    return {
-        path: value if path in chosen else f"{value}{_DEFAULT}"
-        for path, value in _paths(block.model_dump(mode="json"))
-        if path.rsplit(".", 1)[-1] != "preset"
-    }
+    values = block.model_dump(mode="json", exclude={"preset"})
+    return {path: value for path, value in _paths(values) if path}
 
 
 def _paths(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the values of a nested mapping with their paths."""
+    """Yield the values of a nested mapping with their paths, and its blocks as "given"."""
     if isinstance(value, Mapping):
+        yield path, "given"
         items: Any = value.items()
     elif isinstance(value, list) and any(isinstance(item, Mapping) for item in value):
+        yield path, f"{len(value)} given"
         items = enumerate(value)
     else:
-        yield path, f"{value:.6g}" if isinstance(value, float) else str(value)
+        yield path, _text(value)
         return
     for key, item in items:
         yield from _paths(item, f"{path}.{key}" if path else str(key))
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_text, value))}]"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def shapes_of(take: Take) -> Shapes:
@@ -86,18 +87,10 @@ def look_differences(then: Look, now: Look) -> Iterator[str]:
         if block not in then or block not in now:
             yield f"{block} is {'gone' if block in then else 'new'}"
             continue
-        yield from _setting_differences(block, then[block], now[block])
-
-
-def _setting_differences(block: str, then: dict[str, str], now: dict[str, str]) -> Iterator[str]:
-    for path in then | now:
-        old, new = then.get(path), now.get(path)
-        if old is None or new is None:
-            value = old or new or ""
-            if not value.endswith(_DEFAULT):
-                yield f"{block}: {path} {value} is {'gone' if new is None else 'new'}"
-        elif old.removesuffix(_DEFAULT) != new.removesuffix(_DEFAULT):
-            yield f"{block}: {path} is {new}, the golden's {old}"
+        # Settings that only one of both has are unknown to a version, or of a block that is told.
+        for path in sorted(then[block].keys() & now[block].keys()):
+            if then[block][path] != now[block][path]:
+                yield f"{block}: {path} is {now[block][path]}, the golden's {then[block][path]}"
 
 
 def shape_differences(then: Shapes, now: Shapes) -> Iterator[str]:

@@ -272,7 +272,7 @@ def onset_differences(then: Sequence[Onset], now: Sequence[Onset], frame: float)
         now: of the film.
         frame: duration of a frame [s]; onsets of half a frame apart are not the same.
     """
-    found = []
+    found: list[str] = []
     moments = np.array([onset.moment for onset in now])
     for old in then:
         if not moments.size:

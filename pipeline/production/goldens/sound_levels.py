@@ -111,7 +111,7 @@ def level_differences(then: Levels, now: Levels, seconds: float) -> list[str]:
         return []
     if even := even_change(old, new):
         return [f"the sound is {loudness_text(even)} throughout"]
-    found = []
+    found: list[str] = []
     for row, name in enumerate((*CHANNELS, "")):
         beyond = np.abs(changes[:, row]) > TOLERANCE
         if not beyond.any() or (not name and found):

@@ -141,19 +141,19 @@ def test_a_change_is_reported_and_can_be_approved(pronk: Pronk, home: Path) -> N
     assert state(home) == before
     scenes = facts(home)["scenes"]
     assert [layer["outcome"] for layer in scenes[0]["layers"]] == [
-        "identical",
+        "changed",
         "changed",
         "identical",
     ]
     assert scenes[0]["approve"] == "pronk golden approve tiny"
     suite = ElementTree.parse(home / "out/golden/junit.xml").getroot()[0]
-    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("3", "1", "0")
-    assert [case.get("name") for case in suite if len(case)] == ["frames"]
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("3", "2", "0")
+    assert [case.get("name") for case in suite if len(case)] == ["motion", "frames"]
 
     made = (home / "out/golden/tiny/0006.png").read_bytes()
     code, out, err = pronk("golden", "approve", "tiny")
     assert code == 0, err
-    assert "approved frames" in out
+    assert "approved motion, frames" in out
     assert "calibrate --write" in out
     assert (home / "goldens/tiny/0006.png").read_bytes() == made
     assert (home / "goldens/tiny/motion.json").read_bytes() == before["motion.json"]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import accumulate
 from math import floor
+from operator import itemgetter
 from pathlib import Path
 
 import mido
@@ -13,7 +15,7 @@ import mido
 from audio.channel_allocation import AllocationLosses, ChannelNote, allocate_channels
 from audio.controller_curves import controller_curve
 from audio.loudness_at_listener import velocity_of_level
-from audio.midi_tracks import conductor_track, note_track
+from audio.midi_tracks import PAN, REVERB, conductor_track, note_track
 from audio.notes import Arrangement, Note, arrange
 from audio.quantisation import TimingShifts
 from audio.score import Score, ScoreEvent
@@ -147,6 +149,10 @@ def _send_value(share: float) -> int:
     return min(_SEND_STEP * floor(share * steps + 0.5), 127)
 
 
+# Pan of a channel before its first change.
+_CENTRE = 64
+
+
 @dataclass(frozen=True, slots=True, order=True)
 class NoteOn:
     """The onset of a note in a MIDI file.
@@ -157,6 +163,10 @@ class NoteOn:
         channel: 0 to 15.
         pitch: 0 to 127.
         velocity: 1 to 127.
+        ticks: length.
+        program: of its channel at the onset.
+        pan: of its channel at the onset, 0 to 127.
+        send: of its channel to the reverb at the onset, 0 to 127.
     """
 
     tick: int
@@ -164,17 +174,39 @@ class NoteOn:
     channel: int
     pitch: int
     velocity: int
+    ticks: int = 0
+    program: int = 0
+    pan: int = _CENTRE
+    send: int = 0
 
 
 def read_note_list(data: bytes) -> tuple[NoteOn, ...]:
     """Return the notes of a MIDI file in the order of their ticks."""
-    notes = []
+    timed = []
     for track in mido.MidiFile(file=io.BytesIO(data), charset="utf-8").tracks:
-        tick = 0
-        for message in track:
-            tick += message.time
+        ticks = accumulate(message.time for message in track)
+        timed += [(tick, track.name, message) for tick, message in zip(ticks, track, strict=True)]
+    # Tracks share channels, so the setting of a channel may stand in another track.
+    timed.sort(key=itemgetter(0))
+    programs: dict[int, int] = {}
+    controllers: dict[tuple[int, int], int] = {}
+    sounding: dict[tuple[str, int, int], NoteOn] = {}
+    notes = []
+    for tick, name, message in timed:
+        if message.type == "program_change":
+            programs[message.channel] = message.program
+        elif message.type == "control_change":
+            controllers[message.channel, message.control] = message.value
+        elif message.type in ("note_on", "note_off"):
+            key = (name, message.channel, message.note)
+            if key in sounding:
+                started = sounding.pop(key)
+                notes.append(replace(started, ticks=tick - started.tick))
             if message.type == "note_on" and message.velocity:
-                notes.append(
-                    NoteOn(tick, track.name, message.channel, message.note, message.velocity)
+                sounding[key] = NoteOn(
+                    *(tick, name, message.channel, message.note, message.velocity),
+                    program=programs.get(message.channel, 0),
+                    pan=controllers.get((message.channel, PAN), _CENTRE),
+                    send=controllers.get((message.channel, REVERB), 0),
                 )
-    return tuple(sorted(notes))
+    return tuple(sorted([*notes, *sounding.values()]))

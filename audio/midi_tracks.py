@@ -28,7 +28,9 @@ _SMPTE_CODES = {
 }
 # mido writes longer ones silently as invalid bytes.
 _MAX_DELTA = 2**28 - 1
-_PAN, _EXPRESSION, _REVERB = 10, 11, 91
+PAN, REVERB = 10, 91
+"""Numbers of controllers."""
+_EXPRESSION = 11
 # Registered parameter 0 is the pitch bend range in semitones and cents; parameter (127, 127) is
 # none, so that later data entries of other programs change nothing.
 _BEND_RANGE_MESSAGES = ((101, 0), (100, 0), (6, BEND_RANGE), (38, 0), (101, 127), (100, 127))
@@ -89,9 +91,9 @@ def _setup_messages(note: ChannelNote) -> Iterator[TimedMessage]:
     if note.sets_program:
         yield start, mido.Message("program_change", channel=channel, program=note.program)
     if note.sets_pan:
-        yield _control_change(note, start, _PAN, note.pan)
+        yield _control_change(note, start, PAN, note.pan)
     if note.sets_send:
-        yield _control_change(note, start, _REVERB, note.send)
+        yield _control_change(note, start, REVERB, note.send)
     if note.sets_bend_range:
         for number, value in _BEND_RANGE_MESSAGES:
             yield _control_change(note, start, number, value)

@@ -31,6 +31,15 @@ _PRIOR_FREEDOM: Final = 4.0
 _ROUNDING_DEVIATION: Final = 0.15
 """Standard deviation granted to every tile for rounding [of 255]."""
 
+_SHARED_ROUNDING: Final = 0.03
+"""Part of that which all tiles may share [of 255]."""
+
+_LUMINANCE: Final = (0.2126, 0.7152, 0.0722)
+"""Of the primaries of sRGB. Source: ITU-R BT.709."""
+
+_DARK: Final = 1e-4
+"""Added to luminances, so that black pictures can be compared."""
+
 
 def psnr(reference: NDArray[np.uint8], test: NDArray[np.uint8]) -> float:
     """Return the PSNR of two 8-bit images of one size [dB], infinite where they are equal."""
@@ -65,6 +74,21 @@ def _tile_starts(length: int) -> list[int]:
     return [TILE * k for k in range(max(length // TILE, 1))]
 
 
+def exposure_change(reference: NDArray[np.uint8], test: NDArray[np.uint8]) -> float:
+    """Return the change of the mean luminance of an 8-bit image (H, W, 3) [stops]."""
+    old, new = (float(_LINEAR[image].mean(axis=(0, 1)) @ _LUMINANCE) for image in (reference, test))
+    return math.log2((new + _DARK) / (old + _DARK))
+
+
+def _linear_levels() -> NDArray[np.float64]:
+    """Return the linear light of the 256 levels of sRGB. Source: IEC 61966-2-1."""
+    level = np.arange(256) / 255.0
+    return np.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
+
+
+_LINEAR: Final = _linear_levels()
+
+
 @dataclass(frozen=True, eq=False)
 class SeedSpread:
     """Distribution of the tiles of a frame over the seeds of the sampler.
@@ -92,12 +116,47 @@ def tile_deviations(spread: SeedSpread, frame: NDArray[np.uint8]) -> NDArray[np.
     Raises:
         ValueError: the frame differs in size.
     """
+    deviation = np.sqrt(_variances(spread) + _ROUNDING_DEVIATION**2)
+    return np.asarray((np.abs(_shifts(spread, frame)) / deviation).max(axis=-1))
+
+
+def region_deviation(spread: SeedSpread, frame: NDArray[np.uint8]) -> float:
+    """Return the largest deviation of a region, in standard deviations.
+
+    Regions are squares of 2, 4, ... tiles a side and the whole image: noise averages out in them,
+    a light that changed does not.
+
+    Raises:
+        ValueError: the frame differs in size.
+    """
+    shifts, variances = _shifts(spread, frame), _variances(spread)
+    own = _ROUNDING_DEVIATION**2 - _SHARED_ROUNDING**2
+    rows, columns = shifts.shape[:2]
+    worst, side = 0.0, 2
+    while side < 2 * max(rows, columns):
+        starts = np.arange(0, rows, side), np.arange(0, columns, side)
+        sums, spreads, count = (
+            np.add.reduceat(np.add.reduceat(values, starts[0], axis=0), starts[1], axis=1)
+            for values in (shifts, variances + own, np.ones_like(shifts))
+        )
+        deviation = np.sqrt(spreads / count**2 + _SHARED_ROUNDING**2)
+        worst = max(worst, float((np.abs(sums / count) / deviation).max()))
+        side *= 2
+    return worst
+
+
+def _shifts(spread: SeedSpread, frame: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Return the distances (rows, columns, 3) of the tiles of a frame from their means."""
     tiles = tile_means(frame)
     if tiles.shape != spread.means.shape:
         raise ValueError(f"{tiles.shape[:2]} tiles, expected {spread.means.shape[:2]}")
+    return tiles - spread.means
+
+
+def _variances(spread: SeedSpread) -> NDArray[np.float64]:
+    """Return the variances (rows, columns, 3) of the distances of a frame from the means."""
     own = spread.count - 1.0
     pooled = np.median(spread.variances, axis=(0, 1))
     variance = (own * spread.variances + _PRIOR_FREEDOM * pooled) / (own + _PRIOR_FREEDOM)
     # The mean of K frames is uncertain too.
-    deviation = np.sqrt(variance * (1.0 + 1.0 / spread.count) + _ROUNDING_DEVIATION**2)
-    return np.asarray((np.abs(tiles - spread.means) / deviation).max(axis=-1))
+    return np.asarray(variance * (1.0 + 1.0 / spread.count))

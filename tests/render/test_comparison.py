@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from render.comparison.flip_metric import JUDGES, flip
 from render.comparison.image_statistics import (
     TILE,
+    exposure_change,
     psnr,
+    region_deviation,
     seed_spread,
     tile_box,
     tile_deviations,
@@ -131,3 +133,45 @@ def test_a_change_far_below_the_noise_is_found() -> None:
     assert tile_deviations(spread, noisy(99, shift=8)).min() > 3
     with pytest.raises(ValueError, match="tiles"):
         tile_deviations(spread, noisy(1)[:32])
+
+
+@pytest.mark.parametrize("stops", [-1.0, -0.03, 0.03, 0.5])
+def test_a_change_of_exposure_is_told_in_stops(stops: float) -> None:
+    y, x = np.mgrid[:64, :96]
+    light = 0.02 + 0.3 * np.stack([x / 96, y / 64, (x + y) / 160], axis=-1)
+
+    def photographed(linear: NDArray[np.float64]) -> Picture:
+        srgb = np.where(
+            linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055
+        )
+        return np.rint(255 * np.clip(srgb, 0, 1)).astype(np.uint8)
+
+    found = exposure_change(photographed(light), photographed(light * 2**stops))
+    assert found == pytest.approx(stops, abs=0.002)
+
+
+def test_an_even_change_is_found_in_regions_where_tiles_hide_it() -> None:
+    spread = seed_spread([noisy(k) for k in range(8)])
+    same, brighter = noisy(99), noisy(99, shift=2)
+    assert region_deviation(spread, same) < 6
+    assert tile_deviations(spread, brighter).max() < 6
+    assert region_deviation(spread, brighter) > 8
+    half = same.copy()
+    half[:, :32] = brighter[:, :32]
+    assert region_deviation(spread, half) > region_deviation(spread, same) + 1
+    with pytest.raises(ValueError, match="tiles"):
+        region_deviation(spread, noisy(1)[:32])
+
+
+def test_deviations_of_regions_are_standardised() -> None:
+    spread = seed_spread([noisy(k) for k in range(40)])
+    found = [region_deviation(spread, noisy(1000 + k)) for k in range(40)]
+    # The largest of 27 normal deviates, some of which belong together.
+    assert 1.5 < np.mean(found) < 2.5
+    assert max(found) < 5
+
+
+def test_black_pictures_have_an_exposure() -> None:
+    black = np.zeros((32, 32, 3), np.uint8)
+    assert exposure_change(black, black) == 0
+    assert exposure_change(black, np.full_like(black, 5)) > 1

@@ -18,6 +18,7 @@ from audio.wav_file import write_wav
 from pipeline.production.goldens.cue_facts import Cues, cues_of
 from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film
 from pipeline.production.goldens.golden_card import Framing
+from pipeline.production.goldens.look_facts import look_of
 from pipeline.production.goldens.slate import slate
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
@@ -88,23 +89,28 @@ class Candidate:
 
     @cached_property
     def cues(self) -> Cues:
-        """Camera poses and notes of the score."""
+        """Settings, parts, camera poses and notes of the score."""
         with translated_errors():
             notes = read_note_list(midi_bytes(self.score))
             ticks = str(tick_grid(self.score.rate).tick(2) - tick_grid(self.score.rate).tick(1))
-        return cues_of(self._shooting.poses, ticks, notes, self.take.parts)
+        shooting = self._shooting
+        look = look_of(shooting.film, shooting.light, shooting.materials)
+        return cues_of(shooting.poses, ticks, notes, self.take, look)
 
     @cached_property
     def film(self) -> FilmFacts:
         """Facts of the film, with slates instead of rendered frames."""
-        film = self.scene.film.resolved()
         with translated_errors(), tempfile.TemporaryDirectory(prefix="pronk-") as folder:
             wav = Path(folder, "sound.wav")
             self.write_sound(wav)
-            path = Path(folder, f"film{film.suffix}")
-            slates = self._slates(CODECS[film.codec].bits)
-            write_film(path, slates, self.scene.rate, wav, codec=film.codec)
-            return facts_of_film(path)
+            path = Path(folder, f"film{self.scene.film.resolved().suffix}")
+            self.write_film(path, wav)
+            return facts_of_film(path, wav)
+
+    def write_film(self, path: Path, sound: Path) -> None:
+        """Write the film of slates with its sound."""
+        codec = self.scene.film.resolved().codec
+        write_film(path, self._slates(CODECS[codec].bits), self.scene.rate, sound, codec=codec)
 
     def write_sound(self, path: Path) -> None:
         """Write the sound of the film."""

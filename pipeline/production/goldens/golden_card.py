@@ -22,7 +22,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pipeline.errors import GoldenMissing, StoreError
 from pipeline.production.goldens.verdict import Layer
 from render.comparison.flip_metric import flip
-from render.comparison.image_statistics import seed_spread, tile_deviations, tile_means
+from render.comparison.image_statistics import (
+    exposure_change,
+    region_deviation,
+    seed_spread,
+    tile_deviations,
+    tile_means,
+)
 from render.errors import FrameFileError
 from render.image_files import read_png
 
@@ -33,6 +39,12 @@ _MIN_MEAN, _MIN_TILE = 0.002, 0.01
 
 # Few seeds underestimate some variances: noise alone reached 5.1.
 _MIN_Z = 8.0
+
+# Noise alone reached 0.007 stops in pictures of 96 x 54 pixels and 64 samples.
+_MIN_EXPOSURE = 0.02
+
+# The largest of a few differences of either sign: others are more often beyond it than FLIP's.
+_EXPOSURE_FACTOR = 2.0
 
 
 class Limits(BaseModel):
@@ -45,7 +57,12 @@ class Limits(BaseModel):
 
     mean: float = Field(0.03, gt=0, le=1, description="FLIP over a picture.")
     tile: float = Field(0.15, gt=0, le=1, description="FLIP over its worst tile.")
-    z: float = Field(8.0, gt=0, le=1000, description="Deviations of the mean of its worst tile.")
+    z: float = Field(
+        8.0, gt=0, le=1000, description="Deviations of the mean of its worst tile or region."
+    )
+    exposure: float = Field(
+        _MIN_EXPOSURE, gt=0, le=20, description="Change of its mean luminance [stops]."
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +73,15 @@ class NoiseLevel:
         count: number of pictures of each frame.
         mean: FLIP over a picture.
         tile: FLIP over a tile.
-        z: deviations of a tile, of each picture from all others.
+        z: deviations of a tile or a region, of each picture from all others.
+        exposure: change of the mean luminance [stops].
     """
 
     count: int
     mean: float
     tile: float
     z: float
+    exposure: float
 
     def limits(self) -> Limits:
         """Return the limits for this noise."""
@@ -70,6 +89,7 @@ class NoiseLevel:
             mean=round(min(max(self.mean * SAFETY_FACTOR, _MIN_MEAN), 1.0), 4),
             tile=round(min(max(self.tile * SAFETY_FACTOR, _MIN_TILE), 1.0), 4),
             z=round(max(self.z * SAFETY_FACTOR, _MIN_Z), 2),
+            exposure=round(max(self.exposure * _EXPOSURE_FACTOR, _MIN_EXPOSURE), 3),
         )
 
 
@@ -79,16 +99,18 @@ def noise_level(frames: Sequence[Sequence[NDArray[np.uint8]]]) -> NoiseLevel:
     Args:
         frames: at least three pictures of each frame, made with different seeds.
     """
-    means, tiles, zs = [], [], []
+    means, tiles, zs, exposures = [], [], [], []
     for pictures in frames:
         for one, two in combinations(pictures, 2):
             errors = flip(one, two)
             means.append(float(errors.mean()))
             tiles.append(float(tile_means(errors).max()))
+            exposures.append(abs(exposure_change(one, two)))
         for k, picture in enumerate(pictures):
             others = seed_spread([*pictures[:k], *pictures[k + 1 :]])
             zs.append(float(tile_deviations(others, picture).max()))
-    return NoiseLevel(len(frames[0]), max(means), max(tiles), max(zs))
+            zs.append(region_deviation(others, picture))
+    return NoiseLevel(len(frames[0]), max(means), max(tiles), max(zs), max(exposures))
 
 
 FORMAT: Final = 1

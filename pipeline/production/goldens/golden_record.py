@@ -139,7 +139,8 @@ def calibrate(
         write_content(new, case.golden)
     return (
         f"{case.name}: {noise.count} pictures of each frame differ by noise alone, at most "
-        f"{noise.mean:.4f} FLIP, {noise.tile:.4f} in the worst tile, {noise.z:.1f} deviations\n"
+        f"{noise.mean:.4f} FLIP, {noise.tile:.4f} in the worst tile, {noise.z:.1f} deviations, "
+        f"{noise.exposure:.3f} stops\n"
         f"  limits now {_limits_text(card.limits)}\n"
         f"  proposed   {_limits_text(noise.limits())}{' (written)' if write else ', with --write'}"
     )
@@ -166,7 +167,9 @@ def _with_limits(
 
 
 def _limits_text(limits: Limits) -> str:
-    return f"mean {limits.mean:g}, tile {limits.tile:g}, z {limits.z:g}"
+    return (
+        f"mean {limits.mean:g}, tile {limits.tile:g}, z {limits.z:g}, exposure {limits.exposure:g}"
+    )
 
 
 def approve(case: Case, layers: tuple[Layer, ...] | None = None) -> str:

@@ -11,6 +11,7 @@ from pipeline.production.goldens import cue_facts, film_facts
 from pipeline.production.goldens.golden_card import Limits
 from pipeline.production.goldens.golden_content import Content, Picture
 from pipeline.production.goldens.motion_comparison import compare
+from pipeline.production.goldens.motion_marks import frames_differ, marks_of
 from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.production.goldens.verdict import (
     Box,
@@ -23,7 +24,9 @@ from pipeline.simulation.take import Take
 from render.comparison.flip_metric import flip, judge
 from render.comparison.image_statistics import (
     SeedSpread,
+    exposure_change,
     psnr,
+    region_deviation,
     tile_box,
     tile_deviations,
     tile_means,
@@ -32,6 +35,11 @@ from render.comparison.image_statistics import (
 MAX_BOXES: Final = 5
 """Number of worst tiles shown."""
 
+_EARLIER: Final = (
+    "recorded by an earlier version, without {}, which are not checked; "
+    "pronk golden approve adds them"
+)
+
 
 def judge_motion(golden: Content, take: Take, new: cue_facts.Cues) -> LayerVerdict:
     """Return the verdict on poses, contacts, sound events, notes and the camera."""
@@ -39,10 +47,12 @@ def judge_motion(golden: Content, take: Take, new: cue_facts.Cues) -> LayerVerdi
     assert golden.cues is not None
     verdict = compare(golden.motion, take)
     same = verdict.outcome is MotionOutcome.IDENTICAL
-    other = tuple(cue_facts.cue_differences(golden.cues, new, exact=same))
-    details = (*str(verdict).splitlines()[1:], *other)
+    crossing = not same and frames_differ(golden.motion.marks, marks_of(take))
+    other = tuple(cue_facts.cue_differences(golden.cues, new, exact=same, crossing=crossing))
+    earlier = () if golden.cues.look else (_EARLIER.format("settings, shapes and lens"),)
+    details = (*str(verdict).splitlines()[1:], *other, *earlier)
     if verdict.passed and not other:
-        outcome = Outcome.IDENTICAL if same else Outcome.WITHIN
+        outcome = Outcome.IDENTICAL if same and golden.cues.look else Outcome.WITHIN
         return LayerVerdict("motion", outcome, verdict.rule, tuple(d.strip() for d in details))
     text = verdict.rule
     if verdict.first is not None:
@@ -57,12 +67,17 @@ def judge_film(golden: Content, new: film_facts.FilmFacts, frame: float) -> Laye
     """Return the verdict on a decoded film whose frames last `frame` seconds."""
     assert golden.film is not None
     found = tuple(film_facts.film_differences(golden.film, new, frame))
+    known = golden.film.sound is not None or new.sound is None
+    earlier = () if known else (_EARLIER.format("loudness and exact onsets"),)
     if found:
-        return LayerVerdict("film", Outcome.CHANGED, found[0], found[1:])
+        return LayerVerdict("film", Outcome.CHANGED, found[0], (*found[1:], *earlier))
     counts = f"{len(new.shown)} pictures, {len(new.onsets)} onsets of sound"
     if golden.film == new:
         return LayerVerdict("film", Outcome.IDENTICAL, counts)
-    return LayerVerdict("film", Outcome.WITHIN, f"{counts}, clear ones within half a frame")
+    if earlier:
+        text = f"{counts}, clear ones within half a frame"
+        return LayerVerdict("film", Outcome.WITHIN, text, earlier)
+    return LayerVerdict("film", Outcome.WITHIN, f"{counts}, equal in time and loudness")
 
 
 def judge_frames(golden: Content, new: dict[int, Picture], environment: str) -> LayerVerdict:
@@ -110,9 +125,10 @@ def judge_frame(
 
     Equal pixels pass. In the environment of the golden the FLIP error decides, by its mean and its
     worst tile; it detects edges that moved by a pixel. Elsewhere the noise differs, and a z-test of
-    the tiles' means against those of the golden's seeds decides; without seeds there is no verdict.
-    Where seeds are known the z-test decides in the golden's environment too: it detects slightly
-    weaker lights, whose FLIP error is below the noise.
+    the means of tiles and regions against those of the golden's seeds decides; without seeds there
+    is no verdict. Where seeds are known the z-test decides in the golden's environment too: it
+    detects slightly weaker lights, whose FLIP error is below the noise. So does the exposure, which
+    needs no seeds.
     """
     if golden.shape != new.shape:
         text = f"is {new.shape[1]}x{new.shape[0]}, the golden {golden.shape[1]}x{golden.shape[0]}"
@@ -123,14 +139,23 @@ def judge_frame(
     tiles = tile_means(errors)
     zs = None if spread is None else tile_deviations(spread, new)
     mean, tile, ratio = float(errors.mean()), float(tiles.max()), psnr(golden, new)
-    z = None if zs is None else float(zs.max())
+    z = None
+    if spread is not None and zs is not None:
+        z = max(float(zs.max()), region_deviation(spread, new))
+    exposure = exposure_change(golden, new)
     texts = [f"FLIP {mean:.4f} (limit {limits.mean:g}), worst tile {tile:.4f}"]
     texts[0] += f" (limit {limits.tile:g})"
-    texts += [] if z is None else [f"z {z:.1f} (limit {limits.z:g}) in the worst tile"]
+    texts += [] if z is None else [f"z {z:.1f} (limit {limits.z:g}) in the worst tile or region"]
+    texts.append(_exposure_text(golden, new, exposure, limits.exposure))
     texts.append(f"PSNR {ratio:.1f} dB")
     flip_exceeds = mean > limits.mean or tile > limits.tile
+    light_exceeds = abs(exposure) > limits.exposure
     z_exceeds = z is not None and z > limits.z
-    changed = (same_environment and flip_exceeds) or z_exceeds
+    if light_exceeds:
+        # It says most in plain words.
+        texts.insert(0, texts.pop(-2))
+    by_noise = same_environment or z is not None
+    changed = (same_environment and flip_exceeds) or z_exceeds or (by_noise and light_exceeds)
     outcome = Outcome.CHANGED if changed else Outcome.WITHIN
     rule = f"FLIP by {judge()}" + (" and z-test" if zs is not None else "")
     if not same_environment:
@@ -141,7 +166,14 @@ def judge_frame(
     by_flip = zs is None or (same_environment and flip_exceeds)
     boxes = _boxes(tiles if by_flip or zs is None else zs, golden.shape)
     text = ", ".join(texts)
-    return FrameVerdict(number, outcome, rule, text, mean, tile, ratio, z, boxes)
+    return FrameVerdict(number, outcome, rule, text, mean, tile, ratio, z, exposure, boxes)
+
+
+def _exposure_text(golden: Picture, new: Picture, exposure: float, limit: float) -> str:
+    """Return the change of exposure as text, relative and absolute."""
+    levels = float(new.mean()) - float(golden.mean())
+    fate = "brighter" if exposure > 0 else "darker"
+    return f"{abs(exposure):.3f} stops {fate} (limit {limit:g}; {levels:+.2f} of 255)"
 
 
 def _boxes(tiles: NDArray[np.float64], shape: tuple[int, ...]) -> tuple[Box, ...]:

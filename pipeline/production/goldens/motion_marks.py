@@ -96,21 +96,32 @@ def mark_differences(then: Iterable[Mark], now: Iterable[Mark], steps: int) -> I
         now: marks of the take.
         steps: world steps per frame.
     """
+    for old_mark, new_mark in _matched(then, now):
+        text = _mark_difference(old_mark, new_mark, steps)
+        mark = old_mark or new_mark
+        if text and mark is not None:
+            moment = min(mark.moment for mark in (old_mark, new_mark) if mark)
+            yield Difference(int(moment), mark.kind, mark.who, text)
+
+
+def frames_differ(then: Iterable[Mark], now: Iterable[Mark]) -> bool:
+    """Return whether a sound event stands on another frame: its moment was next to a boundary."""
+    return any(
+        old_mark is not None and new_mark is not None and old_mark.frame != new_mark.frame
+        for old_mark, new_mark in _matched(then, now)
+    )
+
+
+def _matched(
+    then: Iterable[Mark], now: Iterable[Mark]
+) -> Iterator[tuple[Mark | None, Mark | None]]:
     groups: dict[tuple[str, str, str], tuple[list[Mark], list[Mark]]]
     groups = defaultdict(lambda: ([], []))
     for side, marks in enumerate((then, now)):
         for mark in marks:
             groups[mark.kind, mark.who, mark.what][side].append(mark)
     for old, new in groups.values():
-        for old_mark, new_mark in _pairs(old, new):
-            text = _mark_difference(old_mark, new_mark, steps)
-            if text:
-                moment = min(mark.moment for mark in (old_mark, new_mark) if mark)
-                kind, who = (
-                    (old_mark or new_mark or new[0]).kind,
-                    (old_mark or new_mark or new[0]).who,
-                )
-                yield Difference(int(moment), kind, who, text)
+        yield from _pairs(old, new)
 
 
 def _pairs(old: list[Mark], new: list[Mark]) -> Iterator[tuple[Mark | None, Mark | None]]:
@@ -141,13 +152,14 @@ def _mark_difference(old_mark: Mark | None, new_mark: Mark | None, steps: int) -
     late = new_mark.moment - old_mark.moment
     what = f"{old_mark.what} at step {old_mark.moment:g}"
     if abs(late) > motion_tolerance.MOMENT + ROUNDING:
-        frames = f"frame {new_mark.frame} instead of {old_mark.frame}"
-        return f"{what}: {old_mark.kind} moved to step {new_mark.moment:g}, {frames}"
+        same = new_mark.frame == old_mark.frame
+        frames = "" if same else f", frame {new_mark.frame} instead of {old_mark.frame}"
+        return f"{what}: {old_mark.kind} moved to step {new_mark.moment:g}{frames}"
     if old_mark.frame != new_mark.frame and not _boundary_between(old_mark, new_mark, steps):
         return f"{what}: {old_mark.kind} moved from frame {old_mark.frame} to {new_mark.frame}"
     if old_mark.place and (apart := dist(old_mark.place, new_mark.place)) > motion_tolerance.PLACE:
         return f"{what}: {old_mark.kind} lies {millimetres(apart)} off"
-    bound = motion_tolerance.STRENGTH * (1.0 + abs(old_mark.strength)) + ROUNDING
+    bound = motion_tolerance.strength_tolerance(old_mark.strength) + ROUNDING
     if abs(new_mark.strength - old_mark.strength) > bound:
         speeds = f"{new_mark.strength:g} m/s instead of {old_mark.strength:g} m/s"
         return f"{what}: {old_mark.kind} of {speeds}"

@@ -60,7 +60,8 @@ class FrameVerdict:
         mean: FLIP over the picture.
         tile: FLIP over its worst tile.
         psnr: [dB], infinite if no pixel differs.
-        z: of the worst tile, None where it is not needed.
+        z: of the worst tile or region, None where it is not needed.
+        exposure: change of the mean luminance [stops].
         boxes: the worst tiles, in descending order.
     """
 
@@ -72,6 +73,7 @@ class FrameVerdict:
     tile: float = 0.0
     psnr: float = float("inf")
     z: float | None = None
+    exposure: float = 0.0
     boxes: tuple[Box, ...] = ()
 
 

@@ -1,6 +1,7 @@
-"""Two hundred changes that a golden check detects, and two hundred that it ignores.
+"""Changes that a golden check detects, and changes that it ignores.
 
-A tenth of each list runs in the full tier, the whole at night.
+More than a hundred named ones of each: a tenth runs in the full tier, the whole at night. And two
+hundred drawn at random of each, at night.
 """
 
 from __future__ import annotations
@@ -8,9 +9,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import wave
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,102 +19,96 @@ import pytest
 from numpy.typing import NDArray
 
 from pipeline.production.goldens.golden_candidate import Candidate, golden_scene
-from pipeline.production.goldens.golden_card import Framing, read_card
-from pipeline.production.goldens.golden_case import Case, GoldenFolder, GoldenRenderer
+from pipeline.production.goldens.golden_card import Framing
+from pipeline.production.goldens.golden_case import GoldenRenderer
 from pipeline.production.goldens.golden_check import check
-from pipeline.production.goldens.golden_content import Content, read_content
-from pipeline.production.goldens.golden_record import record
 from pipeline.production.goldens.judges import judge_frames
 from pipeline.production.goldens.verdict import Outcome
 from pipeline.production.run.file_records import FileRecords
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.workers import FrameJob, film_in_processes
-from pipeline.simulation.simulate import simulate
-from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import write_take
-from pipeline.spec import Scene, read_scene
 from render.backend import choose, libraries
 from render.image_files import read_png
+from render.renderer import Renderer
 from render.shot import Shot
+from tests.production.goldens import harmless_films, harmless_takes
+from tests.production.goldens.golden_bases import FRAME, LIGHTS, Base, Bases, record_base, text_of
+from tests.production.goldens.golden_faults import Fault
+from tests.production.goldens.harmless_films import Harmless
+from tests.production.goldens.picture_faults import CAMERA, LIGHT, MATERIALS
+from tests.production.goldens.scene_faults import CAST, TIMING, WORDS
+from tests.production.goldens.sound_faults import SOUND, shifted
 
 ROOT = Path(__file__).parents[3]
-COUNT, TENTH = 200, 20
+COUNT = 200
 FRAMES = 12
 
-SCENE = """\
-pronk: 1
-fps: 24
-frames: 12
-seed: 3
-terrain: {kind: flat, size: [8, 8], cells: [8, 8], material: ground}
-cast:
-  - name: bug
-    figure: beetle
-    scale: 0.6
-    walk: {gait: tripod, cycle: 0.25, speed: 0.6}
-materials:
-  ground: {preset: dry soil}
-camera: {at: [0.9, 0.5, 0.9], look_at: [0.1, 0.12, 0]}
-light: LIGHT
-film: {size: [640, 360], depth: 3}
-golden: {frames: [8], size: [96, 54], samples: 64}
-"""
-
-LIGHTS = (
-    "{studio: {fill: 0.3, rim: 0.5}}",
-    "{sun: {hour: 16.5, day: 172, latitude_deg: 48}}",
+FAULTS = (*SOUND, *LIGHT, *CAMERA, *MATERIALS, *TIMING, *CAST, *WORDS)
+HARMLESS = (
+    *harmless_films.WORDS,
+    *harmless_takes.TAKE,
+    *harmless_films.SOUND,
+    *harmless_films.CUES,
+    *harmless_films.PICTURES,
 )
 
 
-@dataclass(frozen=True)
-class Base:
-    """A scene with its take and its golden."""
-
-    case: Case
-    take: Take
-    renderer: GoldenRenderer
-
-    @property
-    def scene(self) -> Scene:
-        """The scene as it was recorded."""
-        return self.case.scene
-
-    @property
-    def golden(self) -> Content:
-        """Its golden as it stands in its folder."""
-        return read_content(self.case.golden, read_card(self.case.golden.card))
-
-    def changed(self, word: str, other: str) -> Candidate:
-        """Return the candidate of the scene with other settings; its motion must be the same."""
-        text = text_of(LIGHTS[int(self.case.name[-1])])
-        assert word in text
-        return Candidate(read_scene(text.replace(word, other)), self.take)
-
-
-def text_of(light: str) -> str:
-    return SCENE.replace("LIGHT", light)
-
-
 @pytest.fixture(scope="module")
-def bases(tmp_path_factory: pytest.TempPathFactory) -> list[Base]:
+def bases(tmp_path_factory: pytest.TempPathFactory) -> Bases:
     """Return two scenes with their goldens."""
-    folder = tmp_path_factory.mktemp("goldens")
-    renderer = GoldenRenderer("llvm")
+    return Bases(tmp_path_factory.mktemp("goldens"))
+
+
+# --- named changes ----------------------------------------------------------------
+
+
+def _tenth(named: Sequence[Any]) -> list[Any]:
+    """Return cases: every tenth in the full tier, the rest nightly."""
     return [
-        record_base(f"bug{k}", text_of(light), folder, renderer) for k, light in enumerate(LIGHTS)
+        pytest.param(one, id=one.name, marks=pytest.mark.nightly if k % 10 else pytest.mark.slow)
+        for k, one in enumerate(named)
     ]
 
 
-def record_base(name: str, text: str, folder: Path, renderer: GoldenRenderer) -> Base:
-    """Record the golden of a scene."""
-    scene = read_scene(text)
-    case = Case(name, scene, GoldenFolder(folder / name), folder / "out", "bug")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.delenv("CI", raising=False)
-        record(case, renderer, Reporter(), seeds=4)
-    (folder / "out" / "golden").mkdir(parents=True, exist_ok=True)
-    return Base(case, simulate(scene), renderer)
+class Elsewhere(GoldenRenderer):
+    """A renderer that says to be of another environment."""
+
+    def __init__(self, renderer: GoldenRenderer, environment: str) -> None:
+        self._renderer, self._environment = renderer, environment
+
+    @property
+    def loaded(self) -> Renderer:
+        """The renderer."""
+        return self._renderer.loaded
+
+    @property
+    def environment(self) -> str:
+        """The environment that it says."""
+        return self._environment
+
+
+@pytest.mark.parametrize("fault", _tenth(FAULTS))
+def test_a_fault_is_found_and_named(bases: Bases, fault: Fault) -> None:
+    base = bases[fault.base]
+    verdict = check(base.case, base.renderer, Reporter(), (fault.layer,), fault.make(base))
+    assert verdict.outcome is Outcome.CHANGED, str(verdict)
+    assert fault.says in str(verdict)
+
+
+@pytest.mark.parametrize("change", _tenth(HARMLESS))
+def test_a_harmless_change_passes(bases: Bases, change: Harmless) -> None:
+    base = bases[change.base]
+    where = change.environment
+    renderer = Elsewhere(base.renderer, where) if where else base.renderer
+    verdict = check(base.case, renderer, Reporter(), change.layers, change.make(base))
+    assert verdict.passed, str(verdict)
+
+
+def test_there_are_a_hundred_of_each() -> None:
+    for named in (FAULTS, HARMLESS):
+        assert len({one.name for one in named}) == len(named) >= 100
 
 
 # --- detected changes -------------------------------------------------------------
@@ -197,27 +191,8 @@ def camera_moved(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     return base.changed("at: [0.9, 0.5, 0.9]", f"at: {place.tolist()}")
 
 
-class Late(Candidate):
-    """Sounds a frame late, or early."""
-
-    def __init__(self, base: Base, late: bool) -> None:
-        super().__init__(base.scene, base.take)
-        self.late = late
-
-    def write_sound(self, path: Path) -> None:
-        """Write it a frame late, or early."""
-        super().write_sound(path)
-        with wave.open(str(path)) as file:
-            params, data = file.getparams(), file.readframes(file.getnframes())
-        size = params.sampwidth * params.nchannels * 48_000 // 24
-        data = bytes(size) + data[:-size] if self.late else data[size:] + bytes(size)
-        with wave.open(str(path), "wb") as file:
-            file.setparams(params)
-            file.writeframes(data)
-
-
 def sound_shifted(base: Base, k: int, draw: np.random.Generator) -> Candidate:
-    return Late(base, k % 2 == 0)
+    return base.altered(sound=shifted(FRAME if k % 2 == 0 else -FRAME))
 
 
 Mutation = Callable[[Base, int, np.random.Generator], Candidate]
@@ -234,16 +209,9 @@ MUTATIONS: tuple[tuple[Mutation, tuple[str, ...]], ...] = (
 """Changes of a scene, and the layers that must detect each."""
 
 
-def _case_numbers(count: int) -> list[object]:
-    """Return case numbers: the first tenth in the full tier, the rest nightly."""
-    return [
-        pytest.param(k, marks=pytest.mark.slow if k < TENTH else pytest.mark.nightly)
-        for k in range(count)
-    ]
-
-
-@pytest.mark.parametrize("k", _case_numbers(COUNT))
-def test_changes_of_a_film_are_detected(bases: list[Base], k: int) -> None:
+@pytest.mark.nightly
+@pytest.mark.parametrize("k", range(COUNT))
+def test_changes_of_a_film_are_detected(bases: Bases, k: int) -> None:
     mutate, layers = MUTATIONS[k % len(MUTATIONS)]
     turn = k // len(MUTATIONS)
     base = bases[turn % 2]
@@ -353,7 +321,7 @@ def test_another_variant_passes_by_the_variances(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
-def test_another_llvm_changes_no_bit(bases: list[Base], tmp_path: Path) -> None:
+def test_another_llvm_changes_no_bit(bases: Bases, tmp_path: Path) -> None:
     for library in libraries()[1:]:
         frames = rendered_by("llvm_ad_rgb", library, text_of(LIGHTS[0]), tmp_path)
         if frames is not None:
@@ -362,10 +330,11 @@ def test_another_llvm_changes_no_bit(bases: list[Base], tmp_path: Path) -> None:
     pytest.skip("there is no second LLVM that works on this machine")
 
 
-HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other_jobs,)
+NOISE = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other_jobs,)
 
 
-@pytest.mark.parametrize("k", _case_numbers(COUNT))
-def test_changes_that_keep_the_film_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
+@pytest.mark.nightly
+@pytest.mark.parametrize("k", range(COUNT))
+def test_changes_that_keep_the_film_pass(bases: Bases, k: int, tmp_path: Path) -> None:
     # Likewise mixed in every tenth of the list.
-    HARMLESS[k % len(HARMLESS)](bases[k // len(HARMLESS) % 2], k, tmp_path)
+    NOISE[k % len(NOISE)](bases[k // len(NOISE) % 2], k, tmp_path)

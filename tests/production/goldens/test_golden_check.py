@@ -14,7 +14,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from pipeline.production.goldens.golden_card import read_card
+from pipeline.production.goldens.golden_card import file_digest, read_card
+from pipeline.production.goldens.golden_case import GoldenFolder
 
 Pronk = Callable[..., tuple[int, str, str]]
 
@@ -140,19 +141,19 @@ def test_a_change_is_reported_and_can_be_approved(pronk: Pronk, home: Path) -> N
     assert state(home) == before
     scenes = facts(home)["scenes"]
     assert [layer["outcome"] for layer in scenes[0]["layers"]] == [
-        "identical",
+        "changed",
         "changed",
         "identical",
     ]
     assert scenes[0]["approve"] == "pronk golden approve tiny"
     suite = ElementTree.parse(home / "out/golden/junit.xml").getroot()[0]
-    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("3", "1", "0")
-    assert [case.get("name") for case in suite if len(case)] == ["frames"]
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("3", "2", "0")
+    assert [case.get("name") for case in suite if len(case)] == ["motion", "frames"]
 
     made = (home / "out/golden/tiny/0006.png").read_bytes()
     code, out, err = pronk("golden", "approve", "tiny")
     assert code == 0, err
-    assert "approved frames" in out
+    assert "approved motion, frames" in out
     assert "calibrate --write" in out
     assert (home / "goldens/tiny/0006.png").read_bytes() == made
     assert (home / "goldens/tiny/motion.json").read_bytes() == before["motion.json"]
@@ -279,12 +280,50 @@ def test_in_another_environment_only_variances_decide(pronk: Pronk, home: Path) 
     assert suite.get("skipped") == "1"
 
 
+def _as_recorded_earlier(home: Path) -> None:
+    """Take from a golden what earlier versions did not record."""
+    place = GoldenFolder(home / "goldens/tiny")
+    film, cues = (json.loads(path.read_text()) for path in (place.film, place.cues))
+    del film["sound"], cues["look"], cues["shapes"]
+    film["onsets"] = [onset[:2] for onset in film["onsets"]]
+    cues["notes"] = [note[:5] for note in cues["notes"]]
+    cues["camera"] = {frame: pose[:10] for frame, pose in cues["camera"].items()}
+    place.film.write_text(json.dumps(film))
+    place.cues.write_text(json.dumps(cues))
+    card = read_card(place.card)
+    digests = {name: file_digest(place.path / name) for name in card.files}
+    text = card.model_copy(update={"files": digests}).sealed().encoded()
+    place.card.write_text(re.sub(", exposure: [0-9.]+", "", text))
+
+
+def test_a_golden_of_an_earlier_version_is_checked_for_what_it_has(
+    pronk: Pronk, home: Path
+) -> None:
+    _as_recorded_earlier(home)
+    code, out, _ = pronk("golden", "check", "tiny")
+    assert code == 0
+    assert "recorded by an earlier version, without loudness and exact onsets" in out
+    assert "recorded by an earlier version, without settings, shapes and lens" in out
+    assert pronk("golden", "check", "tiny", "--set", "camera.fov_deg=40", *CHEAP)[0] == 1
+    assert pronk("golden", "check", "tiny", *CHEAP)[0] == 0
+    code, out, err = pronk("golden", "approve", "tiny")
+    assert code == 0, err
+    assert "approved motion, film" in out
+    code, out, _ = pronk("golden", "check", "tiny")
+    assert code == 0
+    assert "earlier version" not in out
+    assert out.count("identical") >= 4
+
+
 def test_limits_may_be_edited(pronk: Pronk, home: Path) -> None:
     path = home / "goldens/tiny/golden.yaml"
     text = path.read_text(encoding="utf-8")
-    wide = re.sub(r"limits: \{.*\}", "limits: {mean: 1.0, tile: 1.0, z: 1000.0}", text)
+    wide = re.sub(
+        r"limits: \{.*\}", "limits: {mean: 1.0, tile: 1.0, z: 1000.0, exposure: 20}", text
+    )
     path.write_text(wide, encoding="utf-8")
-    assert pronk("golden", "check", "tiny", "--set", "film.exposure=-0.5")[0] == 0
+    dark = ("--layers", "frames", "--set", "film.exposure=-0.5")
+    assert pronk("golden", "check", "tiny", *dark)[0] == 0
 
 
 def test_other_line_ends_and_repacked_pictures_change_nothing(pronk: Pronk, home: Path) -> None:

@@ -263,7 +263,7 @@ def test_contacts_have_tolerances_of_their_own(
 ) -> None:
     contact = take.contacts[3]
     x, y, z = contact.place
-    bound = motion_tolerance.STRENGTH * (1.0 + contact.speed)
+    bound = motion_tolerance.strength_tolerance(contact.speed)
     for changed in (
         replace(contact, place=(x, y, z + share * motion_tolerance.PLACE)),
         replace(contact, speed=contact.speed + share * bound),

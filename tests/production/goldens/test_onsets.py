@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pipeline.production.goldens.slate import slate, slate_number
 from pipeline.production.goldens.sound_onsets import (
     CLEAR_RISE,
     Onset,
-    best_shift,
+    common_shift,
+    instant_of,
+    measured_onsets,
     onsets_of,
     unmatched_onsets,
 )
@@ -50,9 +54,48 @@ def test_a_late_track_is_distinguished_from_another_one(late: int) -> None:
     times = [0.31, 0.6, 1.05, 1.3]
     then = onsets_of(blows(times))
     now = onsets_of(blows([time + late / 24 for time in times]))
-    assert best_shift(then, now, 1 / 24) == late
-    assert best_shift(then, onsets_of(blows([0.2, 0.9])), 1 / 24) == 0
-    assert best_shift(then, then, 1 / 24) == 0
+    # To two hops, unless the instants are measured.
+    assert common_shift(then, now) == pytest.approx(late / 24, abs=0.01)
+    assert common_shift(then, onsets_of(blows([0.2, 0.9]))) == 0
+    assert common_shift(then, then) == 0
+
+
+@pytest.mark.parametrize("late", [-500, -7, 1, 48, 3000])
+def test_a_late_track_is_measured_to_the_sample(late: int) -> None:
+    sound = blows([0.31, 0.6, 1.05, 1.3])
+    then, now = (measured_onsets(np.stack([s, 0.5 * s])) for s in (sound, np.roll(sound, late)))
+    assert common_shift(then, now) * RATE == pytest.approx(late, abs=0.2)
+    assert [onset.levels[0] - onset.levels[1] for onset in then] == pytest.approx(
+        [6.0] * len(then), abs=0.15
+    )
+
+
+@given(
+    gain=st.floats(0.05, 2.0),
+    noise=st.floats(0.0, 1e-5),
+    late=st.integers(-2000, 2000),
+)
+def test_an_instant_follows_its_sound_and_nothing_else(
+    gain: float, noise: float, late: int
+) -> None:
+    sound = blows([0.31, 1.05], 0.0)
+    rng = np.random.default_rng(late + 2000)
+    other = gain * np.roll(sound, late) + noise * rng.normal(size=sound.size)
+    for time in (0.31, 1.05):
+        first, second = (
+            instant_of(sound_, Onset(start, 20.0))
+            for sound_, start in ((sound, time), (other, time + late / RATE))
+        )
+        assert first is not None
+        assert second is not None
+        assert second - first == pytest.approx(late, abs=0.3)
+
+
+def test_silence_and_a_swell_have_no_instant() -> None:
+    t = np.arange(RATE) / RATE
+    swell = 0.3 * np.minimum(t, 0.5) * np.sin(2 * np.pi * 300 * t)
+    assert instant_of(swell, Onset(0.3, 5.0)) is None
+    assert instant_of(np.zeros(RATE), Onset(0.3, 5.0)) is None
 
 
 def test_weak_onsets_are_ignored() -> None:

@@ -7,6 +7,7 @@ seconds.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 from collections.abc import Iterable
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from pipeline.atomic_file import replaced_when_complete
 from render.errors import EncodeError
 from render.film_codecs import CONTAINERS, RATE, Codec, Container, Sound, SoundCodec, find_codec
+from render.thread_priority import kept_priority
 
 _THREADS = 4
 """A constant, because the bytes of H.264 and VP9 depend on it."""
@@ -98,7 +100,10 @@ def _write(
                     f"frame {count + 1} is {picture.shape[1]}x{picture.shape[0]} and the first "
                     f"{first.shape[1]}x{first.shape[0]}; render all frames at one size"
                 )
-            container.mux(video.encode(video_frame(picture, count, fps, codec)))
+            # The first frame opens the encoder.
+            with kept_priority() if count == 0 else contextlib.nullcontext():
+                packets = video.encode(video_frame(picture, count, fps, codec))
+            container.mux(packets)
             count += 1
             if track is not None:
                 track.encode_until(count / fps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import wave
 from collections.abc import Iterator
 from fractions import Fraction
@@ -167,3 +168,16 @@ def test_a_missing_encoder_is_told_with_what_there_is(
         with pytest.raises(EncodeError, match=wanted):
             write_film(tmp_path / "f.mp4", pictures(), FPS, codec=codec)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getscheduler"), reason="no schedulers to choose from")
+def test_encoding_leaves_the_priority_of_the_process(tmp_path: Path) -> None:
+    before, seen = os.sched_getscheduler(0), list[int]()
+
+    def watched() -> Iterator[np.ndarray]:
+        for picture in pictures():
+            seen.append(os.sched_getscheduler(0))
+            yield picture
+
+    write_film(tmp_path / "f.mp4", watched(), FPS, codec="av1")
+    assert {*seen, os.sched_getscheduler(0)} == {before}

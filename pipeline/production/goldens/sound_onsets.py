@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -49,6 +48,12 @@ _BODY: Final = round(0.03 * RATE)
 
 _MAX_SHIFT: Final = 0.5
 """Largest shift of a whole track that is detected [s]."""
+
+_COMPARED: Final = 100
+"""Onsets from the start that tell whether a track is late."""
+
+_EVEN: Final = 0.2
+"""Of a shift of the whole track by whole samples [samples]: instants are known to a tenth."""
 
 _COMMON_SHARE: Final = 0.75
 """Share of the onsets that a common shift explains."""
@@ -188,13 +193,17 @@ def _without_match(
 
 
 def common_shift(then: Sequence[Onset], now: Sequence[Onset]) -> float:
-    """Return the delay of the sound [s] if it explains nearly all differences, else 0."""
+    """Return the delay of the sound [s] if it explains nearly all differences, else 0.
+
+    Measured onsets move by whole samples; by less, an attack has another shape.
+    """
     exact = all(onset.instants for onset in (*then, *now))
-    bound = EXACT / RATE if exact else 2.0 * _HOP
+    step, bound = (1.0 / RATE, _EVEN / RATE) if exact else (2.0 * _HOP, 2.0 * _HOP)
     old, new = (
         np.array([onset.moment if exact else onset.time for onset in onsets])
-        for onsets in (then, now)
+        for onsets in (then[:_COMPARED], now)
     )
+    new = new[new <= old[-1] + _MAX_SHIFT] if old.size else new
     if not old.size or not new.size:
         return 0.0
     delays = (new[None, :] - old[:, None]).ravel()
@@ -207,10 +216,6 @@ def common_shift(then: Sequence[Onset], now: Sequence[Onset]) -> float:
     if explained(0.0) >= _COMMON_SHARE * old.size:
         return 0.0
     # Equal delays once, the smallest first.
-    tried = sorted(Counter(np.round(delays / bound).astype(int).tolist()), key=abs)
-    best = max(tried, key=lambda k: explained(k * bound), default=0)
-    if explained(best * bound) < _COMMON_SHARE * old.size:
-        return 0.0
-    late = float(np.median(delays[np.abs(delays - best * bound) <= bound]))
-    # Sounds are moved by whole samples; less is another attack.
-    return round(late * RATE) / RATE if exact else late
+    tried = sorted(set(np.rint(delays / step).astype(int).tolist()), key=abs)
+    best = max(tried, key=lambda k: explained(k * step), default=0)
+    return best * step if explained(best * step) >= _COMMON_SHARE * old.size else 0.0

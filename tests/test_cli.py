@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -178,6 +179,7 @@ def test_schemas_are_of_draft_07(pronk: Pronk, flag: tuple[str, ...]) -> None:
         (("midi", "tiny", "--preset", "draft"), "'--preset' is an option of render, frame, sheet"),
         (("check", "tiny", "--strikt"), "no option is called '--strikt', did you mean '--strict'?"),
         (("list", "--zzz"), "no option is called '--zzz'; list has --json"),
+        (("new", "-z"), "no option is called '-z'; new has none"),
     ],
 )
 def test_an_unknown_option_is_led_to_the_meant_one(
@@ -187,6 +189,27 @@ def test_an_unknown_option_is_led_to_the_meant_one(
     words = [word for word in err.split() if word != "│"]
     assert code == 2
     assert message in " ".join(words)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("re\x1b[31mnder",),
+        ("--o\x1bdd",),
+        ("check", "tiny", "--o\x1bdd"),
+        ("render", "tiny", "--preset", "dr\x1b[2J\u202eaft"),
+        ("golden", "re\x9bcord"),
+        ("list", "a", "b\x1b\udcff"),
+    ],
+    ids=repr,
+)
+def test_usage_errors_print_no_control_characters(
+    pronk: Pronk, folder: Path, arguments: tuple[str, ...]
+) -> None:
+    code, _, err = pronk(*arguments)
+    assert code == 2
+    assert not re.search("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202e\udcff]", err)
+    assert re.search(r"\\x(1b|9b)", err)
 
 
 def test_check_summarises_valid_scenes(pronk: Pronk, folder: Path) -> None:

@@ -98,7 +98,7 @@ class Verbosity:
 
     def reporter(self) -> Reporter:
         """Return the reporter for these options."""
-        from pipeline.production.run.progress import reporter_for
+        from pipeline.production.run.reporters import reporter_for
 
         return reporter_for(self.as_json, self.quiet, self.verbose)
 

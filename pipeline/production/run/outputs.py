@@ -136,6 +136,8 @@ def opened(outputs: Outputs) -> Iterator[None]:
         try:
             make_folder(outputs.frames)
             stack.enter_context(locked(outputs, (outputs.frames, outputs.folder, *missing)))
+            # A run that ended meanwhile has removed the folder if it was empty.
+            make_folder(outputs.frames)
             _clear(outputs)
         except OSError as error:
             reason = error.strerror or str(error)

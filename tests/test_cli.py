@@ -426,6 +426,37 @@ def test_a_starter_scene_is_valid_and_not_overwritten(pronk: Pronk, folder: Path
     assert (folder / "hello.yaml").read_bytes() == text
 
 
+@pytest.mark.parametrize("command", ["check", "simulate", "render", "midi"])
+def test_an_untrusted_scene_names_no_file_outside_its_folder(
+    refused: Callable[..., str], folder: Path, command: str
+) -> None:
+    (folder.parent / "ball.obj").write_text("v 0 0 0\n")
+    text = SCENE.replace("light: studio", "").replace("cast:", "cast:\n  - NEW")
+    (folder / "tiny.yaml").write_text(
+        text.replace("NEW", "{body: {shape: mesh, file: ../ball.obj}}"), encoding="utf-8"
+    )
+    told = refused(3, command, "tiny.yaml", "--untrusted")
+    assert "tiny.yaml:6:32: cast[0].body.file: '../ball.obj' leads out of the folder" in told
+
+
+@pytest.mark.parametrize("command", ["simulate", "render", "midi"])
+@pytest.mark.parametrize("link", ["out", "out/tiny", "out/tiny/take.zarr"])
+def test_outputs_of_an_untrusted_scene_follow_no_link(
+    refused: Callable[..., str], folder: Path, command: str, link: str
+) -> None:
+    elsewhere = folder.parent / f"{folder.name}_elsewhere"
+    elsewhere.mkdir()
+    place = folder / link
+    if place.exists():
+        place.rename(folder / "moved")
+    place.symlink_to(elsewhere)
+    told = refused(4, command, "tiny.yaml", "--untrusted")
+    assert f"{place.relative_to(folder)}: is a link that leads elsewhere" in told.replace(
+        f"{folder}/", ""
+    )
+    assert not [*elsewhere.iterdir()]
+
+
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip the pictures of figures, which take seconds."""

@@ -2,9 +2,9 @@
 
     python -m tests.production.checking_process FOLDER FIRST LAST
 
-When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST: `seed`, `kind` ("right",
-"simulated", "refused", or "fault" for what is none of them), `text` and `seconds`. Its memory is
-bounded, and Python's warnings are faults.
+When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST:
+`seed`, `kind` ("right", "simulated", "refused", or "fault" for what is none of them), `text` and
+`seconds`. Its memory is bounded, and Python's warnings are faults.
 """
 
 from __future__ import annotations

@@ -2,9 +2,10 @@
 
     python -m tests.production.commanding_process FOLDER FIRST LAST
 
-When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST: `seed`, `words`, `code`,
-`kind` ("right" for what obeys the laws below, else "fault"), `text` and `seconds`. A command that
-is still at work after some time gets Ctrl-C, after which this process ends.
+When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST:
+`seed`, `words`, `code`, `kind` ("right" for what obeys the laws below, else "fault"), `text` and
+`seconds`. A command that is still at work after some time gets Ctrl-C, after which this process
+ends.
 
 The laws: no traceback, a documented exit code, a message where it is not 0 and none of an error
 where it is, no control characters, and no file outside of the folder.

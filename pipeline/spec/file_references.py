@@ -9,6 +9,7 @@ import logging
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline.errors import FilmingError, Problem
 from pipeline.foreign_files.safe_file import (
@@ -29,6 +30,9 @@ from pipeline.spec.yaml_tree import (
     find_node,
     with_node,
 )
+
+if TYPE_CHECKING:
+    from pipeline.spec.scene import Scene
 
 Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
@@ -67,6 +71,17 @@ def complete_file_names(
             problems.append(place.problem(path, fault))
         changed = with_node(changed, path, ScalarNode(place, str(whole)))
     return changed, problems
+
+
+def file_names(scene: Scene) -> Iterator[tuple[Steps, str]]:
+    """Yield where a scene names files, and the complete name of each."""
+    tree = scene.source_map.tree
+    if not isinstance(tree, MappingNode):
+        return
+    for path, _ in _file_keys(tree):
+        name = find_node(tree, path)
+        if len(name.path) == len(path) and isinstance(name.tree, ScalarNode):
+            yield path, str(name.tree.value)
 
 
 def _file_keys(scene: MappingNode) -> Iterator[tuple[Steps, FileCheck]]:

@@ -15,6 +15,7 @@ from pipeline.commands.direct import direct
 from pipeline.commands.farm import farm
 from pipeline.commands.golden import golden
 from pipeline.commands.option_suggestions import SuggestingCommand
+from pipeline.commands.usage_errors import EscapingGroup
 from pipeline.errors import UsageError
 from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
 from pipeline.text_stream import EscapingFormatter, print_text
@@ -22,6 +23,7 @@ from pipeline.unexpected_error import require_memory, told_error
 
 app = typer.Typer(
     name="pronk",
+    cls=EscapingGroup,
     help="One YAML scene in; a path-traced film and a frame-exact score out.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,

@@ -65,6 +65,7 @@ def take_of(run: SceneRun) -> Take:
         except NotesRefused:
             # It need not be simulated again, and earlier outputs stay.
             _write_take(take, run.outputs.refused_take)
+            run.records.add(run.outputs.refused_take, key)
             raise
         run.record_time(current)
         store_take(run, take)

@@ -7,6 +7,7 @@ so that a long take needs no more memory than a short one.
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.core.sync import sync
 from zarr.storage import StoreLike
 
 from pipeline.errors import StoreError
@@ -77,7 +79,18 @@ def write_take(take: Take, path: Path) -> None:
         }
         group.attrs.update(attributes)
     except OSError as error:
+        sync(_end_of_writes())
         raise StoreError(f"{path}: the take could not be written: {error.strerror}") from error
+
+
+async def _end_of_writes() -> None:
+    """Wait for what zarr still writes in threads of its own after one of several writes failed.
+
+    The caller may remove the folder then, or write it again.
+    """
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    if others:
+        await asyncio.wait(others)
 
 
 def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: int) -> None:

@@ -22,6 +22,9 @@ LIMIT = 120.0
 START = 300.0
 """Time for the start of a process, which may compile [s]."""
 
+READY = {"kind": "ready"}
+"""What a process prints once it has started."""
+
 ENDED = object()
 
 
@@ -39,7 +42,7 @@ def tried(
 
     Args:
         module: run with the folder, the first seed, the one behind the last, and the arguments. It
-            prints a JSON object a line with `seed` and `kind`.
+            prints `READY`, and then a JSON object a line with `seed` and `kind`.
         folder: of its files.
         first: seed.
         last: seed, which is not tried any more.
@@ -70,14 +73,16 @@ def _lines(command: Sequence[str], folder: Path, limit: float) -> Iterator[dict[
                 line = lines.get(timeout=wait)
                 if line is ENDED:
                     break
-                yield json.loads(line)
-                wait = limit
+                wait, found = limit, json.loads(line)
+                if found != READY:
+                    yield found
         except queue.Empty:
             yield {"kind": "fault", "text": f"takes longer than {wait:g} s", "seconds": wait}
             return
         finally:
             process.kill()
             code = process.wait()
+        assert wait == limit, f"{command} has not started: {errors.name}"
         if code:
             errors.seek(0)
             text = f"the process ended with {code}:\n{errors.read()[-6000:]}"

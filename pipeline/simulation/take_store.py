@@ -16,6 +16,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 from zarr.core.sync import sync
+from zarr.storage import StoreLike
 
 from pipeline.errors import StoreError
 from pipeline.simulation.mechanism import Leg, Mechanism, NodeAlias
@@ -134,10 +135,51 @@ def read_take(path: Path) -> Take:
     return take
 
 
-def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
+def read_without_rows(source: StoreLike) -> Take:
+    """Reads all of a take but its rows, which are zeros until `read_rows` reads some.
+
+    Args:
+        source: of the take; chunks of rows need not be there.
+
+    Raises:
+        StoreError: it cannot be read.
+    """
+    try:
+        group = zarr.open_group(source, mode="r")
+        return _assemble(group, group.attrs.asdict(), with_rows=False)
+    except UNREADABLE as error:
+        raise StoreError(f"not a readable take ({error})") from error
+
+
+def read_rows(source: StoreLike, take: Take, rows: slice) -> None:
+    """Reads rows of a take into one of `read_without_rows`.
+
+    Args:
+        source: of the take, with the chunks of these rows; what is missing is read as zeros.
+        take: that is changed.
+        rows: first and last.
+
+    Raises:
+        StoreError: they cannot be read.
+    """
+    try:
+        group = zarr.open_group(source, mode="r")
+        for name in ROW_ARRAYS:
+            values, found = getattr(take, name), group[name]
+            assert isinstance(found, zarr.Array)
+            if values.size:
+                values[rows] = found[rows]
+    except UNREADABLE as error:
+        raise StoreError(f"not a readable take ({error})") from error
+
+
+def _assemble(group: zarr.Group, plain: dict[str, Any], with_rows: bool = True) -> Take:
     def array(name: str) -> NDArray[Any]:
         found = group[name]
         assert isinstance(found, zarr.Array)
+        if name in ROW_ARRAYS and not with_rows:
+            # Takes no memory before it is written to.
+            return np.zeros(found.shape, found.dtype)
         values = allocate_rows(found.shape, found.dtype)
         if values.size:
             for chunk in row_chunks(values, found.chunks[0]):

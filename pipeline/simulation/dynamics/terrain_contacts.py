@@ -20,6 +20,8 @@ import numpy as np
 from pipeline.simulation.dynamics.body_record import (
     Shapes,
     Workspace,
+    clear_contacts,
+    drop_equal_contacts,
     insert_contact,
     insert_new_contact,
     remove_contact,
@@ -242,7 +244,7 @@ def find_body_contacts(
         slack: gaps up to this are reported [m].
         room: workspace.
     """
-    body.count = 0
+    clear_contacts(body)
     if not is_over_grid(grid.frame, p[0], p[2]):
         return
     top = highest_around(grid.frame, grid.tops, p[0], p[2], body.reach + slack) + slack
@@ -250,12 +252,13 @@ def find_body_contacts(
         return
     if body.radius > 0.0:
         add_ball_contacts(grid, body, p, slack)
-        return
-    R = rotation(q)
-    box, over = _vertices_in_world(grid.frame, shapes.corners, body, p, R, slack, room.world)
-    if box[0][1] <= top:
-        add_vertex_contacts(grid, body, p, room.world, slack)
-        add_edge_contacts(grid, shapes, body, p, R, room, box, over, slack)
+    else:
+        R = rotation(q)
+        box, over = _vertices_in_world(grid.frame, shapes.corners, body, p, R, slack, room.world)
+        if box[0][1] <= top:
+            add_vertex_contacts(grid, body, p, room.world, slack)
+            add_edge_contacts(grid, shapes, body, p, R, room, box, over, slack)
+    drop_equal_contacts(body)
 
 
 @compiled

@@ -31,9 +31,10 @@ from tests.simulation.dynamics.symmetric_throws import (
     throws,
 )
 
-CHAOTIC = 0.1
-"""Largest share of throws that may leave the plane: where each impact multiplies a deviation by
-ten, rounding becomes visible after a dozen."""
+CHAOTIC = {"terrain": 0.1, "all": 0.4, "character": 0.1}
+"""Largest share of chaotic throws that may leave the plane, by engine: where each impact multiplies
+a deviation by ten, rounding becomes visible after a dozen. MuJoCo's solver starts from larger
+rounding errors, and a tetrahedron that lands on a ridge with an edge balances on it."""
 
 COUNTS = [
     pytest.param(20, marks=pytest.mark.slow, id="20"),
@@ -47,7 +48,9 @@ def test_balls_of_characters_stay_in_the_plane(ground: str, count: int) -> None:
     field = symmetric_ground(ground)
     thrown = throws(KINDS["ball"], field, np.random.default_rng(count), count, in_plane=True)
     paths = ENGINES["character"](field, thrown, 96)
-    assert np.mean(deviations(paths, paths) > TOLERANCE) <= (CHAOTIC if ground in ROUGH else 0.0)
+    assert np.mean(deviations(paths, paths) > TOLERANCE) <= (
+        CHAOTIC["character"] if ground in ROUGH else 0.0
+    )
 
 
 ROUGH = ("rough", "crags")
@@ -69,7 +72,7 @@ def test_throws_of_any_shape_stay_in_the_plane(kind: str, ground: str, engine: s
     paths = ENGINES[engine](field, thrown, 192)
     off = deviations(paths, paths)
     exact = kind == "ball" and ground not in ROUGH
-    assert np.mean(off > TOLERANCE) <= (0.0 if exact else CHAOTIC)
+    assert np.mean(off > TOLERANCE) <= (0.0 if exact else CHAOTIC[engine])
     assert np.median(off) < 1e-3 * TOLERANCE
 
 
@@ -82,7 +85,7 @@ def test_mirrored_throws_of_any_shape_take_mirrored_paths(ground: str, engine: s
         thrown = throws(kind, field, np.random.default_rng(3), 40, in_plane=False)
         paths, mirrored = (ENGINES[engine](field, t, 48) for t in (thrown, thrown.mirrored()))
         off = deviations(paths, mirrored)
-        assert np.mean(off > TOLERANCE) <= CHAOTIC
+        assert np.mean(off > TOLERANCE) <= CHAOTIC[engine]
 
 
 @pytest.mark.parametrize("ground", ["level", "stones"])

@@ -12,8 +12,10 @@ import typer
 
 from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
+from pipeline.commands.farm import farm
 from pipeline.commands.golden import golden
 from pipeline.commands.option_suggestions import SuggestingCommand
+from pipeline.commands.usage_errors import EscapingGroup
 from pipeline.errors import UsageError
 from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
 from pipeline.text_stream import EscapingFormatter, print_text
@@ -21,6 +23,7 @@ from pipeline.unexpected_error import require_memory, told_error
 
 app = typer.Typer(
     name="pronk",
+    cls=EscapingGroup,
     help="One YAML scene in; a path-traced film and a frame-exact score out.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -51,6 +54,7 @@ for command in (
 app.command("compile", cls=SuggestingCommand)(scene_files.compile_code)
 app.command("list", cls=SuggestingCommand)(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
+app.add_typer(farm, name="farm")
 app.add_typer(golden, name="golden")
 app.add_typer(analysis.reports, name="report")
 

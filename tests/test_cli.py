@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -178,6 +179,7 @@ def test_schemas_are_of_draft_07(pronk: Pronk, flag: tuple[str, ...]) -> None:
         (("midi", "tiny", "--preset", "draft"), "'--preset' is an option of render, frame, sheet"),
         (("check", "tiny", "--strikt"), "no option is called '--strikt', did you mean '--strict'?"),
         (("list", "--zzz"), "no option is called '--zzz'; list has --json"),
+        (("new", "-z"), "no option is called '-z'; new has none"),
     ],
 )
 def test_an_unknown_option_is_led_to_the_meant_one(
@@ -187,6 +189,36 @@ def test_an_unknown_option_is_led_to_the_meant_one(
     words = [word for word in err.split() if word != "│"]
     assert code == 2
     assert message in " ".join(words)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("re\x1b[31mnder",),
+        ("--o\x1bdd",),
+        ("check", "tiny", "--o\x1bdd"),
+        ("render", "tiny", "--preset", "dr\x1b[2J\u202eaft"),
+        ("golden", "re\x9bcord"),
+        ("list", "a", "b\x1b\udcff"),
+    ],
+    ids=repr,
+)
+def test_usage_errors_print_no_control_characters(
+    pronk: Pronk, folder: Path, arguments: tuple[str, ...]
+) -> None:
+    code, _, err = pronk(*arguments)
+    assert code == 2
+    assert not re.search("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202e\udcff]", err)
+    assert re.search(r"\\x(1b|9b)", err)
+
+
+@pytest.mark.parametrize("command", ["list", "check"])
+def test_a_folder_of_goldens_that_no_system_allows_is_refused(
+    refused: Callable[..., str], command: str
+) -> None:
+    name = "x" * 300
+    told = refused(2, "golden", command, "--goldens", name)
+    assert told == f"error: --goldens {name}: cannot be read: File name too long\n"
 
 
 def test_check_summarises_valid_scenes(pronk: Pronk, folder: Path) -> None:
@@ -392,6 +424,37 @@ def test_a_starter_scene_is_valid_and_not_overwritten(pronk: Pronk, folder: Path
     assert (code, out) == (2, "")
     assert err == "error: hello.yaml: is there already; choose another name\n"
     assert (folder / "hello.yaml").read_bytes() == text
+
+
+@pytest.mark.parametrize("command", ["check", "simulate", "render", "midi"])
+def test_an_untrusted_scene_names_no_file_outside_its_folder(
+    refused: Callable[..., str], folder: Path, command: str
+) -> None:
+    (folder.parent / "ball.obj").write_text("v 0 0 0\n")
+    text = SCENE.replace("light: studio", "").replace("cast:", "cast:\n  - NEW")
+    (folder / "tiny.yaml").write_text(
+        text.replace("NEW", "{body: {shape: mesh, file: ../ball.obj}}"), encoding="utf-8"
+    )
+    told = refused(3, command, "tiny.yaml", "--untrusted")
+    assert "tiny.yaml:6:32: cast[0].body.file: '../ball.obj' leads out of the folder" in told
+
+
+@pytest.mark.parametrize("command", ["simulate", "render", "midi"])
+@pytest.mark.parametrize("link", ["out", "out/tiny", "out/tiny/take.zarr"])
+def test_outputs_of_an_untrusted_scene_follow_no_link(
+    refused: Callable[..., str], folder: Path, command: str, link: str
+) -> None:
+    elsewhere = folder.parent / f"{folder.name}_elsewhere"
+    elsewhere.mkdir()
+    place = folder / link
+    if place.exists():
+        place.rename(folder / "moved")
+    place.symlink_to(elsewhere)
+    told = refused(4, command, "tiny.yaml", "--untrusted")
+    assert f"{place.relative_to(folder)}: is a link that leads elsewhere" in told.replace(
+        f"{folder}/", ""
+    )
+    assert not [*elsewhere.iterdir()]
 
 
 @pytest.fixture

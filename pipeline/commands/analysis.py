@@ -10,6 +10,7 @@ from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.commands.options import (
     BackendName,
     BackendOption,
+    BoundedRunOptions,
     RunOptions,
     SceneName,
     SceneNames,
@@ -26,7 +27,7 @@ reports = typer.Typer(no_args_is_help=True, help="Print measurements of a scene.
 
 
 @with_options
-def simulate(scenes: SceneNames, options: RunOptions, strict: StrictOption = False) -> None:
+def simulate(scenes: SceneNames, options: BoundedRunOptions, strict: StrictOption = False) -> None:
     """Simulate scenes and store their takes without rendering."""
     from pipeline.production.run import production
 

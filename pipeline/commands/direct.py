@@ -30,7 +30,11 @@ def direct(
     ] = None,
     port: Annotated[
         int | None,
-        typer.Option(min=0, max=65535, help="Listen on a TCP port; 0 takes a free one."),
+        typer.Option(
+            min=0,
+            max=65535,
+            help="Listen on a TCP port; 0 takes a free one, which is printed even with --quiet.",
+        ),
     ] = None,
     host: Annotated[
         str, typer.Option(help="Address of the port; default: this machine only.")
@@ -56,5 +60,5 @@ def direct(
 
     file = find_scene(scene).resolve()
     place = recorder_for(file, name, options.out, options.quiet, options.verbose)
-    transport = transport_for(socket, port, host, token_file, place.outputs)
+    transport = transport_for(socket, port, host, token_file, place.outputs, options.quiet)
     serve(load_scene(file, options.sets or []), place, transport)

@@ -9,10 +9,11 @@ import typer
 
 from pipeline.commands.completion import completion
 from pipeline.commands.options import (
+    BoundedFrameOptions,
+    BoundedRunOptions,
     FrameOptions,
     Preset,
     PresetOption,
-    RunOptions,
     SceneName,
     SceneNames,
     StrictOption,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 @with_options
 def render(
     scenes: SceneNames,
-    options: FrameOptions,
+    options: BoundedFrameOptions,
     preset: PresetOption = None,
     frames: Annotated[
         str | None, typer.Option(help="Frames to render, for example 1-48,60-90x5; default: all.")
@@ -128,7 +129,7 @@ def watch(
 @with_options
 def midi(
     scenes: SceneNames,
-    options: RunOptions,
+    options: BoundedRunOptions,
     subframe: Annotated[
         bool,
         typer.Option(

@@ -38,7 +38,7 @@ def _unknown_option_text(name: str, command: Any, context: Any) -> str:
     from pipeline.spec.suggestions import close_names, joined_choices
 
     own = _options(command)
-    has = f"{context.info_name} has {_listed(own)}"
+    has = f"{context.info_name} has {_listed(own) if own else 'none'}"
     others = [
         path for path, other in _commands(context.find_root().command) if name in _options(other)
     ]

@@ -98,7 +98,7 @@ class Verbosity:
 
     def reporter(self) -> Reporter:
         """Return the reporter for these options."""
-        from pipeline.production.run.progress import reporter_for
+        from pipeline.production.run.reporters import reporter_for
 
         return reporter_for(self.as_json, self.quiet, self.verbose)
 
@@ -156,6 +156,11 @@ class SceneOptions(Reporting):
 
     sets: Assignments = None
 
+    @property
+    def is_untrusted(self) -> bool:
+        """Whether scenes are of strangers."""
+        return False
+
     def scene(self, name: str) -> Scene:
         """Load a scene by its name.
 
@@ -165,11 +170,29 @@ class SceneOptions(Reporting):
         """
         from pipeline.spec import find_scene, load_scene
 
-        return load_scene(find_scene(name), self.sets or [])
+        return load_scene(find_scene(name), self.sets or [], self.is_untrusted)
 
 
 @dataclass(kw_only=True)
-class CheckOptions(SceneOptions):
+class Bounds:
+    """Bounds on what a scene may read and take."""
+
+    untrusted: Annotated[
+        bool,
+        typer.Option(
+            "--untrusted",
+            help="Read no file outside of the scene's folder, and no large ones.",
+        ),
+    ] = False
+
+    @property
+    def is_untrusted(self) -> bool:
+        """Whether scenes are of strangers."""
+        return self.untrusted
+
+
+@dataclass(kw_only=True)
+class CheckOptions(Bounds, SceneOptions):
     """Options of the command that checks scenes and writes nothing."""
 
     stopped: ClassVar[str] = "nothing was written"
@@ -224,8 +247,18 @@ class RunOptions(SceneOptions):
 
         file = find_scene(name)
         changes = [*([f"film.preset={preset.value}"] if preset else []), *self.assignments()]
-        scene = load_scene(file, changes)
-        return Order(scene, file.stem, more.pop("out", self.out), backend=backend.value, **more)
+        scene = load_scene(file, changes, self.is_untrusted)
+        out = more.pop("out", self.out)
+        if self.is_untrusted:
+            from pipeline.production.run.outputs import Outputs, refuse_links
+
+            refuse_links(Outputs(out / file.stem, file.stem), file.parent)
+        return Order(scene, file.stem, out, backend=backend.value, **more)
+
+
+@dataclass(kw_only=True)
+class BoundedRunOptions(Bounds, RunOptions):
+    """Options of commands that simulate a scene, which may be of a stranger."""
 
 
 @dataclass(kw_only=True)
@@ -256,6 +289,11 @@ class FrameOptions(RunOptions):
     def frame_order(self, name: str, preset: Preset | None = None, **more: Any) -> Order:
         """Return the order to render a scene, see `order`."""
         return self.order(name, preset, self.backend, **more)
+
+
+@dataclass(kw_only=True)
+class BoundedFrameOptions(Bounds, FrameOptions):
+    """Options of the command that renders films of scenes, which may be of strangers."""
 
 
 @dataclass

@@ -33,17 +33,24 @@ class FileKind:
     Attributes:
         name: with its article, for messages.
         max_bytes: size of the largest file that is read.
+        untrusted_bytes: the same of a file that an untrusted scene names; `max_bytes` by default.
     """
 
     name: str
     max_bytes: int
+    untrusted_bytes: int | None = None
+
+    def for_untrusted(self) -> FileKind:
+        """Return the kind with the limit of untrusted scenes."""
+        limit = self.max_bytes if self.untrusted_bytes is None else self.untrusted_bytes
+        return FileKind(f"{self.name} with --untrusted", limit)
 
 
-SOUNDFONT = FileKind("a SoundFont", 2 * 2**30)
-PANORAMA = FileKind("a panorama", 2 * 2**30)
-HEIGHT_MAP = FileKind("a height map", 128 * 2**20)
-TERRAIN_MESH = FileKind("the mesh of a terrain", 2**30)
-BODY_MESH = FileKind("the mesh of a body", 256 * 2**20)
+SOUNDFONT = FileKind("a SoundFont", 2 * 2**30, 256 * 2**20)
+PANORAMA = FileKind("a panorama", 2 * 2**30, 128 * 2**20)
+HEIGHT_MAP = FileKind("a height map", 128 * 2**20, 32 * 2**20)
+TERRAIN_MESH = FileKind("the mesh of a terrain", 2**30, 128 * 2**20)
+BODY_MESH = FileKind("the mesh of a body", 256 * 2**20, 32 * 2**20)
 
 
 @contextmanager

@@ -44,6 +44,12 @@ def join_inventories(inventories: Iterable[Inventory]) -> Inventory:
     channels, parts, scaled, solids = list[Channel](), list[Part](), list[int](), list[Obstacle]()
     for own in inventories:
         first = len(nodes)
+        if not (nodes or meshes or looks):
+            # Those of the first keep their numbers, and there may be 100,000 of them.
+            nodes, meshes, looks = [*own.nodes], [*own.meshes], [*own.looks]
+            channels, parts, scaled = [*own.channels], [*own.parts], [*own.scaled]
+            solids = [*own.solids]
+            continue
         parts += [
             replace(part, mesh=part.mesh + len(meshes), look=shifted_look(part, len(looks)))
             for part in own.parts

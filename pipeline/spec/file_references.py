@@ -9,11 +9,15 @@ import logging
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline.errors import FilmingError, Problem
+from pipeline.foreign_files.confinement import Confinement
 from pipeline.foreign_files.safe_file import (
     BODY_MESH,
     HEIGHT_MAP,
+    PANORAMA,
+    SOUNDFONT,
     TERRAIN_MESH,
     FileKind,
     ForeignFileError,
@@ -30,6 +34,9 @@ from pipeline.spec.yaml_tree import (
     with_node,
 )
 
+if TYPE_CHECKING:
+    from pipeline.spec.scene import Scene
+
 Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
 """Takes a file and the name that the author gave it; returns its error, None if it has none."""
@@ -41,20 +48,21 @@ LOG = logging.getLogger("pronk")
 
 
 def complete_file_names(
-    scene: MappingNode, folder: Path | None
+    scene: MappingNode, folder: Path | None, confinement: Confinement | None = None
 ) -> tuple[MappingNode, list[Problem]]:
     """Replace the file names in a scene by absolute ones.
 
     Args:
         scene: what the file of the scene holds.
         folder: its folder, None where it has none.
+        confinement: of an untrusted scene; its names then lead to files without links.
 
     Returns:
         The scene, and the problems of the files.
     """
     problems: list[Problem] = []
     changed = scene
-    for path, file_fault in _file_keys(scene):
+    for path, kind, file_fault in _file_keys(scene):
         name = find_node(scene, path)
         if len(name.path) < len(path) or not isinstance(name.tree, ScalarNode):
             continue
@@ -62,27 +70,47 @@ def complete_file_names(
         if not (isinstance(text, str) and text):
             continue
         whole = ((folder or Path()) / text).absolute()
-        fault = file_fault(whole, text)
+        fault = None
+        if confinement is not None:
+            try:
+                whole = confinement.located(whole)
+                confinement.require(whole, kind)
+            except ForeignFileError as error:
+                fault = f"'{text}' {error}"
+        fault = fault or file_fault(whole, text)
         if fault is not None:
             problems.append(place.problem(path, fault))
         changed = with_node(changed, path, ScalarNode(place, str(whole)))
     return changed, problems
 
 
-def _file_keys(scene: MappingNode) -> Iterator[tuple[Steps, FileCheck]]:
-    """Yield the paths at which a scene may name files, with the check of each file."""
+def file_names(scene: Scene) -> Iterator[tuple[Steps, str]]:
+    """Yield where a scene names files, and the complete name of each."""
+    tree = scene.source_map.tree
+    if not isinstance(tree, MappingNode):
+        return
+    for path, _, _ in _file_keys(tree):
+        name = find_node(tree, path)
+        if len(name.path) == len(path) and isinstance(name.tree, ScalarNode):
+            yield path, str(name.tree.value)
+
+
+def _file_keys(scene: MappingNode) -> Iterator[tuple[Steps, FileKind, FileCheck]]:
+    """Yield the paths at which a scene may name files, with the kind and the check of each."""
     yield from _terrain_keys(scene.get("terrain"), ("terrain",))
     cast = scene.get("cast")
     for i, member in enumerate(cast.items if isinstance(cast, ListNode) else ()):
         if isinstance(member, MappingNode):
             is_many = isinstance(member.get("many"), MappingNode)
             body: Steps = ("many", "of") if is_many else ("body",)
-            yield ("cast", i, *body, "file"), partial(_file_fault, BODY_MESH)
-    yield ("sound", "soundfont"), _soundfont_fault
-    yield ("light", "hdr", "file"), _panorama_fault
+            yield ("cast", i, *body, "file"), BODY_MESH, partial(_file_fault, BODY_MESH)
+    yield ("sound", "soundfont"), SOUNDFONT, _soundfont_fault
+    yield ("light", "hdr", "file"), PANORAMA, _panorama_fault
 
 
-def _terrain_keys(terrain: SourceNode | None, path: Steps) -> Iterator[tuple[Steps, FileCheck]]:
+def _terrain_keys(
+    terrain: SourceNode | None, path: Steps
+) -> Iterator[tuple[Steps, FileKind, FileCheck]]:
     if not isinstance(terrain, MappingNode):
         return
     terms = terrain.get("of")
@@ -94,7 +122,7 @@ def _terrain_keys(terrain: SourceNode | None, path: Steps) -> Iterator[tuple[Ste
     if isinstance(kind, ScalarNode) and isinstance(kind.value, str):
         file_kind = TERRAIN_FILE_KINDS.get(kind.value)
         if file_kind is not None:
-            yield (*path, "file"), partial(_file_fault, file_kind)
+            yield (*path, "file"), file_kind, partial(_file_fault, file_kind)
 
 
 def _file_fault(kind: FileKind, path: Path, name: str) -> str | None:

@@ -11,6 +11,8 @@ from typing import Any, Literal
 from pydantic import Field
 
 from pipeline.errors import Problem
+from pipeline.foreign_files.confinement import Confinement
+from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
 from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
@@ -117,12 +119,14 @@ class LibrarySearch:
     Attributes:
         beside: folder of the scene, None where it has none.
         scene_file: name of the file of the scene.
+        confinement: of an untrusted scene.
         problems: of the entries and their names.
         files: names of the files that were read, in this order.
     """
 
     beside: Path | None
     scene_file: str
+    confinement: Confinement | None = None
     problems: list[Problem] = field(default_factory=list)
     files: list[str] = field(default_factory=list)
     _trees: dict[Path, tuple[MappingNode | None, list[Problem]]] = field(default_factory=dict)
@@ -146,10 +150,8 @@ class LibrarySearch:
         names_by_file: dict[Path, str] = {}
         for path, name, place in references:
             if name not in entries.entries and re.fullmatch(NAME_PATTERN, name):
-                file = self._file_of(name, block)
-                if file is None:
-                    self._report(path, name, place, entries, block)
-                else:
+                file = self._file_called(path, name, place, entries, block)
+                if file is not None:
                     names_by_file[file.resolve()] = name
                 entries = self._with_file(entries, name, file, block)
         # Files come after all names, none of which they may take.
@@ -173,13 +175,40 @@ class LibrarySearch:
         found = tree_of(block.stand_in) if file is None else self._entry(file, block)
         return entries.with_entry(name, found.place, found)
 
+    def _file_called(
+        self,
+        path: Steps,
+        name: str,
+        place: SourceLocation,
+        entries: MappingNode,
+        block: LibraryBlock,
+    ) -> Path | None:
+        """Return the file of a name in the scene; that there is none becomes a problem."""
+        try:
+            file = self._file_of(name, block)
+        except ForeignFileError as error:
+            self.problems.append(place.problem(path, f"'{name}' {error}"))
+            return None
+        if file is None:
+            self._report(path, name, place, entries, block)
+        return file
+
     def _file_of(self, name: str, block: LibraryBlock) -> Path | None:
-        """Return the file of a name, None where there is none."""
+        """Return the file of a name, None where there is none.
+
+        Raises:
+            ForeignFileError: the scene is untrusted, and the file leads out of its folder.
+        """
         folders = [library() / block.block]
         if self.beside is not None:
             folders = [self.beside, self.beside / block.block, *folders]
         for path in (folder / (name + SUFFIX) for folder in folders):
-            if not is_file(path) or str(path) == self.scene_file:
+            if str(path) == self.scene_file:
+                continue
+            # The library is not the author's.
+            if self.confinement is not None and path.parent != folders[-1]:
+                path = self.confinement.located(path)
+            if not is_file(path):
                 continue
             tree, _ = self._read(path)
             # A scene may be called like the figure or the dance in it.
@@ -191,9 +220,14 @@ class LibrarySearch:
         self, path: Steps, text: str, place: SourceLocation, block: LibraryBlock
     ) -> Path | None:
         """Return the file that a path in the scene leads to; what is wrong becomes a problem."""
-        file = existing_file(self.beside or Path(), text)
+        folder = self.beside or Path()
+        try:
+            file = existing_file(folder, text, self.confinement)
+        except ForeignFileError as error:
+            self.problems.append(place.problem(path, f"'{text}' {error}"))
+            return None
         if file is None:
-            message = missing_file_message(self.beside or Path(), text)
+            message = missing_file_message(folder, text)
         elif (tree := self._read(file)[0]) is not None and block.key not in tree.entries:
             message = f"'{text}' holds no {block.key}; it lacks the key '{block.key}'"
         else:
@@ -227,7 +261,7 @@ class LibrarySearch:
         own = {*entries.entries}
         searched = "this file, the library"
         if self.beside is not None:
-            own |= {*files_beside(self.beside, block.block, block.key)}
+            own |= {*files_beside(self.beside, block.block, block.key, self.confinement)}
             files = f"{name}{SUFFIX} and {block.block}/{name}{SUFFIX}"
             searched = f"this file, {files} beside it, the library"
         shipped = names_in(library() / block.block)

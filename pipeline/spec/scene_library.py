@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from pipeline.errors import UsageError
+from pipeline.foreign_files.confinement import Confinement
 from pipeline.spec.suggestions import close_names, hint, joined_choices
 from pipeline.spec.yaml_reader import read_file
 from pipeline.terminal_text import escaped_line
@@ -44,17 +45,24 @@ def names_in(folder: Path) -> list[str]:
         return []
 
 
-def files_beside(folder: Path, block: str, key: str) -> dict[str, Path]:
+def files_beside(
+    folder: Path, block: str, key: str, confinement: Confinement | None = None
+) -> dict[str, Path]:
     """Return the files of figures or dances that a scene in a folder finds beside it, by name.
 
     Args:
         folder: of the scene.
         block: `figures` or `dances`: the folder beside the scene.
         key: of the entry in a file, `figure` or `dance`.
+        confinement: of an untrusted scene, without which no file is read.
     """
     files = {name: folder / block / (name + SUFFIX) for name in names_in(folder / block)}
+    if confinement is not None:
+        files = {name: path for name, path in files.items() if confinement.holds(path)}
     for name in names_in(folder):
         path = folder / (name + SUFFIX)
+        if confinement is not None and not confinement.holds(path):
+            continue
         tree, _ = read_file(path)
         if tree is not None and key in tree.entries:
             files[name] = path
@@ -81,12 +89,17 @@ def is_path(text: str) -> bool:
     return text.endswith(PATH_SUFFIXES) or "/" in text or "\\" in text
 
 
-def existing_file(folder: Path, text: str) -> Path | None:
+def existing_file(folder: Path, text: str, confinement: Confinement | None = None) -> Path | None:
     """Return the file that a path leads to from a folder, None where there is none.
 
     The suffix of scene files may be left out.
+
+    Raises:
+        ForeignFileError: the path leads out of the confinement.
     """
-    files = (folder / text, folder / (text + SUFFIX))
+    files = [folder / text, folder / (text + SUFFIX)]
+    if confinement is not None:
+        files = [confinement.located(file) for file in files]
     return next((file for file in files if is_file(file)), None)
 
 

@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.errors import Problem, SceneError, UsageError
+from pipeline.foreign_files.confinement import Confinement
+from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.spec.figure import Figure
 from pipeline.spec.file_references import complete_file_names
 from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, FigureFile, LibrarySearch
@@ -31,12 +33,13 @@ from pipeline.spec.yaml_tree import ListNode, MappingNode, ScalarNode, plain_val
 LOG = logging.getLogger("pronk")
 
 
-def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+def load_scene(path: str | Path, overrides: Sequence[str] = (), untrusted: bool = False) -> Scene:
     """Load a scene with all figures that its cast uses.
 
     Args:
         path: the file; `find_scene` finds it by name.
         overrides: `path=value` each, applied in this order before anything is validated.
+        untrusted: whether to refuse files outside of its folder, and large ones.
 
     Raises:
         UsageError: there is no such file.
@@ -44,8 +47,16 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(path)
     _require(path)
+    confinement = _confinement(path) if untrusted else None
     tree, problems = read_file(path)
-    return _scene(tree, problems, str(path), path.parent, overrides)
+    return _scene(tree, problems, str(path), path.parent, overrides, confinement)
+
+
+def _confinement(path: Path) -> Confinement:
+    try:
+        return Confinement.beside(path)
+    except ForeignFileError as error:
+        raise SceneError([Problem("", str(error), str(path))]) from None
 
 
 def read_scene(
@@ -155,6 +166,7 @@ def _scene(
     file: str,
     beside: Path | None,
     overrides: Sequence[str],
+    confinement: Confinement | None = None,
 ) -> Scene:
     """Return the checked scene of a tree.
 
@@ -164,6 +176,7 @@ def _scene(
         file: its name.
         beside: its folder, None where it has none.
         overrides: `path=value` each.
+        confinement: of an untrusted scene.
 
     Raises:
         SceneError: something is wrong; holds every problem found.
@@ -174,9 +187,9 @@ def _scene(
     tree, warnings, renamed_twice = rename_keys(tree)
     tree, wrong_overrides = override(tree, overrides)
     tree, more_warnings, _ = rename_keys(tree)
-    search = LibrarySearch(beside, file)
+    search = LibrarySearch(beside, file, confinement)
     tree = search.complete(search.complete(tree, FIGURE_BLOCK), DANCE_BLOCK)
-    tree, missing_files = complete_file_names(tree, beside)
+    tree, missing_files = complete_file_names(tree, beside, confinement)
     scene, invalid = check(Scene, tree)
     if scene is None:
         # The model checks what belongs together only when all else is right.

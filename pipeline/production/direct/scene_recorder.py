@@ -12,7 +12,8 @@ from pipeline.errors import StoreError, UsageError
 from pipeline.production.run import production
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs, opened
-from pipeline.production.run.progress import LogReporter, Reporter
+from pipeline.production.run.progress import Reporter
+from pipeline.production.run.reporters import LogReporter
 from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take

@@ -27,6 +27,7 @@ from pipeline.production.direct.message_stream import (
     socket_writer,
 )
 from pipeline.production.run.outputs import Outputs
+from pipeline.text_stream import print_text
 
 Announce = Callable[[str], None]
 Transport = Callable[[Announce], AbstractContextManager[MessageStream]]
@@ -39,7 +40,12 @@ BACKLOG = 128
 
 
 def transport_for(
-    path: Path | None, number: int | None, host: str, token_file: Path | None, outputs: Outputs
+    path: Path | None,
+    number: int | None,
+    host: str,
+    token_file: Path | None,
+    outputs: Outputs,
+    quiet: bool = False,
 ) -> Transport:
     """Return the transport for these options, by default standard input and output.
 
@@ -49,6 +55,8 @@ def transport_for(
         host: address of the port.
         token_file: for the port's token; None for a file among the outputs.
         outputs: of the directed scene.
+        quiet: whether only errors are reported, and the address of a free port, which nothing else
+            tells.
 
     Raises:
         UsageError: the options contradict each other, or the socket is occupied.
@@ -63,7 +71,12 @@ def transport_for(
         return local_socket(path)
     if number is None:
         return standard_streams
-    return tcp_port(number, host, token_file or outputs.token)
+    announce_address = _print_address if quiet and number == 0 else None
+    return tcp_port(number, host, token_file or outputs.token, announce_address)
+
+
+def _print_address(text: str) -> None:
+    print_text(sys.stderr, text)
 
 
 @contextmanager
@@ -116,11 +129,19 @@ def local_socket(path: Path) -> Transport:
     return transport
 
 
-def tcp_port(number: int, host: str, token_file: Path) -> Transport:
+def tcp_port(
+    number: int, host: str, token_file: Path, announce_address: Announce | None = None
+) -> Transport:
     """Return the transport over a TCP port; 0 takes a free one and announces it.
 
     The first line of the program that connects has to hold the token, which is in `token_file`
     while the port waits.
+
+    Args:
+        number: of the port.
+        host: its address.
+        token_file: for the token.
+        announce_address: announces the address, None to announce it as all else.
     """
 
     @contextmanager
@@ -135,7 +156,8 @@ def tcp_port(number: int, host: str, token_file: Path) -> Transport:
                 raise StoreError(f"{host}:{number}: cannot be listened at ({reason})") from error
             with token_in(token_file) as token:
                 listener.listen(BACKLOG)
-                _announce_port(listener, token, token_file, announce)
+                _announce_token(listener, token, token_file, announce)
+                (announce_address or announce)(f"waiting at {_place(listener)}")
                 director = Admission(listener, token, announce).director()
         # A director whose machine has failed says no goodbye.
         director[0].setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
@@ -145,14 +167,17 @@ def tcp_port(number: int, host: str, token_file: Path) -> Transport:
     return transport
 
 
-def _announce_port(
+def _announce_token(
     listener: socket.socket, token: str, token_file: Path, announce: Announce
 ) -> None:
-    place = "{}:{}".format(*listener.getsockname()[:2])
+    place = _place(listener)
     if not ipaddress.ip_address(listener.getsockname()[0]).is_loopback:
         announce(f"note: {place} is open to other machines; the token crosses the network as it is")
     announce(f"token {token} (in {token_file})")
-    announce(f"waiting at {place}")
+
+
+def _place(listener: socket.socket) -> str:
+    return "{}:{}".format(*listener.getsockname()[:2])
 
 
 def _address(host: str, number: int) -> tuple[socket.AddressFamily, tuple[str, int]]:

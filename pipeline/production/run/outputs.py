@@ -15,6 +15,7 @@ from typing import IO
 
 from pipeline.atomic_file import make_folder, remove
 from pipeline.errors import StoreError
+from pipeline.foreign_files.confinement import link_out_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +99,29 @@ class Outputs:
         return self.folder / "manifest.json"
 
 
+def refuse_links(outputs: Outputs, scene_folder: Path) -> None:
+    """Refuse outputs that links lead elsewhere: the author of a scene may have put them there.
+
+    A link on the way to the outputs is right unless it lies in the folder of the scene.
+
+    Raises:
+        StoreError: there is such a link.
+    """
+    home = Path(os.path.realpath(scene_folder))
+    above = Path(os.path.abspath(outputs.folder)).parents
+    on_the_way = (
+        folder
+        for folder in above
+        if folder.is_symlink() and Path(os.path.realpath(folder.parent)).is_relative_to(home)
+    )
+    link = next(on_the_way, None) or link_out_of(outputs.folder)
+    if link is not None:
+        raise StoreError(
+            f"{link}: is a link that leads elsewhere, which --untrusted refuses; remove it, or "
+            "choose another place with --out"
+        )
+
+
 @contextlib.contextmanager
 def opened(outputs: Outputs) -> Iterator[None]:
     """Make the folder of `outputs`, lock it, and remove unfinished files of earlier runs.
@@ -112,6 +136,8 @@ def opened(outputs: Outputs) -> Iterator[None]:
         try:
             make_folder(outputs.frames)
             stack.enter_context(locked(outputs, (outputs.frames, outputs.folder, *missing)))
+            # A run that ended meanwhile has removed the folder if it was empty.
+            make_folder(outputs.frames)
             _clear(outputs)
         except OSError as error:
             reason = error.strerror or str(error)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,7 +168,7 @@ def creature_solids(
                 piece.vertices,
                 piece.solid.faces,
                 np.full((count, 2), first + piece.link, dtype=np.int32),
-                np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
+                _rigid_weights(count),
             )
         )
         number, life = mesh + len(meshes) - 1, (0, rows)
@@ -174,6 +176,14 @@ def creature_solids(
         part = Part(f"{name}.{piece.name}", name, number, material_name, piece.size, life)
         parts.append(part)
     return meshes, parts
+
+
+@lru_cache
+def _rigid_weights(count: int) -> NDArray[np.float32]:
+    """Return the weights (count, 2) of vertices that follow one node, shared by all meshes."""
+    weights = np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1))
+    weights.flags.writeable = False
+    return weights
 
 
 def assign_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
@@ -191,15 +201,25 @@ def creature_skins(figure: Figure, first: int) -> list[Mesh]:
         figure: of the creature.
         first: number of its first node.
     """
-    return [
-        Mesh(
-            skin.vertices.astype(np.float32),
-            skin.faces,
-            (skin.links + first).astype(np.int32),
-            np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
+    return [replace(mesh, nodes=mesh.nodes + np.int32(first)) for mesh in _skin_meshes(figure)]
+
+
+_SKIN_MESHES: WeakKeyDictionary[Figure, tuple[Mesh, ...]] = WeakKeyDictionary()
+
+
+def _skin_meshes(figure: Figure) -> tuple[Mesh, ...]:
+    """Return the render meshes of a figure whose first node has the number 0."""
+    if figure not in _SKIN_MESHES:
+        _SKIN_MESHES[figure] = tuple(
+            Mesh(
+                skin.vertices.astype(np.float32),
+                skin.faces,
+                skin.links.astype(np.int32),
+                np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
+            )
+            for skin in figure_skin(figure).skins.values()
         )
-        for skin in figure_skin(figure).skins.values()
-    ]
+    return _SKIN_MESHES[figure]
 
 
 # --- mechanisms and legs --------------------------------------------------------------

@@ -93,8 +93,7 @@ class _PushTracker:
 
     def __init__(self, sources: SoundSources, body: RigidPart, config: Boing) -> None:
         self.body, self._dt = body, sources.dt
-        own = [i for i, node in enumerate(sources.nodes) if node.performer == body.performer]
-        self._nodes = np.array(own, dtype=np.int64)
+        self._nodes = np.array(sources.nodes_by_performer[body.performer], dtype=np.int64)
         self._above, self._pause = config.above, config.pause / self._dt
         self._min_flight = max(round(MIN_FLIGHT / self._dt), 1)
         self._top: _BodyState | None = None

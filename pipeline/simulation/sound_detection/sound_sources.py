@@ -94,12 +94,24 @@ class SoundSources:
 
     def channel(self, name: str) -> int | None:
         """Return the index of a channel, None if there is none."""
-        indices = (i for i, channel in enumerate(self.channels) if channel.name == name)
-        return next(indices, None)
+        return self._channel_numbers.get(name)
 
     def root(self, performer: str) -> int:
         """Return the index of the first node of a performer."""
-        return next(i for i, node in enumerate(self.nodes) if node.performer == performer)
+        return self.nodes_by_performer[performer][0]
+
+    @cached_property
+    def nodes_by_performer(self) -> Mapping[str, Sequence[int]]:
+        """Indices of the nodes of each performer, in their order."""
+        found = dict[str, list[int]]()
+        for i, node in enumerate(self.nodes):
+            found.setdefault(node.performer, []).append(i)
+        return found
+
+    @cached_property
+    def _channel_numbers(self) -> Mapping[str, int]:
+        # Of channels with one name the first counts.
+        return {self.channels[i].name: i for i in reversed(range(len(self.channels)))}
 
     @cached_property
     def flying(self) -> tuple[RigidPart, ...]:

@@ -11,7 +11,7 @@ Source: Sims 1987, 8.2.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from pipeline.simulation.terrain.generators import GENERATORS, below
 from pipeline.simulation.terrain.heightfield import HeightField, surface_of
 from pipeline.spec.model_base import WORLD_LIMIT
 from pipeline.spec.terrain.base import TerrainConfig
+
+ROWS_AT_ONCE = 128
+"""Rows of cells whose slopes are computed together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +101,15 @@ def forbidden_cells(
         foot_radius: how far downhill of them it is still forbidden [m].
     """
     limit = math.tan(unsteppable_slope) ** 2
-    facets = [(x, z, _sum_of_squares(x, z) >= limit) for x, z in field.facets]
-    zones: NDArray[np.bool_] = np.logical_or.reduce([steep for _, _, steep in facets])
+    zones = np.zeros(field.cells[::-1], dtype=bool)
+    facets = [_SteepFacets() for _ in field.facets_of(slice(0, 1))]
+    # Some rows at a time: of large ground each array takes hundreds of megabytes.
+    for first in range(0, len(zones), ROWS_AT_ONCE):
+        rows = slice(first, min(first + ROWS_AT_ONCE, len(zones)))
+        for facet, (x, z) in zip(facets, field.facets_of(rows), strict=True):
+            steep = np.flatnonzero(_sum_of_squares(x, z) >= limit)
+            zones[rows].ravel()[steep] = True
+            facet.add(rows.start * zones.shape[1] + steep, x.ravel()[steep], z.ravel()[steep])
     if foot_radius == 0.0 or not zones.any():
         return zones
     near = _near(field.cell, foot_radius)
@@ -107,10 +117,28 @@ def forbidden_cells(
     # With a margin around it no neighbour needs to be looked for.
     wide = np.pad(zones, margin)
     # The triangles of a cell may fall to different sides.
-    for along_x, along_z, steep in facets:
-        source = np.flatnonzero(np.pad(steep, margin))
-        _mark_downhill(wide, source, (along_x[steep], along_z[steep]), field.cell, near)
+    for facet in facets:
+        cells, along_x, along_z = facet.joined()
+        row, column = np.divmod(cells, zones.shape[1])
+        source = (row + margin) * wide.shape[1] + column + margin
+        _mark_downhill(wide, source, (along_x, along_z), field.cell, near)
     return np.ascontiguousarray(wide[margin:-margin, margin:-margin]) if margin else zones
+
+
+@dataclass(slots=True)
+class _SteepFacets:
+    """Those of one triangle of each cell that cannot be stepped on, collected part by part."""
+
+    _parts: list[tuple[NDArray[np.int64], Array, Array]] = field(default_factory=list)
+
+    def add(self, cells: NDArray[np.int64], along_x: Array, along_z: Array) -> None:
+        """Add cells, as places in the ravelled grid, and their rises (n,), in order."""
+        self._parts.append((cells, along_x, along_z))
+
+    def joined(self) -> tuple[NDArray[np.int64], Array, Array]:
+        """Return the cells and rises (n,) of all parts."""
+        cells, along_x, along_z = zip(*self._parts, strict=True)
+        return np.concatenate(cells), np.concatenate(along_x), np.concatenate(along_z)
 
 
 def _sum_of_squares(x: Array, z: Array) -> Array:

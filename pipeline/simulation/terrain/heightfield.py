@@ -231,17 +231,26 @@ class HeightField:
         a = (np.arange(n_z)[:, None] * (n_x + 1) + np.arange(n_x)).ravel()
         return a, a + 1, a + n_x + 1, a + n_x + 2
 
-    @property
-    def _rises(self) -> tuple[Array, Array]:
-        """Rise per metre along x (n_z + 1, n_x) and z (n_z, n_x + 1) of the edges of cells."""
-        return np.diff(self.heights, axis=1) / self.cell[0], (
-            np.diff(self.heights, axis=0) / self.cell[1]
-        )
+    def _rises(self, rows: slice) -> tuple[Array, Array]:
+        """Return the rise per metre along x (n + 1, n_x) and z (n, n_x + 1) of edges of cells."""
+        heights = self.heights[rows.start : rows.stop + 1]
+        return np.diff(heights, axis=1) / self.cell[0], np.diff(heights, axis=0) / self.cell[1]
 
     @property
     def facets(self) -> tuple[tuple[Array, Array], ...]:
         """Rise along x and z (n_z, n_x) of each triangle of the cells, in the grid's frame."""
-        x, z = self._rises
+        return self.facets_of(slice(0, self.cells[1]))
+
+    def facets_of(self, rows: slice) -> tuple[tuple[Array, Array], ...]:
+        """Return the rise along x and z (n, n_x) of each triangle of the cells of some rows.
+
+        Args:
+            rows: with a start and a stop.
+
+        Returns:
+            In the grid's frame.
+        """
+        x, z = self._rises(rows)
         return (x[:-1], z[:, 1:]), (x[1:], z[:, :-1])
 
 
@@ -290,10 +299,9 @@ class QuadField(HeightField):
         triangles = np.stack([b, a, m, d, b, m, c, d, m, a, c, m], axis=-1).reshape(-1, 3)
         return triangles.astype(np.uint32)
 
-    @property
-    def facets(self) -> tuple[tuple[Array, Array], ...]:
-        """Rise along x and z (n_z, n_x) of each triangle of the cells, in the grid's frame."""
-        x, z = self._rises
+    def facets_of(self, rows: slice) -> tuple[tuple[Array, Array], ...]:
+        """See `HeightField.facets_of`."""
+        x, z = self._rises(rows)
         mean_x, mean_z = 0.5 * (x[:-1] + x[1:]), 0.5 * (z[:, :-1] + z[:, 1:])
         return (x[:-1], mean_z), (mean_x, z[:, 1:]), (x[1:], mean_z), (mean_x, z[:, :-1])
 

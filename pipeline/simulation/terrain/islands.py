@@ -12,6 +12,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import label
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.ground import Ground
@@ -29,6 +32,7 @@ class Islands:
 
     def __init__(self, ground: Ground) -> None:
         self.ground = ground
+        self._reached: dict[tuple[int, float, float], NDArray[np.bool_]] = {}
 
     @cached_property
     def of_cells(self) -> NDArray[np.int64]:
@@ -55,20 +59,15 @@ class Islands:
             gap: widest [m].
             rise: greatest, up or down [m].
         """
-        labels = self.of_cells
-        free: NDArray[np.bool_] = labels >= 0
+        free = ~self.ground.forbidden
         if free.all() or not free.any():
             return free
-        found = np.zeros(int(labels.max()) + 1, dtype=bool)
-        found[self._begin(start, around)] = True
-        pairs = self._pairs(gap, rise)
-        while True:
-            a, b = found[pairs[:, 0]], found[pairs[:, 1]]
-            fresh = np.concatenate([pairs[a & ~b, 1], pairs[b & ~a, 0]])
-            if not len(fresh):
-                break
-            found[fresh] = True
-        return free & found[np.maximum(labels, 0)]
+        key = self._begin(start, around), gap, rise
+        if key not in self._reached:
+            joined = self._joined(gap, rise)
+            found = joined == joined[key[0]]
+            self._reached[key] = free & found[np.maximum(self.of_cells, 0)]
+        return self._reached[key]
 
     def _begin(self, start: Array, around: float) -> int:
         """Return the island that most of the ground around `start` belongs to."""
@@ -81,8 +80,8 @@ class Islands:
         # On forbidden ground all round, any: nobody can stand there, and the feet will say so.
         return int(np.bincount(here if len(here) else labels[labels >= 0]).argmax())
 
-    def _pairs(self, gap: float, rise: float) -> NDArray[np.int64]:
-        """Return pairs (n, 2) of islands between which steps lead."""
+    def _joined(self, gap: float, rise: float) -> NDArray[np.int32]:
+        """Return a number (n,) for each island, equal for those that steps connect."""
         labels, heights, shore = self.of_cells, self._heights, self._shore
         largest = np.bincount(labels[labels >= 0]).argmax()
         # Every pair is looked at from both sides: one of them is enough, and the largest
@@ -90,26 +89,36 @@ class Islands:
         shore = shore[labels[shore[:, 0], shore[:, 1]] != largest]
         side = min(self.ground.field.cell)
         offsets = _offsets(self.ground.field.cell, gap + 2.0 * side)
+        many = int(labels.max()) + 1
+        joined = np.arange(many, dtype=np.int32)
         # With a wide edge that is no island, one number says where a cell is.
         edge = int(np.abs(offsets).max(initial=0))
-        wide = np.pad(labels, edge, constant_values=-1).ravel()
+        wide = np.pad(labels.astype(np.int32), edge, constant_values=-1).ravel()
         tall = np.pad(heights, edge).ravel()
         width = labels.shape[1] + 2 * edge
         here = (shore[:, 0] + edge) * width + shore[:, 1] + edge
         own = wide[here]
-        found = [np.empty((0, 2), dtype=np.int64)]
         for j, i in offsets:
             there = here + (j * width + i)
             other = wide.take(there)
             leads = np.flatnonzero((other >= 0) & (other != own))
-            low = np.abs(tall[there[leads]] - tall[here[leads]]) <= rise
-            leads = leads[low]
-            found.append(np.stack([own[leads], other[leads]], axis=-1))
-        pairs = np.concatenate(found)
-        # As one number each, which sorts faster than rows do.
-        many = int(labels.max()) + 1
-        once = np.unique(pairs[:, 0] * many + pairs[:, 1])
-        return np.stack([once // many, once % many], axis=-1)
+            # Those that are connected already need no second step.
+            a, b = joined[own[leads]], joined[other[leads]]
+            leads = leads[a != b]
+            leads = leads[np.abs(tall[there[leads]] - tall[here[leads]]) <= rise]
+            if len(leads):
+                joined = _merged(joined, joined[own[leads]], joined[other[leads]])
+        return joined
+
+
+def _merged(
+    joined: NDArray[np.int32], a: NDArray[np.int32], b: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Return numbers of groups of which `a` and `b` (n,) are the same, pair by pair."""
+    many = int(joined.max()) + 1
+    steps = coo_array((np.ones(len(a), dtype=bool), (a, b)), shape=(many, many))
+    _, group = connected_components(steps, directed=False)
+    return group.astype(np.int32)[joined]
 
 
 def cell_heights(ground: Ground) -> Array:
@@ -121,26 +130,12 @@ def cell_heights(ground: Ground) -> Array:
 def labelled(free: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Number the pieces (n_z, n_x) that cells which share a side make; -1 where not `free`.
 
-    Cells of a row that follow one another are a run; runs of neighbouring rows that touch
-    are joined until every piece has the least number of its runs.
+    They are numbered in the order of their first cells.
     """
-    begins = free.copy()
-    begins[:, 1:] &= ~free[:, :-1]
-    run = np.cumsum(begins).reshape(free.shape) - 1
-    touch = free[:-1] & free[1:]
-    a, b = run[:-1][touch], run[1:][touch]
-    roots = np.arange(int(begins.sum()))
-    while len(a):
-        low, high = np.minimum(roots[a], roots[b]), np.maximum(roots[a], roots[b])
-        apart = low != high
-        if not apart.any():
-            break
-        a, b = a[apart], b[apart]
-        np.minimum.at(roots, high[apart], low[apart])
-        while (roots[roots] != roots).any():
-            roots = roots[roots]
-    _, number = np.unique(roots, return_inverse=True)
-    return np.where(free, number[np.maximum(run, 0)] if len(number) else -1, -1)
+    numbers = np.empty(free.shape, dtype=np.int64)
+    label(free, output=numbers)
+    numbers -= 1
+    return numbers
 
 
 def _offsets(cell: tuple[float, float], gap: float) -> list[tuple[int, int]]:

@@ -68,9 +68,11 @@ def _noise(terrain: GridTerrain, rng: np.random.Generator) -> tuple[Array, Array
     n_x, n_z = _domain(terrain)
     k_x = np.fft.rfftfreq(n_x, terrain.size[0] / terrain.cells[0])
     k_z = np.fft.fftfreq(n_z, terrain.size[1] / terrain.cells[1])
-    k = np.hypot(*np.meshgrid(k_x, k_z))
-    noise = rng.standard_normal((2, n_z, n_x // 2 + 1))
-    spectrum = noise[0] + 1j * noise[1]
+    k = np.hypot(k_x, k_z[:, None])
+    # Part by part: of large ground each array takes hundreds of megabytes.
+    spectrum = np.empty((n_z, n_x // 2 + 1), dtype=complex)
+    spectrum.real = rng.standard_normal(spectrum.shape)
+    spectrum.imag = rng.standard_normal(spectrum.shape)
     spectrum[0, 0] = 0.0
     return k, spectrum
 
@@ -81,9 +83,10 @@ def _domain(terrain: GridTerrain) -> tuple[int, int]:
 
 
 def _to_heights(spectrum: Array, terrain: GridTerrain) -> Array:
-    n_x, n_z = _domain(terrain)
-    whole = np.fft.irfft2(spectrum, s=(n_z, n_x))
-    return np.ascontiguousarray(whole[: terrain.cells[1] + 1, : terrain.cells[0] + 1])
+    n_x, _ = _domain(terrain)
+    # Axis by axis, as `irfft2` does; rows beyond the ground are not needed.
+    rows = np.fft.ifft(spectrum, axis=0)[: terrain.cells[1] + 1]
+    return np.ascontiguousarray(np.fft.irfft(rows, n_x)[:, : terrain.cells[0] + 1])
 
 
 def _spanning(heights: Array, height: float) -> Array:

@@ -8,7 +8,9 @@ import json
 import os
 import socket
 import stat
+import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -58,6 +60,34 @@ def test_a_port_is_open_to_this_machine_alone_and_to_one_program(tmp_path: Path)
     kept = directed(port_in(tmp_path), tmp_path, client)
     assert seen == [8, "shut", 2, LOOPBACK]
     assert kept.frames == 2
+
+
+@pytest.mark.parametrize(("number", "told"), [(0, ["waiting at 127.0.0.1:"]), (None, [])])
+def test_a_quiet_session_tells_the_address_of_a_free_port_alone(
+    number: int | None, told: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with socket.create_server((LOOPBACK, 0)) as free:
+        known = free.getsockname()[1]
+    errors, token = io.StringIO(), tmp_path / "token"
+    monkeypatch.setattr(sys, "stderr", errors)
+    said: list[str] = []
+    port = known if number is None else number
+    transport = transport_for(None, port, LOOPBACK, token, OUTPUTS, quiet=True)
+
+    def direct_it() -> None:
+        while not token.exists() or (number == 0 and "\n" not in errors.getvalue()):
+            time.sleep(0.005)
+        address = errors.getvalue().strip().rpartition(":")[2] or str(known)
+        with contextlib.suppress(ConnectionRefusedError):
+            one = socket.create_connection((LOOPBACK, int(address)))
+            one.sendall(request("hello", 0, token=token.read_text().strip()) + b"\n")
+            one.close()
+
+    client = threading.Thread(target=direct_it)
+    client.start()
+    with transport(said.append):
+        client.join()
+    assert [line.rstrip("0123456789") for line in errors.getvalue().splitlines()] == told
 
 
 @pytest.mark.slow

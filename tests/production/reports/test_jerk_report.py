@@ -13,7 +13,7 @@ from pipeline.production.reports.jerk_fit import fit_jerk
 from pipeline.production.reports.jerk_report import report_jerk
 from pipeline.production.reports.jerk_trials import agreements, trials_of
 from pipeline.production.run.order import Order
-from pipeline.production.run.progress import reporter_for
+from pipeline.production.run.reporters import reporter_for
 from pipeline.simulation.dancers.paper_jerk import PAPER_JERK
 from pipeline.spec import read_scene
 

@@ -6,12 +6,8 @@ import io
 import json
 
 from pipeline.production.run.compile_progress import compile_progress
-from pipeline.production.run.progress import (
-    JsonReporter,
-    LogReporter,
-    TerminalReporter,
-    stage,
-)
+from pipeline.production.run.progress import stage
+from pipeline.production.run.reporters import JsonReporter, LogReporter, TerminalReporter
 from pipeline.simulation.compilation import CompilationObserver, observer
 from tests.production.run.conftest import Clock
 

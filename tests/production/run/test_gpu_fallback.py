@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import FilmingError
 from pipeline.production.run import workers
-from pipeline.production.run.progress import LogReporter
+from pipeline.production.run.reporters import LogReporter
 from pipeline.production.shots.frame_rendering import render_frames
 from render.backend import Backend
 from render.errors import DeviceMemoryShort, ShotError, device_memory_errors

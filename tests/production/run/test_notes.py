@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from pipeline.production.run.file_records import content_digest
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.notes import MAX_LINES, Note, read_notes, summary
 from pipeline.production.run.production import render
@@ -138,7 +139,10 @@ def test_strict_stops_after_the_simulation_and_leaves_earlier_outputs(
 ) -> None:
     (edge / "edge.yaml").write_text(EDGE.replace("[2.5, 2.5]", "[9, 9]").replace("at: 9", "at: 0"))
     assert pronk("simulate", "edge", "--strict")[0] == 0
-    files = {p: p.read_bytes() for p in (edge / "out").rglob("*") if p.is_file()}
+    manifest = edge / "out/edge/manifest.json"
+    entries = json.loads(manifest.read_text())
+    made = [p for p in (edge / "out").rglob("*") if p.is_file() and p != manifest]
+    files = {p: p.read_bytes() for p in made}
     (edge / "edge.yaml").write_text(EDGE)
     code, out, err = pronk(*command, "edge", "wide", "--strict", "--set", "seed=4", "-q")
     assert (code, out) == (1, "")
@@ -146,7 +150,10 @@ def test_strict_stops_after_the_simulation_and_leaves_earlier_outputs(
     assert "  bug.l1 stopped at 0.3 s: no foothold ahead" in err
     assert {p: p.read_bytes() for p in files} == files
     new = {path.name for path in (edge / "out/edge").iterdir()} - {path.name for path in files}
-    assert new == {"take.zarr", "take_refused.zarr"}
+    assert new == {"take.zarr", "take_refused.zarr", "manifest.json"}
+    after = json.loads(manifest.read_text())
+    after["files"].pop("take_refused.zarr")
+    assert {**after, "seal": ""} == {**entries, "seal": ""}
     assert (edge / "out/wide/take.zarr").exists()
 
 
@@ -155,13 +162,33 @@ def test_a_refused_take_is_not_simulated_again(pronk: Pronk, edge: Path) -> None
     for _ in range(2):
         code, _, err = pronk("simulate", "edge", "--strict")
         assert code == 1
-        assert [path.name for path in made.iterdir()] == ["take_refused.zarr"]
+        assert {path.name for path in made.iterdir()} == {"take_refused.zarr", "manifest.json"}
+        record = json.loads((made / "manifest.json").read_text())["files"]["take_refused.zarr"]
+        assert record["digest"] == content_digest(made / "take_refused.zarr")
     assert "take is up to date" in err
     code, _, err = pronk("simulate", "edge")
     assert code == 0
     assert "take is up to date" in err
     names = {path.name for path in made.iterdir()}
     assert names == {"take.zarr", "events.csv", "events.jsonl", "manifest.json"}
+    files = json.loads((made / "manifest.json").read_text())["files"]
+    assert {*files} == names - {"manifest.json"}
+
+
+def test_a_damaged_refused_take_is_found_and_made_again(pronk: Pronk, edge: Path) -> None:
+    assert pronk("simulate", "edge", "--strict")[0] == 1
+    refused = edge / "out/edge/take_refused.zarr"
+    digest = content_digest(refused)
+    for path in refused.rglob("*"):
+        if path.is_file() and path.suffix != ".json":
+            path.write_bytes(path.read_bytes()[:-1] + b"x")
+    code, _, err = pronk("verify", "edge")
+    assert code == 1
+    assert "take_refused.zarr: is not as it was written" in err
+    code, _, err = pronk("simulate", "edge", "--strict")
+    assert code == 1
+    assert "; it is made again" in err
+    assert content_digest(refused) == digest
 
 
 def test_strict_refuses_a_stored_take_too(pronk: Pronk, edge: Path) -> None:

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 import symusic
 
+from pipeline.atomic_file import make_folder
+from pipeline.production.run import outputs as output_files
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
 from render.color import developed
@@ -294,3 +296,20 @@ def test_log_output_lists_the_stages(studio: Studio, pronk: Pronk) -> None:
     assert "render: 1 frame, " in err
     assert ", 7 kept (" in err
     assert "film: tiny.mp4 is up to date (" in err
+
+
+def test_the_frames_folder_is_there_though_a_run_that_ended_removed_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    outputs = output_files.Outputs(tmp_path / "scene", "scene")
+    made: list[Path] = []
+
+    def removed_by_another_run(folder: Path) -> None:
+        make_folder(folder)
+        if not made:
+            folder.rmdir()
+        made.append(folder)
+
+    monkeypatch.setattr(output_files, "make_folder", removed_by_another_run)
+    with output_files.opened(outputs):
+        assert outputs.frames.is_dir()

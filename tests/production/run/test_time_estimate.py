@@ -6,7 +6,8 @@ import io
 
 import pytest
 
-from pipeline.production.run.progress import LogReporter, Reporter, Stage
+from pipeline.production.run.progress import Reporter, Stage
+from pipeline.production.run.reporters import LogReporter
 from pipeline.production.run.time_estimate import TimeEstimate
 from tests.production.run.conftest import Clock
 

@@ -57,7 +57,7 @@ START = Rate((145 * MIB, 170 * MIB, 180 * MIB, 430 * MIB), (2.6, 2.9, 3.2, 11.0)
 COMPILED = Rate((105 * MIB,) * 4, (0.8,) * 4)
 """The compiled code that scenes with bodies and people load."""
 
-CELL = Rate((85.0, 145.0, 155.0, 540.0), (5e-7, 1e-6, 1.1e-6, 3.8e-6))
+CELL = Rate((85.0, 145.0, 155.0, 400.0), (5e-7, 1e-6, 1.1e-6, 5e-6))
 """A cell of the ground."""
 
 LINK = Rate((18e3, 74e3, 74e3, 131e3), (1.5e-4, 1.7e-4, 1.8e-4, 3e-4), (1.2e-4, 5.8e-4))

@@ -5,6 +5,8 @@ BIN    := $(VENV)/bin
 # What rendering needs, and the checks and tests besides.
 READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools
+# What the nightly tests of farms need: an engine for clusters, and a store to talk to.
+FARM   := $(VENV)/.farm
 # Stands while packages are being installed: one that was interrupted cannot be installed over.
 UNFINISHED := $(VENV)/.unfinished
 LOG    := $(VENV)/pip.log
@@ -27,8 +29,8 @@ test: ready-to-test
 fast: $(TOOLS)
 	$(BIN)/pytest -n $(WORKERS) -m "not slow and not nightly"
 
-test-all: ready-to-test
-	$(BIN)/pytest -n $(WORKERS) --hypothesis-profile=random
+test-all: ready-to-test $(FARM)
+	PRONK_FARM=1 $(BIN)/pytest -n $(WORKERS) --hypothesis-profile=random
 
 # Each of the two takes one processor.
 ready-to-test: $(TOOLS)
@@ -73,6 +75,12 @@ $(TOOLS): $(READY) requirements/dev.txt
 	@$(PIP) $(PINNED) -r requirements/dev.txt > $(LOG) 2>&1 || $(call FAILED,$(LOG))
 	@rm $(UNFINISHED) && touch $(READY) && touch $@
 
+$(FARM): $(TOOLS) requirements/farm.txt
+	@echo "adding what the tests of farms need to $(VENV), once"
+	@touch $(UNFINISHED) && rm $(READY) $(TOOLS)
+	@$(PIP) $(PINNED) -r requirements/farm.txt > $(LOG) 2>&1 || $(call FAILED,$(LOG))
+	@rm $(UNFINISHED) && touch $(READY) && touch $(TOOLS) && touch $@
+
 # Tools of maintainers have an environment of their own, apart from what is released.
 $(RELEASE)/.ready: requirements/release.txt
 	@echo "setting up $(RELEASE), once"
@@ -92,7 +100,8 @@ lock: $(RELEASE)/.ready
 	$(COMPILE) --group build -c requirements/runtime.txt -o requirements/build.txt
 	$(COMPILE) --group dev -c requirements/runtime.txt -c requirements/build.txt -o requirements/dev.txt
 	$(COMPILE) --group bench -c requirements/runtime.txt -c requirements/dev.txt -o requirements/bench.txt
-	$(COMPILE) --group release -c requirements/build.txt -c requirements/dev.txt -o requirements/release.txt
+	$(COMPILE) --group farm -c requirements/runtime.txt -c requirements/dev.txt -o requirements/farm.txt
+	$(COMPILE) --group release -c requirements/build.txt -c requirements/dev.txt -c requirements/farm.txt -o requirements/release.txt
 
 # The same sources give the same bytes; SOURCE_DATE_EPOCH, if it is set, dates the files.
 dist: $(RELEASE)/.ready

@@ -12,6 +12,7 @@ import typer
 
 from pipeline.commands import analysis, films, name_list, options, scene_files
 from pipeline.commands.direct import direct
+from pipeline.commands.farm import farm
 from pipeline.commands.golden import golden
 from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.commands.usage_errors import EscapingGroup
@@ -53,6 +54,7 @@ for command in (
 app.command("compile", cls=SuggestingCommand)(scene_files.compile_code)
 app.command("list", cls=SuggestingCommand)(name_list.list_names)
 app.add_typer(analysis.plots, name="plot")
+app.add_typer(farm, name="farm")
 app.add_typer(golden, name="golden")
 app.add_typer(analysis.reports, name="report")
 

@@ -212,6 +212,15 @@ def test_usage_errors_print_no_control_characters(
     assert re.search(r"\\x(1b|9b)", err)
 
 
+@pytest.mark.parametrize("command", ["list", "check"])
+def test_a_folder_of_goldens_that_no_system_allows_is_refused(
+    refused: Callable[..., str], command: str
+) -> None:
+    name = "x" * 300
+    told = refused(2, "golden", command, "--goldens", name)
+    assert told == f"error: --goldens {name}: cannot be read: File name too long\n"
+
+
 def test_check_summarises_valid_scenes(pronk: Pronk, folder: Path) -> None:
     code, out, err = pronk("check", "tiny", "tiny.yaml")
     assert (code, len(out.splitlines())) == (0, 2)

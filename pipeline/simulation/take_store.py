@@ -7,6 +7,7 @@ so that a long take needs no more memory than a short one.
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from typing import Any
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.core.sync import sync
+from zarr.storage import StoreLike
 
 from pipeline.errors import StoreError
 from pipeline.simulation.mechanism import Leg, Mechanism, NodeAlias
@@ -76,7 +79,18 @@ def write_take(take: Take, path: Path) -> None:
         }
         group.attrs.update(attributes)
     except OSError as error:
+        sync(_end_of_writes())
         raise StoreError(f"{path}: the take could not be written: {error.strerror}") from error
+
+
+async def _end_of_writes() -> None:
+    """Wait for what zarr still writes in threads of its own after one of several writes failed.
+
+    The caller may remove the folder then, or write it again.
+    """
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    if others:
+        await asyncio.wait(others)
 
 
 def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: int) -> None:
@@ -121,10 +135,51 @@ def read_take(path: Path) -> Take:
     return take
 
 
-def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
+def read_without_rows(source: StoreLike) -> Take:
+    """Reads all of a take but its rows, which are zeros until `read_rows` reads some.
+
+    Args:
+        source: of the take; chunks of rows need not be there.
+
+    Raises:
+        StoreError: it cannot be read.
+    """
+    try:
+        group = zarr.open_group(source, mode="r")
+        return _assemble(group, group.attrs.asdict(), with_rows=False)
+    except UNREADABLE as error:
+        raise StoreError(f"not a readable take ({error})") from error
+
+
+def read_rows(source: StoreLike, take: Take, rows: slice) -> None:
+    """Reads rows of a take into one of `read_without_rows`.
+
+    Args:
+        source: of the take, with the chunks of these rows; what is missing is read as zeros.
+        take: that is changed.
+        rows: first and last.
+
+    Raises:
+        StoreError: they cannot be read.
+    """
+    try:
+        group = zarr.open_group(source, mode="r")
+        for name in ROW_ARRAYS:
+            values, found = getattr(take, name), group[name]
+            assert isinstance(found, zarr.Array)
+            if values.size:
+                values[rows] = found[rows]
+    except UNREADABLE as error:
+        raise StoreError(f"not a readable take ({error})") from error
+
+
+def _assemble(group: zarr.Group, plain: dict[str, Any], with_rows: bool = True) -> Take:
     def array(name: str) -> NDArray[Any]:
         found = group[name]
         assert isinstance(found, zarr.Array)
+        if name in ROW_ARRAYS and not with_rows:
+            # Takes no memory before it is written to.
+            return np.zeros(found.shape, found.dtype)
         values = allocate_rows(found.shape, found.dtype)
         if values.size:
             for chunk in row_chunks(values, found.chunks[0]):

@@ -9,6 +9,7 @@ import logging
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pipeline.errors import FilmingError, Problem
 from pipeline.foreign_files.confinement import Confinement
@@ -32,6 +33,9 @@ from pipeline.spec.yaml_tree import (
     find_node,
     with_node,
 )
+
+if TYPE_CHECKING:
+    from pipeline.spec.scene import Scene
 
 Steps = tuple[PathSegment, ...]
 FileCheck = Callable[[Path, str], str | None]
@@ -78,6 +82,17 @@ def complete_file_names(
             problems.append(place.problem(path, fault))
         changed = with_node(changed, path, ScalarNode(place, str(whole)))
     return changed, problems
+
+
+def file_names(scene: Scene) -> Iterator[tuple[Steps, str]]:
+    """Yield where a scene names files, and the complete name of each."""
+    tree = scene.source_map.tree
+    if not isinstance(tree, MappingNode):
+        return
+    for path, _, _ in _file_keys(tree):
+        name = find_node(tree, path)
+        if len(name.path) == len(path) and isinstance(name.tree, ScalarNode):
+            yield path, str(name.tree.value)
 
 
 def _file_keys(scene: MappingNode) -> Iterator[tuple[Steps, FileKind, FileCheck]]:

@@ -2,9 +2,11 @@
 
     python -m tests.production.checking_process FOLDER FIRST LAST
 
-It prints a JSON line for each seed from the FIRST on and before the LAST: `seed`, `kind` ("right",
-"simulated", "refused", or "fault" for what is none of them), `text` and `seconds`. Its memory is
-bounded, and Python's warnings are faults.
+(One seed alone: its number and the next one. Its scene is then in FOLDER/scene.yaml.)
+
+When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST:
+`seed`, `kind` ("right", "simulated", "refused", or "fault" for what is none of them), `text` and
+`seconds`. Its memory is bounded, and Python's warnings are faults.
 """
 
 from __future__ import annotations
@@ -20,11 +22,11 @@ from pathlib import Path
 import yaml
 
 from pipeline.errors import PronkError, SceneError, SimulationError, located
-from pipeline.production.run.progress import LogReporter
+from pipeline.production.run.reporters import LogReporter
 from pipeline.production.run.scene_check import check_scene, figure_remarks
 from pipeline.spec import load_scene
 from pipeline.unexpected_error import MemoryShort, told_error
-from tests.production.fuzzing import hold_memory
+from tests.production.fuzzing import READY, hold_memory
 from tests.production.mutated_scenes import Corpus, mutated_scene
 
 SIMULATED = 10
@@ -55,6 +57,7 @@ def main() -> None:
     kind, text = outcome(file, True)
     assert kind == "simulated", text
     hold_memory(MEMORY)
+    print(json.dumps(READY), flush=True)  # noqa: T201 (the result)
     for seed in range(first, last):
         file.write_bytes(mutated_scene(corpus, seed))
         began = time.monotonic()

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -54,6 +58,33 @@ def test_a_written_take_is_read_again(take: Take, stored: Path) -> None:
         assert one.dtype == two.dtype
         assert one.tobytes() == two.tobytes()
     assert read_key(stored) == "a key"
+
+
+def test_nothing_is_written_any_more_after_a_write_failed(
+    take: Take, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Zarr writes several files at once, and goes on with the others when one fails."""
+    replace, link = Path.replace, os.link
+    failed, late = threading.Event(), list[object]()
+
+    def replace_or_fail(path: Path, target: Path) -> Path:
+        if target.parent.name == "positions":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return replace(path, target)
+
+    def link_slowly(path: Path, target: Path) -> None:
+        time.sleep(0.1)
+        if failed.is_set():
+            late.append(target)
+        link(path, target)
+
+    monkeypatch.setattr(Path, "replace", replace_or_fail)
+    monkeypatch.setattr(os, "link", link_slowly)
+    with pytest.raises(StoreError, match="could not be written: No space left"):
+        write_take(take, tmp_path / "take")
+    failed.set()
+    time.sleep(0.2)
+    assert not late
 
 
 def test_the_digest_depends_on_every_part(take: Take) -> None:

@@ -63,7 +63,7 @@ def lenses(
     radius = HALF_SENSOR / path.tangent / (2.0 * cut.aperture)
     # To a micrometre, like the camera path.
     return tuple(
-        Lens(round(r, 7), round(d, 6)) for r, d in zip(radius, focus.tolist(), strict=True)
+        Lens(float(round(r, 7)), round(d, 6)) for r, d in zip(radius, focus.tolist(), strict=True)
     )
 
 

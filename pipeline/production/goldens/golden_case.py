@@ -177,7 +177,17 @@ def cases_of(
 
 
 def goldens_in(folder: Path) -> list[GoldenFolder]:
-    """Return the goldens of a folder."""
+    """Return the goldens of a folder, none where there is no such folder.
+
+    Raises:
+        UsageError: no folder can be called so, or it cannot be read.
+    """
+    try:
+        folder.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as error:
+        raise UsageError(f"--goldens {folder}: cannot be read: {error.strerror}") from None
     return [GoldenFolder(path.parent) for path in sorted(folder.glob("[!.]*/golden.yaml"))]
 
 

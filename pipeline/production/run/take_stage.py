@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
 
 from pipeline.atomic_file import PARTIAL, remove, replace_folder
@@ -77,6 +78,35 @@ def store_take(run: SceneRun, take: Take) -> None:
     remove(run.outputs.refused_take)
     run.records.add(run.outputs.take, take.header.key)
     run.describe(take)
+
+
+def adopt_take(run: SceneRun, key: str, fetch: Callable[[Path], None]) -> Take:
+    """Return the take of a key that was simulated elsewhere, fetched only if it is not stored.
+
+    Args:
+        run: on the scene.
+        key: of the take.
+        fetch: writes the take into a new folder.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict.
+    """
+    run.notes = notes_after_end(run.order.scene)
+    take = _stored_take(run, key)
+    if take is None:
+        new = run.outputs.take.with_name(f".{run.outputs.take.name}{PARTIAL}")
+        remove(new)
+        fetch(new)
+        replace_folder(new, run.outputs.take)
+        take = read_take(run.outputs.take)
+        run.records.add(run.outputs.take, key)
+    else:
+        _accept_take(run, key)
+    remove(run.outputs.refused_take)
+    run.describe(take)
+    run.notes += take_notes(take, clock_of(run.order.scene))
+    run.refuse_notes()
+    return take
 
 
 def _write_take(take: Take, place: Path) -> None:

@@ -1,0 +1,143 @@
+"""`pronk farm`: films made by many machines. No logic; imports are made when commands run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import typer
+
+from pipeline.commands.option_suggestions import SuggestingCommand
+from pipeline.commands.options import (
+    FrameOptions,
+    PresetOption,
+    SceneName,
+    SceneNames,
+    StrictOption,
+    with_options,
+)
+
+if TYPE_CHECKING:
+    from pipeline.production.run.progress import Reporter
+
+StoreAddress = Annotated[
+    str,
+    typer.Option(
+        "--store",
+        metavar="URL",
+        help="Where takes and frames are: a shared folder, or s3://bucket/folder, sftp://...",
+    ),
+]
+Frames = Annotated[
+    str | None, typer.Option(help="Frames to render, for example 1-48,60-90x5; default: all.")
+]
+TakeKey = Annotated[
+    str | None,
+    typer.Option(
+        "--take", metavar="KEY", help="Take that 'farm simulate' printed; default: this machine's."
+    ),
+]
+Mixed = Annotated[
+    bool,
+    typer.Option("--mixed", help="Let several classes of processors or versions render one film."),
+]
+
+
+@dataclass(kw_only=True)
+class FarmOptions(FrameOptions):
+    """Options of the commands of a farm."""
+
+    stopped: ClassVar[str] = "what is in the store stays; the same command goes on"
+
+
+farm = typer.Typer(no_args_is_help=True, help="Films made by many machines through one store.")
+
+
+@farm.command(cls=SuggestingCommand)
+@with_options
+def simulate(
+    scenes: SceneNames,
+    store: StoreAddress,
+    options: FarmOptions,
+    preset: PresetOption = None,
+    strict: StrictOption = False,
+) -> None:
+    """Simulate scenes into a store; print the key of each take."""
+    from pipeline.farm.shards import prepare_film
+    from pipeline.farm.store import Store
+
+    place = Store(store)
+
+    def make(name: str, reporter: Reporter) -> None:
+        film = prepare_film(options.frame_order(name, preset, strict=strict), place, reporter)
+        reporter.result(film.take, take=film.take, film=film.key, frames=film.frames)
+
+    options.run_each(scenes, make)
+
+
+@farm.command("frames", cls=SuggestingCommand)
+@with_options
+def render_frames(
+    scene: SceneName,
+    store: StoreAddress,
+    options: FarmOptions,
+    preset: PresetOption = None,
+    take: TakeKey = None,
+    frames: Frames = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="N/M", help="One of M parts of the frames, such as 3/8.")
+    ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(min=1, max=4096, help="Threads of the renderer; default: all processors."),
+    ] = None,
+    mixed: Mixed = False,
+) -> None:
+    """Render frames into a store: the work of one machine of a farm.
+
+    Locks nothing, and writes no score and no film. Frames that the store has are left alone.
+    """
+    from pipeline.farm.shards import render_shard
+    from pipeline.farm.store import Store
+
+    place, reporter = Store(store), options.reporter()
+    order = options.frame_order(scene, preset, frames=frames)
+    done = render_shard(order, place, reporter, take, shard, threads, mixed)
+    reporter.result(done.text, **done.facts)
+
+
+@farm.command(cls=SuggestingCommand)
+@with_options
+def assemble(
+    scenes: SceneNames,
+    store: StoreAddress,
+    options: FarmOptions,
+    preset: PresetOption = None,
+    take: TakeKey = None,
+    frames: Frames = None,
+    no_sound: Annotated[
+        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
+    ] = False,
+    strict: StrictOption = False,
+    mixed: Mixed = False,
+) -> None:
+    """Make films of frames that are in a store, with score and sound.
+
+    Ends with 4 and names the frames if some are missing.
+    """
+    from pipeline.farm.assembly import assemble as assembled
+    from pipeline.farm.film import film_of
+    from pipeline.farm.store import Store
+    from pipeline.production.run.frame_ranges import read_frames
+
+    if frames is not None:
+        read_frames(frames)
+    place = Store(store)
+
+    def make(name: str, reporter: Reporter) -> None:
+        settings = {"frames": frames, "sound": not no_sound, "strict": strict}
+        order = options.frame_order(name, preset, **settings)
+        film, _ = film_of(order.scene, order.name, take)
+        reporter.result(f"{assembled(order, place, film, reporter, mixed).folder}")
+
+    options.run_each(scenes, make)

@@ -1,0 +1,121 @@
+"""Shards: the work of one machine that nobody drives but a CI matrix, a job array or a person."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass
+
+from pipeline.errors import StoreError, UsageError
+from pipeline.farm.film import Film, film_of
+from pipeline.farm.frame_index import FrameIndex
+from pipeline.farm.frame_worker import ChunkCost, FrameWorker, shard_frames
+from pipeline.farm.preparation import is_prepared, prepare
+from pipeline.farm.store import Store
+from pipeline.production.run.frame_ranges import counted, parse_frames
+from pipeline.production.run.notes import refuse_notes
+from pipeline.production.run.order import Order
+from pipeline.production.run.progress import Reporter, stage
+
+
+@dataclass(frozen=True, slots=True)
+class ShardResult:
+    """What became of a shard.
+
+    Attributes:
+        film: that it belongs to.
+        cost: of its frames.
+    """
+
+    film: Film
+    cost: ChunkCost
+
+    @property
+    def text(self) -> str:
+        """For people."""
+        kept = f", {self.cost.kept} were there" if self.cost.kept else ""
+        return f"{self.film.name}: {counted(self.cost.rendered)} rendered{kept}"
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """For other programs."""
+        return {"film": self.film.key, "take": self.film.take, **asdict(self.cost)}
+
+
+def prepare_film(order: Order, store: Store, reporter: Reporter) -> Film:
+    """Return the film of a scene, whose take the store has then.
+
+    Raises:
+        NotesRefused: there are notes and the order is strict.
+        PronkError: it cannot be simulated or stored.
+    """
+    film, files = film_of(order.scene, order.name)
+    prepared = prepare(store, film, order.scene, files, reporter)
+    if prepared.notes:
+        reporter.notes(order.name, prepared.notes, None)
+    if order.strict:
+        refuse_notes(prepared.notes)
+    return film
+
+
+def render_shard(
+    order: Order,
+    store: Store,
+    reporter: Reporter,
+    take: str | None = None,
+    shard: str | None = None,
+    threads: int | None = None,
+    mixed: bool = False,
+) -> ShardResult:
+    """Render frames of a scene into a store.
+
+    Args:
+        order: of the frames.
+        store: that has the take.
+        reporter: of the progress.
+        take: key of the take; by default of the one that this machine would simulate.
+        shard: part of the frames, such as "3/8"; None for all.
+        threads: of the renderer, all processors by default.
+        mixed: whether it may go on with a film that another class of renderer began.
+
+    Raises:
+        StoreError: the store does not have the take.
+        UsageError: the shard is none.
+        PronkError: a frame cannot be rendered or stored.
+    """
+    frames = parse_frames(order.frames, order.scene.n_frames)
+    if shard is not None:
+        frames = shard_frames(frames, *read_shard(shard))
+    film, _ = film_of(order.scene, order.name, take)
+    if not is_prepared(store, film):
+        raise StoreError(
+            f"{order.name}: {store.address} has no take {film.take} prepared for these settings; "
+            "run 'pronk farm simulate' with the same scene and options first"
+        )
+    if not frames:
+        return ShardResult(film, ChunkCost())
+    worker = FrameWorker(store, order.backend, threads, mixed)
+    with stage(reporter, "render", len(frames), "frames") as current:
+
+        def progress(done: int, kept: int) -> None:
+            if done == kept:
+                current.keep(kept)
+            else:
+                current.advance(done)
+
+        cost = worker.render(film, frames, progress, order.scene)
+        FrameIndex(store, film).forget_failures(frames)
+        result = ShardResult(film, cost)
+        current.result = result.text
+    return result
+
+
+def read_shard(text: str) -> tuple[int, int]:
+    """Return number and count of a shard such as "3/8".
+
+    Raises:
+        UsageError: it is none.
+    """
+    match = re.fullmatch(r"\s*([0-9]{1,6})\s*/\s*([0-9]{1,6})\s*", text)
+    if match is None or not 1 <= int(match[1]) <= int(match[2]):
+        raise UsageError(f"--shard {text!r}: write part and number of parts, from 1/8 to 8/8")
+    return int(match[1]), int(match[2])

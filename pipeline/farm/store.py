@@ -1,0 +1,400 @@
+"""Store: objects of a farm under their names, in a shared folder or at an address of fsspec.
+
+An object is there whole or not at all: in folders it is written under a temporary name and
+renamed, elsewhere one request puts it. Every object depends on nothing but its name, or is
+created once, so that work that is done twice leaves the same objects.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import random
+import time
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any, TypeVar
+from urllib.parse import urlsplit
+
+from pipeline.errors import StoreError, UsageError
+
+MAX_TRIES = 6
+"""Calls of the store before an error counts: one call of ten may fail without harm."""
+
+FIRST_PAUSE = 0.2
+"""Pause after the first failed call, doubled after each further one [s]."""
+
+TEMPORARY = ".unfinished"
+"""Folder of the objects that are being written, in stores that rename."""
+
+STALE_AGE = 86400.0
+"""Age from which an unfinished object is taken to be left behind [s]."""
+
+SEAL = "seal"
+"""Name of the digest in a JSON object."""
+
+_RENAMING = ("file", "local", "sftp", "ssh", "smb", "hdfs")
+"""Protocols whose files appear before they are complete, and can be renamed."""
+
+_PERMANENT = (
+    FileNotFoundError,
+    FileExistsError,
+    IsADirectoryError,
+    NotADirectoryError,
+    PermissionError,
+    NotImplementedError,
+    TypeError,
+)
+"""Errors that another call would meet again."""
+
+_PACKAGES = {"s3": "s3fs", "s3a": "s3fs", "sftp": "paramiko", "ssh": "paramiko", "gs": "gcsfs"}
+"""Packages that protocols need besides fsspec."""
+
+T = TypeVar("T")
+
+
+class ObjectMissing(StoreError):
+    """The store has no object of this name."""
+
+
+class ObjectDamaged(StoreError):
+    """An object is not as it was written."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """An object of a listing.
+
+    Attributes:
+        size: of its content [bytes].
+        time: at which it was written, since the epoch [s]; 0.0 where the store does not tell.
+    """
+
+    size: int
+    time: float
+
+
+class Store:
+    """Objects under names such as `takes/KEY.tar`.
+
+    Args:
+        address: a folder, or an URL of fsspec. What it needs to be let in is in the environment.
+
+    Attributes:
+        address: complete, so that other processes find the same store.
+
+    Raises:
+        UsageError: the address holds a password, or a package for it is missing.
+        StoreError: the store cannot be reached.
+    """
+
+    def __init__(self, address: str) -> None:
+        refuse_passwords(address)
+        try:
+            from fsspec.core import url_to_fs
+        except ImportError:
+            raise UsageError("stores need the package fsspec: pip install fsspec") from None
+        try:
+            self._files, self._root = url_to_fs(address, use_listings_cache=False)
+        except ImportError:
+            name = _PACKAGES.get(urlsplit(address).scheme, "the one that fsspec's manual names")
+            raise UsageError(f"--store {address}: needs a package: pip install {name}") from None
+        except ValueError as error:
+            raise UsageError(f"--store {address}: {error}") from None
+        except Exception as error:
+            raise StoreError(f"--store {address}: cannot be reached ({_reason(error)})") from error
+        names = self._files.protocol
+        self._protocols = (names,) if isinstance(names, str) else tuple(names)
+        self._renames = any(name in _RENAMING for name in self._protocols)
+        self.address: str = self._files.unstrip_protocol(self._root)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is a folder of this machine."""
+        return "file" in self._protocols
+
+    def has(self, name: str) -> bool:
+        """Return whether there is an object of this name."""
+        return bool(self._try("is asked for", name, lambda: self._files.exists(self._path(name))))
+
+    def get(self, name: str, start: int | None = None, end: int | None = None) -> bytes:
+        """Return an object, or its bytes from `start` to before `end`.
+
+        Raises:
+            ObjectMissing: there is none.
+            StoreError: it cannot be read.
+        """
+        path = self._path(name)
+        try:
+            return bytes(
+                self._try("is read", name, lambda: self._files.cat_file(path, start=start, end=end))
+            )
+        except FileNotFoundError:
+            raise ObjectMissing(f"{self.address}: has no {name}") from None
+
+    def get_checked(self, name: str, digest: str) -> bytes:
+        """Return an object whose digest is known.
+
+        Raises:
+            ObjectMissing: there is none.
+            ObjectDamaged: it is not as it was written.
+            StoreError: it cannot be read.
+        """
+        for _ in range(2):
+            data = self.get(name)
+            if digest_of(data) == digest:
+                return data
+        raise ObjectDamaged(f"{self.address}: {name} is damaged: it is not as it was written")
+
+    def put(self, name: str, content: bytes | Path) -> None:
+        """Write an object, whether there is one or not.
+
+        Args:
+            name: of the object.
+            content: its bytes, or the file that holds them.
+
+        Raises:
+            StoreError: it cannot be written.
+        """
+        with self._missing_told():
+            if self._renames:
+                with self._unfinished(name, content) as temporary:
+                    self._try("is renamed", name, lambda: self._move(temporary, name))
+            else:
+                self._try("is written", name, lambda: self._write(self._path(name), content))
+
+    def create(self, name: str, data: bytes) -> bool:
+        """Write a small object unless there is one; return whether it was written.
+
+        Raises:
+            StoreError: it cannot be written.
+        """
+        if self.has(name):
+            return False
+        with self._missing_told():
+            if not self._renames:
+                path = self._path(name)
+                return self._created(name, lambda: self._files.pipe_file(path, data, mode="create"))
+            with self._unfinished(name, data) as temporary:
+                return self._created(name, lambda: self._link(temporary, name))
+
+    def put_json(self, name: str, members: Mapping[str, Any]) -> None:
+        """Write members as JSON with a seal."""
+        self.put(name, sealed(members))
+
+    def get_json(self, name: str) -> dict[str, Any]:
+        """Return the members of a JSON object.
+
+        Raises:
+            ObjectMissing: there is none.
+            ObjectDamaged: it is not as it was written.
+            StoreError: it cannot be read.
+        """
+        for _ in range(2):
+            members = unsealed(self.get(name))
+            if members is not None:
+                return members
+        raise ObjectDamaged(f"{self.address}: {name} is damaged: it is not as it was written")
+
+    def names(self, folder: str) -> dict[str, Entry]:
+        """Return the objects directly in a folder, by their names in it; none if it is missing."""
+
+        def listed() -> list[dict[str, Any]]:
+            self._files.invalidate_cache()
+            try:
+                return list(self._files.ls(self._path(folder), detail=True))
+            except FileNotFoundError:
+                return []
+
+        return {
+            str(info["name"]).rstrip("/").rpartition("/")[2]: Entry(
+                int(info.get("size") or 0), _time_of(info)
+            )
+            for info in self._try("is listed", folder, listed)
+            if info.get("type") == "file" and not str(info["name"]).endswith("/")
+        }
+
+    def folders(self, folder: str) -> list[str]:
+        """Return the names of the folders directly in a folder, sorted."""
+
+        def listed() -> list[dict[str, Any]]:
+            self._files.invalidate_cache()
+            try:
+                return list(self._files.ls(self._path(folder), detail=True))
+            except FileNotFoundError:
+                return []
+
+        found = self._try("is listed", folder, listed)
+        names = [str(info["name"]).rstrip("/").rpartition("/")[2] for info in found]
+        kinds = [info.get("type") for info in found]
+        return sorted(n for n, kind in zip(names, kinds, strict=True) if kind == "directory")
+
+    def remove(self, name: str) -> None:
+        """Remove an object, if there is one."""
+        with suppress(FileNotFoundError):
+            self._try("is removed", name, lambda: self._files.rm_file(self._path(name)))
+
+    def remove_stale(self) -> None:
+        """Remove unfinished objects that a writer left behind long ago."""
+        if self._renames:
+            now = time.time()
+            for name, entry in self.names(TEMPORARY).items():
+                if entry.time and now - entry.time > STALE_AGE:
+                    self.remove(f"{TEMPORARY}/{name}")
+
+    def _path(self, name: str) -> str:
+        return f"{self._root.rstrip('/')}/{name}"
+
+    def _try(self, verb: str, name: str, call: Callable[[], T]) -> T:
+        """Return the result of a call, which is made again after errors that may pass."""
+        pause = FIRST_PAUSE
+        for tries in range(1, MAX_TRIES + 1):
+            try:
+                return call()
+            except (FileNotFoundError, FileExistsError):
+                raise
+            except Exception as error:
+                if tries == MAX_TRIES or isinstance(error, _PERMANENT):
+                    times = f" {tries} times" if tries > 1 else ""
+                    raise StoreError(
+                        f"{self.address}: {name} {verb}, and that failed{times}: {_reason(error)}"
+                    ) from error
+            # Many workers that failed at once should not all come back at once.
+            time.sleep(pause * (0.5 + random.SystemRandom().random()))
+            pause *= 2.0
+        raise AssertionError("the last try returns or raises")
+
+    @contextmanager
+    def _missing_told(self) -> Iterator[None]:
+        """Tell what is missing above an object that is written, such as a bucket."""
+        try:
+            yield
+        except FileNotFoundError as error:
+            raise StoreError(
+                f"{self.address}: cannot be written to ({_reason(error)}); make it first"
+            ) from error
+
+    @contextmanager
+    def _unfinished(self, name: str, content: bytes | Path) -> Iterator[str]:
+        """Write an object under a temporary name, which is free again at the end."""
+        # Machines that share a folder may have processes of one number.
+        temporary = self._path(f"{TEMPORARY}/{uuid.uuid4().hex}")
+        try:
+            self._try("is written", name, lambda: self._write(temporary, content, durable=True))
+            yield temporary
+        finally:
+            with suppress(Exception):
+                self._files.rm_file(temporary)
+
+    def _write(self, path: str, content: bytes | Path, durable: bool = False) -> None:
+        if self._renames:
+            self._files.makedirs(path.rpartition("/")[0], exist_ok=True)
+        if isinstance(content, Path):
+            self._files.put_file(str(content), path)
+        else:
+            self._files.pipe_file(path, content)
+        if durable and self.is_local:
+            with open(path, "r+b") as file:
+                os.fsync(file.fileno())
+
+    def _move(self, temporary: str, name: str) -> None:
+        path = self._path(name)
+        self._files.makedirs(path.rpartition("/")[0], exist_ok=True)
+        if self.is_local:
+            os.replace(temporary, path)
+        else:
+            self._files.mv(temporary, path)
+
+    def _created(self, name: str, call: Callable[[], None]) -> bool:
+        try:
+            self._try("is created", name, call)
+        except FileExistsError:
+            return False
+        return True
+
+    def _link(self, temporary: str, name: str) -> None:
+        """Give a finished object its name unless another has it.
+
+        Raises:
+            FileExistsError: another has it.
+        """
+        path = self._path(name)
+        self._files.makedirs(path.rpartition("/")[0], exist_ok=True)
+        if self.is_local:
+            try:
+                os.link(temporary, path)
+                return
+            except FileExistsError:
+                raise
+            except OSError:
+                pass  # a file system without links
+        if self._files.exists(path):
+            raise FileExistsError(path)
+        self._move(temporary, name)
+
+
+def refuse_passwords(address: str) -> None:
+    """Refuse an address that holds a password, which would stand in logs and lists of processes.
+
+    Raises:
+        UsageError: it does; the message leaves it out.
+    """
+    # A chain of fsspec, such as simplecache::sftp://host, has several.
+    for part in address.split("::"):
+        try:
+            found = urlsplit(part)
+            has_password = found.password is not None
+        except ValueError as error:
+            raise UsageError(f"--store: no address that can be read ({error})") from None
+        if has_password:
+            raise UsageError(
+                f"--store {found.scheme}://...@{found.hostname}: the address holds a password; "
+                "give it by the environment, for example "
+                f"FSSPEC_{found.scheme.upper()}_PASSWORD, and leave it out here"
+            )
+
+
+def digest_of(data: bytes) -> str:
+    """Return the digest of an object's content."""
+    return hashlib.blake2b(data, digest_size=20).hexdigest()
+
+
+def sealed(members: Mapping[str, Any]) -> bytes:
+    """Return members as JSON text with a digest of them."""
+    return (_json({**members, SEAL: digest_of(_json(members).encode())}) + "\n").encode()
+
+
+def unsealed(data: bytes) -> dict[str, Any] | None:
+    """Return the members of `sealed`, None if they are not as they were written."""
+    try:
+        members: dict[str, Any] = json.loads(data)
+        seal = members.pop(SEAL)
+    except (ValueError, KeyError, AttributeError, TypeError):
+        return None
+    return members if seal == digest_of(_json(members).encode()) else None
+
+
+def _json(members: Mapping[str, Any]) -> str:
+    return json.dumps(members, sort_keys=True, ensure_ascii=True)
+
+
+def _time_of(info: Mapping[str, Any]) -> float:
+    """Return when an object was written, since the epoch [s]; protocols name it differently."""
+    for name in ("mtime", "LastModified", "last_modified", "created"):
+        value = info.get(name)
+        if isinstance(value, datetime):
+            return value.timestamp()
+        if isinstance(value, int | float):
+            return float(value)
+    return 0.0
+
+
+def _reason(error: BaseException) -> str:
+    """Return the error of a library in one line."""
+    text = str(error).strip().splitlines()
+    return f"{type(error).__name__}: {text[0]}" if text else type(error).__name__

@@ -87,7 +87,7 @@ def test_prisms_that_land_flat_stay_in_the_plane() -> None:
     """All corners of the base touch at once, and those of the stones below it."""
     kind, field = (
         Kind(({"shape": "prism", "sides": 48},), KINDS["prism"].q),
-        symmetric_ground(ground),
+        symmetric_ground("stones"),
     )
     thrown = throws(kind, field, np.random.default_rng(1), 2, in_plane=True)
     thrown.state.q[:], thrown.state.w[:] = kind.q, 0.0

@@ -209,8 +209,8 @@ class Members:
     def _nodes_of(self, name: str) -> list[int]:
         """Returns the nodes of a member, or the one node of a part or of one of many bodies."""
         if name not in self._nodes:
-            nodes = [i for i, node in enumerate(self._recorder.nodes) if node.performer == name]
-            self._nodes[name] = nodes or [self._own_node(name)]
+            nodes = self._recorder.nodes_by_performer.get(name)
+            self._nodes[name] = [*nodes] if nodes else [self._own_node(name)]
         return self._nodes[name]
 
     def _own_node(self, name: str) -> int:

@@ -1,18 +1,19 @@
 """Rendering process: renders a tiny scene with the disk shim, once or with every call failing.
 
     python -m tests.disk.rendering_process record FOLDER LOG SETS...
-    python -m tests.disk.rendering_process fail FOLDER CODE FIRST STEP SETS...
+    python -m tests.disk.rendering_process fail FOLDER CODE NUMBERS SETS...
 
 `record` renders in a folder of a studio and logs all calls. `fail` renders again and again from the
-same state; each time another call fails, from the FIRST on, every STEP-th. It prints a JSON line
-for each: the call, exit code, errors, and what the outputs are afterwards; the first time that they
-are so, also what the next run makes of them.
+same state; each time another call fails: `all` of them in turn, or those of the NUMBERS, such as
+1,4,9. It prints a JSON line for each: the call, exit code, errors, and what the outputs are
+afterwards; the first time that they are so, also what the next run makes of them.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import json
 import os
 import shutil
@@ -29,6 +30,9 @@ from pipeline.production.run.progress import Reporter
 from pipeline.spec import load_scene
 from tests.disk.shim import Shim
 
+ALL = "all"
+"""Numbers of all calls."""
+
 
 def main() -> None:
     """Do what the arguments ask."""
@@ -38,8 +42,8 @@ def main() -> None:
         log, *sets = rest
         record(studio, Path(log), sets)
     else:
-        code, first, step, *sets = rest
-        fail(studio, int(code), int(first), int(step), sets)
+        code, numbers, *sets = rest
+        fail(studio, int(code), [] if numbers == ALL else [*map(int, numbers.split(","))], sets)
 
 
 def record(studio: Path, log: Path, sets: list[str]) -> None:
@@ -51,15 +55,23 @@ def record(studio: Path, log: Path, sets: list[str]) -> None:
     shim.stop()
 
 
-def fail(studio: Path, code: int, first: int, step: int, sets: list[str]) -> None:
-    """Render from the same state with another call failing each time, and once more after that."""
+def fail(studio: Path, code: int, numbers: list[int], sets: list[str]) -> None:
+    """Render from the same state with another call failing each time, and once more after that.
+
+    Args:
+        studio: that is rendered in.
+        code: number of the error.
+        numbers: of the calls that fail; none for all in turn.
+        sets: values of the scene that are changed.
+    """
     _warm_up(studio, sets)
-    shim, number, seen = Shim(), first, list[dict[str, str]]()
+    shim, seen = Shim(), list[dict[str, str]]()
     arguments = ["render", "tiny", *(word for text in sets for word in ("--set", text))]
     before = studio.parent / f"{studio.name}.before"
-    shutil.copytree(studio / "out", before)
+    if not before.exists():
+        shutil.copytree(studio / "out", before)
     os.chdir(studio)
-    while True:
+    for number in numbers or itertools.count(1):
         shutil.rmtree(studio / "out")
         shutil.copytree(before, studio / "out")
         with _captured() as err:
@@ -67,7 +79,7 @@ def fail(studio: Path, code: int, first: int, step: int, sets: list[str]) -> Non
             end = _command(arguments)
             shim.stop()
         if not shim.failed:
-            return
+            break
         state = contents(studio / "out")
         line: dict[str, Any] = {
             "number": number,
@@ -82,7 +94,6 @@ def fail(studio: Path, code: int, first: int, step: int, sets: list[str]) -> Non
                 line["next_code"] = _command(arguments)
             line |= {"next_err": next_err.getvalue(), "next_state": contents(studio / "out")}
         print(json.dumps(line), flush=True)  # noqa: T201 (the result)
-        number += step
 
 
 def contents(folder: Path) -> dict[str, str]:

@@ -2,6 +2,8 @@
 
     python -m tests.production.checking_process FOLDER FIRST LAST
 
+(One seed alone: its number and the next one. Its scene is then in FOLDER/scene.yaml.)
+
 When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST:
 `seed`, `kind` ("right", "simulated", "refused", or "fault" for what is none of them), `text` and
 `seconds`. Its memory is bounded, and Python's warnings are faults.

@@ -2,6 +2,8 @@
 
     python -m tests.production.commanding_process FOLDER FIRST LAST
 
+(One seed alone: its number and the next one.)
+
 When it has started, it prints a JSON line for each seed from the FIRST on and before the LAST:
 `seed`, `words`, `code`, `kind` ("right" for what obeys the laws below, else "fault"), `text` and
 `seconds`. A command that is still at work after some time gets Ctrl-C, after which this process
@@ -31,11 +33,13 @@ from typing import Any
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.production.run.interrupts import heard, listen
-from tests.production.fuzzing import READY
+from tests.production.fuzzing import READY, ROOT
 from tests.production.random_commands import lay_out, random_command
 
-CODES = (0, 1, 2, 3, 4, 5, 6, 130)
-"""Exit codes of docs/outputs.md."""
+DOCUMENTED = (ROOT / "docs/outputs.md").read_text("utf-8").partition("## Exit codes")[2]
+
+CODES = {int(code) for code in re.findall(r"^\| (\d+) \|", DOCUMENTED, re.MULTILINE)}
+"""Documented exit codes."""
 
 DEADLINE = 12.0
 """Time after which a command gets Ctrl-C: some wait for ever, and some render for hours [s]."""

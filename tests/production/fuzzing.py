@@ -35,28 +35,24 @@ def hold_memory(allowed: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
 
-def tried(
-    module: str, folder: Path, first: int, last: int, *arguments: str, limit: float = LIMIT
-) -> Iterator[dict[str, Any]]:
+def tried(module: str, folder: Path, first: int, last: int) -> Iterator[dict[str, Any]]:
     """Yield what became of seeds; where a process hangs or dies, go on behind that seed.
 
     Args:
-        module: run with the folder, the first seed, the one behind the last, and the arguments. It
-            prints `READY`, and then a JSON object a line with `seed` and `kind`.
+        module: run with the folder, the first seed, and the one behind the last. It prints
+            `READY`, and then a JSON object a line with `seed` and `kind`.
         folder: of its files.
         first: seed.
         last: seed, which is not tried any more.
-        arguments: further ones.
-        limit: time for a seed [s].
     """
     while first < last:
-        command = [sys.executable, "-m", module, str(folder), str(first), str(last), *arguments]
-        for line in _lines(command, folder, limit):
+        command = [sys.executable, "-m", module, str(folder), str(first), str(last)]
+        for line in _lines(command, folder):
             first = line.setdefault("seed", first) + 1
             yield line
 
 
-def _lines(command: Sequence[str], folder: Path, limit: float) -> Iterator[dict[str, Any]]:
+def _lines(command: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
     """Yield the lines of a process; of one that hangs or dies, a fault in place of the next."""
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
@@ -72,17 +68,18 @@ def _lines(command: Sequence[str], folder: Path, limit: float) -> Iterator[dict[
             while True:
                 line = lines.get(timeout=wait)
                 if line is ENDED:
+                    process.wait(LIMIT)
                     break
-                wait, found = limit, json.loads(line)
+                wait, found = LIMIT, json.loads(line)
                 if found != READY:
                     yield found
-        except queue.Empty:
+        except (queue.Empty, subprocess.TimeoutExpired):
             yield {"kind": "fault", "text": f"takes longer than {wait:g} s", "seconds": wait}
             return
         finally:
             process.kill()
             code = process.wait()
-        assert wait == limit, f"{command} has not started: {errors.name}"
+        assert wait == LIMIT, f"{command} has not started: {errors.name}"
         if code:
             errors.seek(0)
             text = f"the process ended with {code}:\n{errors.read()[-6000:]}"

@@ -7,7 +7,7 @@ import math
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
-from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
+from pipeline.simulation.dynamics.nearest_ground import nearest_on_triangle
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,

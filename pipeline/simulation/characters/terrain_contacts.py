@@ -1,18 +1,14 @@
 """Terrain contacts: nodes and links that come into the ground are moved out of it.
 
 Each is a row of balls. A ball meets the nearest point of the terrain, and then what lies in front
-of it, with Coulomb's friction across. Farther points behind the contact plane of a nearer one are
-corners that are not there, as in `dynamics.terrain_contacts`: edges between triangles of one plane
-push nothing. Two points that are equally near act together, so that the order of the triangles
-does not decide to which side a ball is pushed. What touches the ground is damped in the next
-sub-step.
+of it, with Coulomb's friction across (`dynamics.nearest_ground`). Two points that are equally near
+act together, so that the order of the triangles does not decide to which side a ball is pushed.
+What touches the ground is damped in the next sub-step.
 
 Source: Horswill 2008, "Friction, drag and damping".
 """
 
 from __future__ import annotations
-
-import numpy as np
 
 from pipeline.simulation.characters.body_arrays import LANDING, LOCKED, NOBODY, TERRAIN
 from pipeline.simulation.characters.contact_response import (
@@ -27,20 +23,20 @@ from pipeline.simulation.characters.contact_response import (
     place_between,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
-from pipeline.simulation.dynamics.terrain_grid import (
-    Grid,
-    cells_around,
-    highest_around,
-    surface_at,
-    triangle,
-    triangles_per_cell,
+from pipeline.simulation.dynamics.nearest_ground import (
+    BEHIND_PLANE,
+    EQUAL_DISTANCE,
+    NO_PLANES,
+    OPPOSITE_NORMALS,
+    mean_normal,
+    nearest_above,
+    nearest_below,
+    with_plane,
 )
+from pipeline.simulation.dynamics.terrain_grid import Grid, highest_around, surface_at
 from pipeline.simulation.dynamics.vectors import (
     Vector,
-    cross,
     dot,
-    length,
     minus,
     plus,
     set_triple,
@@ -51,17 +47,7 @@ from pipeline.simulation.dynamics.vectors import (
 MAX_BALLS = 5  # along a link, between its ends
 GROUND_GAP = 1e-3  # at which a node still stands on the ground [m]
 MAX_DEPTH = 1.0  # in which the nearest triangle is searched [m]
-COINCIDENT = 1e-12  # [m]
 MAX_CONTACTS = 3  # of a ball with the ground: a corner of three planes
-BEHIND_PLANE = 1e-10  # height above a plane that counts as zero, in radii
-EQUAL_DISTANCE = 1e-6  # difference of distances that counts as zero, in radii
-SAME_NORMAL = 1e-12  # 1 - n · n' of normals that count as one
-OPPOSITE_NORMALS = 1e-3  # length of the sum of normals that counts as zero
-
-Plane = tuple[float, float, float, float]
-Planes = tuple[Plane, Plane, Plane, Plane]
-
-NO_PLANE = (0.0, 0.0, 0.0, -1.0)  # behind everything
 
 
 @inlined
@@ -122,121 +108,29 @@ def _meet_ground(
         return
     height, _ = surface_at(frame, grid.vertices, at[0], at[2])
     if at[1] <= height:
-        below = max(height - at[1], radius)
-        least, normal = _nearest_surface(grid, at, below, EQUAL_DISTANCE * radius)
+        below = min(max(height - at[1], radius), MAX_DEPTH)
+        least, normal = nearest_above(grid, at, below, EQUAL_DISTANCE * radius)
         where = (-least - radius, normal[0], normal[1], normal[2])
         _separate_place(one, other, links, owner, t, where, sub_step, log)
         return
-    reach, behind = radius + GROUND_GAP, BEHIND_PLANE * radius
-    planes = (NO_PLANE, NO_PLANE, NO_PLANE, NO_PLANE)
-    distance, n = _nearest_contact(grid, at, reach, planes, behind)
+    reach, behind, planes = radius + GROUND_GAP, BEHIND_PLANE * radius, NO_PLANES
+    distance, away = nearest_below(grid, at, reach, planes, behind)
     for _ in range(MAX_CONTACTS):
         if distance >= reach:
             return
-        planes = _with_plane(planes, distance, n)
-        next_distance, next_n = _nearest_contact(grid, at, reach, planes, behind)
+        n = times(1.0 / distance, away)
+        planes = with_plane(planes, distance, n)
+        next_distance, away = nearest_below(grid, at, reach, planes, behind)
         gap = distance - radius + dot(n, minus(place_between(one.p, other.p, t), at))
         if next_distance < min(reach, distance + EQUAL_DISTANCE * radius):
-            planes = _with_plane(planes, next_distance, next_n)
-            n, cosine = _mean_normal(n, next_n)
+            next_n = times(1.0 / next_distance, away)
+            planes = with_plane(planes, next_distance, next_n)
+            n, cosine = mean_normal(plus(n, next_n))
             gap /= max(cosine, OPPOSITE_NORMALS)
-            next_distance, next_n = _nearest_contact(grid, at, reach, planes, behind)
+            next_distance, away = nearest_below(grid, at, reach, planes, behind)
         where = (gap, n[0], n[1], n[2])
         _separate_place(one, other, links, owner, t, where, sub_step, log)
-        distance, n = next_distance, next_n
-
-
-@compiled
-def _nearest_contact(
-    grid: Grid, at: Vector, reach: float, planes: Planes, behind: float
-) -> tuple[float, Vector]:
-    """Return the distance of the nearest ground in front of planes, and its normal.
-
-    Args:
-        grid: the ground.
-        at: a place above it [m].
-        reach: largest distance, returned if there is none [m].
-        planes: normals, and distances along them from `at` [m].
-        behind: height above a plane that counts as zero [m].
-    """
-    least, normal, frame, vertices = reach, (0.0, 1.0, 0.0), grid.frame, grid.vertices
-    i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
-    for line in range(j, j_last + 1):
-        for column in range(i, i_last + 1):
-            k = line * (frame.n_x + 1) + column
-            top = max(vertices[k, 1], vertices[k + 1, 1])
-            k += frame.n_x + 1
-            if max(top, max(vertices[k, 1], vertices[k + 1, 1])) < at[1] - least:
-                continue
-            for piece in range(triangles_per_cell(frame)):
-                offset = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
-                distance = length(offset)
-                if COINCIDENT < distance < least:
-                    one = min(_height_over(planes[0], offset), _height_over(planes[1], offset))
-                    two = min(_height_over(planes[2], offset), _height_over(planes[3], offset))
-                    if min(one, two) > behind:
-                        least, normal = distance, times(1.0 / distance, offset)
-    return least, normal
-
-
-@compiled
-def _with_plane(planes: Planes, distance: float, n: Vector) -> Planes:
-    """Return the planes and that of a contact; the oldest is dropped."""
-    return (n[0], n[1], n[2], -distance), planes[0], planes[1], planes[2]
-
-
-@compiled
-def _height_over(plane: Plane, offset: Vector) -> float:
-    """Return the height over a plane of what lies at minus `offset` [m]."""
-    return -(plane[0] * offset[0] + plane[1] * offset[1] + plane[2] * offset[2]) - plane[3]
-
-
-@compiled
-def _mean_normal(one: Vector, other: Vector) -> tuple[Vector, float]:
-    """Return the unit normal midway between two, and the cosine of its angle with each.
-
-    Opposite ones, of a ball stuck between two walls, have none: up and zero.
-    """
-    total = plus(one, other)
-    size = length(total)
-    if size < OPPOSITE_NORMALS:
-        return (0.0, 1.0, 0.0), 0.0
-    return times(1.0 / size, total), 0.5 * size
-
-
-@compiled
-def _nearest_surface(grid: Grid, at: Vector, reach: float, near: float) -> tuple[float, Vector]:
-    """Return the distance of a place below the ground from it, and the normal.
-
-    Args:
-        grid: the ground.
-        at: the place [m].
-        reach: largest distance, returned if there is none [m].
-        near: difference of distances that counts as zero [m].
-    """
-    least, normal = min(reach, MAX_DEPTH), (0.0, 1.0, 0.0)
-    other_distance, other = np.inf, normal
-    i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], least)
-    for line in range(j, j_last + 1):
-        for column in range(i, i_last + 1):
-            for piece in range(triangles_per_cell(grid.frame)):
-                corners = triangle(grid, line, column, piece)
-                distance = length(minus(at, nearest_on_triangle(at, corners)))
-                if distance >= least + near:
-                    continue
-                a, b, c = corners
-                up = cross(minus(b, a), minus(c, a))
-                up = times(1.0 / length(up), up)
-                if dot(up, normal) > 1.0 - SAME_NORMAL:
-                    least = min(least, distance)
-                elif distance < least:
-                    other_distance, other = least, normal
-                    least, normal = distance, up
-                else:
-                    other_distance, other = distance, up
-    if other_distance < least + near:
-        normal = _mean_normal(normal, other)[0]
-    return least, normal
+        distance = next_distance
 
 
 @compiled

@@ -24,8 +24,9 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-MAX_CONTACTS = 32
-"""Contacts of a body that are kept: the nearest."""
+MAX_CONTACTS = 48
+"""Contacts of a body that are kept, the nearest: as many as corners of a prism's base. MuJoCo
+takes no more than 50 of a pair."""
 
 _VECTORS = (MAX_CONTACTS, 3)
 
@@ -45,9 +46,11 @@ BODY = np.dtype(
         ("q", "f8", 4),
         ("v", "f8", 3),
         ("w", "f8", 3),
-        # Contacts with the ground, the nearest first: gaps along normals [m], normals from the
-        # ground, levers from the centre of mass in the world [m].
+        # Contacts with the ground, the nearest first: smallest gap of those that were dropped,
+        # gaps along normals [m], normals from the ground, levers from the centre of mass in the
+        # world [m].
         ("count", "i8"),
+        ("dropped", "f8"),
         ("gap", "f8", MAX_CONTACTS),
         ("normal", "f8", _VECTORS),
         ("lever", "f8", _VECTORS),
@@ -177,6 +180,9 @@ SAME_CONTACT_DISTANCE = 1e-4
 SAME_NORMAL_TOLERANCE = 1e-14
 """Largest 1 - n · n' of normals that count as one."""
 
+EQUAL_GAP = 1e-6
+"""Difference of gaps that count as equal, in sizes of the body."""
+
 
 @compiled
 def smallest_gap(body: Record) -> float:
@@ -189,6 +195,7 @@ def insert_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> N
     """Inserts a contact in the order of gaps; the farthest is dropped if the list is full."""
     k = body.count
     if k == MAX_CONTACTS:
+        body.dropped = min(body.dropped, max(gap, body.gap[k - 1]))
         if gap >= body.gap[k - 1]:
             return
         k -= 1
@@ -200,6 +207,24 @@ def insert_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> N
     body.gap[k] = gap
     put(body.normal, k, normal)
     put(body.lever, k, lever)
+
+
+@compiled
+def clear_contacts(body: Record) -> None:
+    """Removes all contacts."""
+    body.count, body.dropped = 0, np.inf
+
+
+@compiled
+def drop_equal_contacts(body: Record) -> None:
+    """Drops the contacts with the same gap as one that was dropped, unless all have it.
+
+    Otherwise their order would decide which of them act.
+    """
+    least = body.dropped - EQUAL_GAP * body.size
+    if body.dropped < np.inf and body.gap[0] < least:
+        while body.gap[body.count - 1] >= least:
+            body.count -= 1
 
 
 @compiled

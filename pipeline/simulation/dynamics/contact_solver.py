@@ -46,6 +46,10 @@ MAX_SWEEPS = 400
 CONVERGED = 1e-12
 """Change of a speed that ends the sweeps, relative to the largest speed error."""
 
+NEARLY_CONVERGED = 1e-8
+"""The same at which sweeps end as well if the change grows: with friction there may be several
+solutions, and one that keeps the symmetry of the contacts may repel the sweeps."""
+
 ALIKE_TOLERANCE = 1e-6
 """Difference of speeds of contacts that are alike, in the largest speed error, and relative
 difference of their effective masses."""
@@ -158,9 +162,11 @@ def solve_contacts(
     for k in range(n):
         if parts[k].acts:
             v, w = _apply_impulse(parts[k], v, w, per_mass, triple(parts[k].impulse))
+    least = np.inf
     for _ in range(rounds):
         v, w, changed = _sweep(parts, n, v, w, per_mass, friction)
-        if changed <= still * scale:
+        least = min(least, changed)
+        if changed <= still * scale or 2.0 * least < changed < NEARLY_CONVERGED * scale:
             break
     return v, w
 

@@ -1,17 +1,14 @@
 """Terrain contacts: where a body touches a terrain, or is about to.
 
 Polyhedra touch with their vertices, and with facets and edges where the terrain is convex
-(`terrain_edge_contacts`); balls with the nearest points of triangles. A body whose centre of mass
+(`terrain_edge_contacts`); balls with the nearest points of the ground. A body whose centre of mass
 has left the terrain, or that came under it from the side, has no contacts.
 
 Above the ground the gap of a vertex is its distance from the plane below. Inside, its depth is the
 distance to the nearest triangle: beside a wall the ground straight above may be the wall while the
 vertex is below the floor at its foot, or the floor of a ledge while the wall is nearer.
 
-A ball ignores the nearest point of a farther triangle that lies behind the contact plane of a
-nearer one: on flat or convex ground it is a corner that is not there.
-
-Source: Ericson 2005, 5.1.5 (closest point on a triangle).
+A ball ignores what lies behind the contact plane of a nearer contact, see `nearest_ground`.
 """
 
 from __future__ import annotations
@@ -23,11 +20,25 @@ import numpy as np
 from pipeline.simulation.dynamics.body_record import (
     Shapes,
     Workspace,
+    clear_contacts,
+    drop_equal_contacts,
     insert_contact,
     insert_new_contact,
     remove_contact,
 )
 from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.nearest_ground import (
+    BEHIND_PLANE,
+    COINCIDENT,
+    EQUAL_DISTANCE,
+    NO_PLANES,
+    distance_above,
+    highest_of_cell,
+    nearest_above,
+    nearest_below,
+    nearest_on_triangle,
+    triangle_normal,
+)
 from pipeline.simulation.dynamics.terrain_edge_contacts import Box, add_edge_contacts
 from pipeline.simulation.dynamics.terrain_grid import (
     Grid,
@@ -47,7 +58,6 @@ from pipeline.simulation.dynamics.vectors import (
     Quaternion,
     Rows,
     Vector,
-    cross,
     dot,
     length,
     minus,
@@ -60,9 +70,6 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-BEHIND_PLANE = 1e-10
-"""Height above a plane that counts as zero, in radii."""
-
 
 @compiled
 def add_ball_contacts(grid: Grid, body: Record, p: Vector, slack: float) -> None:
@@ -74,76 +81,56 @@ def add_ball_contacts(grid: Grid, body: Record, p: Vector, slack: float) -> None
         p: its centre [m].
         slack: largest gap of a contact [m].
     """
-    frame, vertices = grid.frame, grid.vertices
-    reach = body.radius + slack
-    i, i_last, j, j_last = cells_around(frame, p[0], p[2], reach)
-    # The side of a triangle's plane tells nothing beyond the edges of the triangle.
-    above = p[1] > surface_at(frame, vertices, p[0], p[2])[0]
-    low = p[1] - reach
+    height, reach = surface_at(grid.frame, grid.vertices, p[0], p[2])[0], body.radius + slack
+    if p[1] <= height:
+        near = EQUAL_DISTANCE * body.radius
+        least, normal = nearest_above(grid, p, height - p[1], near)
+        insert_contact(body, -least - body.radius, normal, times(least, normal))
+        return
+    least, away = nearest_below(grid, p, reach, NO_PLANES, 0.0)
+    if least < reach:
+        normal = times(1.0 / least, away)
+        insert_contact(body, least - body.radius, normal, times(-1.0, away))
+        # What a contact hid that a nearer one has removed is found in the next pass.
+        while _add_near_triangles(grid, body, p, reach):
+            pass
+
+
+@compiled
+def _add_near_triangles(grid: Grid, body: Record, p: Vector, reach: float) -> bool:
+    """Adds what a ball touches of the ground; returns whether contacts were removed."""
+    i, i_last, j, j_last = cells_around(grid.frame, p[0], p[2], reach)
+    removed = False
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            k = line * (frame.n_x + 1) + column
-            one = max(vertices[k, 1], vertices[k + 1, 1])
-            k += frame.n_x + 1
-            if max(one, max(vertices[k, 1], vertices[k + 1, 1])) < low:
+            if highest_of_cell(grid, line, column) < p[1] - reach:
                 continue
-            for piece in range(triangles_per_cell(frame)):
-                _add_ball_triangle(body, p, triangle(grid, line, column, piece), above, slack)
+            for piece in range(triangles_per_cell(grid.frame)):
+                away = minus(p, nearest_on_triangle(p, triangle(grid, line, column, piece)))
+                distance = length(away)
+                if COINCIDENT < distance < reach:
+                    gap, normal = distance - body.radius, times(1.0 / distance, away)
+                    removed = _insert_unhidden(body, gap, normal, times(-1.0, away)) or removed
+    return removed
 
 
 @compiled
-def _add_ball_triangle(
-    body: Record, p: Vector, corners: Triangle, above: bool, slack: float
-) -> None:
-    """Adds the contact of a ball with a triangle, if it is near."""
-    away = minus(p, nearest_on_triangle(p, corners))
-    distance = length(away)
-    if above and distance > 0.0:
-        gap, normal = distance - body.radius, times(1.0 / distance, away)
-    else:
-        a, b, c = corners
-        up = cross(minus(b, a), minus(c, a))
-        gap, normal = -distance - body.radius, times(1.0 / length(up), up)
-    if gap <= slack:
-        _insert_unhidden(body, gap, normal, times(-1.0, away))
-
-
-@compiled
-def _insert_unhidden(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
-    """Inserts a contact unless a nearer one hides it; removes those that it hides."""
-    k, none = 0, BEHIND_PLANE * body.radius
+def _insert_unhidden(body: Record, gap: float, normal: Vector, lever: Vector) -> bool:
+    """Inserts a contact unless a nearer one hides it; returns whether it hid and removed others."""
+    k, none, before = 0, BEHIND_PLANE * body.radius, body.count
     while k < body.count:
         apart = minus(lever, row(body.lever, k))
         if body.gap[k] <= gap:
             if dot(apart, row(body.normal, k)) <= none:
-                return
+                return False
             k += 1
         elif -dot(apart, normal) <= none:
             remove_contact(body, k)
         else:
             k += 1
+    removed = body.count < before
     insert_contact(body, gap, normal, lever)
-
-
-@compiled
-def nearest_on_triangle(point: Vector, corners: Triangle) -> Vector:
-    """Returns the point of a triangle nearest to a point."""
-    a, b, c = corners
-    up = cross(minus(b, a), minus(c, a))
-    best = 1e300
-    result = a
-    is_over_grid = True
-    for start, end in ((a, b), (b, c), (c, a)):
-        side, way = minus(end, start), minus(point, start)
-        t = min(max(dot(way, side) / dot(side, side), 0.0), 1.0)
-        place = plus(start, times(t, side))
-        away = minus(point, place)
-        if dot(away, away) < best:
-            best, result = dot(away, away), place
-        is_over_grid = is_over_grid and dot(cross(side, way), up) >= 0.0
-    if is_over_grid:
-        result = minus(point, times(dot(minus(point, a), up) / dot(up, up), up))
-    return result
+    return removed
 
 
 SHALLOW_DEPTH = 1e-6
@@ -198,8 +185,7 @@ def _add_planes_beside(grid: Grid, body: Record, p: Vector, at: Vector) -> None:
             for k in range(triangles_per_cell(frame)):
                 a, b, c = triangle(grid, line, column, k)
                 if _is_over_triangle(at, (a, b, c), reach):
-                    up = cross(minus(b, a), minus(c, a))
-                    normal = times(1.0 / length(up), up)
+                    normal = triangle_normal((a, b, c))
                     insert_new_contact(body, dot(normal, minus(at, a)), normal, minus(at, p))
 
 
@@ -219,16 +205,8 @@ def _is_over_triangle(at: Vector, corners: Triangle, reach: float) -> bool:
 @compiled
 def _add_sunk_vertex(grid: Grid, body: Record, p: Vector, at: Vector, depth: float) -> None:
     """Adds a vertex at `depth` below the ground straight above it."""
-    least = depth
     # The nearest triangle is no farther than the ground straight above.
-    i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], depth)
-    for line in range(j, j_last + 1):
-        for column in range(i, i_last + 1):
-            for k in range(triangles_per_cell(grid.frame)):
-                least = min(
-                    least,
-                    length(minus(at, nearest_on_triangle(at, triangle(grid, line, column, k)))),
-                )
+    least = distance_above(grid, at, depth)
     reach = least + HOLLOW_TOLERANCE * body.size
     i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], reach)
     for line in range(j, j_last + 1):
@@ -238,8 +216,7 @@ def _add_sunk_vertex(grid: Grid, body: Record, p: Vector, at: Vector, depth: flo
                 away = length(minus(at, nearest_on_triangle(at, (a, b, c))))
                 if away > reach:
                     continue
-                up = cross(minus(b, a), minus(c, a))
-                normal = times(1.0 / length(up), up)
+                normal = triangle_normal((a, b, c))
                 gap = dot(normal, minus(at, a))
                 # In a hollow a vertex is in front of one plane and below another.
                 if gap >= 0.0 or away <= least + SAME_DISTANCE * body.size:
@@ -267,7 +244,7 @@ def find_body_contacts(
         slack: gaps up to this are reported [m].
         room: workspace.
     """
-    body.count = 0
+    clear_contacts(body)
     if not is_over_grid(grid.frame, p[0], p[2]):
         return
     top = highest_around(grid.frame, grid.tops, p[0], p[2], body.reach + slack) + slack
@@ -275,12 +252,13 @@ def find_body_contacts(
         return
     if body.radius > 0.0:
         add_ball_contacts(grid, body, p, slack)
-        return
-    R = rotation(q)
-    box, over = _vertices_in_world(grid.frame, shapes.corners, body, p, R, slack, room.world)
-    if box[0][1] <= top:
-        add_vertex_contacts(grid, body, p, room.world, slack)
-        add_edge_contacts(grid, shapes, body, p, R, room, box, over, slack)
+    else:
+        R = rotation(q)
+        box, over = _vertices_in_world(grid.frame, shapes.corners, body, p, R, slack, room.world)
+        if box[0][1] <= top:
+            add_vertex_contacts(grid, body, p, room.world, slack)
+            add_edge_contacts(grid, shapes, body, p, R, room, box, over, slack)
+    drop_equal_contacts(body)
 
 
 @compiled

@@ -30,6 +30,10 @@ BODY_CELLS = 56
 BLEND_REACH = 6.0
 """Distance from a bone beyond which it does not shape the body, in widths of the blend."""
 
+DEEPEST = 600.0
+"""Depth inside a bone, in widths of the blend, beyond which it makes no difference: the exponential
+of a little more overflows, as of the middle of a ball among many that are far smaller."""
+
 BODY_FLATNESS = 0.78
 """Height of an insect's body, in its width."""
 
@@ -193,7 +197,7 @@ def body_solid(
         box = _cells_near(points[[a, b]], reach, low, cell, total.shape)
         near = (x[box[0]], y[box[1]], z[box[2]])
         cone = _round_cone(near, points[a], points[b], radii[a], radii[b])
-        total[box] += np.exp(-cone / blend)
+        total[box] += np.exp(np.minimum(-cone / blend, DEEPEST))
     distance = -blend * np.log(np.maximum(total, 1e-300))
     vertices, faces = surface_nets(distance, low, cell)
     return Solid(vertices, faces)

@@ -11,6 +11,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.solids import body_solid
 from pipeline.spec import Figure as Words
 
 Build = Callable[..., Figure]
@@ -184,3 +185,11 @@ def test_body_surface_encloses_its_nodes(beetle: Figure) -> None:
         assert (v.min(axis=0) < moved).all()
         assert (v.max(axis=0) > moved).all()
     assert beetle.belly > 0.7 * beetle.drawing.radii[nodes].max()
+
+
+@pytest.mark.parametrize("radius", [30.0, 10_000.0])
+def test_a_body_far_thicker_at_one_node_than_at_the_others_has_a_surface(radius: float) -> None:
+    points = np.array([[0.0, 0.0, z] for z in (-0.2, 0.0, 0.2, 0.4)])
+    solid = body_solid(points, np.array([0.02, radius, 0.02, 0.02]), [(0, 1), (1, 2), (2, 3)])
+    extent = np.ptp(solid.vertices, axis=0)
+    assert extent == pytest.approx([2.0 * radius] * 3, rel=0.03)

@@ -439,6 +439,23 @@ def test_an_untrusted_scene_names_no_file_outside_its_folder(
     assert "tiny.yaml:6:32: cast[0].body.file: '../ball.obj' leads out of the folder" in told
 
 
+@pytest.mark.parametrize("command", ["check", "simulate", "render", "midi"])
+def test_scenes_beyond_a_budget_are_refused_with_a_line(
+    refused: Callable[..., str], folder: Path, command: str
+) -> None:
+    large = SCENE.replace("cells: [8, 8]", "cells: [4000, 4000]")
+    (folder / "tiny.yaml").write_text(large, encoding="utf-8")
+    told = refused(3, command, "tiny.yaml", "--max-memory", "1GiB")
+    assert "tiny.yaml:4:37: terrain.cells: the scene takes about " in told
+    assert "cells would fit" in told
+    many = SCENE.replace("cast:", "cast:\n  - {many: {layout: heap, count: 5000, of: box}}")
+    (folder / "tiny.yaml").write_text(many, encoding="utf-8")
+    told = refused(3, command, "tiny.yaml", "--max-time", "2s")
+    assert "tiny.yaml:6:6: cast[0].many: the scene takes about " in told
+    told = refused(2, command, "tiny.yaml", "--max-time", "2 years")
+    assert told.startswith("error: --max-time '2 years' is no duration; ")
+
+
 @pytest.mark.parametrize("command", ["simulate", "render", "midi"])
 @pytest.mark.parametrize("link", ["out", "out/tiny", "out/tiny/take.zarr"])
 def test_outputs_of_an_untrusted_scene_follow_no_link(

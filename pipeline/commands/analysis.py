@@ -30,9 +30,12 @@ reports = typer.Typer(no_args_is_help=True, help="Print measurements of a scene.
 def simulate(scenes: SceneNames, options: BoundedRunOptions, strict: StrictOption = False) -> None:
     """Simulate scenes and store their takes without rendering."""
     from pipeline.production.run import production
+    from pipeline.production.run.budget import job_of
 
     def make(name: str, reporter: Reporter) -> None:
-        outputs, take = production.simulate_only(options.order(name, strict=strict), reporter)
+        order = options.order(name, strict=strict)
+        options.budget.refuse(order.scene, job_of(order, "simulate"))
+        outputs, take = production.simulate_only(order, reporter)
         reporter.result(f"{outputs.take}: digest {take.digest}")
 
     options.run_each(scenes, make)

@@ -47,6 +47,7 @@ def render(
     of several scenes fails, the others are rendered all the same.
     """
     from pipeline.production.run import production
+    from pipeline.production.run.budget import job_of
     from pipeline.production.run.frame_ranges import read_frames
 
     if frames is not None:
@@ -55,6 +56,7 @@ def render(
     def make(name: str, reporter: Reporter) -> None:
         settings = {"frames": frames, "jobs": jobs, "sound": not no_sound, "strict": strict}
         order = options.frame_order(name, preset, **settings)
+        options.budget.refuse(order.scene, job_of(order, "render"))
         reporter.result(f"{production.render(order, reporter).folder}")
 
     options.run_each(scenes, make)
@@ -140,9 +142,11 @@ def midi(
 ) -> None:
     """Write MIDI scores and sound tracks without rendering."""
     from pipeline.production.run import production
+    from pipeline.production.run.budget import job_of
 
     def make(name: str, reporter: Reporter) -> None:
         order = options.order(name, subframe=subframe, strict=strict)
+        options.budget.refuse(order.scene, job_of(order, "score"))
         reporter.result(f"{production.score_only(order, reporter).midi}")
 
     options.run_each(scenes, make)

@@ -24,6 +24,7 @@ from pipeline.errors import PronkError, UsageError, located
 from pipeline.text_stream import print_json, print_text
 
 if TYPE_CHECKING:
+    from pipeline.production.run.budget import Budget
     from pipeline.production.run.order import Order
     from pipeline.production.run.progress import Reporter
     from pipeline.spec import Scene
@@ -174,25 +175,71 @@ class SceneOptions(Reporting):
 
 
 @dataclass(kw_only=True)
-class Bounds:
+class Bounds(SceneOptions):
     """Bounds on what a scene may read and take."""
 
     untrusted: Annotated[
         bool,
         typer.Option(
             "--untrusted",
-            help="Read no file outside of the scene's folder, and no large ones.",
+            help="Read no file outside of the scene's folder and no large ones, and keep to 4 GiB "
+            "of memory and 30 minutes.",
         ),
     ] = False
+    max_memory: Annotated[
+        str | None,
+        typer.Option(metavar="SIZE", help="Memory that a scene may take, for example 2GiB."),
+    ] = None
+    max_time: Annotated[
+        str | None,
+        typer.Option(metavar="DURATION", help="Time that a scene may take, for example 1h30m."),
+    ] = None
 
     @property
     def is_untrusted(self) -> bool:
         """Whether scenes are of strangers."""
         return self.untrusted
 
+    @property
+    def budget(self) -> Budget:
+        """What each scene may take.
+
+        Raises:
+            UsageError: a limit cannot be read.
+        """
+        from pipeline.production.run.budget import UNTRUSTED_MEMORY, UNTRUSTED_TIME, Budget
+        from pipeline.production.run.quantities import parse_duration, parse_size
+
+        memory = UNTRUSTED_MEMORY if self.untrusted else None
+        seconds = UNTRUSTED_TIME if self.untrusted else None
+        if self.max_memory is not None:
+            memory = parse_size(self.max_memory, "--max-memory")
+        if self.max_time is not None:
+            seconds = parse_duration(self.max_time, "--max-time")
+        return Budget(memory, seconds)
+
+    def run_each(
+        self, scenes: list[str], work: Callable[[str, Reporter], None], success: str = "done"
+    ) -> None:
+        """Work on each of several scenes, each within its budget; see `Reporting`.
+
+        Raises:
+            UsageError: a limit cannot be read.
+            typer.Exit: with the highest exit code, if one failed.
+        """
+        from pipeline.production.run.budget_guard import guarded
+
+        budget = self.budget
+
+        def bounded(name: str, reporter: Reporter) -> None:
+            with guarded(budget, say):
+                work(name, reporter)
+
+        super().run_each(scenes, bounded, success)
+
 
 @dataclass(kw_only=True)
-class CheckOptions(Bounds, SceneOptions):
+class CheckOptions(Bounds):
     """Options of the command that checks scenes and writes nothing."""
 
     stopped: ClassVar[str] = "nothing was written"

@@ -50,11 +50,18 @@ def check(
     strict: StrictOption = False,
 ) -> None:
     """Check scenes: every mistake of every scene, with its line."""
+    from pipeline.production.run.budget import estimate_text
     from pipeline.production.run.scene_check import check_scene, figure_remarks
+    from pipeline.production.run.scene_cost import Job, scene_cost
 
     def examine(name: str, reporter: Reporter) -> None:
         scene = options.scene(name)
-        reporter.result(f"{name}: {check_scene(scene, reporter, name, simulate, strict)}")
+        options.budget.refuse(scene, Job("simulate" if simulate else "check"))
+        cost = scene_cost(scene, Job("render", scene.n_frames))
+        facts = {"memory": round(cost.memory), "seconds": round(cost.seconds, 1)}
+        summary = check_scene(scene, reporter, name, simulate, strict)
+        told = f"{name}: {summary}; a film takes {estimate_text(cost)}"
+        reporter.result(told, estimate=facts)
         for remark in figure_remarks(scene):
             reporter.note(f"note: {remark.problem}", detail=simulate or not remark.is_fault)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.obstacles import Obstacle, outermost
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 
 MIN_EXTENT = 1e-4
@@ -92,11 +93,12 @@ def rigid_mesh(solid: Solid, node: int) -> Mesh:
 def obstacles_of(inventories: Sequence[Inventory]) -> list[Obstacle]:
     """Returns the obstacles of troupes, whose nodes stand in the take in this order."""
     found, first = list[Obstacle](), 0
+    hulls: dict[tuple[int, tuple[float, ...]], Array] = {}
     for inventory in inventories:
         own = [replace(solid, node=first + solid.node) for solid in inventory.solids]
         replaced = {solid.node for solid in own}
         for part in inventory.parts:
-            hull = _hull_of_part(inventory, part, inventory.meshes[part.mesh], first)
+            hull = _hull_of_part(inventory, part, inventory.meshes[part.mesh], first, hulls)
             if hull is not None and hull.node not in replaced:
                 own.append(hull)
         found += own
@@ -104,11 +106,22 @@ def obstacles_of(inventories: Sequence[Inventory]) -> list[Obstacle]:
     return found
 
 
-def _hull_of_part(inventory: Inventory, part: Part, mesh: Mesh, first: int) -> Obstacle | None:
+def _hull_of_part(
+    inventory: Inventory,
+    part: Part,
+    mesh: Mesh,
+    first: int,
+    hulls: dict[tuple[int, tuple[float, ...]], Array],
+) -> Obstacle | None:
+    """Returns the obstacle of a rigid part; `hulls` holds the corners of those before."""
     node = int(mesh.nodes[0, 0])
     if not (mesh.nodes == node).all():
         return None
-    corners = outermost(mesh.vertices.astype(float) - inventory.nodes[node].rest)
+    # Creatures of one figure share the arrays of their meshes, which live as long as these.
+    key = id(mesh.vertices), inventory.nodes[node].rest
+    if key not in hulls:
+        hulls[key] = outermost(mesh.vertices.astype(float) - inventory.nodes[node].rest)
+    corners = hulls[key]
     if float(np.ptp(corners, axis=0).min()) < MIN_EXTENT:
         return None
     return Obstacle(first + node, part.name, part.performer, part.material, corners)

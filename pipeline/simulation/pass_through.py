@@ -164,7 +164,7 @@ class _Passages:
         if name not in self._boxes:
             recorder = self._recorder
             solids = self._solids_at(0, name)
-            nodes = [i for i, node in enumerate(recorder.nodes) if node.performer == name]
+            nodes = [*recorder.nodes_by_performer.get(name, ())]
             reach = max((_reach(solid, recorder) for solid in solids), default=0.0)
             reach *= float(recorder.scales.max(initial=1.0))
             places = recorder.positions[self._rows][:, nodes]

@@ -7,8 +7,9 @@ where they are long. Only the lists of contacts and sound events grow in memory.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,
     Header,
+    Part,
     SoundEvent,
     Take,
     TakeNote,
@@ -64,6 +66,22 @@ class Recorder:
                 if nodes[i].parent < 0:
                     nodes[i] = replace(nodes[i], parent=attachment.parent)
         self.nodes = tuple(nodes)
+
+    @cached_property
+    def parts_by_performer(self) -> Mapping[str, Sequence[Part]]:
+        """The parts of each performer, in their order."""
+        found = dict[str, list[Part]]()
+        for part in self.parts:
+            found.setdefault(part.performer, []).append(part)
+        return found
+
+    @cached_property
+    def nodes_by_performer(self) -> Mapping[str, Sequence[int]]:
+        """Numbers of the nodes of each performer, in their order."""
+        found = dict[str, list[int]]()
+        for number, node in enumerate(self.nodes):
+            found.setdefault(node.performer, []).append(number)
+        return found
 
     @property
     def rotations(self) -> Array:

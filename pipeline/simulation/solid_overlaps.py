@@ -50,9 +50,9 @@ def solids_of(name: str, members: Members, recorder: Recorder) -> list[PlacedSol
     """Returns the solids of a performer; a skin has one for each node that it follows."""
     row = members.row
     solids = [PlacedSolid(s.name, s.node, corners) for s, corners in members.solids(name)]
-    for part in recorder.parts:
+    for part in recorder.parts_by_performer.get(name, ()):
         mesh = recorder.meshes[part.mesh]
-        if part.performer != name or _is_rigid(mesh):
+        if _is_rigid(mesh):
             continue
         nearest = np.take_along_axis(mesh.nodes, mesh.weights.argmax(axis=1)[:, None], axis=1)
         for node in np.unique(nearest).tolist():

@@ -7,6 +7,7 @@ the processes that they start, block the signal.
 
 from __future__ import annotations
 
+import _thread
 import signal
 import sys
 import threading
@@ -83,6 +84,36 @@ def _resend_lost(lost: sys.UnraisableHookArgs) -> None:
         again.start()
     else:
         sys.__unraisablehook__(lost)
+
+
+@contextmanager
+def receiving() -> Iterator[None]:
+    """Let `interrupt` reach the main thread inside the block, also where Ctrl-C is ignored.
+
+    Call this in the main thread.
+    """
+    if not hasattr(signal, "SIGUSR1"):
+        yield
+        return
+    before = signal.getsignal(signal.SIGUSR1)
+    if before is not signal.default_int_handler:
+        signal.signal(signal.SIGUSR1, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        if before is not signal.default_int_handler:
+            signal.signal(signal.SIGUSR1, before or signal.SIG_DFL)
+
+
+def interrupt() -> None:
+    """Interrupt the main thread from another one, as Ctrl-C does; see `receiving`."""
+    _heard.set()
+    if _held.is_set():
+        return
+    if hasattr(signal, "SIGUSR1"):
+        _interrupt()
+    else:
+        _thread.interrupt_main()
 
 
 def _interrupt() -> None:

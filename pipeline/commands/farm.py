@@ -14,10 +14,12 @@ from pipeline.commands.options import (
     SceneName,
     SceneNames,
     StrictOption,
+    say,
     with_options,
 )
 
 if TYPE_CHECKING:
+    from pipeline.production.run.order import Order
     from pipeline.production.run.progress import Reporter
 
 StoreAddress = Annotated[
@@ -73,6 +75,59 @@ def simulate(
         reporter.result(film.take, take=film.take, film=film.key, frames=film.frames)
 
     options.run_each(scenes, make)
+
+
+@farm.command(cls=SuggestingCommand)
+@with_options
+def render(
+    scenes: SceneNames,
+    store: StoreAddress,
+    options: FarmOptions,
+    preset: PresetOption = None,
+    on: Annotated[
+        str,
+        typer.Option(
+            metavar="WHERE",
+            help="local: processes of this machine; auto: a Ray cluster on this machine; or the "
+            "address of a Ray cluster.",
+        ),
+    ] = "local",
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, max=256, help="Workers on this machine; default: one for 4 cores."),
+    ] = None,
+    cores: Annotated[
+        int | None, typer.Option(min=1, max=4096, help="Cores of each worker; default: 4.")
+    ] = None,
+    frames: Frames = None,
+    no_sound: Annotated[
+        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
+    ] = False,
+    strict: StrictOption = False,
+    mixed: Mixed = False,
+) -> None:
+    """Render films on the workers of a farm: simulate, render the frames, assemble.
+
+    Scenes are made side by side; where one fails, the others are made all the same. A run that was
+    stopped goes on where it was, from whichever machine.
+    """
+    from pipeline.farm.farm_run import FarmSettings, render_films
+    from pipeline.production.run.frame_ranges import read_frames
+    from pipeline.production.run.order import refuse_clashes
+
+    if frames is not None:
+        read_frames(frames)
+    refuse_clashes(scenes, options.out)
+    options.assignments()
+
+    def order_of(name: str) -> Order:
+        settings = {"frames": frames, "sound": not no_sound, "strict": strict}
+        return options.frame_order(name, preset, **settings)
+
+    settings = FarmSettings(store, on, jobs, cores, options.backend.value, strict, mixed)
+    code = render_films(scenes, order_of, settings, options.reporter(), say)
+    if code:
+        raise typer.Exit(code)
 
 
 @farm.command("frames", cls=SuggestingCommand)

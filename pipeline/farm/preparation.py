@@ -13,7 +13,7 @@ from pipeline.farm.store import Store
 from pipeline.farm.take_object import fetch_take, store_take, take_name
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
-from pipeline.production.run.notes import Note, clock_of, take_notes
+from pipeline.production.run.notes import Note, clock_of, read_notes, take_notes
 from pipeline.production.run.picture_notes import camera_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.scene_run import translated_errors
@@ -31,7 +31,7 @@ class Prepared:
 
     Attributes:
         simulated: whether the scene was simulated now.
-        notes: on the scene, its take and its camera; empty for a film that was prepared before.
+        notes: on the scene, its take and its camera.
     """
 
     simulated: bool
@@ -41,6 +41,20 @@ class Prepared:
 def tracks_name(film: Film) -> str:
     """Return the name of the tracks of a film."""
     return f"{film.folder}/tracks.tar"
+
+
+def notes_name(film: Film) -> str:
+    """Return the name of the notes on a film."""
+    return f"{film.folder}/notes.json"
+
+
+def stored_notes(store: Store, film: Film) -> tuple[Note, ...]:
+    """Return the notes on a film that is prepared.
+
+    Raises:
+        StoreError: they cannot be read.
+    """
+    return tuple(read_notes(store.get_json(notes_name(film)).get("notes")))
 
 
 def is_prepared(store: Store, film: Film) -> bool:
@@ -74,7 +88,7 @@ def prepare(
         if is_prepared(store, film) and store.has(f"{film.folder}/film.json"):
             current.keep(film.frames)
             current.result = "take is in the store"
-            return Prepared(False, ())
+            return Prepared(False, stored_notes(store, film))
         simulated = not store.has(take_name(film.take))
         if simulated:
             _require_class(scene, film)
@@ -97,6 +111,7 @@ def prepare(
                 *camera_notes(scene, shooting),
             )
         store_film(store, film, files)
+        store.put_json(notes_name(film), {"notes": [note.facts for note in notes]})
         _store_tracks(store, film, shooting)
         current.done = film.frames
         current.result = "take is stored" if simulated else "take is in the store"

@@ -118,6 +118,11 @@ class Store:
         """Whether it is a folder of this machine."""
         return "file" in self._protocols
 
+    @property
+    def is_memory(self) -> bool:
+        """Whether no other process can reach it."""
+        return "memory" in self._protocols
+
     def has(self, name: str) -> bool:
         """Return whether there is an object of this name."""
         return bool(self._try("is asked for", name, lambda: self._files.exists(self._path(name))))

@@ -110,13 +110,8 @@ class EventMonitor:
 
 def are_near(one: MemberState, other: MemberState, distance: float) -> bool:
     """Returns whether the surfaces of two members are within a distance [m]."""
-    gaps = np.maximum(np.maximum(other.low - one.high, one.low - other.high), 0.0)
-    if float(np.linalg.norm(gaps)) > distance or not (one.is_present and other.is_present):
+    boxes = [np.vstack([member.low, member.high, member.loose]) for member in (one, other)]
+    if box_distance(*boxes) > distance or not (one.is_present and other.is_present):
         return False
-    pairs = (
-        (a, b)
-        for a in one.solids or (one.centre[None],)
-        for b in other.solids or (other.centre[None],)
-        if box_distance(a, b) <= distance
-    )
+    pairs = ((a, b) for a in one.shapes for b in other.shapes if box_distance(a, b) <= distance)
     return any(convex_distance(a, b) <= distance for a, b in pairs)

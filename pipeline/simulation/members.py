@@ -6,8 +6,8 @@ States are those of the last row that was written, one row before the step that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -38,6 +38,7 @@ class MemberState:
         low, high: (3,) corners of its bounding box [m].
         radius: of the vertical cylinder around it [m].
         solids: corners (n, 3) of its convex solids [m].
+        loose: (n, 3) nodes without solids, such as the hands of people [m].
         is_present: whether it exists now.
     """
 
@@ -48,12 +49,21 @@ class MemberState:
     high: Array
     radius: float
     solids: tuple[Array, ...] = ()
+    loose: Array = field(default_factory=lambda: np.empty((0, 3)))
     is_present: bool = True
 
     @staticmethod
     def of_place(place: Array) -> MemberState:
         """Returns the state of a point (3,) that never moves [m]."""
         return MemberState(place, place, np.zeros(3), place, place, 0.0)
+
+    @property
+    def shapes(self) -> Iterator[Array]:
+        """Everything of it that can come near something: solids, nodes, or else its centre."""
+        yield from self.solids
+        yield from self.loose[:, None]
+        if not self.solids and not len(self.loose):
+            yield self.centre[None]
 
     def gap(self, other: MemberState) -> float:
         """Returns the distance between the upright cylinders around two members [m]."""
@@ -164,6 +174,7 @@ class Members:
         recorder, row, root = self._recorder, self._row, self.node(name)
         nodes = self._nodes_of(name)
         solids = tuple(corners for _, corners in self.solids(name))
+        loose = [node for node in nodes if node not in self._solids_by_node()]
         points = np.concatenate(solids) if solids else recorder.positions[row, nodes]
         low, high = points.min(axis=0), points.max(axis=0)
         centre = 0.5 * (low + high)
@@ -176,6 +187,7 @@ class Members:
             high=high,
             radius=float(np.hypot(offset[:, 0], offset[:, 1]).max()),
             solids=solids,
+            loose=recorder.positions[row, loose],
             is_present=bool(recorder.alive[row, nodes].any()),
         )
 

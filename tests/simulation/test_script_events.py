@@ -223,3 +223,29 @@ def test_one_of_many_bodies_is_a_target() -> None:
     cast = [BUG, "{name: wall, many: {of: brick, rows: 1, columns: 2}, at: [1.5, 0]}"]
     take = take_of(cast, ["{at: 0.1, who: bug, do: {go_to: wall_1}}"], duration=6.0)
     assert [order.outcome for order in take.orders] == ["done"]
+
+
+CHILD = "{name: kid, character: child, at: [0.8, 0.1], heading_deg: 180}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "ball",
+    [
+        "{name: ball, prop: {shape: ball, radius: 0.06}, at: [0, 0.06, 0]}",
+        "{name: ball, character: ball, scale: 0.2, at: [0, 0]}",
+    ],
+    ids=["prop", "character"],
+)
+def test_hands_that_close_around_something_touch_it(ball: str) -> None:
+    orders = [
+        "{at: 0, who: kid, do: {grab: ball}}",
+        "{when: {near: [kid, ball], within: 0.15}, who: kid, do: {look_at: ball}}",
+        "{when: {touch: [kid, ball]}, who: kid, do: {look_at: [3, 1, 0]}}",
+    ]
+    take = take_of([ball, CHILD], orders, duration=4.0)
+    near, touch = given_at(take, "look_at ball"), given_at(take, "look_at [3, 1, 0]")
+    (grab,) = [order for order in take.orders if order.text == "grab ball"]
+    assert grab.outcome == "done"
+    # The hand comes near before it closes, while the trunk is farther away.
+    assert 1.0 < near < touch < 4.0

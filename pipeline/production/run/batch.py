@@ -120,11 +120,12 @@ def _run_scene(
             raise
         told = told_error(error)
         row.state, row.exit_code = "failed", told.exit_code
-        row.error = _shortened(str(told).splitlines()[0])
+        row.error = shortened(str(told).splitlines()[0])
         report_error(told, row.scene, file)
     finally:
         row.seconds = time.monotonic() - began
 
 
-def _shortened(text: str) -> str:
+def shortened(text: str) -> str:
+    """Return the first line of an error, as long as the table has room for it."""
     return text if len(text) <= MAX_ERROR_LENGTH else text[: MAX_ERROR_LENGTH - 3] + "..."

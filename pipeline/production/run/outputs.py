@@ -18,6 +18,10 @@ from pipeline.errors import StoreError
 from pipeline.foreign_files.confinement import link_out_of
 
 
+class OutputsBusy(StoreError):
+    """Another run is at work in the folder of the outputs."""
+
+
 @dataclass(frozen=True, slots=True)
 class Outputs:
     """Paths of the files of one scene.
@@ -157,12 +161,12 @@ def locked(outputs: Outputs, folders: Sequence[Path] = ()) -> Iterator[None]:
         folders: removed at the end if they are empty.
 
     Raises:
-        StoreError: another run is at work in it.
+        OutputsBusy: another run is at work in it.
         OSError: it cannot be written to.
     """
     lock = _lock(outputs.lock)
     if lock is None:
-        raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
+        raise OutputsBusy(f"{outputs.folder}: another run is at work here; wait for its end")
     with lock:
         try:
             yield

@@ -31,6 +31,7 @@ class Stage:
         scale: units in a thing.
         label: name for people; the name by default.
         estimated: whether the time left is estimated.
+        scene: that it belongs to, where stages of several scenes are under way at once.
         done: number of things done.
         kept: those of them that an earlier run had done.
         started: on the monotonic clock [s].
@@ -45,6 +46,7 @@ class Stage:
     scale: float = 1.0
     label: str = ""
     estimated: bool = True
+    scene: str = ""
     done: int = 0
     kept: int = 0
     started: float = field(default_factory=lambda: time.monotonic())
@@ -55,7 +57,12 @@ class Stage:
 
     def __post_init__(self) -> None:
         self.estimate = TimeEstimate(self.total)
-        self.label = self.label or self.name
+        self.label = self.label or self.title
+
+    @property
+    def title(self) -> str:
+        """Its name for people, after that of its scene."""
+        return f"{self.scene}: {self.name}" if self.scene else self.name
 
     def advance(self, done: int) -> None:
         """Report that `done` things are done."""

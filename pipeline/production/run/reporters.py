@@ -72,7 +72,7 @@ class LogReporter(Reporter):
         """Write the result of the stage."""
         self._next.pop(id(stage), None)
         self._estimated.discard(id(stage))
-        self._print(f"{stage.name}: {stage.result or 'stopped'} ({stage.seconds:.1f} s)")
+        self._print(f"{stage.title}: {stage.result or 'stopped'} ({stage.seconds:.1f} s)")
 
     def note(self, text: str, detail: bool = False) -> None:
         """Write a line."""
@@ -142,7 +142,7 @@ class TerminalReporter(LogReporter):
                 self._progress.stop()
                 self._progress = None
         mark = ("✓", "green") if stage.result else ("■", "yellow")
-        text = escaped(f" {stage.name:<9} {stage.result or 'stopped'} ")
+        text = escaped(f" {stage.title:<9} {stage.result or 'stopped'} ")
         self._console.print(Text.assemble(mark, text, (f"{stage.seconds:.1f} s", "dim")))
 
     def _print(self, text: str) -> None:
@@ -168,18 +168,18 @@ class JsonReporter(Reporter):
 
     def begin(self, stage: Stage) -> None:
         """Write a `begin` object."""
-        self._print(event="begin", stage=stage.name, total=stage.total)
+        self._print("begin", **_named(stage), total=stage.total)
 
     def advance(self, stage: Stage) -> None:
         """Write a `progress` object."""
         eta = None if stage.eta is None else round(stage.eta, 3)
         counts = {"done": stage.done, "total": stage.total, "eta": eta}
-        self._print(event="progress", stage=stage.name, **counts)
+        self._print("progress", **_named(stage), **counts)
 
     def end(self, stage: Stage) -> None:
         """Write an `end` or a `stopped` object."""
         event, seconds = "end" if stage.result else "stopped", round(stage.seconds, 3)
-        self._print(event=event, stage=stage.name, seconds=seconds, result=stage.result)
+        self._print(event, **_named(stage), seconds=seconds, result=stage.result)
 
     def note(self, text: str, detail: bool = False) -> None:
         """Write a `note` object."""
@@ -197,6 +197,11 @@ class JsonReporter(Reporter):
     def _print(self, event: str, **members: object) -> None:
         line = {"event": event, **self._scene, **members}
         print_json(self._stream, line)
+
+
+def _named(stage: Stage) -> dict[str, object]:
+    """Return the members that name a stage."""
+    return {**({"scene": stage.scene} if stage.scene else {}), "stage": stage.name}
 
 
 def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:

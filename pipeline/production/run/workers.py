@@ -88,7 +88,7 @@ def worker_pool(
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, context, _start_worker, (work,)) as pool:
         try:
-            with _children_ignore_interrupts():
+            with children_ignore_interrupts():
                 futures: list[Future[T]] = [pool.submit(_work_on, item) for item in items]
             yield futures
         except BrokenProcessPool as error:
@@ -101,7 +101,7 @@ def worker_pool(
 
 
 @contextmanager
-def _children_ignore_interrupts() -> Iterator[None]:
+def children_ignore_interrupts() -> Iterator[None]:
     """Let processes that are started inside ignore Ctrl-C from the start.
 
     An ignored signal stays ignored in a new program; a handler would come too late for the
@@ -219,11 +219,16 @@ _equipment: tuple[ShotBuilder, Renderer] | None = None
 def _start_worker(work: Callable[[Any], Any]) -> None:
     global _work
     _work = work
+    begin_worker()
+    atexit.register(_end_worker)
+
+
+def begin_worker() -> None:
+    """Make this process one that works for its parent: it ends with it and prints no results."""
     # The parent answers Ctrl-C and ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Prints of libraries are no results of the command.
     os.dup2(2, 1)
-    atexit.register(_end_worker)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

@@ -186,10 +186,11 @@ class Characters(Troupe):
         world, people = self.world, (self._names, self._masses)
         steps = footfalls(self.persons, *people, world.ground, world.clock, step)
         cries = self.minds.cries if self.minds is not None else ()
+        done = self.dispatcher.facts()
         self._facts = replace(
-            self.dispatcher.facts(),
+            done,
             contacts=self.contact_reporter.contacts(self.log, step) + steps,
-            touched=self.contact_reporter.touched(self.log),
+            touched=self.contact_reporter.touched(self.log) + done.touched,
             signals=self.signals.signals(cries),
         )
 

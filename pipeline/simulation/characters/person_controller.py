@@ -186,6 +186,8 @@ class PersonController:
         view: all characters.
         held_members: members of other rooms in its hands, by the number of the hand.
         grip_changes: of this step.
+        touched: names of those that its hands closed around in this step; hands stop short of
+            their surfaces.
         kicked_bodies: bodies of another room that it kicks in this step, and their velocities
             (3,) from then on [m/s].
         avoided: distance at which it keeps off targets, by name [m].
@@ -196,6 +198,7 @@ class PersonController:
     view: CharacterView
     held_members: dict[int, str] = field(default_factory=dict)
     grip_changes: list[GripChange] = field(default_factory=list)
+    touched: list[str] = field(default_factory=list)
     kicked_bodies: list[tuple[str, Array]] = field(default_factory=list)
     avoided: dict[str, float] = field(default_factory=dict)
 
@@ -310,6 +313,8 @@ class PersonController:
     def grip(self, k: int, node: int) -> None:
         """Close a hand around a node; for JOINED_GRIP the left hand."""
         hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
+        if self.held_node(k) != node and nodes["owner"][node] != self.record.owner:
+            self.touched.append(self.view.names[nodes["owner"][node]])
         self.view.arrays.grips[self.record.grip + k] = hand, node
         nodes["grip_partner"][hand] = nodes["owner"][node]
         nodes["grip_partner"][node] = self.record.owner
@@ -344,6 +349,7 @@ class PersonController:
             self.let_go(k)
         self.held_members.update(dict.fromkeys(hands, name))
         self.view.holders[name] = self.name
+        self.touched.append(name)
         self.grip_changes.append(GripChange(self.name, self._holding_node(hands), name, True))
 
     def release(self, name: str, v: Array | None = None) -> None:

@@ -159,6 +159,7 @@ class TaskDispatcher:
         self._steps += 1
         for k, controller in enumerate(self.controllers):
             controller.grip_changes.clear()
+            controller.touched.clear()
             controller.kicked_bodies.clear()
             controller.end_distant_embrace()
             task = self._tasks[k]
@@ -200,9 +201,10 @@ class TaskDispatcher:
         self._ordered[k] = False
 
     def facts(self) -> Facts:
-        """Return what people did in the last step: orders ended, and grips."""
+        """Return what people did in the last step: orders ended, touches of hands, and grips."""
         return Facts(
             arrived=tuple(self._arrived),
+            touched=tuple((one.name, name) for one in self.controllers for name in one.touched),
             outcomes=tuple(self._outcomes),
             grips=tuple(change for one in self.controllers for change in one.grip_changes),
         )

@@ -1,7 +1,7 @@
 """Changes that a golden check detects, and changes that it ignores.
 
-More than a hundred named ones of each: a tenth runs in the full tier, the whole at night. And two
-hundred drawn at random of each, at night.
+More than a hundred named ones of each: a twentieth runs in the full tier, the whole at night. And
+two hundred drawn at random of each, at night.
 """
 
 from __future__ import annotations
@@ -64,10 +64,10 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> Bases:
 # --- named changes ----------------------------------------------------------------
 
 
-def _tenth(named: Sequence[Any]) -> list[Any]:
-    """Return cases: every tenth in the full tier, the rest nightly."""
+def _twentieth(named: Sequence[Any]) -> list[Any]:
+    """Return cases: every twentieth in the full tier, the rest nightly."""
     return [
-        pytest.param(one, id=one.name, marks=pytest.mark.nightly if k % 10 else pytest.mark.slow)
+        pytest.param(one, id=one.name, marks=pytest.mark.nightly if k % 20 else pytest.mark.slow)
         for k, one in enumerate(named)
     ]
 
@@ -89,7 +89,7 @@ class Elsewhere(GoldenRenderer):
         return self._environment
 
 
-@pytest.mark.parametrize("fault", _tenth(FAULTS))
+@pytest.mark.parametrize("fault", _twentieth(FAULTS))
 def test_a_fault_is_found_and_named(bases: Bases, fault: Fault) -> None:
     base = bases[fault.base]
     verdict = check(base.case, base.renderer, Reporter(), (fault.layer,), fault.make(base))
@@ -97,7 +97,7 @@ def test_a_fault_is_found_and_named(bases: Bases, fault: Fault) -> None:
     assert fault.says in str(verdict)
 
 
-@pytest.mark.parametrize("change", _tenth(HARMLESS))
+@pytest.mark.parametrize("change", _twentieth(HARMLESS))
 def test_a_harmless_change_passes(bases: Bases, change: Harmless) -> None:
     base = bases[change.base]
     where = change.environment

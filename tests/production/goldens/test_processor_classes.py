@@ -84,7 +84,7 @@ def test_goldens_are_identical_where_the_environment_names_the_held_kernels() ->
 @pytest.mark.parametrize(
     "scenes",
     [
-        ["ragdolls_stairs", "through_the_wall"],
+        pytest.param(["ragdolls_stairs", "through_the_wall"], marks=pytest.mark.nightly),
         pytest.param(shipped_scenes(), marks=pytest.mark.nightly),
     ],
     ids=["two chaotic scenes", "all scenes"],

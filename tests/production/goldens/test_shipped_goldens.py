@@ -22,13 +22,22 @@ MOST_BYTES = 600_000
 
 pytestmark = pytest.mark.slow
 
+LONG = ("stacking", "toy")
+"""Goldens that take the longest."""
+
 
 @pytest.fixture(scope="module")
 def lab() -> GoldenRenderer:
     return GoldenRenderer()
 
 
-@pytest.mark.parametrize("name", [golden.path.name for golden in goldens_in(FILMS)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.nightly if name in LONG else ())
+        for name in sorted(golden.path.name for golden in goldens_in(FILMS))
+    ],
+)
 def test_a_shipped_scene_matches_its_golden(name: str, lab: GoldenRenderer, tmp_path: Path) -> None:
     (case,) = cases_of([name], FILMS, tmp_path)
     (tmp_path / "golden").mkdir()

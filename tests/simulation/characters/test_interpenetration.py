@@ -69,7 +69,7 @@ def depth_in_box(characters: Characters, name: str) -> float:
 @pytest.mark.parametrize(
     "seed",
     [
-        pytest.param(3, marks=pytest.mark.slow),
+        pytest.param(3, marks=pytest.mark.nightly),
         pytest.param(1, marks=pytest.mark.slow),
         pytest.param(4, marks=pytest.mark.nightly),
     ],

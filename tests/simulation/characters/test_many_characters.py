@@ -64,7 +64,7 @@ def assert_stable(seed: int) -> None:
     "seeds",
     [
         *([seed] for seed in (*FEW, *ONCE_FAILED)),
-        pytest.param(SOME, marks=pytest.mark.slow),
+        pytest.param(SOME, marks=pytest.mark.nightly),
         *(pytest.param(ALL[k : k + 100], marks=pytest.mark.nightly) for k in range(0, 900, 100)),
     ],
     ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}",

@@ -127,7 +127,7 @@ def test_a_route_is_kept_until_something_moves() -> None:
 
 COUNTS = [
     pytest.param(range(3), id="3"),
-    pytest.param(range(20), marks=pytest.mark.slow, id="20"),
+    pytest.param(range(20), marks=pytest.mark.nightly, id="20"),
     pytest.param(range(200), marks=pytest.mark.nightly, id="200"),
 ]
 

@@ -138,6 +138,7 @@ def course() -> Course:
     return found
 
 
+@pytest.mark.nightly
 def test_a_child_chases_a_creature_until_it_touches_it() -> None:
     assert course().arrived["kid"][0] < 5.0
 

@@ -49,6 +49,7 @@ def test_go_to_a_member_stops_beside_it() -> None:
     assert np.ptp(apart[-48:]) < 0.02
 
 
+@pytest.mark.nightly
 def test_go_to_keeps_the_asked_gap() -> None:
     near, far = (distances(take_of(f"{{go_to: cart, gap: {gap}}}"))[-1] for gap in (0.1, 0.9))
     assert far - near == pytest.approx(0.8, abs=0.15)
@@ -67,6 +68,7 @@ def test_go_to_a_member_that_moves_goes_after_it() -> None:
     assert distances(take).min() < 1.4
 
 
+@pytest.mark.nightly
 def test_follower_keeps_its_distance_from_who_walks_on() -> None:
     take = take_of("{follow: cart, gap: 0.5}", "at: [2, 0.2, 1], velocity: [0.15, 0, 0]", 20.0)
     assert outcome_of(take)[0] == "begun"
@@ -78,6 +80,7 @@ def test_chaser_catches_who_is_slower() -> None:
     assert outcome_of(take)[0] == "done"
 
 
+@pytest.mark.nightly
 def test_chaser_of_who_is_faster_gives_up_with_a_note() -> None:
     take = take_of("{chase: cart}", "at: [2, 0.2, 1], velocity: [2, 0, 0]")
     outcome, reason = outcome_of(take)
@@ -91,6 +94,7 @@ def test_flight_ends_far_enough_away() -> None:
     assert distances(take)[-1] > 3.0
 
 
+@pytest.mark.nightly
 def test_who_avoids_something_steps_away_and_stays_there() -> None:
     take = take_of("{avoid: cart, distance: 1.5}", "at: [0.8, 0.2, 0.3]", 16.0)
     apart = distances(take)
@@ -115,6 +119,7 @@ script:
 """
 
 
+@pytest.mark.nightly
 def test_who_avoids_something_that_passes_goes_on_to_its_goal() -> None:
     take = simulate(read_scene(PASSING))
     bug = take.positions[:, NodeNames.of(take).find("bug")][:, [0, 2]]

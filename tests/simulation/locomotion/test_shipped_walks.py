@@ -39,7 +39,13 @@ def unposed_feet(walk: Walk) -> Array:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in shipped_scenes() if is_walking_scene(name)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.nightly if k % 2 else ())
+        for k, name in enumerate(filter(is_walking_scene, shipped_scenes()))
+    ],
+)
 def test_invariants_of_walking_hold_in_shipped_scenes(name: str) -> None:
     walk = walk_through(load_scene(find_scene(name)))
     take, herd, ground = walk.take, walk.walkers.herd, walk.simulation.world.ground

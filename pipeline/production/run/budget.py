@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeline.errors import Problem, ProductionError, SceneError
-from pipeline.production.run.available_memory import Memory, available_memory
+from pipeline.production.run.available_memory import available_memory
 from pipeline.production.run.frame_ranges import parse_frames
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs

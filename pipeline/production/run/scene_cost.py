@@ -11,7 +11,7 @@ import os
 import struct
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -91,12 +91,14 @@ class Job:
         frames: number of frames that are rendered.
         processes: number of processes that render.
         is_simulated: whether there is a take already.
+        processors: number of processors that the work may use.
     """
 
     work: Work
     frames: int = 0
     processes: int = 1
     is_simulated: bool = False
+    processors: int = field(default_factory=lambda: processors())
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +109,7 @@ class PartCost:
         path: of the part in the scene.
         text: what it is, such as "5,000 bodies".
         memory: at the peak [bytes].
-        seconds: on this machine.
+        seconds: on this machine while nothing else keeps it busy.
         count: number of its things, 0 where it cannot be made smaller.
         unit: of the things.
     """
@@ -137,7 +139,7 @@ class SceneCost:
 
     @property
     def seconds(self) -> float:
-        """Time on this machine [s]."""
+        """Time on this machine while nothing else keeps it busy [s]."""
         return sum(part.seconds for part in self.parts)
 
 
@@ -187,7 +189,7 @@ def _part(path: str, text: str, rate: Rate, things: int, job: Job, frames: int) 
     pictures = job.frames * rate.frame[1] if job.work == "render" else 0.0
     builds = job.processes if job.work == "render" else 1
     parallel = rate.build[k] * builds + pictures
-    seconds = frames * rate.frame[0] + parallel / min(builds, processors())
+    seconds = frames * rate.frame[0] + parallel / min(builds, job.processors)
     return PartCost(path, text, things * memory, things * seconds)
 
 
@@ -226,7 +228,7 @@ def _pictures(scene: Scene, job: Job) -> Iterator[PartCost]:
     film = scene.film.resolved()
     width, height = film.size
     pixels = width * height
-    each = pixels * (PIXEL_FRAME + RAY * film.samples) / processors()
+    each = pixels * (PIXEL_FRAME + RAY * film.samples) / job.processors
     text = f"{job.frames:,} frames of {width}x{height} with {film.samples} samples"
     yield PartCost(_length_key(scene), text, 0.0, job.frames * each, job.frames, "frames")
     memory = PIXEL_MEMORY * pixels * job.processes

@@ -73,7 +73,7 @@ def job_of(order: Order, work: Work) -> Job:
     suffix = order.scene.film.resolved().format
     left = [frame for frame in frames if not outputs.frame(frame, suffix).is_file()]
     processes = max(min(order.jobs, len(left)), 1)
-    return Job(work, len(left), processes, outputs.take.exists())
+    return Job(work, len(left), processes, outputs.take.exists(), order.sound)
 
 
 def estimate_text(cost: SceneCost) -> str:

@@ -105,6 +105,19 @@ def test_work_that_is_done_is_not_counted(key: str) -> None:
     assert scene_cost(play, Job("render", 12, is_simulated=True)).seconds < half < all_of_it
 
 
+def test_long_sound_takes_memory_before_frames_are_rendered() -> None:
+    play = scene("cast: [{prop: {shape: box}}]\n").model_copy(update={"frames": 24 * 600})
+    silent, score = Job("render", 9, sound=False), scene_cost(play, Job("score")).memory
+    assert scene_cost(play, Job("render", 9)).memory == pytest.approx(score)
+    assert scene_cost(play, silent).memory < score / 2
+    short = scene("cast: [{prop: {shape: box}}]\n")
+    assert scene_cost(short, Job("render", 9)).memory == scene_cost(short, silent).memory
+    with pytest.raises(
+        BudgetExceeded, match=r"frames: the scene .* about \d+ s of sound would fit"
+    ):
+        Budget(memory=2**30).refuse(play, Job("score"))
+
+
 def test_processes_have_memory_of_their_own() -> None:
     play = scene("terrain: {kind: flat, cells: [1000, 1000]}\n" + BEETLE)
     one, four = (scene_cost(play, Job("render", 24, jobs)).memory for jobs in (1, 4))

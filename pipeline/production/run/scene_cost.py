@@ -86,6 +86,14 @@ PIXEL_FRAME, RAY = 2.2e-6, 5.5e-7
 """Processor time of a pixel in a frame, and of each of its camera rays [s]."""
 
 
+@cache
+def usable_processors() -> int:
+    """Return the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 @dataclass(frozen=True, slots=True)
 class Job:
     """What is asked of a scene.
@@ -305,11 +313,3 @@ def _mesh_vertices(file: Path) -> int:
     with suppress(OSError):
         return max(min(round(file.stat().st_size / MESH_VERTEX_BYTES), 4001**2), 9)
     return 9
-
-
-@cache
-def usable_processors() -> int:
-    """Return the number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

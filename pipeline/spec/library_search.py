@@ -15,7 +15,7 @@ from pipeline.foreign_files.confinement import Confinement
 from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.spec.dance import Dance
 from pipeline.spec.figure import Figure
-from pipeline.spec.model_base import NAME_PATTERN, ConfigModel, PathSegment
+from pipeline.spec.model_base import MAX_NAME_LENGTH, NAME_PATTERN, ConfigModel, PathSegment
 from pipeline.spec.scene_library import (
     DANCES,
     FIGURES,
@@ -149,7 +149,7 @@ class LibrarySearch:
         ]
         names_by_file: dict[Path, str] = {}
         for path, name, place in references:
-            if name not in entries.entries and re.fullmatch(NAME_PATTERN, name):
+            if _is_name(name) and name not in entries.entries:
                 file = self._file_called(path, name, place, entries, block)
                 if file is not None:
                     names_by_file[file.resolve()] = name
@@ -270,9 +270,14 @@ class LibrarySearch:
         self.problems.append(place.problem(path, message))
 
 
+def _is_name(text: str) -> bool:
+    """Return whether a text can be a name; the model refuses others at their place."""
+    return len(text) <= MAX_NAME_LENGTH and re.fullmatch(NAME_PATTERN, text) is not None
+
+
 def _unused_name(stem: str, entries: MappingNode, block: LibraryBlock) -> str:
-    """Return a name for the entry of a file: its stem, numbered where that is taken."""
-    name = first = stem if re.fullmatch(NAME_PATTERN, stem) else block.key
+    """Return a name for the entry of a file: its stem, unless too long; numbered if taken."""
+    name = first = stem if _is_name(stem) and len(stem) < MAX_NAME_LENGTH - 4 else block.key
     number = 1
     while name in entries.entries:
         number += 1

@@ -26,6 +26,9 @@ NAME_PATTERN = f"^[{_LETTER}]([{_LETTER} \\-]*[{_LETTER}])?$"
 """Letters of any script, digits, `_`; inside also `-` and blanks. Dots and brackets are left to
 paths. Spelled out, because pydantic, Python and editors disagree on what `\\w` is."""
 
+MAX_NAME_LENGTH = 64
+"""Of a name [characters]."""
+
 WORLD_LIMIT = 10_000.0
 """Largest coordinate [m]: beyond 10 km a float32 vertex is not exact to a millimetre."""
 
@@ -42,7 +45,7 @@ def _not_tiny(value: float) -> float:
 Number = Annotated[float, Strict()]
 Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_tiny)]
 Integer = Annotated[int, Strict()]
-Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=64)]
+Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=MAX_NAME_LENGTH)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import yaml
 
-from pipeline.errors import PronkError, SceneError, SimulationError, located
+from pipeline.errors import PronkError, SceneError, SimulationError, StoreError, located
 from pipeline.production.run.reporters import LogReporter
 from pipeline.production.run.scene_check import check_scene, figure_remarks
 from pipeline.spec import load_scene
@@ -106,6 +106,9 @@ def fault_of(error: PronkError, content: bytes, simulated: bool) -> str:
     if isinstance(error, SimulationError) and simulated:
         # It names step, time and part instead.
         return "" if str(error).strip() else "the refusal says nothing"
+    if isinstance(error, StoreError):
+        # No line is to blame where rows of a film of a million frames exceed the limit of memory.
+        return ""
     if not isinstance(error, SceneError):
         return f"a refusal without a line ({type(error).__name__})"
     if not error.problems:

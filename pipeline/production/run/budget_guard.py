@@ -43,6 +43,9 @@ class _Guard:
         self._done = threading.Event()
         self._lock = threading.Lock()
         self._thread = threading.Thread(target=self._watch, name="budget", daemon=True)
+
+    def start(self) -> None:
+        """Begin to watch."""
         self._thread.start()
 
     def close(self) -> None:
@@ -104,6 +107,8 @@ def guarded(budget: Budget, say: Callable[[BudgetReached], None]) -> Iterator[No
         guard = _Guard(budget, say)
         try:
             try:
+                # It may interrupt at once.
+                guard.start()
                 yield
             finally:
                 guard.close()
@@ -111,4 +116,5 @@ def guarded(budget: Budget, say: Callable[[BudgetReached], None]) -> Iterator[No
             if guard.reached is None or not interrupts.is_interrupt(error):
                 raise
             interrupts.answered()
-            raise guard.reached from error
+            # Without the interrupt behind it, which would make it count as Ctrl-C.
+            raise guard.reached from None

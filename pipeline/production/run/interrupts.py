@@ -55,7 +55,7 @@ def is_interrupt(error: BaseException | None) -> bool:
     if heard():
         return True
     while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
+        error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
     return error is not None
 
 

@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import UsageError
+from pipeline.errors import PronkError, UsageError
 from pipeline.production.run import available_memory, budget_guard, interrupts
+from pipeline.production.run.batch import run_batch
 from pipeline.production.run.budget import Budget, BudgetExceeded, BudgetReached
+from pipeline.production.run.progress import Reporter
 from pipeline.production.run.quantities import (
     duration_text,
     parse_duration,
@@ -204,6 +206,25 @@ def test_a_run_is_stopped_at_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
         if thread.name == "budget":
             thread.join(10.0)
             assert not thread.is_alive()
+
+
+def test_a_stopped_run_is_no_interrupt_and_the_next_scene_begins(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(budget_guard, "INTERVAL", 0.01)
+    told, worked = list[str](), list[str]()
+
+    def work(name: str, _: Reporter) -> None:
+        with budget_guard.guarded(Budget(seconds=0.05 if name == "slow" else 60.0), pytest.fail):
+            time.sleep(60 if name == "slow" else 0)
+            worked.append(name)
+
+    def tell(error: PronkError, name: str, _: Path | None) -> None:
+        told.append(f"{name}: {error}")
+
+    code = run_batch(["slow", "quick"], work, Reporter(), tell, find=lambda _: None)
+    assert (code, worked) == (4, ["quick"])
+    assert [line.partition(",")[0] for line in told] == ["slow: stopped after 1 s"]
 
 
 def test_a_run_is_stopped_at_its_memory(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -105,10 +105,13 @@ def render(
     ] = "local",
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, max=256, help="Workers on this machine; default: one for 4 cores."),
+        typer.Option(min=1, max=256, help="Workers on this machine; default: by its cores."),
     ] = None,
     cores: Annotated[
-        int | None, typer.Option(min=1, max=4096, help="Cores of each worker; default: 4.")
+        int | None,
+        typer.Option(
+            min=1, max=4096, help="Cores of each worker; default: by the size of pictures, 2 or 4."
+        ),
     ] = None,
     frames: Frames = None,
     no_sound: Annotated[

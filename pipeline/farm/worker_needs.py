@@ -5,19 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pipeline.production.run.scene_cost import MIB, Job, scene_cost
 from pipeline.spec import Scene
 
-CORES = 4
-"""Cores of a worker: more of them for one worker gain less than another worker does."""
+FEW_CORES, CORES = 2, 4
+"""Cores of a worker for small pictures and for others: more of them gain less than another
+worker does."""
 
-BASE_MIB = 700
-"""Memory of a worker with its libraries and kernels, before its frames [MiB]."""
+SMALL_PICTURE = 640 * 360
+"""Up to this size two cores have enough to do [pixels]."""
 
-BYTES_PER_PIXEL = 1200
-"""Memory of a frame while it is traced and denoised."""
+MARGIN = 1.25
+"""Factor on estimates of memory."""
 
-STEP_MIB = 256
-"""Memory is asked for in such steps [MiB]."""
+STEP = 256 * MIB
+"""Memory is asked for in such steps [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,25 +28,30 @@ class WorkerNeeds:
 
     Attributes:
         cores: number of them.
-        memory: of the machine or its part [MiB].
+        memory: of the machine or its part [bytes].
     """
 
     cores: int
     memory: int
 
     @staticmethod
-    def of(scene: Scene, cores: int = CORES) -> WorkerNeeds:
-        """Return the needs of a worker for a scene."""
+    def of(scene: Scene) -> WorkerNeeds:
+        """Return the needs of a worker that simulates a scene or renders its frames."""
         width, height = scene.film.resolved().size
-        wanted = BASE_MIB + width * height * BYTES_PER_PIXEL / 2**20
-        return WorkerNeeds(cores, math.ceil(wanted / STEP_MIB) * STEP_MIB)
+        cost = scene_cost(scene, Job("render", frames=1))
+        memory = math.ceil(MARGIN * cost.memory / STEP) * STEP
+        return WorkerNeeds(FEW_CORES if width * height <= SMALL_PICTURE else CORES, memory)
+
+    def with_those(self, other: WorkerNeeds) -> WorkerNeeds:
+        """Return the needs of a worker for scenes of two kinds."""
+        return WorkerNeeds(max(self.cores, other.cores), max(self.memory, other.memory))
 
     @property
     def requirements(self) -> dict[str, list[dict[str, object]]]:
-        """The needs as Open Job Description has them."""
+        """The needs as Open Job Description has them, memory in MiB."""
         return {
             "amounts": [
                 {"name": "amount.worker.vcpu", "min": self.cores},
-                {"name": "amount.worker.memory", "min": self.memory},
+                {"name": "amount.worker.memory", "min": self.memory // MIB},
             ]
         }

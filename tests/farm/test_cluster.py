@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -100,3 +103,45 @@ def test_films_of_a_disturbed_cluster_are_those_of_one_process(
         assert contents_of(made) == contents_of(rendered / "out" / Path(name).stem)
     # Nothing half written is left under the names of objects.
     assert len(list((tmp_path / "store/frames").iterdir())) == SCENES * FRAMES
+
+
+def test_ctrl_c_ends_a_cluster_of_its_own(rendered: Path, tmp_path: Path) -> None:
+    text = (rendered / "scene_1.yaml").read_text().replace(f"frames: {FRAMES}", "frames: 2000")
+    (tmp_path / "long.yaml").write_text(text)
+    call = "from pipeline.cli import main; main()"
+    arguments = ("--store", "store", "--on", "auto", "--jobs", "2", "--cores", "1")
+    script = (
+        "import sys; sys.path.insert(0, sys.argv.pop(1))\n"
+        "import contextlib; from cluster_run import raise_loopback\n"
+        "with contextlib.suppress(OSError): raise_loopback()\n" + call
+    )
+    running = subprocess.Popen(
+        [
+            *(*isolated(), sys.executable, "-c", script, str(Path(__file__).parent)),
+            *("farm", "render", "long.yaml", *arguments),
+        ],
+        cwd=tmp_path,
+        env=environment(),
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=_hear_interrupts,
+    )
+    frames = tmp_path / "store/frames"
+    deadline = time.monotonic() + 300
+    while time.monotonic() < deadline and not (frames.is_dir() and any(frames.iterdir())):
+        time.sleep(0.1)
+    os.killpg(running.pid, signal.SIGINT)
+    began = time.monotonic()
+    _, err = running.communicate(timeout=120)
+    # A benchmark would be the place for a limit; the log of the nightly tier has the figure.
+    logging.getLogger(__name__).info("ended after %.1f s", time.monotonic() - began)
+    assert running.returncode == 130, err
+    assert "stopped; what is in the store stays" in err
+    assert "Traceback" not in err
+    left = subprocess.run(["pgrep", "-f", str(tmp_path)], capture_output=True, check=False)
+    assert left.stdout == b""
+
+
+def _hear_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -76,8 +76,11 @@ class StandIn(types.ModuleType):
         """Add a machine."""
         self.there.append(
             {
-                "NodeID": name, "Alive": True, "Resources": resources,
-                "NodeManagerHostname": name, "NodeManagerAddress": "10.0.0.1",
+                "NodeID": name,
+                "Alive": True,
+                "Resources": resources,
+                "NodeManagerHostname": name,
+                "NodeManagerAddress": "10.0.0.1",
             }
         )
         return self.there[-1]

@@ -138,15 +138,19 @@ class RayEngine:
 
     def close(self) -> None:
         """End all workers, and the cluster if it was started here."""
+        for name in list(self._actors):
+            self.discard(name)
         if self._is_own:
-            # At once: Ray itself gives each of its processes some time, one after the other.
-            with contextlib.suppress(Exception):
-                node = self._ray._private.worker._global_node
-                node.kill_all_processes(check_alive=False, allow_graceful=False)
-        else:
-            for name in list(self._actors):
-                self.discard(name)
+            self._end_at_once()
         self._ray.shutdown()
+
+    def _end_at_once(self) -> None:
+        """Have Ray kill the processes of its cluster, which it gives some time otherwise."""
+        with contextlib.suppress(AttributeError):
+            node = self._ray._private.worker._global_node
+            kill = node.kill_all_processes
+            # Whatever Ray asks for when it shuts down.
+            node.kill_all_processes = lambda *_, **__: kill(check_alive=False)
 
     # --- the cluster --------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
@@ -11,6 +12,7 @@ from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.commands.options import (
     FrameOptions,
     PresetOption,
+    Reporting,
     SceneName,
     SceneNames,
     StrictOption,
@@ -50,6 +52,15 @@ class FarmOptions(FrameOptions):
     """Options of the commands of a farm."""
 
     stopped: ClassVar[str] = "what is in the store stays; the same command goes on"
+
+
+@dataclass(kw_only=True)
+class StatusOptions(Reporting):
+    """Options of the command that looks at a store."""
+
+    stopped: ClassVar[str] = "nothing was changed"
+
+    are_scenes: ClassVar[bool] = False
 
 
 farm = typer.Typer(no_args_is_help=True, help="Films made by many machines through one store.")
@@ -94,10 +105,13 @@ def render(
     ] = "local",
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, max=256, help="Workers on this machine; default: one for 4 cores."),
+        typer.Option(min=1, max=256, help="Workers on this machine; default: by its cores."),
     ] = None,
     cores: Annotated[
-        int | None, typer.Option(min=1, max=4096, help="Cores of each worker; default: 4.")
+        int | None,
+        typer.Option(
+            min=1, max=4096, help="Cores of each worker; default: by the size of pictures, 2 or 4."
+        ),
     ] = None,
     frames: Frames = None,
     no_sound: Annotated[
@@ -196,3 +210,53 @@ def assemble(
         reporter.result(f"{assembled(order, place, film, reporter, mixed).folder}")
 
     options.run_each(scenes, make)
+
+
+@farm.command(cls=SuggestingCommand)
+@with_options
+def status(
+    store: StoreAddress,
+    options: StatusOptions,
+    html: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a page with thumbnails as well.")
+    ] = None,
+    watch: Annotated[
+        float | None,
+        typer.Option(min=1.0, metavar="SECONDS", help="Look again, until all frames are there."),
+    ] = None,
+) -> None:
+    """Print the films of a store: frames, rate, time left, failures."""
+    from pipeline.farm.status_watch import report_status
+    from pipeline.farm.store import Store
+
+    report_status(Store(store), options.reporter(), html, watch)
+
+
+@farm.command(cls=SuggestingCommand)
+@with_options
+def export(
+    scenes: SceneNames,
+    options: FarmOptions,
+    openjd: Annotated[
+        Path, typer.Option(metavar="FILE", help="File of the Open Job Description template.")
+    ],
+    preset: PresetOption = None,
+    frames: Frames = None,
+    no_sound: Annotated[
+        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
+    ] = False,
+) -> None:
+    """Write a job template for farms with a manager of their own, such as Deadline Cloud."""
+    from pipeline.farm.job_template import job_scene, write_template
+    from pipeline.production.run.order import refuse_clashes
+    from pipeline.spec import find_scene
+
+    refuse_clashes(scenes, options.out)
+    changes = [*(["--preset", preset.value] if preset else [])]
+    changes += [part for change in options.assignments() for part in ("--set", change)]
+    found = []
+    for name in scenes:
+        order = options.frame_order(name, preset, frames=frames, sound=not no_sound)
+        found.append(job_scene(order, find_scene(name), openjd, changes))
+    write_template(found, openjd)
+    options.reporter().result(f"{openjd}")

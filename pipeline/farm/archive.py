@@ -155,7 +155,8 @@ class Archive:
         return {name: _Place(first + at, n, digest) for name, (at, n, digest) in members.items()}
 
     def _damaged(self, reason: str) -> ObjectDamaged:
-        return ObjectDamaged(f"{self._store.address}: {self._name} is damaged: {reason}")
+        text = f"{self._store.address}: {self._name} is damaged: {reason}"
+        return ObjectDamaged(text, self._name)
 
 
 def write_arrays(place: Path, arrays: Mapping[str, NDArray[Any]]) -> None:

@@ -14,7 +14,7 @@ from pipeline.farm.film import Film
 from pipeline.farm.frame_index import READERS, FrameIndex, FrameRecord
 from pipeline.farm.preparation import is_prepared
 from pipeline.farm.store import ObjectDamaged, ObjectMissing, Store
-from pipeline.farm.take_object import fetch_take
+from pipeline.farm.take_object import fetch_take, take_required
 from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_stage import make_film
 from pipeline.production.run.frame_ranges import parse_frames
@@ -68,6 +68,7 @@ def assemble(
     Raises:
         FramesMissing: the store does not have all frames; nothing is written then.
         MixedClasses: no class of renderers made all frames.
+        TakeLost: the take has to be made again.
         PronkError: something cannot be made; earlier outputs stay.
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
@@ -75,7 +76,8 @@ def assemble(
     records = _records(store, film, frames, mixed)
     with working(order, reporter) as run:
         run.frames = frames
-        take = adopt_take(run, film.take, partial(fetch_take, store, film.take))
+        with take_required(store):
+            take = adopt_take(run, film.take, partial(fetch_take, store, film.take))
         shooting = ShotBuilder(order.scene, take)
         run.notes += camera_notes(order.scene, shooting)
         run.refuse_notes()

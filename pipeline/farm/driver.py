@@ -383,6 +383,10 @@ class Driver:
         elif error.fault == "missing" and run.repairs < MAX_REPAIRS:
             run.repairs += 1
             self._begin_frames(run, "")
+        elif error.fault == "take" and run.repairs < MAX_REPAIRS:
+            run.repairs += 1
+            self._reporter.note(f"{run.row.scene}: {error.message}")
+            run.state, run.waiting = "simulating", True
         elif error.fault == "class" and len(run.unsuited) + 1 < len(self._engine.workers):
             run.unsuited.add(worker)
             run.give_back(frames)

@@ -17,7 +17,7 @@ from pipeline.farm.film import Film, scene_of
 from pipeline.farm.frame_index import FrameIndex, FrameRecord, class_of
 from pipeline.farm.preparation import tracks_name
 from pipeline.farm.store import Store, digest_of
-from pipeline.farm.take_object import TakeRows
+from pipeline.farm.take_object import TakeRows, take_required
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.scene_run import translated_errors
@@ -111,6 +111,7 @@ class FrameWorker:
         Raises:
             FilmingError: a frame cannot be rendered.
             MixedClasses: another class of renderer began the film.
+            TakeLost: the take has to be made again.
             StoreError: something cannot be read or written.
         """
         cost = ChunkCost()
@@ -123,7 +124,9 @@ class FrameWorker:
             cost.kept = len(frames) - len(due)
             progress(cost.kept, cost.kept)
             if due:
-                self._render_due(self._load(film, due, scene, cost), index, due, cost, progress)
+                with take_required(self._store):
+                    loaded = self._load(film, due, scene, cost)
+                self._render_due(loaded, index, due, cost, progress)
         return cost
 
     def _ready_renderer(self) -> Renderer:

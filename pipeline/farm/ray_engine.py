@@ -22,9 +22,6 @@ from pipeline.processor import RELATED
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-CORES = 4
-"""Cores of a worker: more of them for one worker gain less than another worker does."""
-
 NODE_INTERVAL = 1.0
 """Time between two looks at the machines of a cluster [s]."""
 
@@ -77,7 +74,8 @@ class RayEngine:
         address: of the cluster; "auto" starts one on this machine.
         settings: of each worker.
         jobs: workers on this machine, for a cluster that is started; None for all its cores.
-        cores: of each worker, None for `CORES`, or fewer where a machine has fewer.
+        cores: of each worker, or fewer where a machine has fewer.
+        memory: of each worker, as far as a machine has it [bytes].
 
     Raises:
         UsageError: Ray is missing, or would let in whoever connects.
@@ -89,10 +87,12 @@ class RayEngine:
         address: str,
         settings: WorkerSettings,
         jobs: int | None = None,
-        cores: int | None = None,
+        cores: int = 1,
+        memory: int = 0,
     ) -> None:
         self._ray = required_ray()
-        self._settings, self._cores = settings, cores or CORES
+        self._settings, self._cores, self._memory = settings, cores, memory
+        self._is_own = address == "auto"
         self._actors: dict[str, _Actor] = {}
         self._limits: dict[str, int] = {}
         self._looked = 0.0
@@ -140,7 +140,17 @@ class RayEngine:
         """End all workers, and the cluster if it was started here."""
         for name in list(self._actors):
             self.discard(name)
+        if self._is_own:
+            self._end_at_once()
         self._ray.shutdown()
+
+    def _end_at_once(self) -> None:
+        """Have Ray kill the processes of its cluster, which it gives some time otherwise."""
+        with contextlib.suppress(AttributeError):
+            node = self._ray._private.worker._global_node
+            kill = node.kill_all_processes
+            # Whatever Ray asks for when it shuts down.
+            node.kill_all_processes = lambda *_, **__: kill(check_alive=False)
 
     # --- the cluster --------------------------------------------------------------------
 
@@ -193,6 +203,9 @@ class RayEngine:
             if gpus and self._settings.backend in ("auto", "cuda")
             else (max(cores // self._cores, 1) if cores else 0)
         )
+        if self._memory:
+            # Less than estimated may do, so a machine has one worker at least.
+            wanted = min(wanted, max(int(resources.get("memory", 0.0) / self._memory), 1))
         return min(wanted, self._limits.get(key, wanted))
 
     def _begin(self, key: str, node: dict[str, Any]) -> None:
@@ -208,6 +221,7 @@ class RayEngine:
         actor = self._ray.remote(
             num_cpus=cores,
             num_gpus=1 if uses_gpu else 0,
+            memory=int(min(self._memory, 0.9 * resources.get("memory", 0.0))),
             max_restarts=0,
             scheduling_strategy=NodeAffinitySchedulingStrategy(key, soft=False),
             # The same arithmetic as here.

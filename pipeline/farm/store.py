@@ -58,11 +58,23 @@ _PACKAGES = {"s3": "s3fs", "s3a": "s3fs", "sftp": "paramiko", "ssh": "paramiko",
 T = TypeVar("T")
 
 
-class ObjectMissing(StoreError):
+class ObjectFault(StoreError):
+    """An object of a store is of no use.
+
+    Attributes:
+        name: of the object.
+    """
+
+    def __init__(self, message: str, name: str) -> None:
+        super().__init__(message)
+        self.name = name
+
+
+class ObjectMissing(ObjectFault):
     """The store has no object of this name."""
 
 
-class ObjectDamaged(StoreError):
+class ObjectDamaged(ObjectFault):
     """An object is not as it was written."""
 
 
@@ -140,7 +152,7 @@ class Store:
                 self._try("is read", name, lambda: self._files.cat_file(path, start=start, end=end))
             )
         except FileNotFoundError:
-            raise ObjectMissing(f"{self.address}: has no {name}") from None
+            raise ObjectMissing(f"{self.address}: has no {name}", name) from None
 
     def get_checked(self, name: str, digest: str) -> bytes:
         """Return an object whose digest is known.
@@ -154,7 +166,7 @@ class Store:
             data = self.get(name)
             if digest_of(data) == digest:
                 return data
-        raise ObjectDamaged(f"{self.address}: {name} is damaged: it is not as it was written")
+        raise self._damaged(name)
 
     def put(self, name: str, content: bytes | Path) -> None:
         """Write an object, whether there is one or not.
@@ -204,7 +216,7 @@ class Store:
             members = unsealed(self.get(name))
             if members is not None:
                 return members
-        raise ObjectDamaged(f"{self.address}: {name} is damaged: it is not as it was written")
+        raise self._damaged(name)
 
     def names(self, folder: str) -> dict[str, Entry]:
         """Return the objects directly in a folder, by their names in it; none if it is missing."""
@@ -251,6 +263,10 @@ class Store:
             for name, entry in self.names(TEMPORARY).items():
                 if entry.time and now - entry.time > STALE_AGE:
                     self.remove(f"{TEMPORARY}/{name}")
+
+    def _damaged(self, name: str) -> ObjectDamaged:
+        text = f"{self.address}: {name} is damaged: it is not as it was written"
+        return ObjectDamaged(text, name)
 
     def _path(self, name: str) -> str:
         return f"{self._root.rstrip('/')}/{name}"

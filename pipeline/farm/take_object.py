@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from zarr.storage import MemoryStore
 
 from pipeline.errors import StoreError
 from pipeline.farm.archive import Archive, folder_members, write_archive
-from pipeline.farm.store import Store
+from pipeline.farm.store import ObjectDamaged, ObjectFault, Store
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import (
     FRAMES_PER_CHUNK,
@@ -21,6 +22,25 @@ from pipeline.simulation.take_store import (
     read_without_rows,
     write_take,
 )
+
+
+class TakeLost(StoreError):
+    """The take or the tracks of a film are gone or damaged, and have to be made again."""
+
+
+@contextmanager
+def take_required(store: Store) -> Iterator[None]:
+    """Read a take or tracks inside; one that is damaged is removed, so that it is made again.
+
+    Raises:
+        TakeLost: it is gone or damaged.
+    """
+    try:
+        yield
+    except ObjectFault as error:
+        if isinstance(error, ObjectDamaged):
+            store.remove(error.name)
+        raise TakeLost(f"{error}; 'pronk farm simulate' makes it again") from error
 
 
 def take_name(key: str) -> str:

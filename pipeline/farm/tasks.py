@@ -14,6 +14,7 @@ from pipeline.farm.frame_index import MixedClasses
 from pipeline.farm.frame_worker import ChunkCost, FrameWorker
 from pipeline.farm.preparation import prepare
 from pipeline.farm.store import Store
+from pipeline.farm.take_object import TakeLost
 from pipeline.production.run.notes import Note
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import OutputsBusy
@@ -66,9 +67,9 @@ class Assembling:
 
 Task = Nothing | Simulation | Rendering | Assembling
 
-Fault = Literal["class", "store", "frame", "missing", "busy", "film"]
-"""Whom an error concerns: a class of renderers, the store, a frame, frames that the store does not
-have, outputs at which another run works, or the whole film."""
+Fault = Literal["class", "store", "take", "frame", "missing", "busy", "film"]
+"""Whom an error concerns: a class of renderers, the store, the take, a frame, frames that the store
+does not have, outputs at which another run works, or the whole film."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,6 +239,8 @@ def task_error(error: Exception, task: Task) -> TaskError:
             fault = "missing"
         case OutputsBusy():
             fault = "busy"
+        case TakeLost():
+            fault = "take"
         case StoreError():
             fault = "store"
         case FilmingError():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from pipeline.farm.tasks import (
     TaskError,
     TaskResult,
 )
+from pipeline.production.run.available_memory import resident_memory
 from pipeline.production.run.notes import Note
 from pipeline.production.run.order import Order
 from pipeline.production.run.progress import Reporter, Stage
@@ -304,6 +306,23 @@ def test_lost_pictures_are_rendered_again_and_busy_outputs_waited_for(
     assert farm.assembled == ["scene_1"] * 4
 
 
+def test_a_take_that_got_lost_is_simulated_again(farm: Farm) -> None:
+    left = [2]
+
+    def act(worker: str, task: Task) -> TaskResult | Ended:
+        if isinstance(task, Rendering) and left[0]:
+            left[0] -= 1
+            return failed("take", "takes/x.tar is damaged")
+        return farm.well(worker, task)
+
+    farm.act = act
+    assert farm.run() == 0
+    simulated = sum(isinstance(task, Simulation) for _, task in farm.engine.started)
+    assert 1 < simulated <= 3
+    assert farm.assembled == ["scene_1"]
+    assert farm.errors == []
+
+
 def test_notes_end_a_strict_film_before_its_frames(farm: Farm) -> None:
     def act(worker: str, task: Task) -> TaskResult | Ended:
         result = farm.well(worker, task)
@@ -347,3 +366,26 @@ def test_many_scenes_are_opened_a_few_at_a_time(unmade: Studio, memory: Store) -
     assert farm.run() == 0
     assert max(most) <= driver_module.MAX_OPEN + driver_module.OPEN_PER_WORKER
     assert farm.driver._runs == []
+
+
+@pytest.mark.nightly
+def test_a_thousand_scenes_take_little_memory(
+    unmade: Studio, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What a frame is does not matter to the driver, and the disk need not keep it.
+    monkeypatch.setattr("pipeline.farm.store.os.fsync", lambda file: None)
+    farm = Farm(unmade, Store(str(tmp_path / "store")), workers=2, scenes=1000)
+    farm.settings["frames"] = "1-2"
+    farm.assembler._act = lambda worker, task: TaskResult()
+    most = [0]
+
+    def act(worker: str, task: Task) -> TaskResult | Ended:
+        most[0] = max(most[0], resident_memory(os.getpid()) or 0)
+        return farm.well(worker, task)
+
+    farm.act = act
+    before = resident_memory(os.getpid()) or 0
+    assert farm.run() == 0
+    assert [row.state for row in farm.log.rows] == ["done"] * 1000
+    assert before < most[0] < 500 * 2**20
+    assert most[0] - before < 150 * 2**20

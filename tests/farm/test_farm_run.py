@@ -145,3 +145,15 @@ def test_clusters_without_tokens_are_refused(
     arguments = (unmade.scene, "--store", tmp_path / "store", "--on", "10.0.0.1:6379")
     code, _, err = pronk("farm", "render", *arguments)
     assert (code, "runs whatever anybody sends it" in err) == (2, True)
+
+
+@pytest.mark.nightly
+def test_two_drivers_on_one_film_make_it_once(
+    film: Studio, tmp_path: Path, start: Callable[..., Running]
+) -> None:
+    arguments = ("--store", tmp_path / "store", "--out", tmp_path / "out")
+    running = [start("farm", "render", film.scene, *arguments, cwd=tmp_path) for _ in range(2)]
+    for one in running:
+        code, _, err = one.end()
+        assert code == 0, err
+    assert contents_of(tmp_path / "out/tiny") == film.contents()

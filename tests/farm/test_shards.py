@@ -16,6 +16,7 @@ from pipeline.farm.frame_index import FrameIndex, FrameRecord, MixedClasses, cla
 from pipeline.farm.frame_worker import shard_frames
 from pipeline.farm.shards import read_shard
 from pipeline.farm.store import Store
+from pipeline.farm.take_object import take_name
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.take_stage import take_key
 from pipeline.spec import find_scene, load_scene, scene_digest, shipped_scenes
@@ -91,6 +92,26 @@ def test_damaged_pictures_are_rendered_again(
     assert pronk("farm", "frames", *arguments)[0] == 0
     assert pronk("farm", "assemble", *arguments, "--out", tmp_path / "out")[0] == 0
     assert contents_of(tmp_path / "out/tiny") == film.contents()
+
+
+@pytest.mark.slow
+def test_a_damaged_take_is_told_and_made_again(
+    farmed: Farmed, unmade: Studio, tmp_path: Path, pronk: Pronk
+) -> None:
+    store = copied(farmed, tmp_path)
+    index = FrameIndex(store, farmed.film)
+    (record,) = index.records([4], None)
+    index.forget(record)
+    name = take_name(farmed.film.take)
+    data = store.get(name)
+    store.put(name, data[: len(data) // 2])
+    arguments = (unmade.scene, "--store", store.address)
+    code, _, err = pronk("farm", "frames", *arguments)
+    assert (code, f"{name} is damaged" in err) == (4, True)
+    assert "'pronk farm simulate' makes it again" in err
+    assert not store.has(name)
+    assert [pronk("farm", verb, *arguments)[0] for verb in ("simulate", "frames")] == [0, 0]
+    assert store.get(name) == data
 
 
 def test_frames_without_a_take_are_refused(unmade: Studio, tmp_path: Path, pronk: Pronk) -> None:

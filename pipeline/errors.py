@@ -18,7 +18,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import ClassVar
 
@@ -73,14 +73,38 @@ class Problem:
         return f"{head}\n    {escaped_line(self.source.rstrip())}\n    {' ' * before}^"
 
 
+MAX_SHOWN = 20
+"""Most problems that a message shows."""
+
+
+def in_file_order(problems: Iterable[Problem]) -> list[Problem]:
+    """Return problems by line and column, those of each file together."""
+    files: dict[str, list[Problem]] = {}
+    for problem in problems:
+        files.setdefault(problem.file, []).append(problem)
+    return [
+        problem
+        for own in files.values()
+        for problem in sorted(own, key=lambda problem: (problem.line, problem.column))
+    ]
+
+
+def shown(problems: Iterable[object]) -> list[str]:
+    """Return the texts of the first `MAX_SHOWN` problems, then the number of the others."""
+    told = list(problems)
+    left = len(told) - MAX_SHOWN
+    more = [f"and {left:,} more problem{'s' if left > 1 else ''}"] if left > 0 else []
+    return [*map(str, told[:MAX_SHOWN]), *more]
+
+
 class SceneError(PronkError):
-    """The scene is wrong; holds every problem found in it, in the order of the file."""
+    """The scene is wrong; holds every problem found in it, of which its message shows the first."""
 
     exit_code = 3
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(str(problem) for problem in self.problems))
+        super().__init__("\n".join(shown(in_file_order(self.problems))))
 
     @property
     def facts(self) -> dict[str, object]:
@@ -94,10 +118,11 @@ def located(error: PronkError, file: object) -> str:
         return "\n".join(f"{file}: {line}" for line in str(error).splitlines())
     if not isinstance(error, SceneError):
         return f"{file}: {error}"
-    return "\n".join(
+    problems = (
         str(problem) if problem.line or problem.file == str(file) else f"{file}: {problem}"
-        for problem in error.problems
+        for problem in in_file_order(error.problems)
     )
+    return "\n".join(shown(problems))
 
 
 class ProductionError(PronkError):

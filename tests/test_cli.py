@@ -416,6 +416,19 @@ def test_json_errors_are_json_lines(pronk: Pronk, folder: Path) -> None:
     assert json.loads(pronk("check", "nowhere", "--json")[1])["exit_code"] == 2
 
 
+def test_of_many_problems_people_see_the_first_and_programs_all(pronk: Pronk, folder: Path) -> None:
+    wrong = "".join(f"x{i}: 1\n" for i in range(30))
+    (folder / "wrong.yaml").write_text(SCENE + wrong, encoding="utf-8")
+    first = SCENE.count("\n") + 1
+    code, out, err = pronk("check", "wrong.yaml")
+    assert (code, out) == (3, "")
+    places = re.findall(r"wrong\.yaml:(\d+):1: x", err)
+    assert [int(line) for line in places] == [*range(first, first + 20)]
+    assert err.endswith("\nand 10 more problems\n")
+    entry = json.loads(pronk("check", "wrong.yaml", "--json")[1])
+    assert len(entry["problems"]) == 30
+
+
 def test_a_starter_scene_is_valid_and_not_overwritten(pronk: Pronk, folder: Path) -> None:
     assert pronk("new", "hello")[0] == 0
     text = (folder / "hello.yaml").read_bytes()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from pipeline.errors import Problem, SceneError, SimulationError
+from pipeline.errors import Problem, SceneError, SimulationError, shown
 
 
 class Refusals:
@@ -36,7 +36,7 @@ class Refusals:
         if located:
             raise SceneError([*_first_of_places(located), *(Problem("", text) for text in texts)])
         if texts:
-            raise SimulationError("\n".join(texts))
+            raise SimulationError("\n".join(shown(texts)))
 
 
 def _first_of_places(errors: Sequence[SceneError]) -> Iterator[Problem]:

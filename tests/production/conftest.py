@@ -190,16 +190,21 @@ class Running:
         arguments: of `pronk`.
         cwd: its working folder.
         messages: file of its standard input.
+        before: Python code that runs before the command.
     """
 
     def __init__(
-        self, arguments: tuple[str | Path, ...], cwd: Path, messages: Path | None = None
+        self,
+        arguments: tuple[str | Path, ...],
+        cwd: Path,
+        messages: Path | None = None,
+        before: str = "",
     ) -> None:
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
         with contextlib.ExitStack() as files:
             self.process = subprocess.Popen(
                 [
-                    *(sys.executable, "-c", "from pipeline.cli import main; main()"),
+                    *(sys.executable, "-c", f"{before}\nfrom pipeline.cli import main; main()"),
                     *map(str, arguments),
                 ],
                 cwd=cwd,
@@ -237,8 +242,10 @@ def start() -> Iterator[Callable[..., Running]]:
     """Return a function that starts a command; running commands are killed at the end."""
     running: list[Running] = []
 
-    def begin(*arguments: str | Path, cwd: Path, messages: Path | None = None) -> Running:
-        running.append(Running(arguments, cwd, messages))
+    def begin(
+        *arguments: str | Path, cwd: Path, messages: Path | None = None, before: str = ""
+    ) -> Running:
+        running.append(Running(arguments, cwd, messages, before))
         return running[-1]
 
     yield begin

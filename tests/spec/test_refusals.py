@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.errors import Problem, SceneError
+from pipeline.errors import MAX_SHOWN, Problem, SceneError, located
 from pipeline.spec import read_scene
 from pipeline.spec.name_catalogue import names_of
 
@@ -454,3 +454,14 @@ def test_the_rest_of_a_file_with_misspelt_keys_is_checked_in_the_same_round() ->
         "terrain: {kind: stones, gap: 0.05, diameter: 0.1}\n"
     )
     assert [p.path for p in both] == ["terrain.gap", "terrain.diameter"]
+
+
+def test_of_many_problems_the_first_of_the_file_are_shown() -> None:
+    problems = [Problem("cast", f"wrong {line}", "a.yaml", line, 1) for line in range(5000, 0, -1)]
+    error = SceneError(problems)
+    shown = [f"a.yaml:{line}:1: cast: wrong {line}" for line in range(1, MAX_SHOWN + 1)]
+    for text in (str(error), located(error, "a.yaml")):
+        assert text.splitlines() == [*shown, "and 4,980 more problems"]
+    assert len(error.facts["problems"]) == 5000
+    assert str(SceneError(problems[: MAX_SHOWN + 1])).splitlines()[-1] == "and 1 more problem"
+    assert len(str(SceneError(problems[:MAX_SHOWN])).splitlines()) == MAX_SHOWN

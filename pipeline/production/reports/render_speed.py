@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
-from pipeline.production.run.progress import Reporter, clock, stage
+from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.quantities import duration_text
 from pipeline.production.run.scene_run import working
 from pipeline.production.run.take_stage import take_of
 from pipeline.production.shots.shot_builder import ShotBuilder
@@ -118,7 +119,7 @@ def table(speeds: Sequence[Speed]) -> str:
             f"{speed.frame:.2f} s",
             f"{speed.tracing:.0%}",
             f"{speed.denoising:.0%}",
-            clock(speed.film),
+            duration_text(speed.film),
         )
         for speed in speeds
     ]

@@ -25,7 +25,7 @@ class Memory:
 
     Attributes:
         size: that a run may take, what it has taken already included [bytes].
-        source: what bounds it, for messages.
+        source: what has that much free, for messages.
     """
 
     size: int
@@ -43,7 +43,7 @@ def _free_memory(own: int) -> Iterator[Memory]:
     for line in _lines(_PROC / "meminfo"):
         name, _, value = line.partition(":")
         if name == "MemAvailable":
-            yield Memory(1024 * int(value.split()[0]) + own, "of this machine's memory")
+            yield Memory(1024 * int(value.split()[0]) + own, "this machine")
 
 
 def _group_limits(own: int) -> Iterator[Memory]:
@@ -63,7 +63,7 @@ def _group_limits(own: int) -> Iterator[Memory]:
             if limit is not None:
                 # Pages of files can be given back.
                 left = limit - max((used or 0) - _reclaimable(folder), 0)
-                yield Memory(min(max(left, 0) + own, limit), "of this control group's memory")
+                yield Memory(min(max(left, 0) + own, limit), "this control group (container)")
             if folder == root:
                 break
 
@@ -83,7 +83,7 @@ def _address_space(own: int) -> Iterator[Memory]:
     taken = 0
     for line in _lines(_PROC / "self" / "statm"):
         taken = int(line.split()[0]) * os.sysconf("SC_PAGE_SIZE")
-    yield Memory(max(limit - taken, 0) + own, "of this process's address space (ulimit -v)")
+    yield Memory(max(limit - taken, 0) + own, "the address space of this process (ulimit -v)")
 
 
 def _number(file: Path) -> int | None:

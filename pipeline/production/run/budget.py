@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeline.errors import Problem, ProductionError, SceneError
-from pipeline.production.run.available_memory import Memory, available_memory
+from pipeline.production.run.available_memory import available_memory
 from pipeline.production.run.frame_ranges import parse_frames
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs
@@ -50,10 +50,12 @@ class Budget:
         """
         cost = scene_cost(scene, job)
         if self.memory is not None and cost.memory > self.memory:
-            raise _too_much_memory(scene, cost, self.memory, "--max-memory", self.memory)
+            bound = f"the limit (--max-memory {size_text(self.memory)})"
+            raise _too_much_memory(scene, cost, self.memory, bound)
         held = available_memory()
         if held is not None and cost.memory > MEMORY_ERROR * held.size:
-            raise _beyond_machine(scene, cost, held)
+            bound = f"{held.source} has free ({size_text(held.size)})"
+            raise _too_much_memory(scene, cost, held.size, bound)
         if self.seconds is not None and cost.seconds > self.seconds:
             raise _too_much_time(scene, cost, self.seconds)
         return cost
@@ -71,7 +73,7 @@ def job_of(order: Order, work: Work) -> Job:
     suffix = order.scene.film.resolved().format
     left = [frame for frame in frames if not outputs.frame(frame, suffix).is_file()]
     processes = max(min(order.jobs, len(left)), 1)
-    return Job(work, len(left), processes, outputs.take.exists())
+    return Job(work, len(left), processes, outputs.take.exists(), order.sound)
 
 
 def estimate_text(cost: SceneCost) -> str:
@@ -79,19 +81,12 @@ def estimate_text(cost: SceneCost) -> str:
     return f"about {size_text(cost.memory)} of memory and {duration_text(cost.seconds)}"
 
 
-def _beyond_machine(scene: Scene, cost: SceneCost, held: Memory) -> BudgetExceeded:
-    limit = MEMORY_ERROR * held.size
-    return _too_much_memory(scene, cost, held.size, f"there is {held.source}", limit)
-
-
-def _too_much_memory(
-    scene: Scene, cost: SceneCost, shown: float, source: str, limit: float
-) -> BudgetExceeded:
+def _too_much_memory(scene: Scene, cost: SceneCost, limit: float, bound: str) -> BudgetExceeded:
     worst = max(cost.parts, key=lambda part: part.memory)
     takes = f"takes about {size_text(cost.memory)} of memory"
     fit = _fitting(worst, worst.memory, limit - (cost.memory - worst.memory))
     share = f"{worst.text} about {size_text(worst.memory)} of it"
-    return _exceeded(scene, worst, takes, share, f"{source} {size_text(shown)}", fit)
+    return _exceeded(scene, worst, takes, share, bound, fit)
 
 
 def _too_much_time(scene: Scene, cost: SceneCost, limit: float) -> BudgetExceeded:
@@ -99,13 +94,14 @@ def _too_much_time(scene: Scene, cost: SceneCost, limit: float) -> BudgetExceede
     takes = f"takes about {duration_text(cost.seconds)}"
     fit = _fitting(worst, worst.seconds, limit - (cost.seconds - worst.seconds))
     share = f"{worst.text} about {duration_text(worst.seconds)} of it"
-    return _exceeded(scene, worst, takes, share, f"--max-time {duration_text(limit)}", fit)
+    bound = f"the limit (--max-time {duration_text(limit)})"
+    return _exceeded(scene, worst, takes, share, bound, fit)
 
 
 def _exceeded(
-    scene: Scene, worst: PartCost, takes: str, share: str, limit: str, fit: str
+    scene: Scene, worst: PartCost, takes: str, share: str, bound: str, fit: str
 ) -> BudgetExceeded:
-    message = f"the scene {takes}, {share}, more than the limit ({limit}); {fit}"
+    message = f"the scene {takes}, {share}, more than {bound}; {fit}"
     problem = scene.source_map.with_location(Problem(worst.path, message))
     return BudgetExceeded([problem])
 
@@ -124,4 +120,4 @@ def _fitting(worst: PartCost, amount: float, left: float) -> str:
         return f"about {side:,} x {side:,} cells would fit" if side > 1 else "no ground would fit"
     if count and worst.unit:
         return f"about {count:,} {worst.unit} would fit"
-    return "raise the limit, or make the scene smaller"
+    return "make the scene smaller"

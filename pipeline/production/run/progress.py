@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.production.run.notes import Note
+from pipeline.production.run.quantities import duration_text
 from pipeline.production.run.time_estimate import TimeEstimate
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ class Stage:
     def time_text(self) -> str:
         """The time left, or the time since the start before it is known."""
         eta = self.eta
-        return f"{self.seconds:.0f} s" if eta is None else f"{clock(eta)} left"
+        return duration_text(self.seconds) if eta is None else f"{duration_text(eta)} left"
 
 
 class Reporter:
@@ -179,10 +180,3 @@ def stage(
     finally:
         # A terminal's progress bar has to be closed whatever happens.
         reporter.end(current)
-
-
-def clock(seconds: float) -> str:
-    """Return a duration as hours, minutes and seconds."""
-    whole = round(seconds)
-    hours, minutes = divmod(whole // 60, 60)
-    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

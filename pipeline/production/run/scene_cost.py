@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -24,6 +24,7 @@ from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
 from pipeline.spec.dancer import Dancer
 from pipeline.spec.group import Group
+from pipeline.spec.prop import Prop
 from pipeline.spec.terrain.base import GridTerrain, TerrainConfig
 from pipeline.spec.terrain.kinds import ImageTerrain, MeshTerrain, SumTerrain
 
@@ -51,7 +52,7 @@ class Rate:
     frame: tuple[float, float] = (0.0, 0.0)
 
 
-START = Rate((145 * MIB, 170 * MIB, 180 * MIB, 430 * MIB), (2.6, 2.9, 3.2, 11.0), (0.003, 0.05))
+START = Rate((145 * MIB, 170 * MIB, 180 * MIB, 430 * MIB), (2.6, 2.9, 3.2, 11.0), (0.0015, 0.05))
 """A scene without anything: the libraries, and the kernels of the renderer."""
 
 COMPILED = Rate((105 * MIB,) * 4, (0.8,) * 4)
@@ -60,7 +61,7 @@ COMPILED = Rate((105 * MIB,) * 4, (0.8,) * 4)
 CELL = Rate((85.0, 145.0, 155.0, 400.0), (5e-7, 1e-6, 1.1e-6, 5e-6))
 """A cell of the ground."""
 
-LINK = Rate((18e3, 74e3, 74e3, 131e3), (1.5e-4, 1.7e-4, 1.8e-4, 3e-4), (1.2e-4, 5.8e-4))
+LINK = Rate((18e3, 74e3, 74e3, 131e3), (1.8e-4, 1.2e-3, 1.2e-3, 1.5e-3), (2.5e-5, 2.5e-4))
 """A node of the drawing of a creature."""
 
 BODY = Rate((30e3, 125e3, 125e3, 160e3), (1e-3, 1.1e-3, 1.2e-3, 1.5e-3), (4e-4, 2e-5))
@@ -69,17 +70,28 @@ BODY = Rate((30e3, 125e3, 125e3, 160e3), (1e-3, 1.1e-3, 1.2e-3, 1.5e-3), (4e-4, 
 SMALL_BODY = Rate((2e3, 2e4, 2e4, 4e4), (2e-5, 5e-5, 6e-5, 1e-4), (3.5e-5, 1e-5))
 """A member of a group."""
 
-PERSON = Rate((2 * MIB, 4 * MIB, 4 * MIB, 12 * MIB), (0.05, 0.06, 0.07, 0.15), (2.6e-3, 2e-3))
+PERSON = Rate((2 * MIB, 4 * MIB, 4 * MIB, 12 * MIB), (0.05, 0.06, 0.07, 0.15), (8e-4, 2e-3))
 """A person or another character."""
 
-DANCER = Rate((8 * MIB, 20 * MIB, 20 * MIB, 28 * MIB), (0.2, 0.3, 0.35, 0.5), (4e-3, 2e-3))
+DANCER = Rate((5 * MIB, 7 * MIB, 7 * MIB, 14 * MIB), (0.35, 0.4, 0.4, 0.45), (2e-3, 2e-3))
 """A dancer."""
+
+SOUND = Rate((0.0, 0.0, 3.7 * MIB, 3.7 * MIB), (0.0, 0.0, 0.02, 0.02))
+"""A second of sound."""
 
 PIXEL_MEMORY = 430.0
 """Memory of a pixel of the picture, with what its rays need [bytes]."""
 
 PIXEL_FRAME, RAY = 2.2e-6, 5.5e-7
 """Processor time of a pixel in a frame, and of each of its camera rays [s]."""
+
+
+@cache
+def usable_processors() -> int:
+    """Return the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +103,16 @@ class Job:
         frames: number of frames that are rendered.
         processes: number of processes that render.
         is_simulated: whether there is a take already.
+        sound: whether sound is written.
+        processors: number of processors that the work may use.
     """
 
     work: Work
     frames: int = 0
     processes: int = 1
     is_simulated: bool = False
+    sound: bool = True
+    processors: int = field(default_factory=lambda: usable_processors())
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +123,7 @@ class PartCost:
         path: of the part in the scene.
         text: what it is, such as "5,000 bodies".
         memory: at the peak [bytes].
-        seconds: on this machine.
+        seconds: on this machine while nothing else keeps it busy.
         count: number of its things, 0 where it cannot be made smaller.
         unit: of the things.
     """
@@ -137,25 +153,35 @@ class SceneCost:
 
     @property
     def seconds(self) -> float:
-        """Time on this machine [s]."""
+        """Time on this machine while nothing else keeps it busy [s]."""
         return sum(part.seconds for part in self.parts)
 
 
 def scene_cost(scene: Scene, job: Job) -> SceneCost:
     """Return what a job on a scene takes, estimated from its keys and the heads of its files."""
-    return SceneCost(tuple(_parts(scene, job)))
+    parts = [*_parts(scene, job)]
+    if job.sound and job.work in ("score", "render"):
+        parts.append(_sound(scene, job, parts))
+    return SceneCost(tuple(parts))
 
 
 def _parts(scene: Scene, job: Job) -> Iterator[PartCost]:
     frames = 0 if job.is_simulated or job.work == "check" else scene.n_frames
     start = _part(_length_key(scene), f"{frames:,} frames", START, 1, job, frames)
     yield _with_count(start, frames, "frames" if frames else "")
-    if any(not isinstance(member, Creature | Dancer | Group) for member in scene.cast):
+    if any(map(_is_compiled, scene.cast)):
         yield _part("cast", "compiled code", COMPILED, 1, job, frames)
     yield _ground(scene, job, frames)
     yield from _members(scene, job, frames)
     if job.work == "render":
         yield from _pictures(scene, job)
+
+
+def _is_compiled(member: Member) -> bool:
+    """Return whether a member is simulated by compiled code."""
+    if isinstance(member, Prop):
+        return member.may_fall
+    return not isinstance(member, Creature | Dancer | Group)
 
 
 def _members(scene: Scene, job: Job, frames: int) -> Iterator[PartCost]:
@@ -187,7 +213,7 @@ def _part(path: str, text: str, rate: Rate, things: int, job: Job, frames: int) 
     pictures = job.frames * rate.frame[1] if job.work == "render" else 0.0
     builds = job.processes if job.work == "render" else 1
     parallel = rate.build[k] * builds + pictures
-    seconds = frames * rate.frame[0] + parallel / min(builds, processors())
+    seconds = frames * rate.frame[0] + parallel / min(builds, job.processors)
     return PartCost(path, text, things * memory, things * seconds)
 
 
@@ -205,6 +231,23 @@ def _ground(scene: Scene, job: Job, frames: int) -> PartCost:
     return PartCost(
         path, part.text, part.memory, part.seconds * (1.0 + extra), columns * rows, "cells"
     )
+
+
+def _sound(scene: Scene, job: Job, parts: Sequence[PartCost]) -> PartCost:
+    """Return what the sound of a scene takes besides its other parts.
+
+    Sound is written before the frames are rendered and its memory is free again then, so of both
+    peaks the higher one counts.
+    """
+    seconds = round(scene.n_frames / scene.rate)
+    k = ORDER.index(job.work)
+    memory = SOUND.memory[k] * seconds
+    if job.work == "render":
+        before = sum(part.memory for part in _parts(scene, replace(job, work="score")))
+        memory = max(before + memory - sum(part.memory for part in parts), 0.0)
+    text = f"{seconds:,} s of sound"
+    key = _length_key(scene)
+    return PartCost(key, text, memory, SOUND.build[k] * seconds, seconds, "s of sound")
 
 
 def _rate_of(member: Member) -> tuple[Rate, int, str]:
@@ -226,7 +269,7 @@ def _pictures(scene: Scene, job: Job) -> Iterator[PartCost]:
     film = scene.film.resolved()
     width, height = film.size
     pixels = width * height
-    each = pixels * (PIXEL_FRAME + RAY * film.samples) / processors()
+    each = pixels * (PIXEL_FRAME + RAY * film.samples) / job.processors
     text = f"{job.frames:,} frames of {width}x{height} with {film.samples} samples"
     yield PartCost(_length_key(scene), text, 0.0, job.frames * each, job.frames, "frames")
     memory = PIXEL_MEMORY * pixels * job.processes
@@ -270,11 +313,3 @@ def _mesh_vertices(file: Path) -> int:
     with suppress(OSError):
         return max(min(round(file.stat().st_size / MESH_VERTEX_BYTES), 4001**2), 9)
     return 9
-
-
-@cache
-def processors() -> int:
-    """Return the number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

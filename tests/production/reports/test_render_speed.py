@@ -7,7 +7,6 @@ import json
 import pytest
 
 from pipeline.production.reports.render_speed import Speed, table
-from pipeline.production.run.progress import clock
 
 
 def test_the_table_has_every_preset_and_the_time_of_the_film() -> None:
@@ -18,8 +17,7 @@ def test_the_table_has_every_preset_and_the_time_of_the_film() -> None:
                             "film"]  # fmt: skip
     assert one.split()[:3] == ["draft", "320x180", "2"]
     assert "64 in 16" in other
-    assert other.split()[-1] == "3:12:10"
-    assert clock(59.6) == "1:00"
+    assert other.endswith("  3 h 12 min")
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import subprocess
 import sys
@@ -104,6 +105,19 @@ def test_work_that_is_done_is_not_counted(key: str) -> None:
     assert scene_cost(play, Job("render", 12, is_simulated=True)).seconds < half < all_of_it
 
 
+def test_long_sound_takes_memory_before_frames_are_rendered() -> None:
+    play = scene("cast: [{prop: {shape: box}}]\n").model_copy(update={"frames": 24 * 600})
+    silent, score = Job("render", 9, sound=False), scene_cost(play, Job("score")).memory
+    assert scene_cost(play, Job("render", 9)).memory == pytest.approx(score)
+    assert scene_cost(play, silent).memory < score / 2
+    short = scene("cast: [{prop: {shape: box}}]\n")
+    assert scene_cost(short, Job("render", 9)).memory == scene_cost(short, silent).memory
+    with pytest.raises(
+        BudgetExceeded, match=r"frames: the scene .* about \d+ s of sound would fit"
+    ):
+        Budget(memory=2**30).refuse(play, Job("score"))
+
+
 def test_processes_have_memory_of_their_own() -> None:
     play = scene("terrain: {kind: flat, cells: [1000, 1000]}\n" + BEETLE)
     one, four = (scene_cost(play, Job("render", 24, jobs)).memory for jobs in (1, 4))
@@ -146,10 +160,14 @@ def test_time_over_the_budget_is_refused_with_what_would_fit() -> None:
 
 def test_what_the_machine_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     play = scene("terrain: {kind: flat, cells: [4000, 4000]}\n" + BEETLE)
-    held = available_memory.Memory(2**28, "of this machine's memory")
+    held = available_memory.Memory(2**28, "this machine")
     monkeypatch.setattr("pipeline.production.run.budget.available_memory", lambda: held)
-    with pytest.raises(BudgetExceeded, match=r"there is of this machine's memory|256 MiB"):
+    with pytest.raises(BudgetExceeded) as refused:
         Budget().refuse(play, Job("check"))
+    message = refused.value.problems[0].message
+    told = r"the scene takes about .* GiB of memory, 4,000 x 4,000 cells about .* GiB of it, "
+    bound = r"more than this machine has free \(256 MiB\); about [\d,]+ x [\d,]+ cells would fit"
+    assert re.fullmatch(told + bound, message), message
     monkeypatch.setattr("pipeline.production.run.budget.available_memory", lambda: None)
     Budget().refuse(play, Job("check"))
 
@@ -175,12 +193,12 @@ def test_limits_of_control_groups_count(tmp_path: Path, monkeypatch: pytest.Monk
     (proc / "meminfo").write_text("MemTotal: 9000 kB\nMemAvailable: 8000 kB\n")
     (proc / "self" / "cgroup").write_text("0::/a/b\n")
     found = available_memory.available_memory()
-    assert found == available_memory.Memory(8000 * 1024, "of this machine's memory")
+    assert found == available_memory.Memory(8000 * 1024, "this machine")
     (groups / "a" / "b" / "memory.max").write_text("max\n")
     (groups / "a" / "memory.max").write_text("4000000\n")
     (groups / "a" / "memory.current").write_text("1500000\n")
     (groups / "a" / "memory.stat").write_text("inactive_file 400000\nactive_file 100000\n")
-    source = "of this control group's memory"
+    source = "this control group (container)"
     assert available_memory.available_memory() == available_memory.Memory(3_000_000, source)
     (proc / "self" / "cgroup").write_text("3:cpu,memory:/c\n")
     (groups / "memory" / "c" / "memory.limit_in_bytes").write_text("2000000\n")

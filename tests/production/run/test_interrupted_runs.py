@@ -57,6 +57,37 @@ def test_an_interrupted_run_can_be_resumed(
     _assert_complete(studio, film)
 
 
+LEAP = """
+import os
+from types import SimpleNamespace
+from pipeline.production.run import budget_guard
+budget_guard.time = SimpleNamespace(monotonic=lambda: 1e6 * os.path.exists({!r}))
+"""
+"""Makes the clock of the budget leap once a file is there."""
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("stage", ["simulate", "render"])
+def test_a_run_that_was_stopped_at_its_time_can_be_resumed(
+    film: Studio, tmp_path: Path, start: Start, jobs: int, stage: str
+) -> None:
+    studio = _copy_without_outputs(film, tmp_path / "studio")
+    words = ("render", "tiny", "--jobs", str(jobs), "--max-time")
+    leap = LEAP.format(str(studio.made if stage == "simulate" else studio.frame(1)))
+    code, out, err = start(*words, "1h", cwd=studio.folder, before=leap).end()
+    assert (code, out) == (4, "")
+    assert err.count("error: ") == 1
+    assert err.splitlines()[-1] == (
+        "error: tiny.yaml: stopped after 1 h, the limit of --max-time; what is finished stays; "
+        "the same command goes on there"
+    )
+    assert studio.frame(1).exists() == (stage == "render")
+    assert not (studio.made / "tiny.mp4").exists()
+    assert start(*words, "2h", cwd=studio.folder).end()[0] == 0
+    _assert_complete(studio, film)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "delays",

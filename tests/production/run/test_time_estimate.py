@@ -88,7 +88,7 @@ def test_a_log_of_a_long_film_is_short(clock: Clock) -> None:
     lines = out.getvalue().splitlines()
     assert lines[0] == "render: 3000 frames to do"
     # The first report starts the measurement, so that the third gives the first estimate.
-    assert "render: 3 of 3000 frames, 1:39:54 left" in lines[1:3]
+    assert "render: 3 of 3000 frames, 1 h 40 min left" in lines[1:3]
     assert len(lines) < 25
     assert lines[-1].startswith("render: done (")
 
@@ -105,7 +105,7 @@ def test_a_simulation_counts_seconds_of_the_film(clock: Clock) -> None:
     for done in range(0, 80, 8):
         clock.now += 1.0
         stage.advance(done)
-    assert (stage.amount, stage.time_text) == ("3.0 of 20 s", "0:51 left")
+    assert (stage.amount, stage.time_text) == ("3.0 of 20 s", "51 s left")
 
 
 def test_a_pause_counts_neither_as_time_nor_in_the_estimate(clock: Clock) -> None:

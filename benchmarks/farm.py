@@ -36,7 +36,7 @@ STORE_RATE = 1000.0
 """Of a shared store: 8 Gbit a second [MB/s]."""
 
 ENCODING_RATE = 60.0
-"""Frames a second that one assembler encodes, at 1280x720; each machine may have one."""
+"""Frames a second that one assembler encodes; the driver's machine has one for each four cores."""
 
 MACHINES = (1, 10, 100, 1000, 10_000)
 
@@ -158,7 +158,7 @@ def modelled(measured: Measured, load: Load, machines: int) -> tuple[float, floa
         "driver": tasks / measured.driver_rate,
         "store": stored / 1e6 / STORE_RATE,
         "longest task": measured.overhead + load.chunk / 2,
-        "encoding": frames / ENCODING_RATE,
+        "encoding": frames / ENCODING_RATE / (load.cores // load.worker_cores),
     }
     limit = max(limits, key=lambda name: limits[name])
     seconds = limits[limit]
@@ -206,7 +206,7 @@ def main() -> None:
     load = Load()
     print(
         f"model: {load.scenes} scenes of {load.frames} such frames, machines of {load.cores} "
-        f"cores, a store of {STORE_RATE:.0f} MB/s, one assembler of {ENCODING_RATE:.0f} frames/s"
+        f"cores, a store of {STORE_RATE:.0f} MB/s, assemblers of {ENCODING_RATE:.0f} frames/s"
     )
     print(f"{'machines':>9} {'hours':>9} {'efficiency':>11}  limit")
     for machines in MACHINES:

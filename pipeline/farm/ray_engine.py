@@ -176,12 +176,12 @@ class RayEngine:
             self._ray.init(**options)
         except Exception as error:
             text = (str(error).strip().splitlines() or [type(error).__name__])[0]
-            where = (
-                "a Ray cluster cannot be started"
-                if address == "auto"
-                else (f"--on {address}: the Ray cluster cannot be reached")
-            )
-            raise ProductionError(f"{where}: {text}") from error
+            if self._is_own:
+                raise ProductionError(f"a Ray cluster cannot be started: {text}") from error
+            raise ProductionError(
+                f"--on {address}: the Ray cluster cannot be reached: {text}; RAY_AUTH_TOKEN has "
+                "to hold its token, and the versions of Ray and Python to be the same"
+            ) from error
 
     def _look(self) -> None:
         """Start workers on machines that have room, from time to time."""

@@ -13,7 +13,7 @@ from pipeline.farm.film import Film, known_films
 from pipeline.farm.frame_index import FrameIndex
 from pipeline.farm.preparation import is_prepared
 from pipeline.farm.store import Store
-from pipeline.production.run.progress import clock
+from pipeline.production.run.quantities import duration_text
 from pipeline.terminal_text import escaped_line
 
 RATE_FRAMES = 64
@@ -79,7 +79,7 @@ class FilmStatus:
     def cells(self) -> tuple[str, ...]:
         """Its cells: film, frames, rate, time left, state."""
         rate = "-" if self.rate is None else f"{self.rate:.2f}/s"
-        left = "-" if self.remaining is None else clock(self.remaining)
+        left = "-" if self.remaining is None else duration_text(self.remaining)
         counts = f"{len(self.done)} of {self.film.frames}"
         return f"{self.film.name} {self.film.key[:8]}", counts, rate, left, self.state
 

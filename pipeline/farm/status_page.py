@@ -17,7 +17,7 @@ from pipeline.farm.film import scene_of
 from pipeline.farm.frame_index import FrameIndex
 from pipeline.farm.status import FilmStatus
 from pipeline.farm.store import Store
-from pipeline.production.run.progress import clock
+from pipeline.production.run.quantities import duration_text
 from render.color import developed
 from render.errors import RenderError
 from render.image_files import read_exr, read_png
@@ -75,7 +75,7 @@ class StatusPage:
     def _film(self, status: FilmStatus) -> str:
         film = status.film
         rate = "" if status.rate is None else f", {status.rate:.2f} frames a second"
-        left = "" if status.remaining is None else f", {clock(status.remaining)} left"
+        left = "" if status.remaining is None else f", {duration_text(status.remaining)} left"
         failures = "".join(
             f"<div class=failed>frame {frame}: {html.escape(reason)}</div>"
             for frame, reason in status.failures.items()

@@ -25,18 +25,18 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GripChange:
-    """A hand that takes hold of a member of another troupe, or releases it.
+    """Hands that take hold of a member of another troupe, or release it.
 
     Attributes:
         holder: name of the performer.
-        hand: name of the node of the hand, such as "kid.hand_r".
+        hands: names of the nodes of the hand or of both hands, such as "kid.hand_r".
         member: name of the member.
-        taken: whether the hand takes hold.
-        velocity: (3,) with which it is released [m/s]; None for that of the hand.
+        taken: whether they take hold.
+        velocity: (3,) with which it is released [m/s]; None for that of the hands.
     """
 
     holder: str
-    hand: str
+    hands: tuple[str, ...]
     member: str
     taken: bool
     velocity: Array | None = None

@@ -142,7 +142,8 @@ class Simulation:
         changes = self._facts.grips
         if changes and (pushed := pushed_troupe(self.troupes)) is not None:
             self.scheduler.flush()
-            pushed.change_grips(changes, [self._members.node(one.hand) for one in changes])
+            hands = [tuple(map(self._members.node, change.hands)) for change in changes]
+            pushed.change_grips(changes, hands)
 
     def _give_orders(self) -> Orders:
         orders = self.script.orders(self.step_number, self._events())

@@ -197,7 +197,7 @@ class Troupe:
         """Returns pose and velocity of its solids in the last row."""
         raise NotImplementedError
 
-    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[int]) -> None:
+    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[tuple[int, ...]]) -> None:
         """Lets hands hold its members, or release them, from the next row on.
 
         Args:

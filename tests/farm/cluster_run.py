@@ -2,8 +2,9 @@
 
     unshare -n python tests/farm/cluster_run.py SPEC.json
 
-The specification has: `command` (arguments of `pronk farm render` without --on), `folder`,
-`node_kills`, `driver_kills`, `seed`. The last line printed is a report as JSON.
+The specification has: `command` (arguments of `pronk farm render` without --on), `folder`, `frames`
+(of all films), `node_kills`, `driver_kills`, `seed`, and `token` for a driver with another one. The
+last line printed is a report as JSON.
 """
 
 from __future__ import annotations
@@ -107,6 +108,7 @@ def started(spec: dict[str, Any], cluster: Any) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         [sys.executable, "-c", call, "farm", "render", *spec["command"], "--on", cluster.address],
         cwd=spec["folder"],
+        env={**os.environ, **({"RAY_AUTH_TOKEN": spec["token"]} if "token" in spec else {})},
     )
 
 

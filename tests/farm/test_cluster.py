@@ -62,6 +62,35 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
 
 
+def ran(spec: dict[str, Any], folder: Path) -> tuple[dict[str, Any], str]:
+    """Return the report of a run on a cluster, and what it wrote to standard error."""
+    (folder / "spec.json").write_text(json.dumps(spec))
+    script = Path(__file__).parent / "cluster_run.py"
+    done = subprocess.run(
+        [*isolated(), sys.executable, str(script), str(folder / "spec.json")],
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=1800,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    report: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return report, done.stderr
+
+
+def test_a_cluster_lets_nobody_in_without_its_token(rendered: Path, tmp_path: Path) -> None:
+    scene = str(rendered / "scene_1.yaml")
+    command = [scene, "--store", str(tmp_path / "store"), "--out", str(tmp_path / "out")]
+    kills = {"node_kills": 0, "driver_kills": 0, "frames": FRAMES, "seed": 7}
+    report, err = ran(
+        {"command": command, "folder": str(tmp_path), "token": "b" * 64, **kills}, tmp_path
+    )
+    assert report["code"] == 4
+    assert "RAY_AUTH_TOKEN has to hold its token" in err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("node_kills", "driver_kills", "protocol"),
     [(5, 0, "file"), (0, 5, "file"), (2, 2, "flaky")],
@@ -84,19 +113,8 @@ def test_films_of_a_disturbed_cluster_are_those_of_one_process(
         "driver_kills": driver_kills,
         "seed": 7,
     }
-    (tmp_path / "spec.json").write_text(json.dumps(spec))
-    script = Path(__file__).parent / "cluster_run.py"
-    done = subprocess.run(
-        [*isolated(), sys.executable, str(script), str(tmp_path / "spec.json")],
-        capture_output=True,
-        text=True,
-        env=environment(),
-        timeout=1800,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    report = json.loads(done.stdout.splitlines()[-1])
-    assert report["code"] == 0, done.stderr
+    report, err = ran(spec, tmp_path)
+    assert report["code"] == 0, err
     assert len(report["kills"]) == node_kills + driver_kills
     for name in names:
         made = tmp_path / "out" / Path(name).stem

@@ -268,7 +268,9 @@ def test_connections_have_tokens_and_tell_nobody(
 
 def test_a_cluster_that_is_not_there_is_told(ray: StandIn) -> None:
     ray.refuses = "Failed to connect to GCS\nmore lines"
-    with pytest.raises(ProductionError, match=r"--on 10\.0\.0\.1:1: .* Failed to connect to GCS$"):
+    with pytest.raises(
+        ProductionError, match=r"--on 10\.0\.0\.1:1: .* Failed to connect to GCS; RAY_AUTH"
+    ):
         RayEngine("10.0.0.1:1", WorkerSettings("/store"))
 
 

@@ -8,6 +8,7 @@ Source: Sims 1987, 3.2.1 (parents and children).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -16,7 +17,7 @@ import numpy as np
 from pipeline.simulation.bodies.prop_paths import PropPath
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.kinematic_bodies import Poses, rotation_vectors
-from pipeline.simulation.spatial import Array, normalized, rotation
+from pipeline.simulation.spatial import UP, Array, cross, normalized, rotation
 
 DIFFERENCE_TIME = 1e-6
 """Interval of the difference that gives the velocity of a path [s]."""
@@ -83,8 +84,8 @@ class BodyGuide:
         grips: of the scene, in the order of time.
         fall: when it leaves its path; None for never.
         state: what moves it now.
-        hands: nodes that hold it, the first moves it.
-        X_HB: (4, 4) pose in the first hand.
+        holds: nodes of each hand that holds it, or of both hands of a person; the first moves it.
+        X_HB: (4, 4) pose in the first hand, or between the first two.
         X_PB: (4, 4) pose relative to the parent where it was put down.
         flight: its free fall in the row in which it leaves its path.
     """
@@ -95,7 +96,7 @@ class BodyGuide:
     grips: tuple[AuthoredGrip, ...] = ()
     fall: Fall | None = None
     state: GuideState = GuideState.FREE
-    hands: list[int] = field(default_factory=list)
+    holds: list[tuple[int, ...]] = field(default_factory=list)
     X_HB: Array | None = None
     X_PB: Array | None = None
     flight: Flight | None = None
@@ -109,7 +110,7 @@ class BodyGuide:
         """Number of the node that it goes with, -1 for the world or none."""
         if self.state is GuideState.FREE:
             return -1
-        return self.hands[0] if self.state is GuideState.HELD else self.parent
+        return self.holds[0][0] if self.state is GuideState.HELD else self.parent
 
     @property
     def carriers(self) -> set[int]:
@@ -125,7 +126,7 @@ class BodyGuide:
             nodes: all nodes in that row.
         """
         if self.X_HB is not None:
-            return node_pose(nodes, self.hands[0]) @ self.X_HB
+            return pose_of_hands(nodes, self.holds[0]) @ self.X_HB
         X_WP = np.eye(4) if self.parent < 0 else node_pose(nodes, self.parent)
         if self.X_PB is not None:
             return X_WP @ self.X_PB
@@ -156,18 +157,18 @@ class BodyGuide:
 
     # --- changes, in a row that is finished -----------------------------------------------
 
-    def take(self, hand: int, X_WB: Array, nodes: Poses) -> None:
-        """Lets a hand hold it, as it is now."""
-        if hand not in self.hands:
-            self.hands.append(hand)
+    def take(self, hands: tuple[int, ...], X_WB: Array, nodes: Poses) -> None:
+        """Lets a hand, or both of a person, hold it as it is now."""
+        if hands not in self.holds:
+            self.holds.append(hands)
         self._hold(X_WB, nodes)
 
-    def release(self, hand: int, X_WB: Array, nodes: Poses, falls: bool) -> None:
-        """Takes it out of a hand; once the last one has released it, it falls or stays there."""
-        if hand not in self.hands:
+    def release(self, hands: tuple[int, ...], X_WB: Array, nodes: Poses, falls: bool) -> None:
+        """Takes it out of these hands; released by the last, it falls or stays there."""
+        if hands not in self.holds:
             return
-        self.hands.remove(hand)
-        if self.hands:
+        self.holds.remove(hands)
+        if self.holds:
             self._hold(X_WB, nodes)
         elif falls:
             self.set_free()
@@ -178,12 +179,12 @@ class BodyGuide:
 
     def set_free(self) -> None:
         """Leaves it to physics."""
-        self.hands.clear()
+        self.holds.clear()
         self.state, self.X_HB, self.X_PB, self.flight = GuideState.FREE, None, None, None
 
     def _hold(self, X_WB: Array, nodes: Poses) -> None:
         self.state = GuideState.HELD
-        self.X_HB = np.linalg.inv(node_pose(nodes, self.hands[0])) @ X_WB
+        self.X_HB = np.linalg.inv(pose_of_hands(nodes, self.holds[0])) @ X_WB
 
 
 def pose_matrix(p: Array, R: Array) -> Array:
@@ -196,3 +197,13 @@ def pose_matrix(p: Array, R: Array) -> Array:
 def node_pose(nodes: Poses, node: int) -> Array:
     """Returns the pose (4, 4) of a node."""
     return pose_matrix(nodes.p[node], nodes.R[node])
+
+
+def pose_of_hands(nodes: Poses, hands: Sequence[int]) -> Array:
+    """Returns the pose (4, 4) of a hand, or the upright one in the middle between two hands."""
+    if len(hands) == 1:
+        return node_pose(nodes, hands[0])
+    left, right = nodes.p[list(hands)]
+    across = normalized(right - left)
+    up = normalized(UP - (UP @ across) * across)
+    return pose_matrix(0.5 * (left + right), np.stack([across, up, cross(across, up)], axis=1))

@@ -180,7 +180,7 @@ class ColliderTroupe(BodyTroupe):
                 if isinstance(order, Kick):
                     self.guided.expect_kick(order.kick)
 
-    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[int]) -> None:
+    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[tuple[int, ...]]) -> None:
         """See `Troupe`."""
         self.guided.change_grips(changes, hands)
 

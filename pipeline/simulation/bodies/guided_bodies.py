@@ -282,16 +282,16 @@ class GuidedBodies:
 
     # --- changes ------------------------------------------------------------------------
 
-    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[int]) -> None:
+    def change_grips(self, changes: Sequence[GripChange], hands: Sequence[tuple[int, ...]]) -> None:
         """See `Troupe`."""
-        for change, hand in zip(changes, hands, strict=True):
+        for change, own in zip(changes, hands, strict=True):
             k = self._numbers[change.member]
             guide, X = self.guides[k], self.node_pose(self.guides[k].body)
             if change.taken:
-                self._take(k, hand)
+                self._take(k, own)
                 self._held_by_people.add(k)
             elif k in self._held_by_people:
-                guide.release(hand, X, self._nodes, falls=True)
+                guide.release(own, X, self._nodes, falls=True)
                 self._leave_people(k)
                 if guide.state is GuideState.FREE:
                     self._set_free(k, change.velocity)
@@ -323,17 +323,17 @@ class GuidedBodies:
             self._set_free(k)
         X = self.node_pose(guide.body)
         for grip in guide.grips:
-            if grip.rows[1] == row and grip.node in guide.hands:
+            if grip.rows[1] == row and (grip.node,) in guide.holds:
                 has_to_fall = fall is not None and fall.row <= row
-                guide.release(grip.node, X, self._nodes, grip.falls or has_to_fall)
+                guide.release((grip.node,), X, self._nodes, grip.falls or has_to_fall)
                 if guide.state is GuideState.FREE:
                     self._set_free(k)
         for grip in guide.grips:
             if grip.rows[0] == row:
-                self._take(k, grip.node)
+                self._take(k, (grip.node,))
 
-    def _take(self, k: int, hand: int) -> None:
-        """Lets a hand hold a body from this row on."""
+    def _take(self, k: int, hands: tuple[int, ...]) -> None:
+        """Lets a hand, or both of a person, hold a body from this row on."""
         guide = self.guides[k]
         if guide.body in self._lost:
             return
@@ -341,7 +341,7 @@ class GuidedBodies:
             state, which = self._solver.state, self._own[[k]]
             here = Poses(state.p[which], matrix(state.q[which]))
             self._solver.pushers.move(np.array([len(self._obstacles) + k]), here)
-        guide.take(hand, self.node_pose(guide.body), self._nodes)
+        guide.take(hands, self.node_pose(guide.body), self._nodes)
         self._show(k)
 
     def _set_free(self, k: int, velocity: Array | None = None) -> None:
@@ -376,8 +376,8 @@ class GuidedBodies:
     def _leave_people(self, k: int) -> None:
         """Begins the time after which people meet a body again that none of them holds."""
         guide = self.guides[k]
-        authored = {grip.node for grip in guide.grips}
-        if not set(guide.hands) - authored:
+        authored = {(grip.node,) for grip in guide.grips}
+        if not set(guide.holds) - authored:
             self._held_by_people.discard(k)
             wait = math.ceil(RELEASE_TIME / self._row_time)
             self._apart_until[guide.body] = self._row + wait

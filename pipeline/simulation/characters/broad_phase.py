@@ -119,13 +119,16 @@ def find_link_pairs(
         if (one.asleep and other.asleep) or (one.edge_radius > 0.0) != (other.edge_radius > 0.0):
             continue
         hug = one.embraces == near[n, 1] or other.embraces == near[n, 0]
+        # A ball that leaves the arms of its thrower has a single node.
+        balls = one.nodes[1] == 1, other.nodes[1] == 1
         for a in range(one.links[0], one.links[0] + one.links[1]):
             if links[a].radius == 0.0 or not link_overlaps(
                 nodes, links[a], links[a].radius + MARGIN, other
             ):
                 continue
+            in_arms = hug and (balls[0] or links[a].is_arm)
             for b in range(other.links[0], other.links[0] + other.links[1]):
-                if links[b].radius > 0.0 and not (hug and links[a].is_arm and links[b].is_arm):
+                if links[b].radius > 0.0 and not (in_arms and (balls[1] or links[b].is_arm)):
                     found = _keep_pair(nodes, links, (a, b), pairs, found)
     return found
 

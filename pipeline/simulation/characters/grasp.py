@@ -105,4 +105,5 @@ def hold_members(controller: PersonController) -> None:
             reach = 1.3 * float(controller.record.shoulders)
             width = min(half_extent(state, right), reach) + 0.4 * PALM * controller.record.height
             for k in range(2):
-                controller.hold_before(k, width, half_extent(state, ahead))
+                place = controller.place_before(k, width, half_extent(state, ahead))
+                controller.lead_hand(k, place)

@@ -30,13 +30,13 @@ STANDING_RANGE, BOWED_RANGE = 0.75, 0.8  # of hands before the body, in arm leng
 TABLE_RANGE = 0.12, 0.75  # heights of surfaces that things are put down on, in heights
 PUT_DOWN_GAP = 0.03  # above the surface at which hands open [m]
 PUT_DOWN_TIME = 4.0  # after which they open anyway [s]
-LOWERING_STEP = 0.12  # by which hands are led at most [m]
 OPENING_TIME = 0.4  # of hands that have put down or thrown [s]
 
 # Throwing.
 WINDUP_TIME, SWING_TIME = 0.25, 0.15  # [s]
 AIM_TOLERANCE, AIM_TIME = 0.12, 4.0  # of the turn to the target [rad]; to take it [s]
 THROW_SPEED = 8.5  # of the fastest throw, by the height of the thrower [1/s]
+RISING_TIME = 1.5  # after which even who stays bowed throws [s]
 ARM_MASS = 0.06  # that is thrown along with a thing, in the person's mass
 
 
@@ -167,9 +167,8 @@ class CarryTo(Task):
             if math.hypot(move[0], move[2]) > 0.5 * depth + 0.02:
                 move[1] = max(rise, 0.06 - (thing.low[1] - height))
         size = float(np.linalg.norm(move))
-        move *= min(LOWERING_STEP / max(size, 1e-9), 1.0)
         for k in controller.hands_holding(self.thing):
-            controller.put_hand(k, controller.hand(k) + move)
+            controller.lead_hand(k, controller.hand(k) + move)
         if (abs(rise) < PUT_DOWN_GAP and size < 0.1) or self.time > PUT_DOWN_TIME:
             controller.release(self.thing)
             self.leads_hands, self.is_down, self.time = False, True, 0.0
@@ -225,7 +224,9 @@ class ThrowAt(TargetTask):
         self.aimed += dt
         if self.time < 0.0:
             controller.face_to(target.centre)
-            if not (controller.is_facing(AIM_TOLERANCE) and controller.is_standing):
+            is_risen = controller.is_upright or self.aimed > RISING_TIME
+            is_ready = controller.is_standing and is_risen
+            if not (is_ready and controller.is_facing(AIM_TOLERANCE)):
                 if self.aimed > AIM_TIME:
                     self.failure = f"cannot turn to '{self.target}' at {place_text(controller)}"
                 hold_members(controller)
@@ -270,6 +271,8 @@ class ThrowAt(TargetTask):
         limit = THROW_SPEED * float(person.height) * self._strength(controller)
         v, self.shortfall = launch_velocity(offset, target.v, limit, GRAVITY, damping)
         controller.release(self.thing, v)
+        if owner >= 0:
+            controller.embrace(owner)
         for k in self.grip:
             controller.put_hand(k, controller.hand(k))
         self.is_thrown, self.leads_hands, self.time = True, False, 0.0

@@ -239,11 +239,11 @@ class KickThing(Task):
         elif self.thing in view.body_masses:
             controller.kicked_bodies.append((self.thing, v))
         else:
-            node = f"{controller.name}.foot_{'lr'[self.foot]}"
+            nodes = (f"{controller.name}.foot_{'lr'[self.foot]}",)
             controller.grip_changes.extend(
                 [
-                    GripChange(controller.name, node, self.thing, True),
-                    GripChange(controller.name, node, self.thing, False, v),
+                    GripChange(controller.name, nodes, self.thing, True),
+                    GripChange(controller.name, nodes, self.thing, False, v),
                 ]
             )
 

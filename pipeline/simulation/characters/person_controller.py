@@ -43,6 +43,8 @@ CARRIED_MASS = 0.5  # up to which a gripped thing hangs from the hand, in the pe
 SIZE_FACTOR = 1.12  # from the height of the nodes of a standing person to its size
 
 HOLD_HEIGHT = 0.6  # of a thing between two hands, in heights
+UPRIGHT_BOW, UPRIGHT_CROUCH = 0.25, 0.06  # of the trunk as a tangent, of the legs
+HAND_LEAD = 0.12  # by which hands that hold a thing are led at most [m]
 RUN_FROUDE = 1.1  # speed of the fastest run, in √(g l)
 
 NO_CIRCLES = np.zeros((0, 2)), np.zeros(0)
@@ -212,6 +214,11 @@ class PersonController:
         """Whether the person neither steps nor sits."""
         return not self.record.stepping and float(self.record.sit_blend) == 0.0
 
+    @property
+    def is_upright(self) -> bool:
+        """Whether the person has risen from what its hands reached down for."""
+        return float(self.record.bow) < UPRIGHT_BOW and float(self.record.crouch) < UPRIGHT_CROUCH
+
     def hand(self, k: int) -> Array:
         """Return (3,) the place of a hand [m]."""
         return self.view.p[self.record.node + HAND + k]
@@ -305,6 +312,13 @@ class PersonController:
         self.record.arm_mode[k] = PLACED
         self.record.arm_target[k] = place
 
+    def lead_hand(self, k: int, place: Array) -> None:
+        """Send a hand towards a place, so far ahead that it goes there without haste."""
+        here = self.hand(k)
+        offset = place - here
+        distance = float(np.linalg.norm(offset))
+        self.put_hand(k, here + offset * min(HAND_LEAD / max(distance, 1e-9), 1.0))
+
     def put_hand_around(self, k: int, place: Array) -> None:
         """Send a hand to a place behind a partner, with the elbow aside."""
         self.record.arm_mode[k] = HUGGING
@@ -350,7 +364,7 @@ class PersonController:
         self.held_members.update(dict.fromkeys(hands, name))
         self.view.holders[name] = self.name
         self.touched.append(name)
-        self.grip_changes.append(GripChange(self.name, self._holding_node(hands), name, True))
+        self.grip_changes.append(GripChange(self.name, self._hand_names(hands), name, True))
 
     def release(self, name: str, v: Array | None = None) -> None:
         """Open the hands that hold a member, which goes on with a velocity (3,) [m/s].
@@ -370,13 +384,11 @@ class PersonController:
                 del self.held_members[k]
                 self.record.arm_mode[k] = SWINGING
             del self.view.holders[name]
-            self.grip_changes.append(
-                GripChange(self.name, self._holding_node(hands), name, False, v)
-            )
+            self.grip_changes.append(GripChange(self.name, self._hand_names(hands), name, False, v))
 
-    def _holding_node(self, hands: Sequence[int]) -> str:
-        """Return the name of the node that a held member follows: the chest between two hands."""
-        return f"{self.name}.chest" if len(hands) == 2 else f"{self.name}.hand_{'lr'[hands[0]]}"
+    def _hand_names(self, hands: Sequence[int]) -> tuple[str, ...]:
+        """Return the names of the nodes of hands."""
+        return tuple(f"{self.name}.hand_{'lr'[k]}" for k in hands)
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
@@ -386,7 +398,10 @@ class PersonController:
         self.record.arm_mode[k] = SWINGING
 
     def embrace(self, owner: int) -> None:
-        """Put the arms around a character: they pass through its arms until both are apart."""
+        """Put the arms around a character: they pass through its arms until both are apart.
+
+        Likewise they pass through a ball that is thrown.
+        """
         self.view.arrays.owners["embraces"][self.record.owner] = owner
 
     def end_distant_embrace(self) -> None:
@@ -436,7 +451,7 @@ class PersonController:
                 self.put_hand(k, arrays.nodes["p"][node])
             elif self._holds_between(node):
                 radius = float(arrays.nodes["radius"][node])
-                self.hold_before(k, radius, radius)
+                self.lead_hand(k, self.place_before(k, radius, radius))
             else:
                 self.record.arm_mode[k] = SWINGING
 
@@ -444,11 +459,17 @@ class PersonController:
         """Tell whether both hands grip a node."""
         return self.held_node(0) == node == self.held_node(1)
 
-    def hold_before(self, k: int, half_width: float, half_depth: float) -> None:
-        """Hold a hand before the waist, at its side of a thing of these half extents [m]."""
+    def place_before(self, k: int, half_width: float, half_depth: float) -> Array:
+        """Return the place (3,) of a hand that holds a thing before the waist.
+
+        Args:
+            k: number of the hand.
+            half_width: half the extent of the thing from hand to hand [m].
+            half_depth: half its extent ahead [m].
+        """
         person, ahead = self.record, self.ahead
         right = np.array([-ahead[2], 0.0, ahead[0]])
         middle = np.array([person.at[0], person.floor, person.at[1]])
         middle += min(0.12 * person.height + half_depth, 0.85 * self.arm) * ahead
         middle[1] += HOLD_HEIGHT * person.height
-        self.put_hand(k, middle + (half_width if k == 1 else -half_width) * right)
+        return middle + (half_width if k == 1 else -half_width) * right

@@ -132,7 +132,7 @@ def test_a_thrown_body_lands_at_the_ballistic_distance() -> None:
         while simulation.step_number < step:
             simulation.step()
         simulation.last_row()
-        troupe.change_grips([GripChange("kid", "hand", "crate", taken, velocity)], [hand])
+        troupe.change_grips([GripChange("kid", ("hand",), "crate", taken, velocity)], [(hand,)])
         assert troupe.solid_motion().is_present[0] == (not taken and velocity is None)
     while not simulation.finished:
         simulation.step()

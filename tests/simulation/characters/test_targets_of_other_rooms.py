@@ -11,8 +11,9 @@ import pytest
 from pipeline.simulation.convex_distance import convex_distance
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.members import MemberState
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.order_outcome import GripChange
-from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 from tests.simulation.characters.scripted_people import node_path, troupe_of
@@ -204,7 +205,7 @@ def test_throws_and_chases_beyond_ones_strength_are_given_up() -> None:
 
 def test_a_grabbed_body_is_handed_over_and_thrown() -> None:
     (start, taken), (end, thrown) = [pair for pair in course().grips if pair[1].holder == "gus"]
-    assert (taken.hand, taken.member, taken.taken) == ("gus.hand_r", "marble", True)
+    assert (taken.hands, taken.member, taken.taken) == (("gus.hand_r",), "marble", True)
     assert not thrown.taken
     assert start < 4.0 < 7.0 > end > start + 0.4
     assert thrown.velocity is not None
@@ -226,3 +227,47 @@ def test_an_adult_sits_down_on_a_prop() -> None:
 def test_a_child_flees_until_it_is_far_enough() -> None:
     assert len(course().arrived["fay"]) == 1
     assert course().arrived["fay"][0] < 5.0
+
+
+BALLS = {
+    "prop": "prop: {shape: ball, radius: 0.12}, at: [0.4, 0.12, 0]",
+    "character": "character: ball, at: [0.4, 0]",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ball", BALLS)
+def test_a_ball_is_lifted_between_both_hands_and_thrown_at_once(ball: str) -> None:
+    take = simulate(
+        read_scene(
+            f"""
+pronk: 1
+duration: 4
+cast:
+  - {{name: kid, character: child, at: [0, 0]}}
+  - {{name: ball, {BALLS[ball]}}}
+script:
+  - {{at: 0.1, who: kid, do: {{grab: ball, hand: both}}}}
+  - {{when: {{arrived: kid}}, who: kid, do: {{throw: ball, to: [2.1, 0.7, 0]}}}}
+"""
+        )
+    )
+    names = NodeNames.of(take)
+    left, right, middle = (
+        take.positions[:, names.find(name)] for name in ("kid.hand_l", "kid.hand_r", "ball")
+    )
+    rate = float(take.header.rate) * take.header.samples
+    speed = np.linalg.norm(np.diff(middle, axis=0), axis=1) * rate
+    grabbed = next(order.end for order in take.orders if order.text.startswith("grab"))
+    first = grabbed // (take.header.steps // take.header.samples)
+    launch = first + int(np.argmax(speed[first:] > 3.0))
+    assert first < launch < len(middle) - 1
+    # Until the throw it is between the hands, and does not fly up.
+    held = slice(first, launch - 1)
+    between = 0.5 * (left + right)[held] - middle[held]
+    assert np.linalg.norm(between, axis=1).max() < 0.2
+    # Where it passes over the target, which its surface hits.
+    passed = launch + int(np.argmax(middle[launch:, 0] > 2.1))
+    assert passed > launch
+    assert middle[passed, 1] == pytest.approx(0.82, abs=0.15)
+    assert abs(middle[passed, 2]) < 0.1

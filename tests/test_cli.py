@@ -469,6 +469,17 @@ def test_scenes_beyond_a_budget_are_refused_with_a_line(
     assert told.startswith("error: --max-time '2 years' is no duration; ")
 
 
+def test_an_untrusted_scene_has_limits_without_being_given_any(
+    refused: Callable[..., str], folder: Path
+) -> None:
+    large = ("--set", "terrain.cells=[4000,4000]")
+    told = refused(3, "render", "tiny.yaml", "--untrusted", *large)
+    assert "more than the limit (--max-memory 4 GiB); about " in told
+    slow = ("--set", "film.size=[1920,1080]", "--set", "film.samples=4096")
+    told = refused(3, "render", "tiny.yaml", "--untrusted", *slow)
+    assert "more than the limit (--max-time 30 min); " in told
+
+
 @pytest.mark.parametrize("command", ["simulate", "render", "midi"])
 @pytest.mark.parametrize("link", ["out", "out/tiny", "out/tiny/take.zarr"])
 def test_outputs_of_an_untrusted_scene_follow_no_link(

@@ -55,9 +55,10 @@ def replaced_when_complete(path: Path) -> Iterator[Path]:
         os.replace(temporary, path)
         _sync_folder(path.parent)
     except OSError as error:
-        # Failed writes name no file, and nobody knows the temporary one.
+        # Failed writes name no file, and nobody knows the temporary one. A new error, because
+        # those of PyAV let nobody set the name.
         if error.filename in (None, str(temporary)):
-            error.filename = str(path)
+            raise OSError(error.errno, error.strerror or str(error), str(path)) from error
         raise
     finally:
         with suppress(OSError):

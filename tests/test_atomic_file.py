@@ -216,3 +216,19 @@ def test_equal_content_is_not_written_again(tmp_path: Path, disk: Disk) -> None:
     assert not write_if_changed(tmp_path / "a", b"x")
     assert (tmp_path / "a").stat() == before
     assert len(disk.calls) == calls
+
+
+class _FixedName(OSError):
+    """An error whose name nobody can set, as those of PyAV."""
+
+    @property
+    def filename(self) -> str | None:
+        return None
+
+
+def test_an_error_without_a_name_gets_that_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "film.mp4"
+    with pytest.raises(OSError, match="No space") as caught, replaced_when_complete(path):
+        raise _FixedName(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(path))
+    assert list(tmp_path.iterdir()) == []

@@ -188,6 +188,9 @@ class Store:
     def create(self, name: str, data: bytes) -> bool:
         """Write a small object unless there is one; return whether it was written.
 
+        Of two that do so at one moment one succeeds; at servers that know renaming alone, such as
+        SFTP, both may, and the object of the last one stays.
+
         Raises:
             StoreError: it cannot be written.
         """

@@ -1,6 +1,7 @@
-"""Steep steps: people who walk over edges that are too high for their legs.
+"""Ground notes: characters who walk over edges too high for their legs, or leave the terrain.
 
 People look for no footholds: they walk on whatever is below them, also into pits and up walls.
+Beyond the terrain its edge goes on level, so that nothing falls.
 """
 
 from __future__ import annotations
@@ -51,6 +52,30 @@ def steep_step_notes(
                 "walk on any ground; lead the way around it"
             )
             notes.append(TakeNote("climbs", frame * clock.steps, name, text))
+    return notes
+
+
+def departure_notes(
+    cast: Sequence[Member], recorder: Recorder, clock: Clock, ground: Ground
+) -> list[TakeNote]:
+    """Returns a note on each character that leaves the terrain, where that first happens.
+
+    Args:
+        cast: of the scene.
+        recorder: the take, whose rows are all written.
+        clock: of the scene.
+        ground: the terrain.
+    """
+    roots = {node.performer: i for i, node in reversed(list(enumerate(recorder.nodes)))}
+    notes = []
+    for name in (member.name for member in cast if isinstance(member, Character)):
+        # Once a frame.
+        x, _, z = recorder.positions[:: clock.samples, roots[name]].T
+        is_outside = ~ground.field.inside(x, z)
+        if is_outside.any() and not is_outside[0]:
+            text = "beyond it the ground goes on level; make it larger"
+            step = int(is_outside.argmax()) * clock.steps
+            notes.append(TakeNote("leaves_terrain", step, name, text))
     return notes
 
 

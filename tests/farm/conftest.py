@@ -28,10 +28,14 @@ def memory() -> Store:
     return Store(f"memory://{uuid.uuid4().hex}")
 
 
-@pytest.fixture(params=["memory", "folder"])
+@pytest.fixture(params=["memory", "renaming", "folder"])
 def store(request: pytest.FixtureRequest, memory: Store, tmp_path: Path) -> Store:
-    """Return an empty store of each way of writing: by one request, and by renaming."""
-    return memory if request.param == "memory" else Store(str(tmp_path / "store"))
+    """Return an empty store of each way of writing: one request, renaming, links of a system."""
+    if request.param == "folder":
+        return Store(str(tmp_path / "store"))
+    # As servers do whose files appear before they are complete.
+    memory._renames = request.param == "renaming"
+    return memory
 
 
 @pytest.fixture

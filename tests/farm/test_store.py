@@ -49,6 +49,8 @@ def test_a_missing_object_is_told_at_once(store: Store, pauses: list[float]) -> 
 
 
 def test_of_many_that_create_an_object_one_succeeds(store: Store) -> None:
+    if store._renames and not store.is_local:
+        pytest.skip("servers that rename have no condition for it: the last one counts")
     together = threading.Barrier(8)
     won: list[int] = []
 

@@ -63,6 +63,16 @@ def test_of_two_creatures_that_meet_one_is_told(scene_of: SceneOf) -> None:
     assert {note.part, note.text.split("'")[1]} == {"bug", "bee"}
 
 
+def test_a_ball_that_rolls_off_the_terrain_is_noted(scene_of: SceneOf) -> None:
+    rolling = "{name: ball, character: ball, at: [1, 0.12, 0], velocity: [3, 0, 0]}"
+    resting = "{name: rest, character: ball, at: [-1, 0.12, 0]}"
+    scene = scene_of(rolling, resting, terrain="{kind: flat, size: [4, 4]}", duration=1)
+    (note,) = [note for note in simulate(scene).notes if note.kind == "leaves_terrain"]
+    assert note.part == "ball"
+    # The edge is a metre away.
+    assert 0.3 < note.step / 96 < 0.45
+
+
 @pytest.mark.slow
 def test_a_person_who_walks_into_a_pit_is_noted(scene_of: SceneOf) -> None:
     stones = "{kind: stones, start: 0.5, length: 3, size: [8, 4], cells: [200, 100]}"

@@ -35,6 +35,9 @@ from pipeline.spec.script import (
 PURSUITS = (GoTo, Follow, Chase, Flee)
 """Orders that are carried out by planning routes again and again."""
 
+NO_FOOTHOLD = "found no foothold on its way; a slower walk takes shorter steps over narrower gaps"
+"""Why a creature gives up that stands before a barrier."""
+
 
 @dataclass(frozen=True, slots=True)
 class PursuitLimits:
@@ -168,7 +171,7 @@ class Pursuits:
             self._keep_off(c, order)
         for c, pursuit in list(self._active.items()):
             if self.progress.halted[c]:
-                self._give_up(c, pursuit, "found no foothold on its way")
+                self._give_up(c, pursuit, NO_FOOTHOLD)
             else:
                 self._pursue(c, pursuit)
 

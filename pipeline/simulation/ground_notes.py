@@ -25,40 +25,12 @@ STEP_LENGTH = 0.5
 """Distance over the ground within which it is a step, in the same height."""
 
 
-def steep_step_notes(
+def ground_notes(
     cast: Sequence[Member], recorder: Recorder, clock: Clock, ground: Ground
 ) -> list[TakeNote]:
-    """Returns a note on each person who walks over an edge, where that first happens.
+    """Returns notes on characters: steep steps of people, and who leaves the terrain.
 
-    Args:
-        cast: of the scene.
-        recorder: the take, whose rows are all written.
-        clock: of the scene.
-        ground: the terrain.
-    """
-    people = [member.name for member in cast if isinstance(member, Character) and member.acts]
-    roots = {node.performer: i for i, node in reversed(list(enumerate(recorder.nodes)))}
-    notes = []
-    for name in people:
-        # Once a frame.
-        p = recorder.positions[:: clock.samples, roots[name]]
-        leg = float(p[0, 1] - ground.height(p[0, 0], p[0, 2]))
-        height = ground.height(p[:, 0], p[:, 2])
-        found = _first_step(p[:, [0, 2]], height, HIGHEST_STEP * leg, STEP_LENGTH * leg)
-        if found is not None:
-            frame, rise = found
-            text = (
-                f"goes {'up' if rise > 0.0 else 'down'} a step of {abs(rise):.2g} m, and people "
-                "walk on any ground; lead the way around it"
-            )
-            notes.append(TakeNote("climbs", frame * clock.steps, name, text))
-    return notes
-
-
-def departure_notes(
-    cast: Sequence[Member], recorder: Recorder, clock: Clock, ground: Ground
-) -> list[TakeNote]:
-    """Returns a note on each character that leaves the terrain, where that first happens.
+    Each is told where it first happens.
 
     Args:
         cast: of the scene.
@@ -68,15 +40,39 @@ def departure_notes(
     """
     roots = {node.performer: i for i, node in reversed(list(enumerate(recorder.nodes)))}
     notes = []
-    for name in (member.name for member in cast if isinstance(member, Character)):
+    for member in cast:
+        if not isinstance(member, Character):
+            continue
         # Once a frame.
-        x, _, z = recorder.positions[:: clock.samples, roots[name]].T
-        is_outside = ~ground.field.inside(x, z)
-        if is_outside.any() and not is_outside[0]:
-            text = "beyond it the ground goes on level; make it larger"
-            step = int(is_outside.argmax()) * clock.steps
-            notes.append(TakeNote("leaves_terrain", step, name, text))
+        p = recorder.positions[:: clock.samples, roots[member.name]]
+        found = [_departure(p, ground), _steep_step(p, ground) if member.acts else None]
+        notes += [
+            TakeNote(kind, frame * clock.steps, member.name, text)
+            for kind, frame, text in filter(None, found)
+        ]
     return notes
+
+
+def _departure(p: Array, ground: Ground) -> tuple[str, int, str] | None:
+    """Returns kind, frame and text of the note on who leaves the terrain at places (F, 3) [m]."""
+    is_outside = ~ground.field.inside(p[:, 0], p[:, 2])
+    if is_outside[0] or not is_outside.any():
+        return None
+    text = "beyond it the ground goes on level; make it larger"
+    return "leaves_terrain", int(is_outside.argmax()), text
+
+
+def _steep_step(p: Array, ground: Ground) -> tuple[str, int, str] | None:
+    """Returns kind, frame and text of the note on a steep step along places (F, 3) [m]."""
+    leg = float(p[0, 1] - ground.height(p[0, 0], p[0, 2]))
+    height = ground.height(p[:, 0], p[:, 2])
+    found = _first_step(p[:, [0, 2]], height, HIGHEST_STEP * leg, STEP_LENGTH * leg)
+    if found is None:
+        return None
+    frame, rise = found
+    way = "up" if rise > 0.0 else "down"
+    text = f"goes {way} a step of {abs(rise):.2g} m, and people walk on any ground"
+    return "climbs", frame, f"{text}; lead the way around it"
 
 
 def _first_step(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.assembly import assemble
 from pipeline.simulation.event_monitor import reported_events
-from pipeline.simulation.ground_notes import departure_notes, steep_step_notes
+from pipeline.simulation.ground_notes import ground_notes
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.order_log import OrderLog
 from pipeline.simulation.pass_through import pass_through_notes
@@ -117,8 +117,7 @@ class Simulation:
         notes += pass_through_notes(
             self._scene.cast, self._members, self.recorder, self.world.clock, meeting
         )
-        on_ground = self._scene.cast, self.recorder, self.world.clock, self.world.ground
-        notes += steep_step_notes(*on_ground) + departure_notes(*on_ground)
+        notes += ground_notes(self._scene.cast, self.recorder, self.world.clock, self.world.ground)
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         self.order_log.finish(self.step_number, self.script)

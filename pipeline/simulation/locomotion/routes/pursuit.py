@@ -35,7 +35,7 @@ from pipeline.spec.script import (
 PURSUITS = (GoTo, Follow, Chase, Flee)
 """Orders that are carried out by planning routes again and again."""
 
-NO_FOOTHOLD = "found no foothold on its way; a slower walk takes shorter steps over narrower gaps"
+NO_FOOTHOLD = "found no foothold on its way; wider or nearer footholds, or a slower walk, may help"
 """Why a creature gives up that stands before a barrier."""
 
 

@@ -104,20 +104,39 @@ def _commands(group: Any, above: tuple[str, ...] = ()) -> Iterator[tuple[tuple[s
             yield (*above, name), command
 
 
+@cache
+def option_uses() -> list[tuple[tuple[str, ...], Any]]:
+    """Return every command with each of its options in turn, or with None."""
+    return [
+        (words, param)
+        for words, command in sorted(commands().items())
+        for param in [None, *(p for p in command.params if p.param_type_name == "option")]
+    ]
+
+
 def random_command(seed: int) -> list[str]:
-    """Return the arguments of a random command line, the same for the same seed."""
+    """Return the arguments of a random command line, the same for the same seed.
+
+    The first seeds use every option of every command once.
+    """
     rng = random.Random(seed)
     names = sorted(commands())
     words = rng.choice(names)
     while words[-1] not in CHEAP and rng.random() > COSTLY:
         words = rng.choice(names)
-    if rng.random() < 0.04:
+    wanted = None
+    if seed < len(option_uses()):
+        words, wanted = option_uses()[seed]
+    elif rng.random() < 0.04:
         return [rng.choice((*WORDS, *(word for name in names for word in name))) for _ in range(2)]
     command = commands()[words]
     arguments = [p for p in command.params if p.param_type_name == "argument"]
     options = [p for p in command.params if p.param_type_name == "option"]
     line = [word for param in arguments for word in _argument(rng, command, param)]
-    for param in rng.sample(options, min(rng.choice((0, 0, 1, 1, 2, 4)), len(options))):
+    chosen = rng.sample(options, min(rng.choice((0, 0, 1, 1, 2, 4)), len(options)))
+    if wanted is not None and wanted not in chosen:
+        chosen.append(wanted)
+    for param in chosen:
         line[0 if rng.random() < 0.3 else len(line) :] = _option(rng, command, param)
     if rng.random() < 0.08:
         other = commands()[rng.choice(names)]

@@ -38,6 +38,7 @@ def stable(manifest: Path) -> dict[str, object]:
     return {**members, "files": {n: {**f, "mtime_ns": 0} for n, f in files.items()}}
 
 
+@pytest.mark.slow
 def test_an_assembled_film_is_the_rendered_one(
     farmed: Farmed, film: Studio, tmp_path: Path
 ) -> None:

@@ -49,6 +49,7 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
     )
 
 
+@pytest.mark.slow
 def test_the_same_scene_gives_the_same_take(scene_of: SceneOf) -> None:
     scene = scene_of(BUG, WAVER, terrain=ROUGH)
     assert simulate(scene).digest == simulate(scene).digest

@@ -91,6 +91,7 @@ def test_prop_that_sinks_has_fallen() -> None:
     assert 1.0 < given_at(take, "stop") < 1.2
 
 
+@pytest.mark.slow
 def test_settling_is_no_coming_to_rest() -> None:
     # The crate drops by 1 cm, rests, and is kicked by the cart.
     cast = [
@@ -115,6 +116,7 @@ BALL = (
 )
 
 
+@pytest.mark.slow
 def test_events_of_many_bodies() -> None:
     cast = [DOMINOES, BALL, "{name: kid, figure: person, at: [0, 3], walk: {}}"]
     script = [
@@ -135,6 +137,7 @@ def test_events_of_many_bodies() -> None:
     assert (never.text, never.reason) == ("wait 6", "row never fell again")
 
 
+@pytest.mark.slow
 def test_order_that_waits_in_vain_is_noted() -> None:
     take = take_of(
         [BUG, "{name: post, prop: {shape: box}, at: [9, 9]}"],

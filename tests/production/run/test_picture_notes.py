@@ -110,6 +110,7 @@ def test_a_run_tells_its_pictures_again_when_they_come_from_the_cache(
     assert [note["kind"] for note in entries["notes"]] == ([kind] if kind else [])
 
 
+@pytest.mark.slow
 def test_frames_without_levels_are_measured(studio: Studio) -> None:
     sets = "film.exposure=-12"
     told(studio, sets)
@@ -119,6 +120,7 @@ def test_frames_without_levels_are_measured(studio: Studio) -> None:
     assert told(studio, sets) == [("picture_black", "picture", 1)]
 
 
+@pytest.mark.slow
 def test_a_night_with_a_moon_is_not_black(studio: Studio) -> None:
     assert told(studio, "light=night", frames="1-3") == []
 

@@ -40,6 +40,7 @@ def outcome_of(take: Take) -> tuple[str, str]:
     return record.outcome, record.reason
 
 
+@pytest.mark.slow
 def test_go_to_a_member_stops_beside_it() -> None:
     take = take_of("{go_to: cart}")
     assert outcome_of(take)[0] == "done"
@@ -62,6 +63,7 @@ def test_go_to_a_place_by_name() -> None:
     assert np.hypot(at[0] - 4.0, at[2] - 2.0) < 0.9
 
 
+@pytest.mark.slow
 def test_go_to_a_member_that_moves_goes_after_it() -> None:
     take = take_of("{go_to: cart}", "at: [1.5, 0.2, 1], velocity: [0.1, 0, 0]", 16.0)
     assert outcome_of(take)[0] == "done"
@@ -75,6 +77,7 @@ def test_follower_keeps_its_distance_from_who_walks_on() -> None:
     assert np.all((distances(take)[-96:] > 0.8) & (distances(take)[-96:] < 2.4))
 
 
+@pytest.mark.slow
 def test_chaser_catches_who_is_slower() -> None:
     take = take_of("{chase: cart}", "at: [2, 0.2, 1], velocity: [0.1, 0, 0]", 20.0)
     assert outcome_of(take)[0] == "done"
@@ -88,6 +91,7 @@ def test_chaser_of_who_is_faster_gives_up_with_a_note() -> None:
     assert "is not fast enough" in reason
 
 
+@pytest.mark.slow
 def test_flight_ends_far_enough_away() -> None:
     take = take_of("{flee: cart, distance: 3}", "at: [0.8, 0.2, 0.3]", 16.0)
     assert outcome_of(take)[0] == "done"

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     SceneOf = Callable[..., Scene]
 
+pytestmark = pytest.mark.slow
+
 ROUGH = "{kind: fractal, height: 0.8, size: [16, 16]}"
 BUG = "{name: bug, figure: beetle, scale: 0.5, at: [1, 1], walk: {gait: tripod}}"
 WAVER = (
@@ -49,7 +51,6 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
     )
 
 
-@pytest.mark.slow
 def test_the_same_scene_gives_the_same_take(scene_of: SceneOf) -> None:
     scene = scene_of(BUG, WAVER, terrain=ROUGH)
     assert simulate(scene).digest == simulate(scene).digest
@@ -57,7 +58,6 @@ def test_the_same_scene_gives_the_same_take(scene_of: SceneOf) -> None:
     assert simulate(other).digest != simulate(scene).digest
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("salt", ["0", "4242"])
 def test_another_process_gives_the_same_take(scene_of: SceneOf, salt: str) -> None:
     scene = scene_of(BUG, WAVER, terrain=ROUGH, duration=1)

@@ -10,6 +10,8 @@ import pytest
 from pipeline.simulation.take import Take
 from tests.simulation.conftest import Walk
 
+pytestmark = pytest.mark.slow
+
 MILLIMETRE = 1e-3
 
 MAX_STOP_ACCELERATION = 4.0
@@ -38,7 +40,6 @@ BARRIERS = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("figure", "name"), PAIRS)
 def test_walkers_cross_passable_terrain(
     figure: str,

@@ -11,6 +11,8 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 from tests.simulation.conftest import Walk, scene_of, walk_through
 
+pytestmark = pytest.mark.slow
+
 ROW = 1 / 96
 
 BEETLE = "{{name: b, figure: beetle, scale: 0.6, at: [0, 0], {}}}"
@@ -136,7 +138,6 @@ def test_stop_and_wait_pause_the_walk() -> None:
     assert speeds(stopped)[192:].max() == 0.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("angle", [90, -60])
 def test_turn_order_turns_by_its_angle(angle: int) -> None:
     walking = walk_with_orders(
@@ -151,7 +152,6 @@ def test_turn_order_turns_by_its_angle(angle: int) -> None:
     assert np.linalg.norm(positions(standing)[-1] - positions(standing)[250]) < 1e-6
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "figure", [pytest.param("horse", marks=pytest.mark.nightly), "antelope", "person", "spider"]
 )
@@ -201,7 +201,6 @@ def test_inchworm_refuses_script_and_path() -> None:
         Simulation(scene_of(worm.replace("walk: {}", "walk: {path: [[1, 1]]}")))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("place", [(2, 0.3), (1, 2), (0.6, -2), (-2, 0.5), (1.2, 0.4), (-1, 0)])
 def test_feet_do_not_slip_on_the_way_to_any_place(place: tuple[float, float]) -> None:
     script = f"{{at: 1.2, who: b, do: {{go_to: {list(place)}}}}},"

@@ -20,6 +20,8 @@ from pipeline.spec.prop import BoxShape, Prop
 from tests.simulation.conftest import scene_of, tips_of
 from tests.simulation.locomotion.hop_recorder import HopRecording, hop_through
 
+pytestmark = pytest.mark.slow
+
 MILLIMETRE = 1e-3
 
 BOXES = {
@@ -130,7 +132,6 @@ def lowest_over(take: Take, performer: str, first: float, last: float) -> float:
 # --- walkers that jump ----------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_walker_jumps_and_walks_to_the_end_of_its_route(leap: Leap) -> None:
     order = [leap.stages[k] for k in leap.changes]
     assert order == ["coming", "leaping", "landed", "walking"]
@@ -219,7 +220,6 @@ def take_of(scene: Scene) -> Take:
     return simulation.take()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
 def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None:
     scene = hurdle_scene("antelope", *size, duration=3)
@@ -233,7 +233,6 @@ def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None
     assert take.positions[-1, 0, 0] > 2.0
 
 
-@pytest.mark.slow
 def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     config = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
@@ -244,7 +243,6 @@ def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     assert "too near" in order.reason
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("way", ["walk", "pronk"])
 def test_jump_is_done_when_it_has_landed(way: str) -> None:
     more = "script: [{at: 0.2, who: a, do: {jump: {height: 0.2}}}]"
@@ -254,7 +252,6 @@ def test_jump_is_done_when_it_has_landed(way: str) -> None:
     assert min(lifts) < take.orders[0].end < 4 * 24 * 8
 
 
-@pytest.mark.slow
 def test_orders_to_a_fallen_hopper_are_given_up() -> None:
     config = "{name: a, figure: antelope, at: [0, 3, 0], pronk: {balance: 0}}"
     more = "script: [{at: 2.5, who: a, do: {jump: {}}}, {at: 2.6, who: a, do: stop}]"
@@ -317,7 +314,6 @@ def hop_with_script(
     return hop_through(scene_of(ROO.format(config), *others, duration=duration, more=more))
 
 
-@pytest.mark.slow
 def test_hopper_clears_a_crate_and_hops_on() -> None:
     crate = "{name: crate, prop: {shape: box, size: [0.5, 0.5, 1.5]}, at: [5, 0]}"
     hops = hop_with_script("{at: 1, who: roo, do: {hop_over: crate}}", 6, "", crate)
@@ -343,7 +339,6 @@ def test_stop_order_ends_and_hop_order_resumes_the_hops() -> None:
     assert hops.states[0][-1].jumps > max(jumps) + 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
 def test_stop_cancels_go_to_in_any_phase(at: float) -> None:
     script = f"{{at: 0.5, who: roo, do: {{go_to: [14, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
@@ -375,7 +370,6 @@ def test_wait_order_pauses_the_hops() -> None:
     assert hops.states[0][-1].jumps > 2
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("angle", [40, -160])
 def test_turn_order_turns_by_its_angle(angle: float) -> None:
     hops = hop_with_script(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 8)

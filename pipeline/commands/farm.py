@@ -11,6 +11,8 @@ import typer
 from pipeline.commands.option_suggestions import SuggestingCommand
 from pipeline.commands.options import (
     FrameOptions,
+    FramesOption,
+    NoSoundOption,
     PresetOption,
     Reporting,
     SceneName,
@@ -31,9 +33,6 @@ StoreAddress = Annotated[
         metavar="URL",
         help="Where takes and frames are: a shared folder, or s3://bucket/folder, sftp://...",
     ),
-]
-Frames = Annotated[
-    str | None, typer.Option(help="Frames to render, for example 1-48,60-90x5; default: all.")
 ]
 TakeKey = Annotated[
     str | None,
@@ -113,10 +112,8 @@ def render(
             min=1, max=4096, help="Cores of each worker; default: by the size of pictures, 2 or 4."
         ),
     ] = None,
-    frames: Frames = None,
-    no_sound: Annotated[
-        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
-    ] = False,
+    frames: FramesOption = None,
+    no_sound: NoSoundOption = False,
     strict: StrictOption = False,
     mixed: Mixed = False,
 ) -> None:
@@ -152,7 +149,7 @@ def render_frames(
     options: FarmOptions,
     preset: PresetOption = None,
     take: TakeKey = None,
-    frames: Frames = None,
+    frames: FramesOption = None,
     shard: Annotated[
         str | None, typer.Option(metavar="N/M", help="One of M parts of the frames, such as 3/8.")
     ] = None,
@@ -183,10 +180,8 @@ def assemble(
     options: FarmOptions,
     preset: PresetOption = None,
     take: TakeKey = None,
-    frames: Frames = None,
-    no_sound: Annotated[
-        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
-    ] = False,
+    frames: FramesOption = None,
+    no_sound: NoSoundOption = False,
     strict: StrictOption = False,
     mixed: Mixed = False,
 ) -> None:
@@ -241,10 +236,8 @@ def export(
         Path, typer.Option(metavar="FILE", help="File of the Open Job Description template.")
     ],
     preset: PresetOption = None,
-    frames: Frames = None,
-    no_sound: Annotated[
-        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
-    ] = False,
+    frames: FramesOption = None,
+    no_sound: NoSoundOption = False,
 ) -> None:
     """Write a job template for farms with a manager of their own, such as Deadline Cloud."""
     from pipeline.farm.job_template import job_scene, write_template
@@ -252,7 +245,7 @@ def export(
     from pipeline.spec import find_scene
 
     refuse_clashes(scenes, options.out)
-    changes = [*(["--preset", preset.value] if preset else [])]
+    changes = ["--preset", preset.value] if preset else []
     changes += [part for change in options.assignments() for part in ("--set", change)]
     found = []
     for name in scenes:

@@ -12,6 +12,8 @@ from pipeline.commands.options import (
     BoundedFrameOptions,
     BoundedRunOptions,
     FrameOptions,
+    FramesOption,
+    NoSoundOption,
     Preset,
     PresetOption,
     SceneName,
@@ -32,13 +34,9 @@ def render(
     scenes: SceneNames,
     options: BoundedFrameOptions,
     preset: PresetOption = None,
-    frames: Annotated[
-        str | None, typer.Option(help="Frames to render, for example 1-48,60-90x5; default: all.")
-    ] = None,
+    frames: FramesOption = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Number of rendering processes.")] = 1,
-    no_sound: Annotated[
-        bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")
-    ] = False,
+    no_sound: NoSoundOption = False,
     strict: StrictOption = False,
 ) -> None:
     """Render films: simulate, write the score, render the frames, encode.

@@ -77,6 +77,10 @@ PresetOption = Annotated[
 StrictOption = Annotated[
     bool, typer.Option("--strict", help="Make notes an error, before any frame is rendered.")
 ]
+FramesOption = Annotated[
+    str | None, typer.Option(help="Frames to render, for example 1-48,60-90x5; default: all.")
+]
+NoSoundOption = Annotated[bool, typer.Option("--no-sound", help="Write neither sound nor MIDI.")]
 BackendOption = Annotated[
     BackendName, typer.Option(help="Variant of Mitsuba; default: the fastest that works.")
 ]

@@ -33,7 +33,7 @@ class _Guard:
     """Watches one run.
 
     Attributes:
-        reached: what is told of the limit that was reached, None so far.
+        reached: the error that tells which limit was reached; None before that.
     """
 
     def __init__(self, budget: Budget, say: Callable[[BudgetReached], None]) -> None:

@@ -1,6 +1,6 @@
-"""Progress of a run: stages with a name and a number of things to do, and who is told of them.
+"""Progress of a run: its stages, and the interface of the reporters that show them.
 
-What reporters there are stands in `reporters`.
+`reporters` implements the interface.
 """
 
 from __future__ import annotations

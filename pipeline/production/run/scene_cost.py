@@ -96,7 +96,7 @@ def usable_processors() -> int:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What is asked of a scene.
+    """The work to be done on a scene.
 
     Attributes:
         work: the last thing that is done.

@@ -94,13 +94,14 @@ _PCM = SoundCodec("pcm_s24le", "s32", 1024)
 
 CODECS: dict[str, Codec] = {
     # Constant rate factor 17 is visually lossless; those of VP9 and AV1 come as near to the frames.
-    # With a lookahead thread one H.264 film in a thousand came out otherwise on a busy machine.
+    # The tree of macroblocks of x264 reads memory that nobody wrote, so that one film in some
+    # thousands came out otherwise; without it films are 2 % larger, at equal quality.
     "h264": Codec(
         "libx264",
         "yuv420p",
         8,
         _AAC,
-        {"crf": "17", "preset": "medium", "x264-params": "sync-lookahead=0"},
+        {"crf": "17", "preset": "medium", "x264-params": "mbtree=0"},
     ),
     "prores": Codec("prores_ks", "yuv422p10le", 16, _PCM, {"profile": "3", "vendor": "apl0"}),
     # A bit rate of 0 leaves the quality to the rate factor.

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.film_codecs import CODECS, CONTAINERS, RATE, Codec, Sound
-from render.film_encoder import Picture, video_frame
+from render.film_segments import Picture, video_frame
 
 BLOCK = 16
 """Side of a block of luma; blocks of subsampled chroma are as large in the picture [pixels]."""

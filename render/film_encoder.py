@@ -1,37 +1,38 @@
 """Film encoder: frames in order, with sound, as a film in one of `CODECS`.
 
-The time base of the video is 1 / fps, so that frame f (from 1) is presented at exactly
-(f - 1) / fps, in WebM at the nearest millisecond; sound is cut or padded to exactly N / fps
-seconds.
+A film is encoded in segments, which are joined without being encoded again. The time base of the
+video is 1 / fps, so that frame f (from 1) is presented at exactly (f - 1) / fps, in WebM at the
+nearest millisecond; sound is cut or padded to exactly N / fps seconds.
 """
 
 from __future__ import annotations
 
-import contextlib
-import itertools
-import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from fractions import Fraction
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
 import av
-import numpy as np
-from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
-from numpy.typing import NDArray
 
 from pipeline.atomic_file import replaced_when_complete
 from render.errors import EncodeError
-from render.film_codecs import CONTAINERS, RATE, Codec, Container, Sound, SoundCodec, find_codec
+from render.film_codecs import CODECS, CONTAINERS, RATE, Codec, Container, Sound, find_codec
+from render.film_segments import (
+    Picture,
+    SegmentForm,
+    opened_segment,
+    segment_length,
+    segment_suffix,
+    video_stream,
+    write_segment,
+)
+from render.film_sound import SoundTrack, read_wav
 from render.thread_priority import kept_priority
 
-_THREADS = 4
-"""A constant, because the bytes of H.264 and VP9 depend on it."""
-
-# The encoder of AV1 describes itself on standard error; at level 1 it tells errors alone.
-os.environ.setdefault("SVT_LOG", "1")
-
-Picture = NDArray[np.uint8] | NDArray[np.uint16]
+Segment = Path | Iterable[Picture]
+"""A segment of a film: its file, or pictures that are to be encoded."""
 
 
 def write_film(
@@ -42,6 +43,7 @@ def write_film(
     sound_from: Fraction = Fraction(0),
     key: str = "",
     codec: str = "h264",
+    length: int | None = None,
 ) -> int:
     """Write frames with sound, if any, and return the number of frames.
 
@@ -53,20 +55,55 @@ def write_film(
         sound_from: time in it of the first frame [s].
         key: stored in the film's comment, for `film_key`.
         codec: name in `CODECS`.
+        length: of a segment [frames]; `segment_length` by default.
 
     Raises:
         EncodeError: there is no frame, the frames differ in size, the sound has another
             format, the encoder is missing, or the encoder or the disk failed.
     """
+    segments = _split(iter(frames), length or segment_length(fps))
+    return join_film(path, segments, fps, sound, sound_from, key, codec)
+
+
+def _split(frames: Iterator[Picture], length: int) -> Iterator[Iterable[Picture]]:
+    """Yield runs of frames, each of which is read before the next."""
+    for frame in frames:
+        yield chain([frame], islice(frames, length - 1))
+
+
+def join_film(
+    path: Path,
+    segments: Iterable[Segment],
+    fps: Fraction,
+    sound: Path | None = None,
+    sound_from: Fraction = Fraction(0),
+    key: str = "",
+    codec: str = "h264",
+) -> int:
+    """Write a film of segments; see `write_film`.
+
+    Args:
+        path: of the film.
+        segments: in order; all but the last have `segment_length` frames. Each is done with
+            before the next is taken.
+        fps: frames per second.
+        sound: WAV file.
+        sound_from: time in it of the first frame [s].
+        key: stored in the film's comment.
+        codec: of the segments.
+
+    Raises:
+        EncodeError: as `write_film`; the segments differ in size or extradata, or one is damaged.
+    """
     container = CONTAINERS.get(path.suffix)
     if container is None:
         suffixes = " or ".join(CONTAINERS)
         raise EncodeError(f"{path} is no film file; write a name that ends in {suffixes}")
-    encoders = find_codec(codec)
+    find_codec(codec)
     try:
-        samples = None if sound is None else _read_wav(sound)[:, round(sound_from * RATE) :]
+        samples = None if sound is None else read_wav(sound)[:, round(sound_from * RATE) :]
         with replaced_when_complete(path) as temporary:
-            return _write(temporary, frames, fps, samples, key, encoders, container)
+            return _write(temporary, segments, fps, samples, key, codec, container)
     except (OSError, ValueError, av.FFmpegError) as error:
         reason: object = error
         if isinstance(error, OSError) and error.filename == str(path):
@@ -76,134 +113,123 @@ def write_film(
 
 def _write(
     path: Path,
-    frames: Iterable[Picture],
+    segments: Iterable[Segment],
     fps: Fraction,
     sound: Sound | None,
     key: str,
-    codec: Codec,
+    codec: str,
     form: Container,
 ) -> int:
     options = {"fflags": "+bitexact", **form.options(fps)}
-    pictures = iter(frames)
-    first = next(pictures, None)
-    if first is None:
-        raise EncodeError("there is no frame; render some first")
     with av.open(str(path), "w", format=form.name, options=options) as container:
         container.metadata["comment"] = key
-        # The first packet writes the header, so both streams are declared before.
-        video = _video_stream(container, first.shape, fps, codec)
-        track = None if sound is None else _SoundTrack(container, sound, codec.sound)
-        count = 0
-        for picture in itertools.chain([first], pictures):
-            if picture.shape != first.shape:
-                raise EncodeError(
-                    f"frame {count + 1} is {picture.shape[1]}x{picture.shape[0]} and the first "
-                    f"{first.shape[1]}x{first.shape[0]}; render all frames at one size"
-                )
-            # The first frame opens the encoder.
-            with kept_priority() if count == 0 else contextlib.nullcontext():
-                packets = video.encode(video_frame(picture, count, fps, codec))
-            container.mux(packets)
-            count += 1
-            if track is not None:
-                track.encode_until(count / fps)
-        container.mux(video.encode(None))
-        if track is not None:
-            track.finish_at(count / fps)
-        return count
+        joined: _Joined | None = None
+        for segment in segments:
+            first = 1 if joined is None else joined.count + 1
+            with (
+                _segment_file(segment, path, fps, codec, first) as file,
+                opened_segment(file, fps) as (kind, packets),
+            ):
+                if joined is None:
+                    joined = _Joined(container, kind, fps, sound, CODECS[codec])
+                joined.add(kind, packets)
+        if joined is None:
+            raise EncodeError("there is no frame; render some first")
+        return joined.finish()
 
 
-def _video_stream(container: Any, shape: tuple[int, ...], fps: Fraction, codec: Codec) -> Any:
-    video = container.add_stream(codec.encoder, rate=fps)
-    video.height, video.width = shape[:2]
-    video.pix_fmt = codec.pixels
-    context = video.codec_context
-    context.time_base = 1 / fps
-    context.thread_count = _THREADS
-    # Without B-frames decoding order is presentation order, and no edit list shifts time.
-    context.max_b_frames = 0
-    context.gop_size = max(1, round(fps))
-    context.options = dict(codec.options)
-    context.colorspace = Colorspace.ITU709
-    context.color_primaries = ColorPrimaries.BT709
-    context.color_trc = ColorTrc.BT709
-    context.color_range = ColorRange.MPEG
-    return video
+@contextmanager
+def _segment_file(
+    segment: Segment, film: Path, fps: Fraction, codec: str, first: int
+) -> Iterator[Path]:
+    """Yield the file of a segment; that of pictures is beside the film until the end.
+
+    Args:
+        segment: its file or its pictures.
+        film: that is written.
+        fps: frames per second.
+        codec: of the segment.
+        first: number of its first frame.
+
+    Raises:
+        EncodeError: it cannot be encoded.
+        OSError: the encoder or the disk failed; names the film.
+    """
+    if isinstance(segment, Path):
+        yield segment
+        return
+    path = film.with_name(f"{film.stem}.segment{segment_suffix(codec)}")
+    try:
+        write_segment(path, segment, fps, codec, first)
+        yield path
+    except OSError as error:
+        # Nobody knows the temporary file.
+        if error.filename in (None, str(path)):
+            raise OSError(error.errno, error.strerror or str(error), str(film)) from error
+        raise
+    finally:
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
-def video_frame(picture: Picture, count: int, fps: Fraction, codec: Codec) -> av.VideoFrame:
-    """Return an image in limited-range BT.709 YUV, with its presentation time."""
-    array: Any = np.ascontiguousarray(picture)
-    rgb = av.VideoFrame.from_ndarray(array, format=codec.input_pixels)
-    frame = rgb.reformat(
-        format=codec.pixels,
-        src_colorspace=Colorspace.ITU709,
-        dst_colorspace=Colorspace.ITU709,
-        src_color_range=ColorRange.JPEG,
-        dst_color_range=ColorRange.MPEG,
-        interpolation="AREA",
-    )
-    frame.colorspace = Colorspace.ITU709
-    frame.color_primaries = ColorPrimaries.BT709
-    frame.color_trc = ColorTrc.BT709
-    frame.color_range = ColorRange.MPEG
-    frame.pts, frame.time_base, frame.duration = count, 1 / fps, 1
-    return frame
+class _Joined:
+    """The tracks of a film that is joined.
 
+    Args:
+        container: of the film.
+        form: of all segments.
+        fps: frames per second.
+        sound: of the film.
+        codec: of the film.
 
-class _SoundTrack:
-    """The sound of a film, encoded along with the video."""
+    Attributes:
+        count: number of pictures so far.
+    """
 
-    def __init__(self, container: Any, sound: Sound, codec: SoundCodec) -> None:
-        self._container, self._codec = container, codec
-        self._sound = sound
-        self._layout = "mono" if len(sound) == 1 else "stereo"
-        self._stream = container.add_stream(codec.encoder, rate=RATE, layout=self._layout)
-        if codec.bit_rate is not None:
-            self._stream.bit_rate = codec.bit_rate
-        self._at = 0
+    def __init__(
+        self, container: Any, form: SegmentForm, fps: Fraction, sound: Sound | None, codec: Codec
+    ) -> None:
+        self._container, self._form, self._fps = container, form, fps
+        self.count = 0
+        # The first packet writes the header, so both streams are declared before. The encoder
+        # tells the container all that it knows of such a video, and encodes nothing.
+        self._video = video_stream(container, form.size, fps, codec)
+        wanted = self._video.codec_context.codec.canonical_name
+        if form.codec != wanted:
+            raise EncodeError(f"a segment is {form.codec}, not {wanted}; encode it again")
+        with kept_priority():
+            self._video.codec_context.open()
+        if form.extradata is not None:
+            self._video.codec_context.extradata = form.extradata
+        self._track = None if sound is None else SoundTrack(container, sound, codec.sound)
 
-    def encode_until(self, seconds: Fraction) -> None:
-        """Encode the complete blocks that end before a time."""
-        while (self._at + self._codec.block) <= seconds * RATE:
-            self._encode(self._codec.block)
+    def add(self, form: SegmentForm, packets: Iterable[av.Packet[Any]]) -> None:
+        """Add a segment, with the sound of its time.
 
-    def finish_at(self, seconds: Fraction) -> None:
-        """Encode the rest up to a time."""
-        self.encode_until(seconds)
-        rest = round(seconds * RATE) - self._at
-        if rest > 0:
-            self._encode(rest)
-        self._container.mux(self._stream.encode(None))
-
-    def _encode(self, count: int) -> None:
-        block = np.zeros((len(self._sound), count), np.float32)
-        piece = self._sound[:, self._at : self._at + count]
-        block[:, : piece.shape[1]] = piece
-        samples = self._codec.quantized(block)
-        frame = av.AudioFrame.from_ndarray(samples, format=self._codec.samples, layout=self._layout)
-        # With pts alone the sound is a block late: the time base is needed, too.
-        frame.sample_rate, frame.pts, frame.time_base = RATE, self._at, Fraction(1, RATE)
-        self._container.mux(self._stream.encode(frame))
-        self._at += count
-
-
-def _read_wav(path: Path) -> Sound:
-    """Return the samples of a WAV file, (channels, N), -1 to 1."""
-    with av.open(str(path)) as container:
-        if not container.streams.audio:
-            raise EncodeError(f"{path} has no sound")
-        stream = container.streams.audio[0]
-        channels = stream.codec_context.layout.nb_channels
-        if stream.rate != RATE or channels > 2:
+        Raises:
+            EncodeError: it is of another form than the first.
+        """
+        if form.size != self._form.size:
             raise EncodeError(
-                f"{path} has {stream.rate} Hz and {channels} channels; "
-                f"write one or two channels at {RATE} Hz"
+                f"frame {self.count + 1} is {form.size[0]}x{form.size[1]} and the first "
+                f"{self._form.size[0]}x{self._form.size[1]}; render all frames at one size"
             )
-        to_float = av.AudioResampler(format="fltp", layout=stream.codec_context.layout, rate=RATE)
-        blocks = [
-            piece.to_ndarray()
-            for frame in container.decode(stream)
-            for piece in to_float.resample(frame)
-        ]
-        return np.concatenate(blocks, axis=1) if blocks else np.zeros((channels, 0), np.float32)
+        if form != self._form:
+            raise EncodeError(
+                f"the segment from frame {self.count + 1} on was encoded by another version or "
+                "with other settings than the first; encode all segments with one version"
+            )
+        for packet in packets:
+            packet.time_base, packet.duration = 1 / self._fps, 0
+            packet.pts = packet.dts = self.count
+            packet.stream = self._video
+            self._container.mux(packet)
+            self.count += 1
+            if self._track is not None:
+                self._track.encode_until(self.count / self._fps)
+
+    def finish(self) -> int:
+        """End the sound with the pictures, and return their number."""
+        if self._track is not None:
+            self._track.finish_at(self.count / self._fps)
+        return self.count

@@ -146,6 +146,8 @@ def code_digest() -> str:
         "film_comparison.py",
         "film_encoder.py",
         "film_file.py",
+        "film_segments.py",
+        "film_sound.py",
         "image_files.py",
     }
     files = sorted(f for f in here.rglob("*.py") if f.relative_to(here).parts[0] not in others)

@@ -6,6 +6,7 @@ import wave
 from fractions import Fraction
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 
@@ -102,12 +103,15 @@ def test_another_rate_and_another_size_are_told(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
 def test_damaged_data_are_told(tmp_path: Path, share: float) -> None:
-    film = film_of(tmp_path / "a.mp4", noise())
     frames = noise()
     film = film_of(tmp_path / "a.mp4", frames)
     assert picture_differences(film, frames, FPS) == []
     data = bytearray(film.read_bytes())
-    at = int(len(data) * share)
+    # In the middle of a picture's data: their last bytes are a small part of it.
+    with av.open(str(film)) as container:
+        packets = [p for p in container.demux(video=0) if p.size]
+    packet = packets[int(len(packets) * share)]
+    at = (packet.pos or 0) + packet.size // 2
     data[at : at + 50] = bytes(byte ^ 0xFF for byte in data[at : at + 50])
     film.write_bytes(data)
     assert picture_differences(film, frames, FPS) != []

@@ -16,10 +16,17 @@ from pipeline.errors import UsageError
 from pipeline.production.run.file_records import FileRecords
 from pipeline.production.run.frame_ranges import read_frames
 from pipeline.production.run.outputs import Outputs
+from pipeline.spec import Scene
 from render.color import developed, developed16
 from render.film_codecs import CODECS
-from render.film_encoder import Picture
+from render.film_segments import Picture, segment_length
 from render.image_files import read_exr, read_png
+
+
+def split_frames(frames: tuple[int, ...], rate: Fraction) -> list[tuple[int, ...]]:
+    """Return the frames of each segment of a film of some frames at a rate."""
+    length = segment_length(rate)
+    return [frames[first : first + length] for first in range(0, len(frames), length)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +55,12 @@ class FilmSource:
         return {**asdict(self), "frames": str(FrameSet(self.frames)), "rate": str(self.rate)}
 
     @staticmethod
+    def of(scene: Scene, frames: tuple[int, ...], has_sound: bool) -> FilmSource:
+        """Return the source of a film of some frames of a scene."""
+        film = scene.film.resolved()
+        return FilmSource(frames, scene.rate, film.format, film.exposure, has_sound, film.codec)
+
+    @staticmethod
     def read(members: object) -> FilmSource | None:
         """Return the source that `facts` wrote, None for anything else."""
         match members:
@@ -71,6 +84,11 @@ class FilmSource:
         """Time in the sound of the first frame [s]."""
         return (self.frames[0] - 1) / self.rate
 
+    @property
+    def segments(self) -> list[tuple[int, ...]]:
+        """Frames of each segment of the film."""
+        return split_frames(self.frames, self.rate)
+
     def files(self, outputs: Outputs) -> list[Path]:
         """Return the files of the frames."""
         return [outputs.frame(frame, self.format) for frame in self.frames]
@@ -85,6 +103,8 @@ class FilmSource:
         if self.has_sound:
             sound = records.of(outputs.wav)
             state.update(f"\n{sound.digest if sound else ''}".encode())
+        if len(self.segments) > 1:
+            state.update(f"\nsegments of {len(self.segments[0])}".encode())
         return state.hexdigest()
 
     def picture(self, path: Path) -> Picture:

@@ -10,7 +10,7 @@ from pipeline.production.run.film_source import FilmSource
 from pipeline.production.run.outputs import Outputs
 from render.errors import RenderError
 from render.film_comparison import picture_differences, sound_differences
-from render.film_encoder import Picture
+from render.film_segments import Picture
 
 
 def film_sources(entries: Mapping[str, Any]) -> dict[str, FilmSource]:

@@ -174,6 +174,34 @@ def render_frames(
 
 @farm.command(cls=SuggestingCommand)
 @with_options
+def encode(
+    scene: SceneName,
+    store: StoreAddress,
+    options: FarmOptions,
+    preset: PresetOption = None,
+    take: TakeKey = None,
+    frames: FramesOption = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="N/M", help="One of M parts of the segments, such as 3/8.")
+    ] = None,
+    mixed: Mixed = False,
+) -> None:
+    """Encode segments of ten seconds into a store, of frames that are there.
+
+    'farm assemble' joins them and encodes those that are missing. A film of one segment is left to
+    it. Segments that the store has are left alone.
+    """
+    from pipeline.farm.shards import encode_shard
+    from pipeline.farm.store import Store
+
+    place, reporter = Store(store), options.reporter()
+    order = options.frame_order(scene, preset, frames=frames)
+    done = encode_shard(order, place, reporter, take, shard, mixed)
+    reporter.result(done.text, **done.facts)
+
+
+@farm.command(cls=SuggestingCommand)
+@with_options
 def assemble(
     scenes: SceneNames,
     store: StoreAddress,

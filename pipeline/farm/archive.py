@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
-from pipeline.farm.store import ObjectDamaged, Store, digest_of, sealed, unsealed
+from pipeline.farm.seals import digest_of, sealed, unsealed
+from pipeline.farm.store import ObjectDamaged, Store
 
 INDEX = "index.json"
 """Name of the first member."""

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from fileseq import FrameSet
-
 from pipeline.atomic_file import write_if_changed
-from pipeline.errors import ProductionError, StoreError
+from pipeline.errors import StoreError
 from pipeline.farm.film import Film
-from pipeline.farm.frame_index import READERS, FrameIndex, FrameRecord
+from pipeline.farm.frame_index import FrameRecord
 from pipeline.farm.preparation import is_prepared
-from pipeline.farm.store import ObjectDamaged, ObjectMissing, Store
+from pipeline.farm.segments import fetched_segments
+from pipeline.farm.store import Store
+from pipeline.farm.stored_frames import stored_pictures, stored_records
 from pipeline.farm.take_object import fetch_take, take_required
 from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_stage import make_film
@@ -29,28 +28,7 @@ from pipeline.production.run.take_stage import adopt_take
 from pipeline.production.shots.shot_builder import ShotBuilder
 
 MAX_BATCH = 32
-"""Frames that are fetched before they are reported."""
-
-
-class FramesMissing(ProductionError):
-    """Frames of a film are not in the store.
-
-    Attributes:
-        missing: their numbers.
-    """
-
-    def __init__(self, film: str, missing: Sequence[int], failed: Sequence[int] = ()) -> None:
-        self.missing = tuple(missing)
-        count = "1 frame is" if len(missing) == 1 else f"{len(missing)} frames are"
-        text = f"{film}: {count} missing: {FrameSet(missing)}"
-        if failed:
-            text += f"; given up: {FrameSet(failed)}"
-        super().__init__(f"{text}; 'pronk farm frames' renders them")
-
-    @property
-    def facts(self) -> dict[str, object]:
-        """The missing frames."""
-        return {"missing": str(FrameSet(self.missing))}
+"""Frames that are fetched at once."""
 
 
 def assemble(
@@ -86,64 +64,35 @@ def assemble(
         _fetch_frames(run, store, film, records)
         note_levels(run, shooting, frames)
         run.refuse_notes()
-        make_film(run, frames)
+        with fetched_segments(store, film, records, run.outputs) as encoded:
+            make_film(run, frames, encoded)
         run.finish()
         return run.outputs
 
 
-def missing_frames(store: Store, film: Film, frames: Sequence[int]) -> list[int]:
-    """Return the frames that are not in a store."""
-    done = FrameIndex(store, film).done()
-    return [frame for frame in frames if frame not in done]
-
-
 def _records(store: Store, film: Film, frames: Sequence[int], mixed: bool) -> list[FrameRecord]:
-    index = FrameIndex(store, film)
-    missing = missing_frames(store, film, frames)
-    if missing:
-        raise FramesMissing(film.name, missing, [f for f in index.failures() if f in missing])
+    records = stored_records(store, film, frames, mixed)
     if not is_prepared(store, film):
         raise StoreError(
             f"{film.name}: the store has no take {film.take}; 'pronk farm simulate' makes it"
         )
-    return index.records(frames, index.whole_class(frames, mixed))
+    return records
 
 
 def _fetch_frames(run: SceneRun, store: Store, film: Film, records: Sequence[FrameRecord]) -> None:
     """Write the frames that the outputs do not have, and record them."""
     with stage(run.reporter, "render", len(records), "frames") as current:
         due = [record for record in records if not _is_there(run, film, record)]
-        current.keep(len(records) - len(due))
+        kept = len(records) - len(due)
+        current.keep(kept)
         run.manifest.entries["renderer"] = records[0].renderer
-        for first in range(0, len(due), MAX_BATCH):
-            _fetch_batch(run, store, film, due[first : first + MAX_BATCH])
-            current.advance(len(records) - len(due) + min(first + MAX_BATCH, len(due)))
+        pictures = stored_pictures(store, film, due, MAX_BATCH)
+        for done, (record, data) in enumerate(pictures, kept + 1):
+            path = run.outputs.frame(record.frame, film.format)
+            write_if_changed(path, data)
+            run.records.add(path, record.key)
+            current.advance(done)
         current.result = f"{len(due)} fetched" if due else "frames are up to date"
-
-
-def _fetch_batch(run: SceneRun, store: Store, film: Film, batch: Sequence[FrameRecord]) -> None:
-    index = FrameIndex(store, film)
-
-    def fetched(record: FrameRecord) -> bytes | None:
-        try:
-            return store.get_checked(film.frame_object(record.key), record.digest)
-        except (ObjectMissing, ObjectDamaged):
-            return None
-
-    with ThreadPoolExecutor(READERS) as pool:
-        contents = list(pool.map(fetched, batch))
-    lost = [record for record, data in zip(batch, contents, strict=True) if data is None]
-    for record in lost:
-        # So that it is rendered again.
-        index.forget(record)
-        store.remove(film.frame_object(record.key))
-    if lost:
-        raise FramesMissing(film.name, [record.frame for record in lost])
-    for record, data in zip(batch, contents, strict=True):
-        assert data is not None
-        path = run.outputs.frame(record.frame, film.format)
-        write_if_changed(path, data)
-        run.records.add(path, record.key)
 
 
 def _is_there(run: SceneRun, film: Film, record: FrameRecord) -> bool:

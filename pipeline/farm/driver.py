@@ -8,36 +8,39 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from fileseq import FrameSet
 
 from pipeline.errors import FilmingError, PronkError
+from pipeline.farm.assignment import Given, frames_of, late_copy, next_task
 from pipeline.farm.engine import Ended, Engine
 from pipeline.farm.film import film_of, store_film
 from pipeline.farm.film_run import MAX_REPAIRS, MAX_STORE_ERRORS, FilmRun
 from pipeline.farm.frame_index import FrameIndex
 from pipeline.farm.preparation import is_prepared, stored_notes
+from pipeline.farm.segments import due_segments
 from pipeline.farm.store import Store
-from pipeline.farm.tasks import Assembling, Rendering, Simulation, Task, TaskError, TaskResult
+from pipeline.farm.tasks import (
+    Assembling,
+    Encoding,
+    Rendering,
+    Simulation,
+    TaskError,
+    TaskResult,
+)
 from pipeline.production.run.batch import shortened
 from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.frame_ranges import counted, parse_frames
 from pipeline.production.run.interrupts import INTERRUPTED, is_interrupt
 from pipeline.production.run.notes import refuse_notes
 from pipeline.production.run.order import Order
-from pipeline.production.run.progress import Reporter
-from pipeline.production.run.scene_table import SceneRow
+from pipeline.production.run.progress import Reporter, SceneRow
 from pipeline.spec import find_scene
 from pipeline.unexpected_error import told_error
 
 POLL = 0.1
 """Longest time that the driver waits for the end of a task [s]."""
-
-STRAGGLER_RATIO, STRAGGLER_SECONDS = 2.0, 10.0
-"""A task is raced by a second copy when it takes so many times as long as expected, and so long
-at least [s]."""
 
 MAX_OPEN, OPEN_PER_WORKER = 8, 2
 """Films that are under way at once, and how many more for each worker."""
@@ -46,16 +49,6 @@ BUSY_PAUSE = 1.0
 """Time after which outputs at which another run works are tried again [s]."""
 
 ReportError = Callable[[PronkError, str, Path | None], None]
-
-
-@dataclass(slots=True)
-class _Given:
-    """A task that a worker has."""
-
-    run: FilmRun
-    task: Task
-    since: float
-    is_copy: bool = False
 
 
 class Driver:
@@ -90,8 +83,8 @@ class Driver:
         self.rows = [SceneRow(scene) for scene in scenes]
         self._unopened = list(range(len(scenes)))
         self._runs: list[FilmRun] = []
-        self._given: dict[str, _Given] = {}
-        self._assembled: dict[str, _Given] = {}
+        self._given: dict[str, Given] = {}
+        self._assembled: dict[str, Given] = {}
         self._last: dict[str, str] = {}
         self._later = 0.0
 
@@ -130,70 +123,36 @@ class Driver:
     def _assign(self) -> None:
         """Give every idle worker a task, as long as there are any."""
         for worker in list(self._engine.idle):
-            task = self._next_task(worker)
-            while task is None and self._unopened and len(self._runs) < self._most_open:
+            given = self._next_task(worker)
+            while given is None and self._unopened and len(self._runs) < self._most_open:
                 self._open(self._unopened.pop(0))
-                task = self._next_task(worker)
-            if task is None:
-                task = self._next_copy(worker)
-            if task is None:
-                continue
-            run, wanted, is_copy = task
-            self._given[worker] = _Given(run, wanted, time.monotonic(), is_copy)
-            self._last[worker] = run.film.key
-            if isinstance(wanted, Rendering) and not is_copy:
-                run.running[worker] = wanted.frames
-            self._engine.start(worker, wanted)
+                given = self._next_task(worker)
+            if given is None:
+                given = late_copy(worker, self._given.values())
+                if given is None:
+                    continue
+                self._reporter.note(
+                    f"{given.run.row.scene}: frames {FrameSet(frames_of(given.task))} are late; "
+                    f"{worker} renders them as well",
+                    detail=True,
+                )
+            self._given[worker] = given
+            match given.task:
+                case Encoding():
+                    given.run.encoding[worker] = given.task.frames
+                case Rendering() if not given.is_copy:
+                    given.run.running[worker] = given.task.frames
+            if not isinstance(given.task, Encoding):
+                self._last[worker] = given.run.film.key
+            self._engine.start(worker, given.task)
+
+    def _next_task(self, worker: str) -> Given | None:
+        return next_task(worker, self._runs, len(self._engine.workers), self._last.get(worker))
 
     @property
     def _most_open(self) -> int:
         """Films that are under way at once: more would only take memory."""
         return MAX_OPEN + OPEN_PER_WORKER * len(self._engine.workers)
-
-    def _next_task(self, worker: str) -> tuple[FilmRun, Task, bool] | None:
-        """Return the task for a worker: of the film that it has, or a take, or another film."""
-        suited = [run for run in self._runs if run.has_frames and worker not in run.unsuited]
-        for run in suited:
-            if run.film.key == self._last.get(worker):
-                return run, self._chunk(run), False
-        for run in self._runs:
-            if run.state == "simulating" and run.waiting and worker not in run.unsuited:
-                run.waiting = False
-                return run, Simulation(run.film.key), False
-        if suited:
-            # The film whose workers have most to do.
-            run = max(suited, key=lambda run: len(run.pending) / (1 + len(run.running)))
-            return run, self._chunk(run), False
-        return None
-
-    def _chunk(self, run: FilmRun) -> Rendering:
-        others = sum(1 for other in self._runs if other.has_frames)
-        share = max(len(self._engine.workers) // max(others, 1), 1)
-        return Rendering(run.film.key, run.next_chunk(share))
-
-    def _next_copy(self, worker: str) -> tuple[FilmRun, Task, bool] | None:
-        """Return a second copy of the task that is most behind its time, None if none is."""
-        now = time.monotonic()
-        raced = {given.task for given in self._given.values() if given.is_copy}
-        late: list[tuple[float, _Given]] = []
-        for given in self._given.values():
-            if not isinstance(given.task, Rendering) or given.is_copy or given.task in raced:
-                continue
-            expected = given.run.costs.expected(len(given.task.frames))
-            taken = now - given.since
-            if expected is None or worker in given.run.unsuited:
-                continue
-            if taken > max(STRAGGLER_RATIO * expected, STRAGGLER_SECONDS):
-                late.append((taken / expected, given))
-        if not late:
-            return None
-        _, given = max(late, key=lambda pair: pair[0])
-        self._reporter.note(
-            f"{given.run.row.scene}: frames {FrameSet(_frames_of(given.task))} are late; "
-            f"{worker} renders them as well",
-            detail=True,
-        )
-        return given.run, given.task, True
 
     def _assign_assembly(self) -> None:
         """Have the next finished film assembled."""
@@ -208,7 +167,7 @@ class Driver:
                     except Exception as error:
                         self._fail(run, error)
                         continue
-                    self._assembled[worker] = _Given(run, task, time.monotonic())
+                    self._assembled[worker] = Given(run, task)
                     self._assembler.start(worker, task)
                     break
 
@@ -254,12 +213,13 @@ class Driver:
         index.forget_failures(index.failures())
         run.state, run.waiting = "rendering", False
         run.pending = [frame for frame in run.frames if frame not in run.done]
+        run.segments = due_segments(self._store, run.film, run.frames)
         run.row.stage = run.begin_stage(self._reporter, "render", len(run.frames), "frames")
         run.row.stage.keep(len(run.done))
         self._end_frames(run)
 
     def _end_frames(self, run: FilmRun) -> None:
-        """Go on with a film if all its frames are done."""
+        """Go on with a film if all its frames are done, and its segments encoded."""
         if run.state != "rendering" or not run.is_rendered:
             return
         there = FrameIndex(self._store, run.film).done()
@@ -274,6 +234,8 @@ class Driver:
             reason = run.given_up[numbers[0]]
             text = f"{len(numbers)} {verb} given up: {FrameSet(numbers)}; {reason}"
             self._fail(run, FilmingError(text))
+            return
+        if not run.is_encoded:
             return
         stage = run.row.stage
         rendered = len(run.frames) - (stage.kept if stage else 0)
@@ -329,7 +291,7 @@ class Driver:
 
     # --- ends of tasks ----------------------------------------------------------------
 
-    def _guarded(self, ended: Ended, tasks: dict[str, _Given]) -> None:
+    def _guarded(self, ended: Ended, tasks: dict[str, Given]) -> None:
         """Go on after the end of one of some tasks; an error concerns its film alone."""
         given = tasks.pop(ended.worker, None)
         if given is None:
@@ -339,8 +301,9 @@ class Driver:
         except Exception as error:
             self._fail(given.run, error)
 
-    def _on_end(self, ended: Ended, given: _Given) -> None:
+    def _on_end(self, ended: Ended, given: Given) -> None:
         run = given.run
+        run.encoding.pop(ended.worker, None)
         if not given.is_copy:
             run.running.pop(ended.worker, None)
         if run.state == "ended":
@@ -351,10 +314,10 @@ class Driver:
             self._on_error(ended.worker, given, ended.result, ended.result.error)
         else:
             self._on_success(given, ended.result)
-        if isinstance(given.task, Rendering):
+        if isinstance(given.task, Rendering | Encoding):
             self._end_frames(run)
 
-    def _on_success(self, given: _Given, result: TaskResult) -> None:
+    def _on_success(self, given: Given, result: TaskResult) -> None:
         run = given.run
         run.store_errors = 0
         match given.task:
@@ -368,7 +331,7 @@ class Driver:
             case Assembling():
                 self._finish(run, result)
 
-    def _end_others(self, given: _Given) -> None:
+    def _end_others(self, given: Given) -> None:
         """End the other copy of a task that is done."""
         for worker, other in list(self._given.items()):
             if other.run is given.run and other.task == given.task:
@@ -376,9 +339,11 @@ class Driver:
                 given.run.running.pop(worker, None)
                 self._engine.discard(worker)
 
-    def _on_error(self, worker: str, given: _Given, result: TaskResult, error: TaskError) -> None:
-        run, frames = given.run, _frames_of(given.task)
-        if error.fault == "busy":
+    def _on_error(self, worker: str, given: Given, result: TaskResult, error: TaskError) -> None:
+        run, frames = given.run, frames_of(given.task)
+        if isinstance(given.task, Encoding):
+            self._on_encoding_error(run, given.task, error)
+        elif error.fault == "busy":
             run.waiting, self._later = True, time.monotonic() + BUSY_PAUSE
         elif error.fault == "missing" and run.repairs < MAX_REPAIRS:
             run.repairs += 1
@@ -401,13 +366,27 @@ class Driver:
         elif not given.is_copy:
             self._fail(run, error.told)
 
-    def _on_death(self, ended: Ended, given: _Given) -> None:
+    def _on_encoding_error(self, run: FilmRun, task: Encoding, error: TaskError) -> None:
+        """Have lost frames of a segment rendered again; otherwise its assembly encodes it."""
+        if error.fault == "missing" and run.repairs < MAX_REPAIRS:
+            run.repairs += 1
+            run.done.difference_update(task.frames)
+            self._take_back(run, task.frames)
+            run.segments.append(task.frames)
+        else:
+            self._reporter.note(f"{run.row.scene}: {error.message}; encoded at the end")
+
+    def _on_death(self, ended: Ended, given: Given) -> None:
         """Go on after a worker died."""
         run, task = given.run, given.task
         self._reporter.note(f"{run.row.scene}: {ended.worker} {ended.death}: {ended.reason}")
         if given.is_copy:
             return
-        if isinstance(task, Rendering) and ended.death == "crashed":
+        if isinstance(task, Encoding):
+            # Its assembly encodes a segment that crashed a worker.
+            if ended.death == "lost":
+                run.segments.append(task.frames)
+        elif isinstance(task, Rendering) and ended.death == "crashed":
             self._on_frame_error(run, task.frames, f"the renderer crashed: {ended.reason}")
         elif ended.death == "crashed" and run.store_errors >= MAX_STORE_ERRORS:
             self._fail(run, FilmingError(f"{ended.worker} crashed: {ended.reason}"))
@@ -415,7 +394,7 @@ class Driver:
             run.store_errors += ended.death == "crashed"
             self._again(given)
 
-    def _again(self, given: _Given) -> None:
+    def _again(self, given: Given) -> None:
         """Have a task done again."""
         if isinstance(given.task, Rendering):
             if not given.is_copy:
@@ -440,7 +419,3 @@ class Driver:
         if frame is not None:
             FrameIndex(self._store, run.film).fail(frame, reason, run.tries[frame])
             self._reporter.note(f"{run.row.scene}: frame {frame} is given up: {reason}")
-
-
-def _frames_of(task: Task) -> tuple[int, ...]:
-    return task.frames if isinstance(task, Rendering) else ()

@@ -6,8 +6,11 @@ films/FILM/tracks.tar             camera poses and footprints of the whole film
 films/FILM/renderer.json          the class of renderers that began the film
 films/FILM/frames/0001-CLASS.json which picture is frame 1, with its digest
 films/FILM/failures/0001.json     why frame 1 was given up
+films/FILM/segments/0001-0240.json  which segment is frames 1 to 240
 films/FILM/costs/ID.json          what a part of the film has cost
 frames/FRAME.png                  pictures, under the keys of their contents
+segments/SEGMENT.mp4              encoded segments, under the keys of their frames and their codec
+segments/SEGMENT.json             their digests
 files/DIGEST/NAME                 files that scenes name
 """
 
@@ -23,7 +26,8 @@ from typing import Any
 import pipeline
 from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import StoreError
-from pipeline.farm.store import ObjectMissing, Store, digest_of
+from pipeline.farm.seals import digest_of
+from pipeline.farm.store import ObjectMissing, Store
 from pipeline.production.run.take_stage import take_key
 from pipeline.spec import Scene, dump, read_scene
 from pipeline.spec.file_references import file_names

@@ -9,8 +9,7 @@ from typing import Literal
 
 from pipeline.farm.chunk_plan import FilmCosts, chunk_size
 from pipeline.farm.film import Film
-from pipeline.production.run.progress import Reporter, Stage
-from pipeline.production.run.scene_table import SceneRow
+from pipeline.production.run.progress import Reporter, SceneRow, Stage
 
 MAX_TRIES = 3
 """Tries of a frame before it is given up."""
@@ -45,6 +44,8 @@ class FilmRun:
         unsuited: workers whose class does not fit the film.
         store_errors: successive tasks that failed because of the store.
         repairs: times that frames which got lost were rendered again.
+        segments: frames of each segment that no task encodes and the store does not have.
+        encoding: segments of the tasks of each worker.
         costs: of its frames.
     """
 
@@ -65,6 +66,8 @@ class FilmRun:
     unsuited: set[str] = field(default_factory=set)
     store_errors: int = 0
     repairs: int = 0
+    segments: list[tuple[int, ...]] = field(default_factory=list)
+    encoding: dict[str, tuple[int, ...]] = field(default_factory=dict)
     costs: FilmCosts = field(default_factory=FilmCosts)
 
     @property
@@ -76,6 +79,21 @@ class FilmRun:
     def is_rendered(self) -> bool:
         """Whether no frame is left to do."""
         return not (self.pending or self.singles or self.running)
+
+    @property
+    def is_encoded(self) -> bool:
+        """Whether no segment is left to encode."""
+        return not (self.segments or self.encoding)
+
+    def next_segment(self) -> tuple[int, ...] | None:
+        """Take a segment whose frames are all done for a task, None if there is none."""
+        if self.state != "rendering":
+            return None
+        for segment in self.segments:
+            if self.done.issuperset(segment):
+                self.segments.remove(segment)
+                return segment
+        return None
 
     def begin_stage(
         self, reporter: Reporter, name: str, total: int, unit: str, scale: float = 1.0

@@ -10,7 +10,8 @@ from typing import Any
 
 from pipeline.errors import ProductionError, StoreError
 from pipeline.farm.film import Film
-from pipeline.farm.store import Store, digest_of, sealed
+from pipeline.farm.seals import digest_of, sealed
+from pipeline.farm.store import Store
 
 READERS = 8
 """Requests to the store at once."""

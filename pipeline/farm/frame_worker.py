@@ -16,7 +16,8 @@ from pipeline.farm.archive import read_arrays
 from pipeline.farm.film import Film, scene_of
 from pipeline.farm.frame_index import FrameIndex, FrameRecord, class_of
 from pipeline.farm.preparation import tracks_name
-from pipeline.farm.store import Store, digest_of
+from pipeline.farm.seals import digest_of
+from pipeline.farm.store import Store
 from pipeline.farm.take_object import TakeRows, take_required
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.outputs import Outputs

@@ -17,6 +17,8 @@ import yaml
 from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import StoreError
 from pipeline.farm.worker_needs import WorkerNeeds
+from pipeline.production.run.film_source import split_frames
+from pipeline.production.run.frame_ranges import parse_frames
 from pipeline.production.run.order import Order
 from pipeline.spec import library
 
@@ -48,7 +50,7 @@ class JobScene:
 
 
 def job_template(scenes: Sequence[JobScene]) -> str:
-    """Return the template of a job that makes films: each is simulated, rendered, assembled.
+    """Return the template of a job that simulates, renders, encodes and assembles films.
 
     Workers need pronk in the same version, and the store; the files that a scene names stand beside
     it or travel as attachments of the job.
@@ -100,10 +102,27 @@ def _scene_parameter(scene: JobScene, number: int) -> Members:
 def _steps(scene: JobScene, number: int) -> list[Members]:
     """Return the steps of one film; each begins when all tasks of the one before have ended."""
     order, film = scene.order, scene.order.scene
-    simulate, render, assemble = (
-        _step_name(verb, order.name, number) for verb in ("Simulate", "Render", "Assemble")
+    simulate, render, encode, assemble = (
+        _step_name(verb, order.name, number)
+        for verb in ("Simulate", "Render", "Encode", "Assemble")
     )
     needs = WorkerNeeds.of(film).requirements
+    chosen = ["--frames", order.frames] if order.frames else []
+    segments = len(split_frames(parse_frames(order.frames, film.n_frames), film.rate))
+    encoding: Members = {
+        "name": encode,
+        "dependencies": [{"dependsOn": render}],
+        "hostRequirements": needs,
+        "parameterSpace": {
+            "taskParameterDefinitions": [
+                {"name": "Segment", "type": "INT", "range": f"1-{segments}"}
+            ]
+        },
+        "script": _script(
+            *(scene, number, "encode"),
+            [*chosen, "--shard", f"{{{{Task.Param.Segment}}}}/{segments}"],
+        ),
+    }
     return [
         {
             "name": simulate,
@@ -130,9 +149,10 @@ def _steps(scene: JobScene, number: int) -> list[Members]:
             },
             "script": _script(scene, number, "frames", ["--frames", "{{Task.Param.Frame}}"]),
         },
+        *([encoding] if segments > 1 else []),
         {
             "name": assemble,
-            "dependencies": [{"dependsOn": render}],
+            "dependencies": [{"dependsOn": encode if segments > 1 else render}],
             "hostRequirements": needs,
             "script": _script(
                 scene,
@@ -140,7 +160,7 @@ def _steps(scene: JobScene, number: int) -> list[Members]:
                 "assemble",
                 [
                     *("--out", "{{Param.Out}}"),
-                    *(["--frames", order.frames] if order.frames else []),
+                    *chosen,
                     *([] if order.sound else ["--no-sound"]),
                 ],
             ),

@@ -10,7 +10,10 @@ from pipeline.farm.film import Film, film_of
 from pipeline.farm.frame_index import FrameIndex
 from pipeline.farm.frame_worker import ChunkCost, FrameWorker, shard_frames
 from pipeline.farm.preparation import is_prepared, prepare
+from pipeline.farm.segments import encode_segment
 from pipeline.farm.store import Store
+from pipeline.production.run.encoder_check import require_encoders
+from pipeline.production.run.film_source import split_frames
 from pipeline.production.run.frame_ranges import counted, parse_frames
 from pipeline.production.run.notes import refuse_notes
 from pipeline.production.run.order import Order
@@ -39,6 +42,33 @@ class ShardResult:
     def facts(self) -> dict[str, object]:
         """For other programs."""
         return {"film": self.film.key, "take": self.film.take, **asdict(self.cost)}
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedShard:
+    """What became of a shard of segments.
+
+    Attributes:
+        film: that they belong to.
+        encoded: segments that were encoded.
+        kept: segments that were in the store.
+    """
+
+    film: Film
+    encoded: int = 0
+    kept: int = 0
+
+    @property
+    def text(self) -> str:
+        """For people."""
+        kept = f", {self.kept} were there" if self.kept else ""
+        noun = "segment" if self.encoded == 1 else "segments"
+        return f"{self.film.name}: {self.encoded} {noun} encoded{kept}"
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """For other programs."""
+        return {"film": self.film.key, "encoded": self.encoded, "kept": self.kept}
 
 
 def prepare_film(order: Order, store: Store, reporter: Reporter) -> Film:
@@ -105,6 +135,47 @@ def render_shard(
         cost = worker.render(film, frames, progress, order.scene)
         FrameIndex(store, film).forget_failures(frames)
         result = ShardResult(film, cost)
+        current.result = result.text
+    return result
+
+
+def encode_shard(
+    order: Order,
+    store: Store,
+    reporter: Reporter,
+    take: str | None = None,
+    shard: str | None = None,
+    mixed: bool = False,
+) -> EncodedShard:
+    """Encode segments of a film of several into a store; the only one of a film is left alone.
+
+    Args:
+        order: of the film.
+        store: that has the frames.
+        reporter: of the progress.
+        take: key of the take; by default of the one that this machine would simulate.
+        shard: part of the segments, such as "3/8"; None for all.
+        mixed: whether frames of several classes of renderers make one film.
+
+    Raises:
+        FramesMissing: the store does not have all frames of a segment.
+        UsageError: the shard is none.
+        PronkError: a segment cannot be encoded or stored.
+    """
+    segments = split_frames(parse_frames(order.frames, order.scene.n_frames), order.scene.rate)
+    mine = tuple(range(len(segments)))
+    if shard is not None:
+        mine = shard_frames(mine, *read_shard(shard))
+    require_encoders(order.scene)
+    film, _ = film_of(order.scene, order.name, take)
+    if len(segments) == 1 or not mine:
+        return EncodedShard(film)
+    encoded = 0
+    with stage(reporter, "encode", len(mine), "segments") as current:
+        for done, number in enumerate(mine, 1):
+            encoded += encode_segment(store, film, segments[number], mixed, order.scene)
+            current.advance(done)
+        result = EncodedShard(film, encoded, len(mine) - encoded)
         current.result = result.text
     return result
 

@@ -7,21 +7,21 @@ created once, so that work that is done twice leaves the same objects.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import random
+import threading
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any, TypeVar
-from urllib.parse import urlsplit
 
-from pipeline.errors import StoreError, UsageError
+from pipeline.errors import StoreError
+from pipeline.farm.seals import digest_of, sealed, unsealed
+from pipeline.farm.store_address import SSH, opened_address, reason_of
 
 MAX_TRIES = 6
 """Calls of the store before an error counts: one call of ten may fail without harm."""
@@ -34,9 +34,6 @@ TEMPORARY = ".unfinished"
 
 STALE_AGE = 86400.0
 """Age from which an unfinished object is taken to be left behind [s]."""
-
-SEAL = "seal"
-"""Name of the digest in a JSON object."""
 
 _RENAMING = ("file", "local", "sftp", "ssh", "smb", "hdfs")
 """Protocols whose files appear before they are complete, and can be renamed."""
@@ -51,9 +48,6 @@ _PERMANENT = (
     TypeError,
 )
 """Errors that another call would meet again."""
-
-_PACKAGES = {"s3": "s3fs", "s3a": "s3fs", "sftp": "paramiko", "ssh": "paramiko", "gs": "gcsfs"}
-"""Packages that protocols need besides fsspec."""
 
 T = TypeVar("T")
 
@@ -106,24 +100,17 @@ class Store:
     """
 
     def __init__(self, address: str) -> None:
-        refuse_passwords(address)
-        try:
-            from fsspec.core import url_to_fs
-        except ImportError:
-            raise UsageError("stores need the package fsspec: pip install fsspec") from None
-        try:
-            self._files, self._root = url_to_fs(address, use_listings_cache=False)
-        except ImportError:
-            name = _PACKAGES.get(urlsplit(address).scheme, "the one that fsspec's manual names")
-            raise UsageError(f"--store {address}: needs a package: pip install {name}") from None
-        except ValueError as error:
-            raise UsageError(f"--store {address}: {error}") from None
-        except Exception as error:
-            raise StoreError(f"--store {address}: cannot be reached ({_reason(error)})") from error
+        self._files, self._root = opened_address(address)
         names = self._files.protocol
         self._protocols = (names,) if isinstance(names, str) else tuple(names)
         self._renames = any(name in _RENAMING for name in self._protocols)
-        self.address: str = self._files.unstrip_protocol(self._root)
+        self._has_one_connection = any(name in SSH for name in self._protocols)
+        # paramiko may wait for ever when several threads read.
+        self._turn = threading.Lock() if self._has_one_connection else nullcontext()
+        # Some protocols leave the host out of names.
+        self.address: str = (
+            self._files.unstrip_protocol(self._root) if self.is_local else address.rstrip("/")
+        )
 
     @property
     def is_local(self) -> bool:
@@ -223,25 +210,18 @@ class Store:
 
     def names(self, folder: str) -> dict[str, Entry]:
         """Return the objects directly in a folder, by their names in it; none if it is missing."""
-
-        def listed() -> list[dict[str, Any]]:
-            self._files.invalidate_cache()
-            try:
-                return list(self._files.ls(self._path(folder), detail=True))
-            except FileNotFoundError:
-                return []
-
         return {
-            str(info["name"]).rstrip("/").rpartition("/")[2]: Entry(
-                int(info.get("size") or 0), _time_of(info)
-            )
-            for info in self._try("is listed", folder, listed)
+            _last_part(info): Entry(int(info.get("size") or 0), _time_of(info))
+            for info in self._listed(folder)
             if info.get("type") == "file" and not str(info["name"]).endswith("/")
         }
 
     def folders(self, folder: str) -> list[str]:
         """Return the names of the folders directly in a folder, sorted."""
+        found = self._listed(folder)
+        return sorted(_last_part(info) for info in found if info.get("type") == "directory")
 
+    def _listed(self, folder: str) -> list[dict[str, Any]]:
         def listed() -> list[dict[str, Any]]:
             self._files.invalidate_cache()
             try:
@@ -249,10 +229,7 @@ class Store:
             except FileNotFoundError:
                 return []
 
-        found = self._try("is listed", folder, listed)
-        names = [str(info["name"]).rstrip("/").rpartition("/")[2] for info in found]
-        kinds = [info.get("type") for info in found]
-        return sorted(n for n, kind in zip(names, kinds, strict=True) if kind == "directory")
+        return self._try("is listed", folder, listed)
 
     def remove(self, name: str) -> None:
         """Remove an object, if there is one."""
@@ -279,19 +256,27 @@ class Store:
         pause = FIRST_PAUSE
         for tries in range(1, MAX_TRIES + 1):
             try:
-                return call()
+                with self._turn:
+                    return call()
             except (FileNotFoundError, FileExistsError):
                 raise
             except Exception as error:
                 if tries == MAX_TRIES or isinstance(error, _PERMANENT):
                     times = f" {tries} times" if tries > 1 else ""
                     raise StoreError(
-                        f"{self.address}: {name} {verb}, and that failed{times}: {_reason(error)}"
+                        f"{self.address}: {name} {verb}, and that failed{times}: {reason_of(error)}"
                     ) from error
             # Many workers that failed at once should not all come back at once.
             time.sleep(pause * (0.5 + random.SystemRandom().random()))
             pause *= 2.0
+            self._connect_again()
         raise AssertionError("the last try returns or raises")
+
+    def _connect_again(self) -> None:
+        """Open another connection where a broken one would stay broken."""
+        if self._has_one_connection:
+            with suppress(StoreError):
+                self._files, self._root = opened_address(self.address)
 
     @contextmanager
     def _missing_told(self) -> Iterator[None]:
@@ -300,7 +285,7 @@ class Store:
             yield
         except FileNotFoundError as error:
             raise StoreError(
-                f"{self.address}: cannot be written to ({_reason(error)}); make it first"
+                f"{self.address}: cannot be written to ({reason_of(error)}); make it first"
             ) from error
 
     @contextmanager
@@ -362,51 +347,6 @@ class Store:
         self._move(temporary, name)
 
 
-def refuse_passwords(address: str) -> None:
-    """Refuse an address that holds a password, which would stand in logs and lists of processes.
-
-    Raises:
-        UsageError: it does; the message leaves it out.
-    """
-    # A chain of fsspec, such as simplecache::sftp://host, has several.
-    for part in address.split("::"):
-        try:
-            found = urlsplit(part)
-            has_password = found.password is not None
-        except ValueError as error:
-            raise UsageError(f"--store: no address that can be read ({error})") from None
-        if has_password:
-            raise UsageError(
-                f"--store {found.scheme}://...@{found.hostname}: the address holds a password; "
-                "give it by the environment, for example "
-                f"FSSPEC_{found.scheme.upper()}_PASSWORD, and leave it out here"
-            )
-
-
-def digest_of(data: bytes) -> str:
-    """Return the digest of an object's content."""
-    return hashlib.blake2b(data, digest_size=20).hexdigest()
-
-
-def sealed(members: Mapping[str, Any]) -> bytes:
-    """Return members as JSON text with a digest of them."""
-    return (_json({**members, SEAL: digest_of(_json(members).encode())}) + "\n").encode()
-
-
-def unsealed(data: bytes) -> dict[str, Any] | None:
-    """Return the members of `sealed`, None if they are not as they were written."""
-    try:
-        members: dict[str, Any] = json.loads(data)
-        seal = members.pop(SEAL)
-    except (ValueError, KeyError, AttributeError, TypeError):
-        return None
-    return members if seal == digest_of(_json(members).encode()) else None
-
-
-def _json(members: Mapping[str, Any]) -> str:
-    return json.dumps(members, sort_keys=True, ensure_ascii=True)
-
-
 def _time_of(info: Mapping[str, Any]) -> float:
     """Return when an object was written, since the epoch [s]; protocols name it differently."""
     for name in ("mtime", "LastModified", "last_modified", "created"):
@@ -418,7 +358,6 @@ def _time_of(info: Mapping[str, Any]) -> float:
     return 0.0
 
 
-def _reason(error: BaseException) -> str:
-    """Return the error of a library in one line."""
-    text = str(error).strip().splitlines()
-    return f"{type(error).__name__}: {text[0]}" if text else type(error).__name__
+def _last_part(info: Mapping[str, Any]) -> str:
+    """Return the name of an entry in its folder."""
+    return str(info["name"]).rstrip("/").rpartition("/")[2]

@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import Literal
 
 from pipeline.errors import FilmingError, PronkError, StoreError
-from pipeline.farm.assembly import FramesMissing, assemble
+from pipeline.farm.assembly import assemble
 from pipeline.farm.film import Film, read_film, scene_of
 from pipeline.farm.frame_index import MixedClasses
 from pipeline.farm.frame_worker import ChunkCost, FrameWorker
 from pipeline.farm.preparation import prepare
+from pipeline.farm.segments import encode_segment
 from pipeline.farm.store import Store
+from pipeline.farm.stored_frames import FramesMissing
 from pipeline.farm.take_object import TakeLost
 from pipeline.production.run.notes import Note
 from pipeline.production.run.order import Order
@@ -53,6 +55,19 @@ class Rendering:
 
 
 @dataclass(frozen=True, slots=True)
+class Encoding:
+    """A segment of a film, of frames that are all in the store.
+
+    Attributes:
+        film: its key.
+        frames: of the segment.
+    """
+
+    film: str
+    frames: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Assembling:
     """A film of frames that are all in the store.
 
@@ -65,7 +80,7 @@ class Assembling:
     film: Film
 
 
-Task = Nothing | Simulation | Rendering | Assembling
+Task = Nothing | Simulation | Rendering | Encoding | Assembling
 
 Fault = Literal["class", "store", "take", "frame", "missing", "busy", "film"]
 """Whom an error concerns: a class of renderers, the store, the take, a frame, frames that the store
@@ -204,6 +219,9 @@ class TaskRunner:
                 case Rendering():
                     film = read_film(self._opened(), task.film)
                     cost = self._worker().render(film, task.frames)
+                case Encoding():
+                    film = read_film(self._opened(), task.film)
+                    encode_segment(self._opened(), film, task.frames, self._settings.mixed)
                 case Assembling():
                     mixed = self._settings.mixed
                     outputs = assemble(task.order, self._opened(), task.film, recorder, mixed)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pipeline.errors import PronkError
+from pipeline.farm import assignment
 from pipeline.farm import driver as driver_module
 from pipeline.farm.driver import Driver
 from pipeline.farm.engine import Ended
@@ -18,10 +20,12 @@ from pipeline.farm.film_run import MAX_STORE_ERRORS, MAX_TRIES
 from pipeline.farm.frame_index import FrameIndex, FrameRecord
 from pipeline.farm.frame_worker import ChunkCost
 from pipeline.farm.preparation import notes_name, tracks_name
+from pipeline.farm.segments import SegmentIndex
 from pipeline.farm.store import Store
 from pipeline.farm.take_object import take_name
 from pipeline.farm.tasks import (
     Assembling,
+    Encoding,
     Rendering,
     Simulation,
     Task,
@@ -31,8 +35,8 @@ from pipeline.farm.tasks import (
 from pipeline.production.run.available_memory import resident_memory
 from pipeline.production.run.notes import Note
 from pipeline.production.run.order import Order
-from pipeline.production.run.progress import Reporter, Stage
-from pipeline.production.run.scene_table import SceneRow
+from pipeline.production.run.progress import Reporter, SceneRow, Stage
+from render import film_segments
 from tests.farm.engines import ScriptedEngine
 from tests.production.conftest import Studio
 
@@ -102,6 +106,10 @@ class Farm:
             case Rendering():
                 self.render(task.film, task.frames)
                 return TaskResult(cost=ChunkCost(rendered=len(task.frames), frames=1e-3))
+            case Encoding():
+                film = read_film(self.store, task.film)
+                assert set(FrameIndex(self.store, film).done()) >= set(task.frames)
+                SegmentIndex(self.store, film).put(task.frames, "key")
             case Assembling():
                 index = FrameIndex(self.store, task.film)
                 assert set(index.done()) >= set(range(1, 25))
@@ -269,7 +277,7 @@ def test_without_a_worker_of_the_class_the_film_ends(farm: Farm) -> None:
 def test_a_late_task_is_raced_and_the_first_copy_counts(
     farm: Farm, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(driver_module, "STRAGGLER_SECONDS", 0.0)
+    monkeypatch.setattr(assignment, "STRAGGLER_SECONDS", 0.0)
     late: list[Task] = []
 
     def act(worker: str, task: Task) -> TaskResult | Ended | None:
@@ -304,6 +312,74 @@ def test_lost_pictures_are_rendered_again_and_busy_outputs_waited_for(
     assert farm.run() == 0
     assert farm.engine.chunks[-1] == (9,)
     assert farm.assembled == ["scene_1"] * 4
+
+
+@pytest.fixture
+def segmented(farm: Farm, monkeypatch: pytest.MonkeyPatch) -> Farm:
+    """Return a farm whose films are of three segments."""
+    monkeypatch.setattr(film_segments, "SEGMENT_SECONDS", Fraction(8, 24))
+    return farm
+
+
+def encoded_of(farm: Farm) -> list[tuple[int, ...]]:
+    return [task.frames for _, task in farm.engine.started if isinstance(task, Encoding)]
+
+
+SEGMENTS = [tuple(range(first, first + 8)) for first in (1, 9, 17)]
+
+
+def test_segments_are_encoded_when_their_frames_are_done(segmented: Farm, unmade: Studio) -> None:
+    assert segmented.run() == 0
+    assert sorted(encoded_of(segmented)) == SEGMENTS
+    tasks = [task for _, task in segmented.engine.started]
+    # The first one does not wait for the last frames.
+    assert isinstance(tasks[-1], Encoding)
+    assert tasks.index(Encoding(segmented.key("scene_1"), SEGMENTS[0])) < len(tasks) - 3
+    assert segmented.assembled == ["scene_1"]
+    # What is in the store is not encoded again.
+    again = Farm(unmade, segmented.store)
+    film = read_film(again.store, again.key("scene_1"))
+    SegmentIndex(again.store, film).forget(SEGMENTS[1])
+    assert again.run() == 0
+    assert encoded_of(again) == [SEGMENTS[1]]
+    assert again.engine.chunks == []
+
+
+@pytest.mark.parametrize("end", ["crashed", "film", "store", "lost"])
+def test_a_segment_that_fails_is_left_to_the_assembly(segmented: Farm, end: str) -> None:
+    def act(worker: str, task: Task) -> TaskResult | Ended:
+        if isinstance(task, Encoding) and task.frames == SEGMENTS[1]:
+            if end == "crashed":
+                return crashed(worker)
+            if end != "lost":
+                return failed(end)
+            if encoded_of(segmented).count(SEGMENTS[1]) < 3:
+                return Ended(worker, None, "lost", "the node has died")
+        return segmented.well(worker, task)
+
+    segmented.act = act
+    assert segmented.run() == 0
+    # A machine that was taken away says nothing about the segment.
+    assert encoded_of(segmented).count(SEGMENTS[1]) == (3 if end == "lost" else 1)
+    assert segmented.assembled == ["scene_1"]
+    assert segmented.errors == []
+    assert segmented.log.lines
+
+
+def test_frames_that_a_segment_lacks_are_rendered_again(segmented: Farm) -> None:
+    def act(worker: str, task: Task) -> TaskResult | Ended:
+        if isinstance(task, Encoding) and encoded_of(segmented).count(task.frames) == 1:
+            index = FrameIndex(segmented.store, read_film(segmented.store, task.film))
+            index.forget(index.records(task.frames[2:3], None)[0])
+            return failed("missing")
+        return segmented.well(worker, task)
+
+    segmented.act = act
+    assert segmented.run() == 0
+    rendered = sorted(sum(segmented.engine.chunks, ()))
+    assert rendered == sorted([*range(1, 25), 3, 11, 19])
+    assert sorted(encoded_of(segmented)) == sorted(SEGMENTS * 2)
+    assert segmented.assembled == ["scene_1"]
 
 
 def test_a_take_that_got_lost_is_simulated_again(farm: Farm) -> None:

@@ -71,6 +71,23 @@ def test_a_template_has_three_steps_for_each_film(
     assert template["steps"][3]["script"]["actions"]["onRun"]["args"][2] == "first_steps"
 
 
+def test_a_film_of_several_segments_has_a_step_that_encodes_them(
+    unmade: Studio, tmp_path: Path, pronk: Pronk
+) -> None:
+    long = ("--set", "frames=500", "--frames", "11-500")
+    template = exported(pronk, unmade.scene, *long, place=tmp_path / "job.yaml")
+    names = [f"{verb} tiny" for verb in ("Simulate", "Render", "Encode", "Assemble")]
+    assert [step["name"] for step in template["steps"]] == names
+    encode, assemble = template["steps"][2:]
+    assert encode["dependencies"] == [{"dependsOn": "Render tiny"}]
+    assert assemble["dependencies"] == [{"dependsOn": "Encode tiny"}]
+    (segment,) = encode["parameterSpace"]["taskParameterDefinitions"]
+    assert (segment["type"], segment["range"]) == ("INT", "1-3")
+    args = encode["script"]["actions"]["onRun"]["args"]
+    assert args[:2] == ["farm", "encode"]
+    assert args[-4:] == ["--frames", "11-500", "--shard", "{{Task.Param.Segment}}/3"]
+
+
 def test_scenes_that_are_wrong_have_no_template(tmp_path: Path, pronk: Pronk) -> None:
     (tmp_path / "wrong.yaml").write_text("pronk: 1\nframes: x\n")
     code, _, _ = pronk("farm", "export", tmp_path / "wrong.yaml", "--openjd", tmp_path / "job.yaml")
@@ -85,14 +102,15 @@ def test_templates_pass_the_checker_of_the_format(
 ) -> None:
     shutil.copy(unmade.scene, tmp_path / "tiny.yaml")
     place = tmp_path / "job.yaml"
-    exported(pronk, tmp_path / "tiny.yaml", "first_steps", "--no-sound", place=place)
+    scenes = (tmp_path / "tiny.yaml", "first_steps")
+    exported(pronk, *scenes, "--set", "frames=500", "--no-sound", place=place)
     done = openjd("check", place, "--extensions", "TASK_CHUNKING", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     done = openjd(
         *("summary", place, "-p", "Store=store", "--extensions", "TASK_CHUNKING"), cwd=tmp_path
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "Total steps: 6" in done.stdout
+    assert "Total steps: 8" in done.stdout
 
 
 @needs_openjd

@@ -280,3 +280,9 @@ def test_large_pictures_need_more() -> None:
     assert (small.cores, large.cores) == (FEW_CORES, CORES)
     assert large.memory > 3 * small.memory
     assert small.with_those(large) == large
+
+
+def test_films_of_several_segments_need_memory_for_an_encoder() -> None:
+    text = "pronk: 1\nframes: {0}\ncast: [{{figure: beetle}}]\nfilm: {{size: [1920, 1080]}}\n"
+    one, two = (WorkerNeeds.of(read_scene(text.format(n))) for n in (240, 241))
+    assert two.memory - one.memory > 300 * 1920 * 1080

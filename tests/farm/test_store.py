@@ -9,17 +9,8 @@ from typing import Any
 import pytest
 
 from pipeline.errors import StoreError, UsageError
-from pipeline.farm.store import (
-    MAX_TRIES,
-    STALE_AGE,
-    TEMPORARY,
-    ObjectDamaged,
-    ObjectMissing,
-    Store,
-    digest_of,
-    sealed,
-    unsealed,
-)
+from pipeline.farm.seals import digest_of, sealed, unsealed
+from pipeline.farm.store import MAX_TRIES, STALE_AGE, TEMPORARY, ObjectDamaged, ObjectMissing, Store
 
 
 def test_objects_are_read_as_they_were_written(store: Store, tmp_path: Path) -> None:

@@ -10,14 +10,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from pipeline.production.run.notes import Note
+from pipeline.production.run.notes import Note, counted_notes
 from pipeline.production.run.quantities import duration_text
 from pipeline.production.run.time_estimate import TimeEstimate
-
-if TYPE_CHECKING:
-    from pipeline.production.run.scene_table import SceneRow
 
 
 @dataclass(slots=True)
@@ -122,6 +118,60 @@ class Stage:
         """The time left, or the time since the start before it is known."""
         eta = self.eta
         return duration_text(self.seconds) if eta is None else f"{duration_text(eta)} left"
+
+
+@dataclass(slots=True)
+class SceneRow:
+    """What became of one scene: a row of the table at the end of a run on several.
+
+    Attributes:
+        scene: as the command names it.
+        state: "not started", "stopped", "failed" or "done".
+        stage: the stage whose things are frames, None before it.
+        seconds: time that the scene took [s].
+        notes: number of its notes.
+        error: first line of its error, "" without one.
+        exit_code: that the scene alone ends with, None for one that is not started.
+        success: word for the state "done".
+    """
+
+    scene: str
+    state: str = "not started"
+    stage: Stage | None = None
+    seconds: float = 0.0
+    notes: int = 0
+    error: str = ""
+    exit_code: int | None = None
+    success: str = "done"
+
+    @property
+    def facts(self) -> dict[str, object]:
+        """Its members for other programs."""
+        return {
+            "scene": self.scene,
+            "state": self.state,
+            "frames": self.stage.done if self.stage else None,
+            "of": self.stage.total if self.stage else None,
+            "cached": self.stage.kept if self.stage else None,
+            "seconds": round(self.seconds, 3),
+            "notes": self.notes,
+            "exit_code": self.exit_code,
+            "error": self.error,
+        }
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its cells: scene, frames, cached, seconds, state."""
+        frames, kept = "-", "-"
+        if self.stage is not None:
+            whole = self.stage.done >= self.stage.total
+            frames = str(self.stage.done) + ("" if whole else f" of {self.stage.total}")
+            kept = str(self.stage.kept)
+        notes = f", {counted_notes(self.notes)}" if self.notes else ""
+        error = f": {self.error}" if self.error else ""
+        seconds = "-" if self.state == "not started" else f"{self.seconds:.1f}"
+        state = self.success if self.state == "done" else self.state
+        return self.scene, frames, kept, seconds, f"{state}{notes}{error}"
 
 
 class Reporter:

@@ -17,8 +17,8 @@ from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Ta
 from rich.text import Text
 
 from pipeline.production.run.notes import Note, counted_notes, summary
-from pipeline.production.run.progress import Reporter, Stage
-from pipeline.production.run.scene_table import SceneRow, table_lines
+from pipeline.production.run.progress import Reporter, SceneRow, Stage
+from pipeline.production.run.scene_table import table_lines
 from pipeline.terminal_text import escaped, escaped_line
 from pipeline.text_stream import print_json, print_text
 

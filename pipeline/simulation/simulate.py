@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.assembly import assemble
+from pipeline.simulation.collapse_notes import collapse_notes
 from pipeline.simulation.event_monitor import reported_events
 from pipeline.simulation.ground_notes import ground_notes
 from pipeline.simulation.mechanism import Leg
@@ -117,7 +118,9 @@ class Simulation:
         notes += pass_through_notes(
             self._scene.cast, self._members, self.recorder, self.world.clock, meeting
         )
-        notes += ground_notes(self._scene.cast, self.recorder, self.world.clock, self.world.ground)
+        place = self.recorder, self.world.clock, self.world.ground
+        notes += ground_notes(self._scene.cast, *place)
+        notes += collapse_notes(self._scene.cast, *place)
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         self.order_log.finish(self.step_number, self.script)

@@ -8,7 +8,7 @@ from typing import get_args
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pipeline.spec.script import flow_text
+from pipeline.spec.script import FORMS, flow_text, order_keys
 from pipeline.spec.terrain.base import (
     TERRAIN_KINDS,
     TERRAIN_PRESETS,
@@ -34,6 +34,16 @@ def key_table(model: type[BaseModel], without: Collection[str] = ()) -> str:
     return "\n".join([HEAD, *rows])
 
 
+def order_key_table() -> str:
+    """Return the keys that orders may have besides the one that selects them, in Markdown."""
+    rows = [
+        f"| `{order}` | `{key}` | {default_text(field)} | {_meaning(field)} |"
+        for order in FORMS
+        for key, field in order_keys(order).items()
+    ]
+    return "\n".join(["| order | key | default | meaning |\n|---|---|---|---|", *rows])
+
+
 def default_text(field: FieldInfo) -> str:
     """Return the default of a key, empty where the description says what is chosen."""
     if field.is_required():
@@ -44,9 +54,9 @@ def default_text(field: FieldInfo) -> str:
 
 def _meaning(field: FieldInfo) -> str:
     text = field.description or ""
-    choices = [f"`{value}`" for value in get_args(field.annotation) if isinstance(value, str)]
+    choices = [value for value in get_args(field.annotation) if isinstance(value, str)]
     if any(choice not in text for choice in choices):
-        text = f"{text} One of {', '.join(choices)}."
+        text = f"{text} One of {', '.join(f'`{choice}`' for choice in choices)}."
     return text.replace("|", "\\|")
 
 

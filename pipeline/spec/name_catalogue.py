@@ -26,7 +26,7 @@ from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
 from pipeline.spec.model_base import ConfigModel
 from pipeline.spec.mood import MOODS
 from pipeline.spec.scene_library import SUFFIX, files_beside, library, names_in, scenes_in
-from pipeline.spec.script import flow_text
+from pipeline.spec.script import flow_text, order_keys
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
 from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS
@@ -190,7 +190,9 @@ def _moods(_: Path) -> Iterator[NameEntry]:
 def _verbs(_: Path) -> Iterator[NameEntry]:
     for name, verb in VERBS.items():
         who = ", ".join(PERFORMERS[performer] for performer in verb.performers)
-        yield NameEntry(name, verb.meaning, who)
+        keys = order_keys(name)
+        texts = [f"{key}{_default(field)}" for key, field in keys.items()]
+        yield NameEntry(name, verb.meaning + (f"; keys: {', '.join(texts)}" if keys else ""), who)
 
 
 def _events(_: Path) -> Iterator[NameEntry]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
+from pydantic.fields import FieldInfo
 
 from pipeline.spec.events import EVENTS
 from pipeline.spec.keyframes import Angle, Time
@@ -289,6 +290,16 @@ else:
         keyed_union(FORMS, default="GoTo", word=Plain),
         decided_by_key(FORMS, "order", "verbs", VERBS),
     ]
+
+
+def order_keys(order: str) -> dict[str, FieldInfo]:
+    """Return the keys that an order may have besides the one that selects it.
+
+    Those of a jump stand in its block.
+    """
+    form: type[ConfigModel] | None = JumpSettings if order == "jump" else FORMS.get(order)
+    fields = form.model_fields if form else {}
+    return {key: field for key, field in fields.items() if key != order}
 
 
 def order_text(do: Do) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -87,3 +88,32 @@ def test_a_person_who_walks_into_a_pit_is_noted(scene_of: SceneOf) -> None:
     (note,) = [note for note in simulate(scene).notes if note.kind == "climbs"]
     assert note.part == "kid"
     assert note.text.startswith("goes down a step of 0.")
+
+
+STACK = "{name: pile, many: {layout: stack, count: 5, of: {shape: box, size: [0.3, 0.2, 0.3]}}}"
+
+
+def collapses(scene: Scene) -> list[TakeNote]:
+    return [note for note in simulate(scene).notes if note.kind == "collapses"]
+
+
+@pytest.mark.slow
+def test_a_stack_that_falls_by_itself_is_noted(scene_of: SceneOf) -> None:
+    wall = STACK.replace("layout: stack, count: 5", "layout: wall, rows: 6, columns: 2")
+    hills = "{kind: fractal, size: [24, 24], height: 3, roughness: 0.6}"
+    (note,) = collapses(scene_of(wall, terrain=hills, seed=3, duration=1))
+    assert note.part == "pile"
+    assert re.match(r"falls by itself: the ground under it rises by 0\.[0-9]+ m; let it", note.text)
+    assert 0 < note.step < 96
+    assert collapses(scene_of(STACK, duration=1)) == []
+
+
+@pytest.mark.slow
+def test_a_stack_that_is_knocked_over_is_not_noted(scene_of: SceneOf) -> None:
+    ball = "{shape: sphere, radius: 0.2, density: 4000, collide: all}"
+    thrown = f"{{name: ball, body: {ball}, at: [-1, 0.8, 0], velocity: [6, 1, 0]}}"
+    take = simulate(scene_of(STACK, thrown, duration=1.5))
+    top = [node.name for node in take.nodes].index("pile_5")
+    assert take.positions[0, top, 1] > 0.85
+    assert take.positions[-1, top, 1] < 0.5
+    assert [note for note in take.notes if note.kind == "collapses"] == []

@@ -205,7 +205,9 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
             _halt(sequencer, owner)
         if not noted:
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
-            sequencer.notes.append(TakeNote("stopped", step, name, "no foothold within reach"))
+            x, _, z = feet.start[leg] if request.present is None else request.present
+            text = f"no foothold within reach, at ({x:.2f}, {z:.2f})"
+            sequencer.notes.append(TakeNote("stopped", step, name, text))
         return
     timing = request.timing
     start_swing(feet, leg, hold)
@@ -270,7 +272,7 @@ def _is_steady(sequencer: StepSequencer, request: StepRequest) -> bool:
     first = int(herd.first_leg[c])
     own = slice(first, first + len(herd.paces[c].held))
     left = progress.trajectory.routes[c].length - request.distance
-    needed = float(progress.braking_distance[c]) + STEP_STRIDES * float(progress.stride[c])
+    needed = progress.braking_room(c) + STEP_STRIDES * float(progress.stride[c])
     return left > needed and not sequencer.feet.lowering[:, own].any()
 
 
@@ -335,7 +337,9 @@ def end_route_before(
     redirect(progress, c, route.upto(barrier.distance))
     if not noted:
         name = f"{sequencer.herd.names[c]}.{sequencer.herd.leg_names[leg]}"
-        sequencer.notes.append(TakeNote("stopped", step, name, barrier.cause))
+        ((x, z),), _ = route.at(np.array([barrier.distance]))
+        text = f"{barrier.cause}, at ({x:.2f}, {z:.2f})"
+        sequencer.notes.append(TakeNote("stopped", step, name, text))
 
 
 def _halt(sequencer: StepSequencer, c: int) -> None:

@@ -36,7 +36,7 @@ from pipeline.simulation.locomotion.routes.pursuit import Pursuits
 from pipeline.simulation.locomotion.routes.route import plan_route
 from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
 from pipeline.simulation.locomotion.routes.speed_control import advance
-from pipeline.simulation.locomotion.routes.walk_orders import apply_order
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order, chooses_speed
 from pipeline.simulation.locomotion.step_sequencer import (
     StepSequencer,
     phase_before_lift,
@@ -54,7 +54,7 @@ from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Chase, Do, Flee, Instruction, SetSpeed
 
-# Greatest factor on a creature's speed by a change of mood or speed, and by unknown orders.
+# Greatest factor on a creature's speed by a change of mood, and by unknown orders.
 MAX_SPEEDUP, UNKNOWN_SPEEDUP = 2.0, 10.0
 
 
@@ -137,6 +137,8 @@ class WalkerTroupe(Troupe):
             if name not in self.herd.names:
                 continue
             c = self.herd.names.index(name)
+            if any(chooses_speed(order) for order in given):
+                self.pursuits.keep_speed(c)
             for order in given:
                 if self.leaps.take(c, order):
                     continue
@@ -237,6 +239,8 @@ class WalkerTroupe(Troupe):
         """
         herd, clock = self.herd, self.world.clock
         stride, speed = herd.stride.copy(), herd.stride / herd.cycle
+        top = np.array([pace.top_speed for pace in herd.paces])
+        hurries, speedup = np.zeros(len(speed), dtype=bool), np.ones(len(speed))
         for i, instruction in enumerate(self.world.script):
             if instruction.who not in herd.names:
                 continue
@@ -244,9 +248,15 @@ class WalkerTroupe(Troupe):
             if isinstance(do, ChangeGait):
                 pace = moods.neutral_pace(c, do, f"script[{i}].do")
                 stride[c] = max(stride[c], pace.stride)
-                speed[c] = max(speed[c], pace.stride / pace.cycle)
-            elif isinstance(do, SetSpeed | ChangeMood | Chase | Flee):
-                speed[c] *= MAX_SPEEDUP
+                speed[c] = max(speed[c], pace.speed)
+                top[c] = max(top[c], pace.top_speed)
+            elif isinstance(do, SetSpeed):
+                speed[c] = max(speed[c], do.speed)
+            elif isinstance(do, Chase | Flee):
+                hurries[c] = True
+            elif isinstance(do, ChangeMood):
+                speedup[c] *= MAX_SPEEDUP
+        speed = np.where(hurries, np.maximum(speed, top), speed) * speedup
         if self.world.directed:
             speed *= UNKNOWN_SPEEDUP
         return speed * float(clock.time_of(clock.last_step)) + stride

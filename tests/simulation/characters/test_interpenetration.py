@@ -66,14 +66,8 @@ def depth_in_box(characters: Characters, name: str) -> float:
     return float((links["radius"] + arrays.owners["edge_radius"][owner] - gap).max())
 
 
-@pytest.mark.parametrize(
-    "seed",
-    [
-        pytest.param(3, marks=pytest.mark.nightly),
-        pytest.param(1, marks=pytest.mark.slow),
-        pytest.param(4, marks=pytest.mark.nightly),
-    ],
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [3, 1, 4])
 def test_wanderers_do_not_interpenetrate_in_a_minute(seed: int) -> None:
     depths, gone = [], np.zeros(WALKERS)
     before: Array | None = None

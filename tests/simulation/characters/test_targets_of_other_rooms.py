@@ -185,6 +185,7 @@ def _record_of(simulation: Simulation, name: str) -> Record:
     return next(one.record for one in controllers if one.name == name)
 
 
+@pytest.mark.nightly
 def test_throws_and_chases_beyond_ones_strength_are_given_up() -> None:
     simulation = Simulation(read_scene(OUT_OF_REACH))
     while not simulation.finished:

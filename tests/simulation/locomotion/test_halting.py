@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,9 @@ def test_walker_stops_before_forbidden_ground(scene_of: SceneOf, walk_through: W
     note = next(note for note in walk.take.notes if note.kind == "stopped")
     assert note.part.startswith("beetle.")
     assert note.step < 200
+    # Where it stopped is told.
+    place = np.array([float(part) for part in re.findall(r"-?[0-9.]+", note.text)])
+    assert np.linalg.norm(walk.tips[-1][:, [0, 2]].mean(axis=0) - place) < 0.3
     _assert_at_rest(walk)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -353,6 +354,9 @@ def test_worm_stops_before_forbidden_ground(scene_of: SceneOf) -> None:
     crawl = _crawl(scene_of(member, terrain=terrain, duration=8))
     notes = [note for note in crawl.take.notes if note.kind == "stopped"]
     assert [note.part for note in notes] == ["w.head"]
+    x, z = map(float, re.findall(r"-?[0-9.]+", notes[0].text))
+    assert 4.0 - 2.0 * crawl.worm.pace.stride < x < 4.0
+    assert abs(z) < 0.01
     tips = [x for _, p in map(crawl.pose, (REAR, FRONT)) for x in p[:, 0]]
     assert max(tips) < 4.0
     assert max(c.place[0] for c in crawl.take.contacts) > 4.0 - 1.5 * crawl.worm.pace.stride

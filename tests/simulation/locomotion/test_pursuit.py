@@ -56,6 +56,7 @@ def test_go_to_keeps_the_asked_gap() -> None:
     assert far - near == pytest.approx(0.8, abs=0.15)
 
 
+@pytest.mark.slow
 def test_go_to_a_place_by_name() -> None:
     take = take_of("{go_to: gate}")
     assert outcome_of(take)[0] == "done"
@@ -63,7 +64,7 @@ def test_go_to_a_place_by_name() -> None:
     assert np.hypot(at[0] - 4.0, at[2] - 2.0) < 0.9
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_go_to_a_member_that_moves_goes_after_it() -> None:
     take = take_of("{go_to: cart}", "at: [1.5, 0.2, 1], velocity: [0.1, 0, 0]", 16.0)
     assert outcome_of(take)[0] == "done"
@@ -134,3 +135,130 @@ def test_who_avoids_something_that_passes_goes_on_to_its_goal() -> None:
     assert bug[:, 1].max() > 0.5
     per_row = take.header.steps // take.header.samples
     assert np.hypot(*(bug[going.end // per_row] - [2.5, 0.0])) < 0.05
+
+
+ROWS_PER_SECOND = 96
+
+CART = "prop: {shape: box, size: [0.3, 0.3, 0.3]}"
+
+AT_REST = "{at: 0, position: [9, 0.15, 0]}"
+
+PURSUER = """
+pronk: 1
+duration: {duration}
+terrain: {{kind: flat, size: [60, 60]}}
+cast:
+  - {{name: bug, figure: {figure}, walk: {walk}}}
+{others}
+script:
+{script}
+"""
+
+
+def speeds_of(take: Take) -> np.ndarray:
+    """Returns the speed of bug over the ground between rows [m/s]."""
+    at = take.positions[:, NodeNames.of(take).find("bug")][:, [0, 2]]
+    return np.hypot(*np.diff(at, axis=0).T) * ROWS_PER_SECOND
+
+
+def pursuit_of(
+    *orders: str,
+    walk: str = "{}",
+    figure: str = "beetle",
+    keyframes: str = "",
+    duration: float = 3.0,
+) -> Take:
+    script = "".join(f"  - {{who: bug, {order}}}\n" for order in orders)
+    others = f"  - {{name: cart, {CART}, keyframes: [{keyframes}]}}" if keyframes else ""
+    text = PURSUER.format(figure=figure, walk=walk, others=others, duration=duration, script=script)
+    return simulate(read_scene(text))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("walk", ["{speed: 0.5}", "{}"])
+def test_who_flees_hurries(walk: str) -> None:
+    take = pursuit_of("at: 0, do: {flee: [-1, 0, 0], distance: 9}", walk=walk)
+    # As fast as its legs can, whatever its walk was.
+    assert speeds_of(take)[-1] == pytest.approx(1.86, abs=0.02)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("walk", ["{speed: 0.5}", "{}"])
+def test_who_chases_hurries(walk: str) -> None:
+    take = pursuit_of("at: 0, do: {chase: cart}", walk=walk, keyframes=AT_REST)
+    assert speeds_of(take).max() == pytest.approx(1.86, abs=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("order", "at"),
+    [
+        ("{speed: 0.5}", 0.2),
+        pytest.param("{speed: 0.5}", 1.2, marks=pytest.mark.nightly),
+        pytest.param("{gait: tripod, speed: 0.5}", 0.2, marks=pytest.mark.nightly),
+        pytest.param("{gait: tripod, speed: 0.5}", 1.2, marks=pytest.mark.nightly),
+    ],
+)
+def test_speed_given_with_a_flight_or_after_it_holds(order: str, at: float) -> None:
+    flight = "at: 0.2, do: {flee: [-1, 0, 0], distance: 9}"
+    for orders in ((flight, f"at: {at}, do: {order}"), (f"at: {at}, do: {order}", flight)):
+        # A change of gait takes two and a half cycles.
+        duration = 1.5 if at == 0.2 and "gait" not in order else 4.0
+        speeds = speeds_of(pursuit_of(*orders, walk="{speed: 0.6}", duration=duration))
+        assert speeds[-10:] == pytest.approx(0.5, abs=0.05)
+        assert at > 0.2 or speeds.max() < 0.62
+
+
+@pytest.mark.nightly
+def test_speed_before_a_flight_holds_again_after_it() -> None:
+    orders = "at: 0, do: {speed: 0.5}", "at: 0.2, do: {flee: [0, 0, 0], distance: 1.5}"
+    take = pursuit_of(*orders, "at: 4, do: {go_to: [9, 0]}", duration=6)
+    speeds = speeds_of(take)
+    assert speeds.max() > 1.0
+    assert speeds[-10:] == pytest.approx(0.5, abs=0.02)
+
+
+@pytest.mark.nightly
+def test_who_goes_to_something_that_comes_near_stops_before_it() -> None:
+    # At 3 m/s it would be behind the horse within the second that is foreseen.
+    keyframes = "{at: 0, position: [6, 0.15, 0]}, {at: 1, position: [3, 0.15, 0], ease: linear}"
+    take = pursuit_of("at: 0.2, do: {go_to: cart}", figure="horse", keyframes=keyframes, duration=5)
+    assert outcome_of(take)[0] == "done"
+    assert np.diff(distances(take)).max() < 1e-6
+    assert 0.5 < distances(take)[-1] < 1.5
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("order", ["go_to", "chase"])
+@pytest.mark.parametrize("figure", ["beetle", "horse"])
+def test_nobody_turns_away_from_what_comes_near(order: str, figure: str) -> None:
+    keyframes = (
+        "{at: 0, position: [9, 0.15, 0]}, {at: 2, position: [9, 0.15, 0]}, "
+        "{at: 3, position: [6, 0.15, 0], ease: linear}"
+    )
+    take = pursuit_of(
+        f"at: 2.2, do: {{{order}: cart}}", figure=figure, keyframes=keyframes, duration=8
+    )
+    assert outcome_of(take)[0] == "done"
+    assert np.diff(take.positions[:, NodeNames.of(take).find("bug"), 0]).min() > -1e-6
+
+
+@pytest.mark.slow
+def test_follower_that_is_near_enough_at_once_stops() -> None:
+    keyframes = "{at: 0, position: [1.9, 0.15, 0]}"
+    take = pursuit_of("at: 0, do: {follow: cart}", keyframes=keyframes, duration=1.5)
+    assert speeds_of(take)[-10:].max() == 0.0
+    assert distances(take)[-1] > 1.0
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("figure", "gait"), [("spider", "trot"), ("horse", "transverse gallop"), ("person", "run")]
+)
+def test_bodies_that_hurry_do_not_jerk_on_curves(figure: str, gait: str) -> None:
+    for place in ([3, 0, 0], [2, 0, 2.5], [-1, 0, 2]):
+        order = f"at: 1, do: {{flee: {place}, distance: 12}}"
+        take = pursuit_of(order, walk=f"{{gait: {gait}}}", figure=figure, duration=4)
+        at = take.positions[:, NodeNames.of(take).find("bug")]
+        accelerations = np.diff(at, 2, axis=0) * ROWS_PER_SECOND**2
+        assert np.abs(accelerations).max() < 60.0

@@ -173,6 +173,37 @@ def test_speed_order_changes_the_speed() -> None:
     assert v[-60:].mean() == pytest.approx(0.3, rel=0.02)
 
 
+@pytest.mark.parametrize(("faster", "going"), [(0.4, 0.2), (0.2, 0.4)])
+def test_speed_order_holds_on_the_way_to_a_place(faster: float, going: float) -> None:
+    script = (
+        f"{{at: {faster}, who: b, do: {{speed: 0.6}}}},"
+        f" {{at: {going}, who: b, do: {{go_to: [9, 0]}}}}"
+    )
+    v = speeds(walk_with_orders("walk: {speed: 0.4}", script, duration=3))
+    assert v[-40:] == pytest.approx(0.6, rel=0.01)
+
+
+def test_speed_order_holds_in_another_mood() -> None:
+    script = "{at: 0.1, who: b, do: {speed: 0.3}}, {at: 0.4, who: b, do: {mood: {}}}"
+    v = speeds(walk_with_orders("walk: {}", script, duration=1.8))
+    assert v[-40:] == pytest.approx(0.3, rel=0.01)
+
+
+def test_speed_beyond_long_strides_is_reached_by_quicker_ones() -> None:
+    walk = walk_with_orders("walk: {speed: 0.6}", "{at: 0, who: b, do: {speed: 3}}", duration=3)
+    assert speeds(walk)[-40:] == pytest.approx(3.0, rel=0.01)
+    assert not walk.take.notes
+
+
+def test_speed_that_is_not_reached_is_told() -> None:
+    walk = walk_with_orders("walk: {}", "{at: 0, who: b, do: {speed: 900}}", duration=0.1)
+    (note,) = [note.text for note in walk.take.notes if note.text.startswith("goes at")]
+    progress = walk.walkers.progress
+    wanted = float(progress.requested_fraction[0]) * progress.paces.last(0).speed
+    assert note.startswith(f"goes at {wanted:.3g} m/s")
+    assert "instead of 900" in note
+
+
 @pytest.mark.parametrize(
     ("options", "script", "message"),
     [

@@ -100,7 +100,7 @@ class BarrierLookahead:
         c = int(self.herd.owner[leg])
         stride = float(self.progress.stride[c])
         timing = self.trajectory.paces.step(leg, phase)
-        braking = float(self.progress.braking_distance[c])
+        braking = self.progress.braking_room(c)
         nearest = distance + braking if first_cycle else 0.0
         for k, middle in self._stances_ahead(leg, distance, timing, first_cycle):
             if middle <= self._tested[leg] + 0.5 * stride:
@@ -156,7 +156,7 @@ class BarrierLookahead:
         c = int(self.herd.owner[leg])
         stride, end = float(self.progress.stride[c]), self.trajectory.routes[c].length
         middle = distance + (timing.swing + 0.5 * timing.stance) * stride
-        last = 1 + math.ceil(float(self.progress.braking_distance[c]) / stride)
+        last = 1 + math.ceil(self.progress.braking_room(c) / stride)
         ahead = [(k, middle + k * stride) for k in range(first_cycle, last + 1)]
         new = self._tested[leg] + 0.5 * stride
         return [(k, s) for k, s in ahead if new < s <= end]

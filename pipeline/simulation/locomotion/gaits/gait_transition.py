@@ -154,9 +154,17 @@ class PaceTransition:
     gaits: GaitTransition
 
     @staticmethod
-    def of(before: Pace, after: Pace, phase: float) -> PaceTransition:
-        """Start a transition at `phase`, whole cycles counted."""
-        length = max(MIN_CYCLES, MIN_SLOWDOWN * shortest_transition(before.gait, after.gait))
+    def of(before: Pace, after: Pace, phase: float, *, of_cadence: bool = False) -> PaceTransition:
+        """Start a transition at `phase`, whole cycles counted.
+
+        Args:
+            before: pace until then.
+            after: pace at its end.
+            phase: at its start.
+            of_cadence: whether cadence alone changes, for which legs need no time.
+        """
+        least = 0.0 if of_cadence else MIN_CYCLES
+        length = max(least, MIN_SLOWDOWN * shortest_transition(before.gait, after.gait))
         return PaceTransition(before, after, GaitTransition(before.gait, after.gait, phase, length))
 
     def done(self, phase: Array) -> Array:

@@ -175,6 +175,7 @@ class MoodSchedule:
 
     Attributes:
         neutral: last pace of each creature without its mood.
+        quickness: factor on the cadence of each, for speeds beyond those of its longest stride.
         effects: start time [s] and effect of all moods of each creature, in order.
     """
 
@@ -188,6 +189,7 @@ class MoodSchedule:
         self.figures = [figure for _, _, figure in cast]
         self.legs, self.moods = legs, moods
         self.neutral = list(neutral)
+        self.quickness = [1.0] * len(self.neutral)
         start = -2.0 * STYLE_CHANGE_TIME
         self.effects = [[(start, blend_moods(member.mood, moods))] for _, member, _ in cast]
         self._style: MotionStyle | None = None
@@ -205,21 +207,20 @@ class MoodSchedule:
         """
         return choose_pace(where, order, self.figures[c], self.legs[c])
 
-    def change_gait(self, c: int, order: ChangeGait) -> Pace:
-        """Follow an order to change the gait, and return the new pace.
+    def change_gait(self, c: int, order: ChangeGait) -> None:
+        """Follow an order to change the gait.
 
         Raises:
             SceneError: if the legs cannot walk so.
         """
         self.neutral[c] = self.neutral_pace(c, order)
-        return self._pace(c)
 
-    def change_mood(self, c: int, weights: Mapping[str, float], time: float) -> Pace:
-        """Follow an order to change the mood at `time` [s], and return the new pace."""
+    def change_mood(self, c: int, weights: Mapping[str, float], time: float) -> None:
+        """Follow an order to change the mood at `time` [s]."""
         self.effects[c].append((time, blend_moods(weights, self.moods)))
-        return self._pace(c)
 
-    def _pace(self, c: int) -> Pace:
+    def pace(self, c: int) -> Pace:
+        """Return the pace of a creature in its gait and mood, without quickness."""
         effect = self.effects[c][-1][1]
         return apply_mood(self.neutral[c], effect, self.figures[c], self.legs[c])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,6 +74,14 @@ STEP_HEIGHT = 0.13
 # One bounce, from one touchdown to the next: the legs give, then push.
 BOUNCE_SHAPE = np.array([-1.0, -0.1, 1.0, 0.1])
 
+# Greatest factor on a stride by speed: the outer legs on a curve, and all while the body speeds up,
+# need the rest of their reach.
+STRIDE_GROWTH = 1.25
+
+# Greatest factor of hurrying on the speed that suits the legs: longer strides of gaits with flights
+# would take cycles in which legs hardly swing.
+MAX_HURRY = 2.5
+
 # How far feet that carry a body alone stand under its middle, as a fraction of the way.
 CENTERING = 0.9
 
@@ -93,6 +101,7 @@ class Pace:
         flight: bounce of its body if its gait has flights.
         held: (n,) legs that are held up and carry nothing.
         lateral_offset: distance of each foot to the right of its rest position [m].
+        top_speed: of legs that hurry [m/s].
     """
 
     gait: Gait
@@ -105,6 +114,18 @@ class Pace:
     flight: FlightBounce | None
     held: NDArray[np.bool_]
     lateral_offset: float = 0.0
+    top_speed: float = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Speed over level ground [m/s]."""
+        return self.stride / self.cycle
+
+    @property
+    def fastest_stride(self) -> float:
+        """Stride up to which it grows with the speed; beyond, cadence alone grows [m]."""
+        longest = min(STRIDE_OF_LONGEST * self.longest, STRIDE_GROWTH * self.stride)
+        return max(longest, self.stride)
 
     @cached_property
     def carrying(self) -> Gait:
@@ -147,7 +168,8 @@ def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout
     gait = choose_gait(where, walk, figure, own, legs.hips[:, 0].tolist())
     flight = FlightBounce.of(gait) if walks else None
     height = _body_height(where, walk, walks, figure, gait, flight, legs)
-    cycle, stride, bounce = _rhythm(walk, gait, legs, height, flight, figure.style)
+    usual = _usual_rhythm(gait, legs, height, flight, figure.style)
+    cycle, stride = cycle_and_stride(walk, *usual)
     longest = legs.longest_stride(gait, height)
     if walks:
         refuse_short_cycle(where, cycle)
@@ -158,12 +180,13 @@ def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout
         cycle,
         stride if walks else 0.0,
         height,
-        bounce if walk.body_bob is None else walk.body_bob,
+        _bounce(gait, flight, leg, cycle) if walk.body_bob is None else walk.body_bob,
         STEP_HEIGHT * leg if walk.step_height is None else walk.step_height,
         longest,
         flight,
         held,
         lateral_offset,
+        _top_speed(longest, *usual) if walks else 0.0,
     )
 
 
@@ -190,31 +213,49 @@ def _body_height(
     return height
 
 
-def _rhythm(
-    walk: Manner,
-    gait: Gait,
-    legs: LegLayout,
-    height: float,
-    flight: FlightBounce | None,
-    style: str,
-) -> tuple[float, float, float]:
-    """Return the duration [s] and length [m] of a cycle, and the bounce that suits it [m]."""
+def _usual_rhythm(
+    gait: Gait, legs: LegLayout, height: float, flight: FlightBounce | None, style: str
+) -> tuple[float, float]:
+    """Return the duration [s] and length [m] of a cycle that suit the legs."""
     leg = float(legs.lengths.mean())
-    pendulum = math.sqrt(leg / GRAVITY)
     if flight is None:
         most = STRIDE_OF_LONGEST * legs.longest_stride(gait, height)
-        # The more beats, the smaller: the body is shaken no harder.
-        bounce = 0.018 * leg * min((2.0 / gait.beats) ** 2, 1.0)
-        stride = min(MAX_STRIDE[style] * leg, most)
-        return *cycle_and_stride(walk, PERIODS[style] * pendulum, stride), bounce
+        return PERIODS[style] * math.sqrt(leg / GRAVITY), min(MAX_STRIDE[style] * leg, most)
     highest = height + _rise_while_trailing(gait, flight, leg)
     longest = legs.longest_stride(gait, highest, FLIGHT_RHYTHM.trailing_fraction)
     most = STRIDE_OF_LONGEST * longest
-    stride = min(FLIGHT_RHYTHM.max_stride * leg, most)
-    cycle, stride = cycle_and_stride(walk, _flight_cycle(flight, leg), stride)
+    return _flight_cycle(flight, leg), min(FLIGHT_RHYTHM.max_stride * leg, most)
+
+
+def _bounce(gait: Gait, flight: FlightBounce | None, leg: float, cycle: float) -> float:
+    """Return the bounce that suits a cycle [s] of legs of a length [m]."""
+    if flight is None:
+        # The more beats, the smaller: the body is shaken no harder.
+        return 0.018 * leg * min((2.0 / gait.beats) ** 2, 1.0)
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
-    free = flight.amplitude * GRAVITY * cycle * cycle
-    return cycle, stride, min(free, FLIGHT_RHYTHM.max_bounce * leg)
+    return min(flight.amplitude * GRAVITY * cycle * cycle, FLIGHT_RHYTHM.max_bounce * leg)
+
+
+def _top_speed(longest: float, cycle: float, stride: float) -> float:
+    """Return the speed of legs that hurry [m/s].
+
+    Cadence grows as much as a stride that became the longest would.
+
+    Args:
+        longest: stride [m].
+        cycle: that suits the legs [s].
+        stride: that suits the legs [m].
+    """
+    if not stride:
+        return 0.0
+    return min((longest / stride) ** 2, MAX_HURRY) * stride / cycle
+
+
+def quickened(pace: Pace, quickness: float) -> Pace:
+    """Return a pace with a factor on its cadence."""
+    # A body in flight rises less in less time.
+    fall = 1.0 if pace.flight is None else quickness**-2
+    return replace(pace, cycle=pace.cycle / quickness, bounciness=pace.bounciness * fall)
 
 
 def _flight_cycle(flight: FlightBounce, leg: float) -> float:

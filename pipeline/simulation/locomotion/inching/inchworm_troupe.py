@@ -141,7 +141,10 @@ class InchwormTroupe(Troupe):
             self.halted[w] = True
             end = FRONT if self.steps[w].end == REAR else REAR
             part = f"{self.worms[w].name}.{self.worms[w].chain.feet[end].limb.name}"
-            self._notes.append(TakeNote("stopped", step, part, "no foothold within reach"))
+            _, middles = self.worms[w].track.pose(self.steps[w].planted[None])
+            x, _, z = middles[0]
+            text = f"no foothold within reach, at ({x:.2f}, {z:.2f})"
+            self._notes.append(TakeNote("stopped", step, part, text))
             return
         self.steps[w] = planned
 

@@ -151,7 +151,8 @@ class BodyTrajectory:
         rocking = self._rocking(creature, phase, speed_fraction, style_pitch)
         pitch = self._pitch_fraction[creature] * np.arctan(slope[:, 0]) + rocking[0]
         roll = -ROLL_FRACTION * np.arctan(slope[:, 1])
-        roll = roll - bank * speed_fraction * speed_fraction + rocking[1]
+        bank = np.clip(bank * speed_fraction * speed_fraction, -MAX_BANK, MAX_BANK)
+        roll = roll - bank + rocking[1]
         return heading(headings) @ pitched_and_rolled(pitch, roll), p
 
     def _rocking(

@@ -12,8 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, request_speed
-from pipeline.simulation.locomotion.routes.walk_orders import apply_order, go_to_point, speed_range
+from pipeline.simulation.locomotion.routes.pursuit_limits import LIMITS
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, update_pace
+from pipeline.simulation.locomotion.routes.walk_orders import (
+    apply_order,
+    chooses_speed,
+    go_near,
+)
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.spatial import Array
@@ -39,43 +44,6 @@ NO_FOOTHOLD = "found no foothold on its way; wider or nearer footholds, or a slo
 """Why a creature gives up that stands before a barrier."""
 
 
-@dataclass(frozen=True, slots=True)
-class PursuitLimits:
-    """When routes are planned again, and where they end.
-
-    Attributes:
-        interval: least time between two plans [s].
-        shift: of the target from which on a route is planned again, in strides.
-        share: of the distance to the target that counts as a stride where that is more.
-        tolerance: distance from its goal at which a creature has arrived, in strides.
-        slack: by which the gap of a follower may grow before it sets out again, in strides.
-        prediction: longest time for which the target's motion is predicted [s].
-        overrun: distance beyond a chased target to which a route is planned, so that nobody brakes
-            before it, in strides.
-        escape: distance of the next goal of a creature that flees, in strides.
-        edge: distance from the edge of the terrain that goals keep, in footprints.
-        reserve: factor on the distance at which an avoided member is far enough again.
-        patience: time without getting nearer after which a creature gives up [s].
-        progress: by which it has to get nearer within that time, in strides.
-    """
-
-    interval: float = 0.25
-    shift: float = 0.25
-    share: float = 0.5
-    tolerance: float = 0.1
-    slack: float = 0.3
-    prediction: float = 1.0
-    overrun: float = 2.0
-    escape: float = 4.0
-    edge: float = 1.5
-    reserve: float = 1.15
-    patience: float = 8.0
-    progress: float = 0.25
-
-
-LIMITS = PursuitLimits()
-
-
 @dataclass(eq=False, slots=True)
 class Pursuit:
     """A creature's pursuit.
@@ -87,7 +55,7 @@ class Pursuit:
         planned: time of that plan [s].
         nearest: least distance to the target so far [m]; of one that flees, the greatest, negative.
         since: time at which that was reached [s].
-        speed: fraction of the pace's speed before it hurried; None if it does not.
+        has_stopped: whether it has been told to stop, near enough to its target.
         is_evasion: whether it is no order, but a step away from what is avoided.
     """
 
@@ -96,7 +64,7 @@ class Pursuit:
     planned: float = -math.inf
     nearest: float = math.inf
     since: float = 0.0
-    speed: float | None = None
+    has_stopped: bool = False
     is_evasion: bool = False
 
     @property
@@ -131,7 +99,8 @@ class Pursuits:
         self.touched: list[tuple[str, str]] = []
         self._active: dict[int, Pursuit] = {}
         self._avoided: dict[int, Avoid] = {}
-        self._interrupted: dict[int, Do] = {}
+        self._interrupted: dict[int, tuple[Do, bool]] = {}
+        self._speed_chosen: dict[int, int] = {}
         self._members: Mapping[str, MemberState] = {}
 
     def is_active(self, c: int) -> bool:
@@ -153,6 +122,8 @@ class Pursuits:
         if isinstance(order, Avoid):
             self._avoided[c] = order
             return True
+        if chooses_speed(order):
+            self.keep_speed(c)
         is_pursuit = isinstance(order, PURSUITS)
         if isinstance(order, GoTo) and not isinstance(order.go_to, str):
             is_pursuit = False
@@ -161,8 +132,15 @@ class Pursuits:
             self._end(c)
         if is_pursuit:
             assert isinstance(order, PURSUITS)
-            self._begin(c, order)
+            is_chosen = self._speed_chosen.get(c) == self.progress.steps
+            self._begin(c, order, hurries=isinstance(order, Chase | Flee) and not is_chosen)
         return is_pursuit
+
+    def keep_speed(self, c: int) -> None:
+        """Let a creature that is told how fast to go not hurry by orders of this step."""
+        self._speed_chosen[c] = self.progress.steps
+        if c in self._interrupted:
+            self._interrupted[c] = self._interrupted[c][0], False
 
     def advance(self) -> None:
         """Plan the routes of all pursuing creatures again where their goals have moved."""
@@ -178,19 +156,24 @@ class Pursuits:
     # --- one creature -------------------------------------------------------------------
 
     def _begin(
-        self, c: int, order: GoTo | Follow | Chase | Flee, *, is_evasion: bool = False
+        self,
+        c: int,
+        order: GoTo | Follow | Chase | Flee,
+        *,
+        hurries: bool = False,
+        is_evasion: bool = False,
     ) -> None:
         since = self.progress.time
-        pursuit = self._active[c] = Pursuit(order, since=since, is_evasion=is_evasion)
-        if isinstance(order, Chase | Flee):
-            # Those who chase or flee go as fast as their legs can.
-            pursuit.speed = float(self.progress.requested_fraction[c])
-            request_speed(self.progress, c, speed_range(self.progress, c)[1])
+        self._active[c] = Pursuit(order, since=since, is_evasion=is_evasion)
+        if hurries:
+            self.progress.hurrying.add(c)
+            update_pace(self.progress, c)
 
     def _end(self, c: int) -> None:
-        pursuit = self._active.pop(c, None)
-        if pursuit is not None and pursuit.speed is not None:
-            request_speed(self.progress, c, pursuit.speed)
+        self._active.pop(c, None)
+        if c in self.progress.hurrying:
+            self.progress.hurrying.discard(c)
+            update_pace(self.progress, c)
 
     def _give_up(self, c: int, pursuit: Pursuit, reason: str) -> None:
         self._end(c)
@@ -226,9 +209,9 @@ class Pursuits:
             if not follows:
                 self._end(c)
                 self.arrived.append(c)
-            if pursuit.planned_for is not None and not self.progress.arrived[c]:
+            if not pursuit.has_stopped and not self.progress.arrived[c]:
                 apply_order(self.progress, c, "stop")
-            pursuit.planned_for = None
+            pursuit.planned_for, pursuit.has_stopped = None, True
             return
         if follows and pursuit.planned_for is None and beyond <= LIMITS.slack * stride:
             return
@@ -236,8 +219,11 @@ class Pursuits:
             self._give_up(c, pursuit, f"cannot get nearer than {max(beyond, 0.0):.2g} m")
             return
         # Where a moving target will be, so that nobody brakes behind it again and again.
-        here, lead = self._place(c), state.v[[0, 2]] * LIMITS.prediction
-        self._plan(c, pursuit, here + offset, here + offset * (beyond / distance) + lead)
+        lead = _short_of(state.v[[0, 2]] * LIMITS.prediction, offset / distance, beyond)
+        predicted = offset + lead
+        way = predicted * (1.0 - reach / float(np.hypot(*predicted)))
+        here = self._place(c)
+        self._plan(c, pursuit, here + offset, here + way)
 
     def _chase(
         self, c: int, pursuit: Pursuit, state: MemberState, offset: Array, distance: float
@@ -256,12 +242,18 @@ class Pursuits:
         if not self._gets_nearer(pursuit, stride, distance):
             self._give_up(c, pursuit, f"is not fast enough; still {distance:.2g} m off")
             return
-        speed = max(math.prod(speed_range(self.progress, c)), 1e-6)
-        ahead = min(distance / speed, LIMITS.prediction)
-        goal = self._place(c) + offset + state.v[[0, 2]] * ahead
+        progress = self.progress
+        ahead = min(distance / self._speed(c), LIMITS.prediction)
+        room = distance - self._reach(c) - state.radius
+        lead = _short_of(state.v[[0, 2]] * ahead, offset / distance, room)
+        goal = self._place(c) + offset + lead
         way = goal - self._place(c)
-        length = max(float(np.hypot(*way)), 1e-6)
-        self._plan(c, pursuit, goal, goal + way * (LIMITS.overrun * stride / length))
+        way /= max(float(np.hypot(*way)), 1e-6)
+        full = progress.paces.last(c).speed
+        closing = LIMITS.closing + max(float(state.v[[0, 2]] @ way), 0.0) / full
+        braking = float(progress.braking_distance[c]) * closing * closing
+        beyond = braking + LIMITS.overrun * stride - self._reach(c) - state.radius
+        self._plan(c, pursuit, goal, goal + way * beyond)
 
     def _flee(
         self, c: int, pursuit: Pursuit, enough: float, offset: Array, distance: float
@@ -295,19 +287,19 @@ class Pursuits:
             return
         if distance < order.distance:
             if flight is not None:
-                self._interrupted[c] = flight.order
+                self._interrupted[c] = flight.order, c in self.progress.hurrying
                 self._end(c)
             elif (goal := self._goal(c)) is not None:
-                self._interrupted[c] = GoTo(go_to=goal)
+                self._interrupted[c] = GoTo(go_to=goal), False
             escape = Flee(flee=order.avoid, distance=LIMITS.reserve * order.distance)
             self._begin(c, escape, is_evasion=True)
         elif c in self._interrupted:
-            again = self._interrupted.pop(c)
+            again, hurries = self._interrupted.pop(c)
             if isinstance(again, GoTo) and not isinstance(again.go_to, str):
                 apply_order(self.progress, c, again)
                 return
             assert isinstance(again, PURSUITS)
-            self._begin(c, again)
+            self._begin(c, again, hurries=hurries)
 
     def _goal(self, c: int) -> tuple[float, float] | None:
         """Return the end (x, z) of the route that a creature is on [m]; None without one."""
@@ -332,7 +324,8 @@ class Pursuits:
             if is_recent or turns or (moved < far and not is_over):
                 return
         pursuit.planned_for, pursuit.planned = target, progress.time
-        go_to_point(progress, c, self._inside(c, goal))
+        pursuit.has_stopped = False
+        go_near(progress, c, self._inside(c, goal))
 
     def _gets_nearer(self, pursuit: Pursuit, stride: float, distance: float) -> bool:
         """Return whether the distance has shrunk within the time that is waited for that."""
@@ -352,6 +345,11 @@ class Pursuits:
         place: Array = route.at(self.progress.distance[c : c + 1])[0][0]
         return place
 
+    def _speed(self, c: int) -> float:
+        """Return the speed that a creature is to have on level ground [m/s]."""
+        progress = self.progress
+        return float(progress.requested_fraction[c]) * progress.paces.last(c).speed
+
     def _reach(self, c: int) -> float:
         """Return how far a creature's feet stand ahead of its middle [m]."""
         return float(self.progress.herd.footprint[c].max())
@@ -366,6 +364,18 @@ class Pursuits:
 def _leads(order: Do) -> bool:
     """Return whether an order says where to go, so that a pursuit ends."""
     return isinstance(order, GoTo | TurnBy | Wait | HopOver | JumpOnce) or order in ("stop", "walk")
+
+
+def _short_of(lead: Array, towards: Array, room: float) -> Array:
+    """Return the predicted way of a target (2,), cut off where its pursuer would meet it [m].
+
+    Args:
+        lead: (2,) predicted way of the target [m].
+        towards: (2,) unit vector from the pursuer to the target.
+        room: by which the target may come nearer to the pursuer [m].
+    """
+    nearer = -float(lead @ towards)
+    return lead * (room / nearer) if nearer > room else lead
 
 
 def _turned(way: Array, angle: float) -> Array:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
-from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE, quickened
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
@@ -36,6 +36,9 @@ MAX_DECELERATION = 4.0
 
 # Least speed fraction, at which the last bit of a route is gone.
 MIN_SPEED_FRACTION = 0.02
+
+# Relative difference between speeds that is rounding.
+SPEED_TOLERANCE = 1e-9
 
 # Distance within which a creature is at the end of its route [m].
 ARRIVAL_DISTANCE = 1e-9
@@ -82,7 +85,9 @@ class RouteProgress:
         speed_fraction: (C,) speed relative to the pace.
         smoothed_fraction, lagged_fraction: (C,) speed fraction that bodies show, without corners,
             and the first of the two lags that lead to it.
-        requested_fraction: (C,) ordered for level ground.
+        chosen_fraction: (C,) that orders chose, of the speed that suits gait and mood.
+        hurrying: creatures that go as fast as their legs can.
+        requested_fraction: (C,) for level ground, of the pace that they have or change to.
         slope_fraction: (C,) that suits the slope.
         halted: (C,) whether it found no foothold.
         closing_phase: (C,) at which its feet have closed up; infinite while it walks.
@@ -108,6 +113,8 @@ class RouteProgress:
     speed_fraction: Array
     smoothed_fraction: Array
     lagged_fraction: Array
+    chosen_fraction: Array
+    hurrying: set[int]
     requested_fraction: Array
     slope_fraction: Array
     halted: NDArray[np.bool_]
@@ -139,6 +146,11 @@ class RouteProgress:
     def braking_distance(self) -> Array:
         """(C,) distance from full speed to rest [m]."""
         return self.limits.braking_distance
+
+    def braking_room(self, c: int) -> float:
+        """Return the distance to rest from full speed, or a higher one that is asked for [m]."""
+        fraction = max(1.0, float(self.requested_fraction[c]), float(self.speed_fraction[c]))
+        return float(self.braking_distance[c]) * fraction * fraction
 
     @property
     def can_rest(self) -> bool:
@@ -176,6 +188,8 @@ def start_progress(
         speed_fraction=walking,
         smoothed_fraction=walking.copy(),
         lagged_fraction=walking.copy(),
+        chosen_fraction=np.ones(count),
+        hurrying=set(),
         requested_fraction=np.ones(count),
         slope_fraction=np.ones(count),
         halted=np.zeros(count, dtype=bool),
@@ -209,17 +223,39 @@ def redirect(progress: RouteProgress, c: int, route: Route) -> None:
     update_limits(progress)
 
 
-def request_speed(progress: RouteProgress, c: int, fraction: float) -> None:
-    """Let a creature walk at another fraction of its pace's speed."""
-    progress.requested_fraction[c] = fraction
+def choose_speed(progress: RouteProgress, c: int, speed: float) -> float:
+    """Let a creature go at a speed from now on, and return what becomes of it [m/s]."""
+    pace = progress.moods.pace(c)
+    chosen = min(speed, pace.fastest_stride / MIN_CYCLE)
+    progress.chosen_fraction[c] = chosen / pace.speed
+    progress.hurrying.discard(c)
+    update_pace(progress, c)
+    return chosen
+
+
+def update_pace(progress: RouteProgress, c: int, *, is_new: bool = False) -> None:
+    """Let a creature go in its gait and mood, at the speed that was chosen, or hurry.
+
+    Strides grow with the root of the speed as far as legs reach with ease, then cadence alone.
+
+    Args:
+        progress: of the herd.
+        c: number of the creature.
+        is_new: whether its gait or mood has changed.
+    """
+    moods, fraction = progress.moods, float(progress.chosen_fraction[c])
+    pace = moods.pace(c)
+    if c in progress.hurrying:
+        fraction = max(fraction, pace.top_speed / pace.speed)
+    most = (pace.fastest_stride / pace.stride) ** 2
+    quickness = fraction / most if fraction > most * (1.0 + SPEED_TOLERANCE) else 1.0
+    progress.requested_fraction[c] = fraction / quickness
+    if is_new or quickness != moods.quickness[c]:
+        moods.quickness[c] = quickness
+        pace, phase = quickened(pace, quickness), float(progress.phase[c])
+        end = progress.paces.change(c, pace, phase, of_cadence=not is_new)
+        progress.transition_ends[c] = end
     update_limits(progress)
-
-
-def change_pace(progress: RouteProgress, c: int, pace: Pace) -> None:
-    """Let a creature change to another pace, at its full speed."""
-    phase = float(progress.phase[c])
-    progress.transition_ends[c] = progress.paces.change(c, pace, phase)
-    request_speed(progress, c, 1.0)
 
 
 def set_initial_speed(progress: RouteProgress, fraction: Array) -> None:

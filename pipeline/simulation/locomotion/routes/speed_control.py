@@ -33,6 +33,10 @@ START_SPEED_FRACTION, START_RAMP_CYCLES = 0.1, 2.0
 # show.
 SMOOTHING_CYCLES, SMOOTHING_TOLERANCE = 0.08, 1e-5
 
+# Factor on the rate at which speed grows beyond the pace's own: feet are placed for a body that
+# goes on as fast as it does.
+HURRY_RISE = 0.3
+
 # Extra time on a slope of 1, as a fraction of that on level ground.
 UPHILL_COST, DOWNHILL_COST = 0.9, 0.5
 
@@ -96,8 +100,6 @@ def predicted(progress: RouteProgress) -> Iterator[ProgressSample]:
     """
     distance, phase, fraction = progress.sample
     target = progress.limits.target
-    if progress.can_rest:
-        target = np.minimum(target, 1.0)
     left = progress.next_slope_sample / (progress.dt * SLOPE_SAMPLES_PER_SECOND) - progress.steps
     for _ in range(math.ceil(left - 1e-6)):
         ramped = _ramped(progress, target, phase)
@@ -119,7 +121,8 @@ def _next_speed(
 ) -> tuple[Array, Array, Array]:
     """Return speed fraction after a step, distance of the step [m], and phase rate, (C,) each."""
     limits = progress.limits
-    after = np.minimum(np.maximum(target, before - limits.fall), before + limits.rise)
+    rise = limits.rise * np.where(before < 1.0, 1.0, HURRY_RISE)
+    after = np.minimum(np.maximum(target, before - limits.fall), before + rise)
     # The mean of both ends of the step: exact while the speed changes evenly.
     mean = 0.5 * (before + after)
     rate = 0.5 * (np.sqrt(before) + np.sqrt(after))
@@ -145,7 +148,7 @@ def _braking_fraction(progress: RouteProgress) -> Array:
         route = progress.trajectory.routes[c]
         left[c] = max(route.distance_to_rest(float(progress.distance[c])), 0.0)
     braking = np.maximum(progress.limits.braking_distance, 1e-9)
-    fraction = np.maximum(np.sqrt(np.minimum(left / braking, 1.0)), MIN_SPEED_FRACTION)
+    fraction = np.maximum(np.sqrt(left / braking), MIN_SPEED_FRACTION)
     return np.where(progress.arrived, 0.0, fraction)
 
 

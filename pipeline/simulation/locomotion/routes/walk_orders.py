@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE
 from pipeline.simulation.locomotion.routes.route import (
     Route,
     heading_vector,
@@ -20,9 +21,9 @@ from pipeline.simulation.locomotion.routes.route import (
 )
 from pipeline.simulation.locomotion.routes.route_progress import (
     RouteProgress,
-    change_pace,
+    choose_speed,
     redirect,
-    request_speed,
+    update_pace,
 )
 from pipeline.simulation.spatial import Array
 from pipeline.spec.script import (
@@ -101,6 +102,19 @@ def go_to_point(progress: RouteProgress, c: int, target: Array) -> None:
     redirect(progress, c, _with_turn_to(progress, c, here, target))
 
 
+def go_near(progress: RouteProgress, c: int, target: Array) -> None:
+    """Let creature `c` go to a place (2,) [m], or rest beside it where it is too near ahead."""
+    route, gone = progress.trajectory.routes[c], float(progress.distance[c])
+    braking = _braking_way(progress, c)
+    place, heading = route.at(np.array([gone]))
+    way = target - place[0]
+    ahead = float(way @ heading_vector(heading)[0])
+    if ahead >= 0.0 and np.linalg.norm(way) < max(braking, TURN_LEAD * _stride(progress, c)):
+        redirect(progress, c, route.upto(min(gone + max(ahead, braking), route.length)))
+    else:
+        go_to_point(progress, c, target)
+
+
 def _with_turn_to(progress: RouteProgress, c: int, here: Route, target: Array) -> Route:
     """Return a route continued to a place by a turn in place at its end."""
     way = target - here.xz[-1]
@@ -126,19 +140,14 @@ def _turn(progress: RouteProgress, c: int, order: TurnBy) -> None:
 
 
 def _set_speed(progress: RouteProgress, c: int, order: SetSpeed) -> str | None:
-    """Change the speed, as far as the legs can: the stride grows with its root."""
-    full, fraction = speed_range(progress, c)
-    most = full * fraction
-    request_speed(progress, c, min(order.speed, most) / full)
-    if order.speed <= most:
+    speed = choose_speed(progress, c, order.speed)
+    if order.speed <= speed:
         return None
-    return f"goes at {most:.3g} m/s, the most that its legs can do, instead of {order.speed:g}"
-
-
-def speed_range(progress: RouteProgress, c: int) -> tuple[float, float]:
-    """Return the speed of a creature's pace [m/s], and its factor at the legs' highest speed."""
-    pace = progress.paces.last(c)
-    return pace.stride / pace.cycle, max(pace.longest / pace.stride, 1.0) ** 2
+    stride = progress.moods.pace(c).fastest_stride
+    return (
+        f"goes at {speed:.3g} m/s, the most that strides of {stride:.3g} m in {MIN_CYCLE:g} s "
+        f"make, instead of {order.speed:g}"
+    )
 
 
 def _look_at(progress: RouteProgress, c: int, order: LookAt) -> str | None:
@@ -154,11 +163,23 @@ def _look_ahead(progress: RouteProgress, c: int, _order: LookAhead) -> None:
 
 
 def _change_gait(progress: RouteProgress, c: int, order: ChangeGait) -> None:
-    change_pace(progress, c, progress.moods.change_gait(c, order))
+    progress.moods.change_gait(c, order)
+    progress.chosen_fraction[c] = 1.0
+    if chooses_speed(order):
+        progress.hurrying.discard(c)
+    update_pace(progress, c, is_new=True)
 
 
 def _change_mood(progress: RouteProgress, c: int, order: ChangeMood) -> None:
-    change_pace(progress, c, progress.moods.change_mood(c, order.mood, progress.time))
+    progress.moods.change_mood(c, order.mood, progress.time)
+    update_pace(progress, c, is_new=True)
+
+
+def chooses_speed(order: Do) -> bool:
+    """Return whether an order says how fast to go."""
+    if isinstance(order, ChangeGait):
+        return any(key is not None for key in (order.speed, order.stride, order.cycle))
+    return isinstance(order, SetSpeed)
 
 
 ORDERS: dict[Any, Callable[[RouteProgress, int, Any], str | None]] = {
@@ -181,15 +202,23 @@ ORDERS: dict[Any, Callable[[RouteProgress, int, Any], str | None]] = {
 def _route_so_far(progress: RouteProgress, c: int, lead: float = 0.0) -> Route:
     """Return a creature's route up to where it is, or `lead` strides farther."""
     route, gone = progress.trajectory.routes[c], float(progress.distance[c])
-    stride = float(progress.stride[c] * np.sqrt(progress.speed_fraction[c]))
-    return route.upto(min(gone + lead * stride, max(route.length, gone)))
+    return route.upto(min(gone + lead * _stride(progress, c), max(route.length, gone)))
+
+
+def _stride(progress: RouteProgress, c: int) -> float:
+    """Return a creature's stride at its present speed [m]."""
+    return float(progress.stride[c] * np.sqrt(progress.speed_fraction[c]))
 
 
 def _braked_route(progress: RouteProgress, c: int) -> Route:
     """Return a creature's route up to where braking ends."""
-    braking = 0.5 * float(progress.stride[c]) * float(progress.speed_fraction[c]) ** 2
     route = progress.trajectory.routes[c]
-    return route.upto(min(float(progress.distance[c]) + braking, route.length))
+    return route.upto(min(float(progress.distance[c]) + _braking_way(progress, c), route.length))
+
+
+def _braking_way(progress: RouteProgress, c: int) -> float:
+    """Return how far a creature goes on that stops [m]."""
+    return 0.5 * float(progress.stride[c]) * float(progress.speed_fraction[c]) ** 2
 
 
 def _with_turn(progress: RouteProgress, c: int, here: Route, angle: float) -> Route:
@@ -200,7 +229,10 @@ def _with_turn(progress: RouteProgress, c: int, here: Route, angle: float) -> Ro
 
 def _turn_radius(progress: RouteProgress, c: int) -> float:
     """Return the radius of the arc that feet already down can follow [m]."""
-    return TURN_RADIUS * max(float(progress.stride[c]), float(progress.paces.last(c).stride))
+    fraction = max(float(progress.speed_fraction[c]), float(progress.requested_fraction[c]))
+    longer = math.sqrt(max(fraction, 1.0))
+    stride = max(float(progress.stride[c]), float(progress.paces.last(c).stride))
+    return TURN_RADIUS * stride * longer
 
 
 def _arc(here: Route, angle: float, radius: float) -> list[Array]:

@@ -12,7 +12,7 @@ from pipeline.production.reports.figure_size import size_table
 from pipeline.simulation.figure_analysis import check_figure
 from pipeline.spec import read_scene
 from pipeline.spec.events import event_table
-from pipeline.spec.key_table import terrain_tables
+from pipeline.spec.key_table import order_key_table, terrain_tables
 from pipeline.spec.terrain.base import TERRAIN_KINDS
 from pipeline.spec.verbs import verb_table
 
@@ -40,7 +40,9 @@ def test_documented_scenes_are_valid(name: str, text: str) -> None:
 
 
 def test_the_documented_orders_are_those_of_the_language() -> None:
-    assert verb_table() in (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "scripts.md").read_text(encoding="utf-8")
+    assert verb_table() in text
+    assert order_key_table() in text
 
 
 def test_the_documented_events_are_those_of_the_language() -> None:

@@ -16,9 +16,8 @@ from hypothesis import strategies as st
 
 from pipeline.errors import Problem, SceneError, StoreError
 from pipeline.production.run.notes import Note
-from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.progress import Reporter, SceneRow, stage
 from pipeline.production.run.reporters import JsonReporter, LogReporter, TerminalReporter
-from pipeline.production.run.scene_table import SceneRow
 from pipeline.terminal_text import escaped, escaped_line, json_line
 from pipeline.text_stream import print_text
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,7 @@ from pipeline.commands.options import (
     SceneNames,
     with_options,
 )
+from pipeline.text_stream import print_text
 
 Scenes = Annotated[
     list[str] | None,
@@ -86,11 +88,16 @@ def check(
     """
     from pipeline.production.goldens.golden_case import cases_of, layers_of
     from pipeline.production.goldens.golden_check import run_checks
+    from pipeline.production.goldens.verdict import exit_code
 
     reporter = options.reporter()
     cases = cases_of(scenes or [], goldens, out, sets or [])
-    code = run_checks(cases, out, layers_of(layers), backend.value, jobs, reporter)
-    if code:
+    verdicts = run_checks(cases, out, layers_of(layers), backend.value, jobs, reporter)
+    if options.quiet and not options.as_json:
+        for verdict in verdicts:
+            if not verdict.passed:
+                print_text(sys.stderr, str(verdict))
+    if code := exit_code(verdicts):
         raise typer.Exit(code)
 
 

@@ -62,7 +62,8 @@ def _lines(command: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
             stderr=errors, text=True, preexec_fn=_hear_interrupts,
         )  # fmt: skip
         lines: queue.Queue[Any] = queue.Queue()
-        threading.Thread(target=_read, args=(process, lines), daemon=True).start()
+        reader = threading.Thread(target=_read, args=(process, lines), daemon=True)
+        reader.start()
         wait = START
         try:
             while True:
@@ -79,6 +80,7 @@ def _lines(command: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
         finally:
             process.kill()
             code = process.wait()
+            reader.join(LIMIT)
         assert wait == LIMIT, f"{command} has not started: {errors.name}"
         if code:
             errors.seek(0)
@@ -93,6 +95,7 @@ def _hear_interrupts() -> None:
 
 def _read(process: subprocess.Popen[str], lines: queue.Queue[Any]) -> None:
     assert process.stdout is not None
-    for line in process.stdout:
-        lines.put(line)
+    with process.stdout:
+        for line in process.stdout:
+            lines.put(line)
     lines.put(ENDED)

@@ -29,7 +29,8 @@ from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from render.film_codecs import CODECS
-from render.film_encoder import Picture, write_film
+from render.film_encoder import write_film
+from render.film_segments import Picture
 from render.renderer import Renderer
 from render.shot import Shot
 

@@ -25,7 +25,6 @@ from pipeline.production.goldens.verdict import (
     LayerVerdict,
     Outcome,
     SceneVerdict,
-    exit_code,
 )
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.progress import Reporter, stage
@@ -154,8 +153,8 @@ def run_checks(
     backend: Choice,
     jobs: int,
     reporter: Reporter,
-) -> int:
-    """Check scenes in `jobs` processes, write the reports into `out`, and return the exit code.
+) -> list[SceneVerdict]:
+    """Check scenes in `jobs` processes, write the reports into `out`, and return the verdicts.
 
     Raises:
         StoreError: the report cannot be written.
@@ -183,7 +182,7 @@ def run_checks(
     failed = [verdict for verdict in verdicts if not verdict.passed]
     summary = "all hold" if not failed else f"{len(failed)} do not hold"
     reporter.note(f"{len(verdicts)} goldens, {summary}; {folder / REPORT}")
-    return exit_code(verdicts)
+    return verdicts
 
 
 def _verdicts(

@@ -9,8 +9,7 @@ from pathlib import Path
 from pipeline.errors import PronkError
 from pipeline.production.run.interrupts import INTERRUPTED, is_interrupt
 from pipeline.production.run.notes import Note
-from pipeline.production.run.progress import Reporter, Stage
-from pipeline.production.run.scene_table import SceneRow
+from pipeline.production.run.progress import Reporter, SceneRow, Stage
 from pipeline.spec import find_scene
 from pipeline.unexpected_error import told_error
 

@@ -7,6 +7,7 @@ at the end of the run.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal
@@ -23,6 +24,9 @@ MAX_LINES = 10
 
 MAX_SUBJECTS = 3
 """Parts that a line of a summary names."""
+
+NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+"""What notes of one kind may differ in and be told together."""
 
 Source = Literal["scene", "simulation", "camera", "picture"]
 
@@ -174,13 +178,13 @@ def summary(notes: Sequence[Note], rest: str = "") -> list[str]:
 
 
 def _groups(notes: Iterable[Note]) -> Iterator[list[Note]]:
-    """Yield the notes that differ only in part, place and time, in the order of the first.
+    """Yield the notes that differ only in part, numbers and time, in the order of the first.
 
     Orders that the end of the film cuts off are one group, whatever they are.
     """
     groups: dict[tuple[str, str, str], list[Note]] = {}
     for note in notes:
-        text = "" if note.kind in ADVISORY else note.text
+        text = "" if note.kind in ADVISORY else NUMBER.sub("#", note.text)
         groups.setdefault((note.source, note.kind, text), []).append(note)
     yield from groups.values()
 

@@ -135,7 +135,8 @@ def opened(outputs: Outputs) -> Iterator[None]:
     Raises:
         StoreError: the folder cannot be written to, or another run is at work in it.
     """
-    missing = [folder for folder in outputs.folder.parents if not folder.exists()]
+    # False for names that are too long, unlike the method of paths.
+    missing = [folder for folder in outputs.folder.parents if not os.path.exists(folder)]
     with contextlib.ExitStack() as stack:
         try:
             make_folder(outputs.frames)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import glob
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -51,7 +52,7 @@ def outputs_of(target: str, out: Path) -> Outputs:
         UsageError: there are none.
     """
     folder = Path(target)
-    if not folder.is_dir():
+    if not os.path.isdir(folder):  # false for a name that is too long
         name = find_scene(target).stem
         found = Outputs(out / name, name)
         if not _exist(found):
@@ -67,7 +68,8 @@ def outputs_of(target: str, out: Path) -> Outputs:
 
 
 def _exist(outputs: Outputs) -> bool:
-    return outputs.manifest.exists() or outputs.take.exists() or outputs.frames.is_dir()
+    # False for names that are too long, unlike the methods of paths.
+    return any(map(os.path.exists, (outputs.manifest, outputs.take, outputs.frames)))
 
 
 def verify(outputs: Outputs, reporter: Reporter) -> Verdict:

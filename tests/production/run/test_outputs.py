@@ -15,6 +15,7 @@ import pytest
 import symusic
 
 from pipeline.atomic_file import make_folder
+from pipeline.errors import StoreError
 from pipeline.production.run import outputs as output_files
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
@@ -280,6 +281,15 @@ def test_json_lines_are_valid(studio: Studio, pronk: Pronk) -> None:
     ]
     assert done == [7, 8]
     assert events[-1] == {"event": "result", "text": "out/tiny"}
+
+
+def test_a_folder_whose_name_is_too_long_is_told(tmp_path: Path) -> None:
+    place = output_files.Outputs(tmp_path / ("x" * 300) / "tiny", "tiny")
+    with (
+        pytest.raises(StoreError, match=r"cannot be written to \(File name too long\)"),
+        output_files.opened(place),
+    ):
+        pass
 
 
 def test_quiet_runs_print_nothing(studio: Studio, pronk: Pronk) -> None:

@@ -167,16 +167,16 @@ def test_a_film_of_other_pictures_is_found_though_it_is_as_it_was_written(
     studio: Studio, film: Studio, pronk: Pronk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from pipeline.production.run import film_stage
-    from render.film_encoder import write_film
+    from render.film_encoder import join_film
 
-    def mistaken(path: Path, frames: object, *rest: object) -> int:
-        pictures = list(frames)  # type: ignore[call-overload]
+    def mistaken(path: Path, segments: object, *rest: object) -> int:
+        (pictures,) = [list(segment) for segment in segments]  # type: ignore[attr-defined]
         pictures[4] = 255 - pictures[4]
-        return write_film(path, pictures, *rest)  # type: ignore[arg-type]
+        return join_film(path, [pictures], *rest)  # type: ignore[arg-type]
 
     (studio.made / "tiny.mp4").unlink()
     with monkeypatch.context() as patch:
-        patch.setattr(film_stage, "write_film", mistaken)
+        patch.setattr(film_stage, "join_film", mistaken)
         studio.render()
     code, out, _ = pronk("verify", "tiny", "--json", cwd=studio.folder)
     (text,) = faults_of(out).values()
@@ -266,3 +266,10 @@ def test_a_scene_that_was_never_rendered_is_refused(unmade: Studio, pronk: Pronk
         2,
         "error: out/tiny: holds no outputs; make them with pronk render\n",
     )
+    long = "x" * 300
+    code, _, err = pronk("verify", "tiny", "--out", long, cwd=unmade.folder)
+    assert (code, err) == (
+        2,
+        f"error: {long}/tiny: holds no outputs; make them with pronk render\n",
+    )
+    assert pronk("verify", long, cwd=unmade.folder)[0] == 2

@@ -16,7 +16,7 @@ from pipeline.simulation.characters.person_tasks import Task, place_text, walkin
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.spatial import Array
 
-GRAB_PATIENCE = 6.0  # without coming nearer [s]
+GRAB_PATIENCE = 3.5  # without coming nearer [s]
 PATIENCE = 1.6
 """Time after which a hand is near enough to a place that it cannot quite reach [s]."""
 

@@ -18,13 +18,21 @@ from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Task, place_text
 from pipeline.simulation.characters.pursuit_tasks import TargetTask, WalkUp
+from pipeline.simulation.characters.standoff import BOWED_RANGE, Standoff
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.throw_flight import launch_velocity
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
+from pipeline.simulation.spatial import Array
 
+STUCK_TIME = 1.5  # of hands that come no nearer, after which a person steps off [s]
 CLOSING_DISTANCE, PATIENT_CLOSING_DISTANCE = 0.03, 0.09  # of a hand to its place, in heights
-STANDING_RANGE, BOWED_RANGE = 0.75, 0.8  # of hands before the body, in arm lengths
+STANDING_RANGE = 0.75  # of hands before an upright body, in arm lengths
+LOWERING_RANGE = 0.3  # of a hand beside its place, from which it goes down, in arm lengths
+LIFTED, LIFT_SLOPE = 0.9, 1.5  # height up to which it stays above that, in arm lengths; its slope
+BOWING_TOLERANCE = math.radians(35.0)  # of the turn to a low thing
+BOWING_TIME = 0.5  # by which a person looks ahead where a rolling thing will be [s]
+HAND_DELAY = 0.15  # by which hands are behind the place that they are sent to [s]
 
 # Putting down.
 TABLE_RANGE = 0.12, 0.75  # heights of surfaces that things are put down on, in heights
@@ -47,10 +55,12 @@ class GrabMember(TargetTask):
     Attributes:
         hands: numbers of the hands.
         time: since it is within reach [s].
+        standoff: from low things.
     """
 
     hands: tuple[int, ...] = (1,)
     time: float = 0.0
+    standoff: Standoff = field(default_factory=Standoff)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -62,30 +72,59 @@ class GrabMember(TargetTask):
         state, person = controller.view.state(self.target), controller.record
         place = state.nearest(controller.waist())
         is_high = place[1] - person.floor > 0.4 * person.height
+        both = len(self.hands) == 2
+        if both and not is_high:
+            place = 0.5 * (
+                grasp_place(controller, state, 0, both) + grasp_place(controller, state, 1, both)
+            )
+        soon = place + BOWING_TIME * state.v * np.array([1.0, 0.0, 1.0])
         near = (STANDING_RANGE if is_high else BOWED_RANGE) * controller.arm
-        distance = controller.ground_distance(place)
-        is_stopped = not person.has_goal
-        if distance > near + (0.25 if is_stopped else 0.12) * controller.arm:
-            self.walk_to(controller, place, near)
+        distance = controller.ground_distance(soon)
+        is_stopped = not person.has_goal or self.standoff.is_stepping
+        if distance > near + (0.2 if is_stopped else 0.12) * controller.arm:
+            self.standoff.is_stepping = False
+            self.walk_to(controller, soon, near)
             self._check_progress(controller, distance, dt, "does not come near it")
             return False
-        if person.has_goal:
+        if person.has_goal and not self.standoff.is_stepping:
             self.progress = TaskProgress()
+            controller.stop()
+        is_stuck = self.progress.time > STUCK_TIME and self.standoff.tries < 2
+        if not is_high and not self.standoff.is_kept(controller, soon, dt, is_stuck):
+            self.progress, self.time = TaskProgress(), 0.0
+            return False
         controller.face_to(state.centre)
+        if not is_high and not controller.is_facing(BOWING_TOLERANCE):
+            # One who bows first would stir the feet under bent knees.
+            self._check_progress(controller, controller.turn_left, dt, "cannot turn to it")
+            return False
+        self._close_hands(controller, state, both, dt)
+        return False
+
+    def _close_hands(
+        self, controller: PersonController, state: MemberState, both: bool, dt: float
+    ) -> None:
+        """Send hands to the thing, and close them when all are there."""
+        person = controller.record
         self.time += dt
-        both = len(self.hands) == 2
         closing = CLOSING_DISTANCE if self.time < PATIENCE else PATIENT_CLOSING_DISTANCE
         farthest = 0.0
         for k in self.hands:
             wrist = grasp_place(controller, state, k, both)
-            controller.put_hand(k, wrist)
+            controller.put_hand(k, wrist + HAND_DELAY * state.v + self._lift(controller, k, wrist))
             farthest = max(farthest, math.dist(controller.hand(k), wrist))
         if farthest < closing * person.height:
             controller.hold_member(self.target, self.hands)
             person.has_facing = False
-            return False
+            return
         self._check_progress(controller, farthest, dt, f"stays {farthest:.2f} m out of reach")
-        return False
+
+    def _lift(self, controller: PersonController, k: int, wrist: Array) -> Array:
+        """Return (3,) how far above its place a hand goes: first ahead of the knees, then down."""
+        hand = controller.hand(k)
+        aside = math.hypot(wrist[0] - hand[0], wrist[2] - hand[2]) - LOWERING_RANGE * controller.arm
+        above = max(float(controller.record.floor) + LIFTED * controller.arm - wrist[1], 0.0)
+        return np.array([0.0, min(LIFT_SLOPE * max(aside, 0.0), above), 0.0])
 
     def _check_progress(
         self, controller: PersonController, distance: float, dt: float, reason: str

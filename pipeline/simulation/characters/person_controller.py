@@ -299,8 +299,12 @@ class PersonController:
 
     def is_facing(self, tolerance: float) -> bool:
         """Tell whether the person has turned to the facing asked for [rad]."""
-        error = math.remainder(float(self.record.facing - self.record.heading), 2.0 * math.pi)
-        return abs(error) < tolerance
+        return self.turn_left < tolerance
+
+    @property
+    def turn_left(self) -> float:
+        """Angle left to the facing asked for [rad]."""
+        return abs(math.remainder(float(self.record.facing - self.record.heading), 2.0 * math.pi))
 
     def look_at(self, place: Array) -> None:
         """Look at a place."""

@@ -31,9 +31,13 @@ cast:
   - {name: fay, character: child, at: [-10, 4]}
   - {name: gus, character: child, at: [0, -6]}
   - {name: hal, character: adult, at: [-6, -6]}
+  - {name: ivy, character: child, at: [5, -8], heading_deg: 180}
+  - {name: ned, character: adult, at: [5, -4]}
   - {name: bug, figure: beetle, walk: {}, at: [3, 0]}
   - {name: rock, body: {shape: cube, size: 0.25, density: 2600}, at: [2, 0.126, 4]}
   - {name: marble, body: {shape: sphere, radius: 0.06, density: 400}, at: [1, 0.061, -6]}
+  - {name: underfoot, body: {shape: sphere, radius: 0.13, density: 120}, at: [4.8, 0.131, -7.95]}
+  - {name: behind, prop: {shape: ball, radius: 0.1}, at: [4.75, 0.1, -4]}
   - {name: stool, prop: {shape: box, size: [0.45, 0.45, 0.45]}, at: [-6, 0.225, 6.5]}
   - {name: pillar, prop: {shape: box, size: [0.5, 1.5, 0.5]}, at: [-3, 0.75, -1.5]}
   - {name: ball, character: ball, at: [-5, 0]}
@@ -53,6 +57,8 @@ script:
   - {at: 0, who: gus, do: {grab: marble}}
   - {when: {arrived: gus}, who: gus, do: {throw: marble, to: bug}}
   - {at: 0, who: hal, do: {go_to: spot}}
+  - {at: 0, who: ivy, do: {grab: underfoot, hand: both}}
+  - {at: 0, who: ned, do: {grab: behind, hand: both}}
 """
 
 KICKS = """pronk: 1
@@ -77,6 +83,8 @@ cast:
   - {name: kid, character: child, at: [-2, 8]}
   - {name: marble, body: {shape: sphere, radius: 0.06, density: 400}, at: [0.6, 0.061, 0]}
   - {name: ann, character: adult, at: [0, -4]}
+  - {name: zoe, character: child, at: [4, -8]}
+  - {name: lamp, prop: {shape: ball, radius: 0.05}, at: [4.3, 2.4, -8]}
   - {name: die, prop: {shape: box, size: [0.1, 0.1, 0.1]}, at: [1.2, 0.05, -4]}
   - {name: cart, prop: {shape: box, size: [0.4, 0.4, 0.4]}, at: [0, 0.2, 4], velocity: [0.9, 0, 0]}
   - {name: car, prop: {shape: box, size: [0.4, 0.4, 0.4]}, at: [0, 0.2, 8], velocity: [6, 0, 0]}
@@ -86,6 +94,7 @@ script:
   - {at: 0, who: bob, do: {follow: cart, gap: 0.8}}
   - {at: 0, who: kid, do: {chase: car}}
   - {at: 0, who: ann, do: {grab: die}}
+  - {at: 0, who: zoe, do: {grab: lamp}}
 """
 
 
@@ -137,6 +146,46 @@ def course() -> Course:
         if controller.record.sit_blend == 1.0:
             found.sitting.add(controller.name)
     return found
+
+
+def test_people_step_off_from_balls_at_their_feet_and_take_them() -> None:
+    for name, ball in (("ivy", "underfoot"), ("ned", "behind")):
+        assert course().arrived[name][0] < 5.0
+        change = next(change for _, change in course().grips if change.member == ball)
+        assert change.hands == (f"{name}.hand_l", f"{name}.hand_r")
+
+
+ROLLING = """pronk: 1
+duration: 7
+terrain: {{kind: ramp, course: up, start: -15, slope_deg: {slope}, height: 4}}
+cast:
+{cast}
+script:
+{script}
+"""
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("slope", [0.5, 3.0])
+def test_people_take_balls_that_roll_up_to_them_from_all_sides(slope: float) -> None:
+    cast, script = [], []
+    for k in range(12):
+        kind, angle = ("child", "adult")[k % 2], np.radians(30.0 * k)
+        x, z = 3.0 * (k % 4) - 4.5, 3.0 * (k // 4) - 3.0
+        c, s = float(np.cos(angle)), float(np.sin(angle))
+        at = [x + 1.2 * c, 0.133 + np.tan(np.radians(slope)) * (x + 1.2 * c + 15.0), z - 1.2 * s]
+        ball = "shape: sphere, radius: 0.13, density: 120, rolling: 0.06"
+        towards = f"[{-1.2 * c:.3f}, 0, {1.2 * s:.3f}]"
+        cast.append(f"  - {{name: person{k}, character: {kind}, at: [{x}, {z}]}}")
+        cast.append(
+            f"  - {{name: ball{k}, body: {{{ball}}},"
+            f" at: [{at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f}], velocity: {towards}}}"
+        )
+        script.append(f"  - {{at: 0.5, who: person{k}, do: {{grab: ball{k}, hand: both}}}}")
+    scene = ROLLING.format(slope=slope, cast="\n".join(cast), script="\n".join(script))
+    orders = simulate(read_scene(scene)).orders
+    assert [(order.who, order.outcome) for order in orders if order.outcome != "done"] == []
+    assert len(orders) == 12
 
 
 @pytest.mark.nightly
@@ -195,6 +244,10 @@ def test_throws_and_chases_beyond_ones_strength_are_given_up() -> None:
     (grab,) = [order for order in simulation.take().orders if order.who == "ann"]
     assert grab.outcome == "done"
     assert "as hard as it can" in orders["throw"].reason
+    # A lamp high overhead is not waited for.
+    (lamp,) = [order for order in simulation.take().orders if order.who == "zoe"]
+    assert "out of reach" in lamp.reason
+    assert lamp.end < 4.5 / 6.0 * simulation.world.clock.last_step
     # It flies nevertheless.
     assert node_path(simulation, "marble")[:, 0].max() > 5.0
     assert orders["chase"].reason.startswith("is not fast enough")

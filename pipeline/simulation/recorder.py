@@ -56,7 +56,7 @@ class Recorder:
         self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self._notes: dict[tuple[str, str], TakeNote] = {}
+        self._notes: dict[tuple[str, str, str], TakeNote] = {}
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
         """Sets the parents of attached nodes that have none."""
@@ -161,11 +161,14 @@ class Recorder:
         events: Iterable[SoundEvent],
         notes: Iterable[TakeNote],
     ) -> None:
-        """Adds facts of one step; of notes of one kind on one part the earliest is kept."""
+        """Adds facts of one step; of notes of one kind on one part the earliest is kept.
+
+        Those about keys are all kept: each tells of another.
+        """
         self.contacts.extend(contacts)
         self.events.extend(events)
         for note in notes:
-            key = note.kind, note.part
+            key = note.kind, note.part, note.text if note.kind == "missed_key" else ""
             # Some notes are known only when their rows are written.
             if key not in self._notes or note.step < self._notes[key].step:
                 self._notes[key] = note

@@ -89,12 +89,14 @@ class PoseRun:
     """A demand on a part of one limb.
 
     Attributes:
+        name: of the limb, node or joint, as its author wrote it.
         limb: number of the limb.
         run: values over time.
         priority: 1 comes first.
         weight: among demands of that priority.
     """
 
+    name: str
     limb: int
     run: BlendedTrack
     priority: int
@@ -180,6 +182,7 @@ class _TrackKey(NamedTuple):
 class _OpenTrack:
     """The keys of one part so far."""
 
+    name: str
     keys: list[tuple[float, Sequence[float], Ease]]
     first: PoseKey
     released: PoseKey | None = None
@@ -213,7 +216,7 @@ class _Planner:
             self._take_joint(key, name, value, f"{path}.joints.{name}")
         if key.body is not None:
             angles = [math.radians(angle) for angle in key.body.turn_deg]
-            self._add(_TrackKey(BODY, -1, 0), key, (*key.body.move, *angles), path)
+            self._add(_TrackKey(BODY, -1, 0), BODY, key, (*key.body.move, *angles), path)
         if key.release is not None:
             self._release(key, key.release, f"{path}.release")
 
@@ -230,7 +233,7 @@ class _Planner:
             if value is not None:
                 if goal == "turn_deg":
                     value = [math.radians(angle) for angle in value]
-                self._add(_TrackKey(goal, limb, link), key, value, path)
+                self._add(_TrackKey(goal, limb, link), name, key, value, path)
 
     def _point(self, word: str, name: str, path: str) -> tuple[int, int] | None:
         names = self.names
@@ -264,14 +267,15 @@ class _Planner:
             message = f"goes from {low:.3g} to {high:.3g} {unit}, not to {value:g}"
             self.problems.append(Problem(path, message))
             return
-        self._add(
-            _TrackKey("joint", limb, column), key, (value if slides else math.radians(value),), path
-        )
+        angle = value if slides else math.radians(value)
+        self._add(_TrackKey("joint", limb, column), name, key, (angle,), path)
 
-    def _add(self, thing: _TrackKey, key: PoseKey, value: Sequence[float], path: str) -> None:
+    def _add(
+        self, thing: _TrackKey, name: str, key: PoseKey, value: Sequence[float], path: str
+    ) -> None:
         known = self.open.get(thing)
         if known is None:
-            self.open[thing] = _OpenTrack([(key.at, value, key.ease)], key)
+            self.open[thing] = _OpenTrack(name, [(key.at, value, key.ease)], key)
             return
         for word in ("frame", "priority", "weight"):
             before = getattr(known.first, word)
@@ -314,6 +318,7 @@ class _Planner:
         for (kind, limb, column), run in runs:
             if kind == "joint":
                 yield JointRun(
+                    name=run.name,
                     limb=limb,
                     column=column,
                     joints=len(self.names.figure.skeleton.limbs[limb].joints),
@@ -328,6 +333,7 @@ class _Planner:
                 continue
             first = run.first
             yield PointRun(
+                name=run.name,
                 limb=limb,
                 point=self.names.point(limb, link),
                 goal=goal,

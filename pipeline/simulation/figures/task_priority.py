@@ -28,6 +28,9 @@ RANK_TOLERANCE = 1e-10
 """Singular values below this fraction of the greatest count as zero."""
 
 
+INWARD_PULL = 1e-12
+"""The same for the least squares, whose minimum is unique."""
+
 RELEASE_GAIN = 1e-9
 """Reduction of squared error, for a joint's movement, that releases it from its limit."""
 
@@ -112,32 +115,98 @@ def bounded_priority_step(
 
     Source: Júdice and Pires 1994 (block principal pivoting).
     """
-    first = tasks[0]
-    held = ~batch.is_joint
-    moved = np.zeros_like(q)
+    held = np.broadcast_to(~batch.is_joint, q.shape).copy()
+    is_joint = ~held
+    moved, step = np.zeros_like(q), np.zeros_like(q)
     lower, upper = batch.lower - q, batch.upper - q
-    λ = np.broadcast_to(damping, (len(q),))[:, None]
+    λ = np.broadcast_to(damping, (len(q),))
+    # Limbs that change no side are done; the others go on without them.
+    going = np.arange(len(q))
     for turn in range(6 * q.shape[1]):
+        whole = len(going) == len(q)
+        own = tasks if whole else [_rows(task, going) for task in tasks]
+        held_here, moved_here = held[going], moved[going]
         reduced = [
-            Task(task.jacobian * ~held[:, None, :], _remaining(task, moved), task.is_wish)
-            for task in tasks
+            Task(task.jacobian * ~held_here[:, None, :], _remaining(task, moved_here), task.is_wish)
+            for task in own
         ]
-        step = np.where(held, moved, solve_priorities(reduced, damping, LOWER_DAMPING))
-        bounded = np.minimum(np.maximum(step, lower), upper)
-        over = (bounded != step) & ~held
-        pull = (_remaining(first, step)[:, None] @ first.jacobian)[:, 0]
-        pull -= λ * λ * step
-        inward = np.where(moved <= lower, pull, -pull) > RELEASE_GAIN
-        inward &= held & batch.is_joint
-        if not (over.any() or inward.any()):
+        free = solve_priorities(reduced, λ[going], LOWER_DAMPING)
+        here = np.where(held_here, moved_here, free)
+        step[going] = here
+        bounded = np.minimum(np.maximum(here, lower[going]), upper[going])
+        over = (bounded != here) & ~held_here
+        pull = (_remaining(own[0], here)[:, None] @ own[0].jacobian)[:, 0]
+        pull -= λ[going, None] ** 2 * here
+        inward = np.where(moved_here <= lower[going], pull, -pull) > RELEASE_GAIN
+        inward &= held_here & is_joint[going]
+        changed = (over | inward).any(axis=1)
+        if not changed.any():
             break
         if turn >= q.shape[1]:
             # Changing all at once may cycle; changing the last joint alone cannot (Murty's rule).
             last = (over | inward) & (np.cumsum((over | inward)[:, ::-1], axis=1)[:, ::-1] == 1)
             over, inward = over & last, inward & last
-        moved = np.where(over, bounded, np.where(inward, 0.0, moved))
-        held = (held | over) & ~inward
-    return np.clip(q + step, batch.lower, batch.upper), held & batch.is_joint
+        moved[going] = np.where(over, bounded, np.where(inward, 0.0, moved_here))
+        held[going] = (held_here | over) & ~inward
+        going = going[changed]
+    return np.clip(q + step, batch.lower, batch.upper), held & is_joint
+
+
+def bounded_least_squares_step(
+    batch: LimbBatch, q: Array, task: Task, wish: Array, damping: Array
+) -> Array:
+    """Return the joint values (L, n) within the limits that serve a task, and a wish a little.
+
+    They have the least |ẋ - Jθ̇|² + λ²|θ̇ - z|². That minimum is unique and moves continuously with
+    all that it depends on, where `bounded_priority_step` may change from one solution to another
+    as a joint reaches its limit.
+
+    Args:
+        batch: the limbs, or one that serves for all rows.
+        q: (L, n) within the limits [rad or m].
+        task: served first.
+        wish: (L, n) z.
+        damping: (L,) λ.
+
+    Source: Júdice and Pires 1994 (block principal pivoting).
+    """
+    J, Jt = task.jacobian, task.jacobian.transpose(0, 2, 1)
+    is_joint = np.broadcast_to(batch.is_joint, q.shape)
+    lower, upper = batch.lower - q, batch.upper - q
+    square = (damping * damping)[:, None]
+    unit = np.eye(J.shape[1])
+    held, moved, step = ~is_joint, np.zeros_like(q), np.zeros_like(q)
+    going = np.arange(len(q))
+    for turn in range(6 * q.shape[1]):
+        own, own_t, λ = J[going], Jt[going], square[going]
+        fixed, there, z = held[going], moved[going], wish[going]
+        start = np.where(fixed, there, z)
+        rest = task.velocity[going] - (own @ start[..., None])[..., 0]
+        free = own * ~fixed[:, None, :]
+        y = np.linalg.solve(free @ own_t + λ[..., None] * unit, rest[..., None])
+        here = start + np.where(fixed, 0.0, (own_t @ y)[..., 0])
+        step[going] = here
+        bounded = np.minimum(np.maximum(here, lower[going]), upper[going])
+        over = (bounded != here) & ~fixed
+        left = task.velocity[going] - (own @ here[..., None])[..., 0]
+        pull = (own_t @ left[..., None])[..., 0] + λ * (z - here)
+        inward = np.where(there <= lower[going], pull, -pull) > INWARD_PULL
+        inward &= fixed & is_joint[going]
+        changed = (over | inward).any(axis=1)
+        if not changed.any():
+            break
+        if turn >= q.shape[1]:
+            last = (over | inward) & (np.cumsum((over | inward)[:, ::-1], axis=1)[:, ::-1] == 1)
+            over, inward = over & last, inward & last
+        moved[going] = np.where(over, bounded, np.where(inward, 0.0, there))
+        held[going] = (fixed | over) & ~inward
+        going = going[changed]
+    result: Array = np.clip(q + step, batch.lower, batch.upper)
+    return result
+
+
+def _rows(task: Task, chosen: NDArray[np.int64]) -> Task:
+    return Task(task.jacobian[chosen], task.velocity[chosen], task.is_wish)
 
 
 def _remaining(task: Task, velocities: Array) -> Array:

@@ -8,22 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.figure_posture import (
-    FIRST_POSE_STEPS,
-    REST_PULL,
-    TRACKING_STEPS,
-    FigureFrames,
-    FigurePosture,
-    GoalMiss,
-)
+from pipeline.simulation.figures.figure_posture import FigurePosture
 from pipeline.simulation.figures.ik_goals import PreferredValues, TipPlacement
 from pipeline.simulation.figures.inverse_kinematics import track_goals
 from pipeline.simulation.figures.pose_plan import plan_poses
+from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.creature import Creature
+
+REST_PULL = 0.08
+"""Fraction of the way to rest that the redundancy of legs goes in one step."""
+
+FIRST_POSE_STEPS, TRACKING_STEPS = 60, 12
+"""Bounds on the steps of legs towards their first pose, and along the motion."""
 
 
 class AuthoredPoses:

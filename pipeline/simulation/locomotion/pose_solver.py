@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.figures.figure_posture import FigureFrames, GoalMiss
+from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
 from pipeline.simulation.figures.rest_ik import RestSolution, solve_near_rest
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension
@@ -317,8 +317,8 @@ class PoseSolver:
             text = f"misses its foothold by {1000.0 * float(residual[row, leg]):.2g} mm"
             notes.append(TakeNote("clamped", steps[row], name, text))
         for c, miss in misses:
-            text = f"misses its authored place by {100.0 * miss.gap:.2g} % of its length"
-            notes.append(TakeNote("clamped", steps[miss.row], f"{herd.names[c]}.{miss.limb}", text))
+            part = f"{herd.names[c]}.{miss.limb}"
+            notes.append(TakeNote("missed_key", steps[miss.row], part, miss.text))
         return notes
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,7 +11,9 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.figure_posture import FigurePosture
 from pipeline.simulation.figures.pose_plan import PartNames
+from pipeline.simulation.figures.posed_limb import FigureFrames
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
@@ -204,12 +208,89 @@ def test_limb_on_a_moving_limb_keeps_its_goal() -> None:
 def test_unreachable_goal_is_approached_and_noted_once() -> None:
     posed = person("{at: 0.5, limb: arm_r, reach: [3, 1.4, 0.2]}")
     notes = [note for note in posed.take.notes if note.part == "p.arm_r1"]
-    assert [note.kind for note in notes] == ["clamped"]
+    assert [note.kind for note in notes] == ["missed_key"]
     limb = posed.figure.skeleton.limbs[posed.names.limbs["arm_r"]]
     shoulder = posed.figure.skeleton.places[limb.joints[0]]
     R, p = posed.body
     stretched = np.linalg.norm(posed.place("hand_r") - p - turn(R, shoulder), axis=1)[-1]
     assert stretched > 0.99 * limb.length
+
+
+THREE_GOALS = ([-0.21, 0.51, 0.71], [0.42, 0.15, 0.52], [-0.03, 0.49, 0.85])
+"""Each is within reach of the right hand, relative to the body."""
+
+
+def _hand_keys(goals: Sequence[Sequence[float]], step: float = 0.5) -> str:
+    return ", ".join(
+        f"{{at: {step * (k + 1)}, limb: arm_r, frame: body, reach: {list(goal)}}}"
+        for k, goal in enumerate(goals)
+    )
+
+
+def test_goals_in_a_row_are_all_reached() -> None:
+    # From the first, iterations towards the second end at limits, half a metre off.
+    posed = person(_hand_keys(THREE_GOALS))
+    R, p = posed.body
+    for key, goal in enumerate(THREE_GOALS):
+        row = round(0.5 * (key + 1) / ROW)
+        assert np.linalg.norm(posed.place("hand_r")[row] - p[row] - R[row] @ goal) < 1e-3
+    assert not posed.take.notes
+    assert posed.fastest() < 14.001
+
+
+def test_every_missed_key_is_noted_with_its_distance() -> None:
+    goals = ([3.0, 0.4, 0.2], [0.42, 0.15, 0.52], [0.2, 2.5, 0.2])
+    posed = person(_hand_keys(goals))
+    notes = [note.text for note in posed.take.notes if note.kind == "missed_key"]
+    assert len(notes) == 2
+    R, p = posed.body
+    for note, key in zip(notes, (0, 2), strict=True):
+        row = round(0.5 * (key + 1) / ROW)
+        gap = np.linalg.norm(posed.place("hand_r")[row] - p[row] - R[row] @ goals[key])
+        assert f"at {0.5 * (key + 1):g} s by {gap:.2g} m" in note
+        assert note.startswith("arm_r misses its key")
+
+
+def test_pose_does_not_depend_on_rows_worked_out_together() -> None:
+    """Rows one by one, and all at once."""
+    member = f"{{figure: person, name: p, at: [0, 0], pose: [{_hand_keys(THREE_GOALS)}]}}"
+    simulation = Simulation(scene_of(member, duration=1))
+    posture = simulation.troupes[0].authored_poses.postures[0]  # type: ignore[attr-defined]
+    q, frames = _standing(posture.figure, 97)
+    whole, _, _ = posture.values(q, frames)
+    again = FigurePosture(posture.figure, posture.plan, np.random.default_rng(3))
+    alone = FigurePosture(posture.figure, posture.plan, np.random.default_rng(3))
+    parts = [again.values(q[a : a + 7], _rows(frames, a, a + 7))[0] for a in range(0, 97, 7)]
+    np.testing.assert_array_equal(np.concatenate(parts), alone.values(q, frames)[0])
+    np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-3)
+
+
+def test_joint_steps_halve_with_the_time_step() -> None:
+    posed = person(_hand_keys(THREE_GOALS))
+    arm = [i for i, c in enumerate(posed.take.channels) if "arm_r" in c.name]
+    q = posed.take.values[:, arm]
+    fine, coarse = np.abs(np.diff(q, axis=0)).max(), np.abs(np.diff(q[::2], axis=0)).max()
+    assert fine < 0.6 * coarse
+
+
+def _standing(figure: Figure, count: int) -> tuple[Array, FigureFrames]:
+    """Return joint values at rest, and frames of a figure that stands, in `count` rows."""
+    R, p = np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3))
+    up = p + [0.0, 1.0, 0.0]
+    q = np.tile(figure.skeleton.preferred, (count, 1))
+    return q, FigureFrames(np.arange(count) * ROW, ROW, R, up, R, p)
+
+
+def _rows(frames: FigureFrames, first: int, last: int) -> FigureFrames:
+    here = slice(first, last)
+    return replace(
+        frames,
+        times=frames.times[here],
+        R_WB=frames.R_WB[here],
+        p_WB=frames.p_WB[here],
+        R_WG=frames.R_WG[here],
+        p_WG=frames.p_WG[here],
+    )
 
 
 @pytest.mark.parametrize(

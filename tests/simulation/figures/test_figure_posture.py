@@ -276,7 +276,7 @@ def test_joint_steps_halve_with_the_time_step() -> None:
 def _standing(figure: Figure, count: int) -> tuple[Array, FigureFrames]:
     """Return joint values at rest, and frames of a figure that stands, in `count` rows."""
     R, p = np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3))
-    up = p + [0.0, 1.0, 0.0]
+    up = p + np.array([0.0, 1.0, 0.0])
     q = np.tile(figure.skeleton.preferred, (count, 1))
     return q, FigureFrames(np.arange(count) * ROW, ROW, R, up, R, p)
 

@@ -8,6 +8,7 @@ from functools import cache
 from typing import TypeGuard
 
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
+from pipeline.simulation.bodies.prop_paths import guided_solid, is_guided
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.figure_checks import check_figure
@@ -70,8 +71,11 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         SceneError, SimulationError: if performers cannot be built; holds all problems.
     """
     cast, refusals = list(enumerate(scene.cast)), Refusals()
-    troupes = _creatures(scene, figures, world, refusals)
     handled = handled_members(scene, world.directed)
+    guided = [m for _, m in cast if isinstance(m, Prop) and is_guided(m) and m.name not in handled]
+    with refusals.gathered():
+        world = replace(world, solids=tuple(guided_solid(member, world) for member in guided))
+    troupes = _creatures(scene, figures, world, refusals)
     meeting = [(i, member) for i, member in cast if _meets_all(member, handled)]
     bodies = [member.name for _, member in meeting]
     props = [m for _, m in cast if isinstance(m, Prop) and m.name not in bodies]
@@ -139,7 +143,7 @@ def _creatures(
         worms = [p for p in here if p not in hoppers and _is_inchworm(p)]
         walkers = [p for p in here if p not in hoppers and p not in worms]
         ground = world.ground if level is None else level_ground(level, world.ground)
-        there = replace(world, ground=ground)
+        there = replace(world, ground=ground, solids=world.solids if level is None else ())
         if walkers:
             with refusals.gathered():
                 troupes.append(WalkerTroupe(walkers, there, _default_materials(walkers)))

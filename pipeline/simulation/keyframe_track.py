@@ -97,6 +97,48 @@ class Track:
         return np.where((kind == "spline")[:, None], spline, a + (b - a) * eased)
 
 
+LIFT_END = 0.3
+"""Fraction of the way at each of its ends in which it rises to its full lift."""
+
+
+def lift_share(s: Array) -> Array:
+    """Returns the share (n,) of a lift at fractions (n,) of the time of a way."""
+    return ease(np.clip(np.minimum(s, 1.0 - s) / LIFT_END, 0.0, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Lift:
+    """Displacement of the way between two keys.
+
+    Attributes:
+        first, last: times of the keys [s].
+        aside: (d,) displacement at the middle.
+    """
+
+    first: float
+    last: float
+    aside: Array
+
+
+@dataclass(frozen=True, eq=False)
+class LiftedTrack(Track):
+    """A track that leads aside between some of its keys.
+
+    Attributes:
+        lifts: of the ways.
+    """
+
+    lifts: tuple[Lift, ...] = ()
+
+    def __call__(self, times: Array) -> Array:
+        """See `Track`."""
+        values = super().__call__(times)
+        for lift in self.lifts:
+            s = np.clip((times - lift.first) / (lift.last - lift.first), 0.0, 1.0)
+            values = values + lift_share(s)[:, None] * lift.aside
+        return values
+
+
 @dataclass(frozen=True, eq=False)
 class CyclicTrack:
     """A track that repeats.

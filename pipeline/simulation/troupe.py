@@ -12,6 +12,7 @@ from enum import Enum
 from typing import ClassVar
 
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.figures.surroundings import MovingSolid
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.members import MemberState
@@ -42,6 +43,7 @@ class World:
         detect: thresholds of the sound detectors.
         directed: whether further instructions may arrive while the simulation runs.
         places: named places (3,) of the scene [m].
+        solids: things whose motion is known before, that limbs keep clear of.
     """
 
     ground: Ground
@@ -52,6 +54,7 @@ class World:
     detect: Detect = field(default_factory=Detect)
     directed: bool = False
     places: Mapping[str, Array] = field(default_factory=dict)
+    solids: Sequence[MovingSolid] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -192,6 +192,17 @@ class PoseKey(ConfigModel):
     weight: Annotated[Positive, Field(le=1000)] = Field(
         1.0, description="Share in a compromise with what else has this priority."
     )
+    avoid: tuple[Name, ...] | None = Field(
+        None,
+        description="What the links of the limb keep clear of as far as its goals let them: names "
+        "of props that stand or move by keyframes, and ground. All of them if left out; [] is "
+        "nothing.",
+    )
+    dexterity: Annotated[Number, Field(ge=0, le=1)] = Field(
+        0.0,
+        description="How much of the freedom that the goals leave keeps the limb able to move its "
+        "tip in all directions, instead of near its own pose.",
+    )
     joints: dict[Name, Number] | None = Field(
         None,
         min_length=1,

@@ -20,6 +20,7 @@ from pipeline.simulation.bodies.integrated_motion import (
 from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
+from pipeline.simulation.figures.surroundings import MovingSolid
 from pipeline.simulation.keyframe_track import CyclicTrack, Key, Track, rotation_from_angles
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import World
@@ -104,6 +105,19 @@ class ForcePath:
 def path_of_prop(member: Prop, world: World) -> PropPath:
     """Returns the path of a prop until hands take it or it falls."""
     return prop_path(member, _start(member, world))
+
+
+def is_guided(member: Prop) -> bool:
+    """Return whether a prop stands, or moves by its keyframes alone, and keeps its size."""
+    moved = member.velocity, member.spin_deg, member.force, member.falls, member.parent
+    scaled = any(key.scale is not None for key in member.keyframes)
+    return all(way is None for way in moved) and not member.held and not scaled
+
+
+def guided_solid(member: Prop, world: World) -> MovingSolid:
+    """Return the solid of a prop that `is_guided`."""
+    corners = prop_solid(member.prop).vertices
+    return MovingSolid.of(member.name, corners, path_of_prop(member, world).at)
 
 
 def _start(member: Prop, world: World) -> Array:

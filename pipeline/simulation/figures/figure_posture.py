@@ -7,7 +7,7 @@ Source: Sims 1987, 3.2.2, 6.2 and B.3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
@@ -17,6 +17,7 @@ from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.pose_plan import PosePlan
 from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss, LimbParent, PosedLimb
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, turn
 
@@ -29,11 +30,13 @@ class FigurePosture:
         figure: the figure.
         plan: its demands.
         rng: for the search for poses of keys.
+        surroundings: that its limbs keep clear of.
     """
 
     figure: Figure
     plan: PosePlan
     rng: np.random.Generator
+    surroundings: Surroundings = field(default_factory=lambda: Surroundings(None))
 
     @cached_property
     def _tree(self) -> JointTree:
@@ -42,7 +45,10 @@ class FigurePosture:
     @cached_property
     def _limbs(self) -> dict[int, PosedLimb]:
         """Limbs with demands; one that hangs on another comes after it."""
-        limbs = {i: PosedLimb(self.figure, i, self.plan, self.rng) for i in self.plan.limbs()}
+        limbs = {
+            i: PosedLimb(self.figure, i, self.plan, self.rng, self.surroundings)
+            for i in self.plan.limbs()
+        }
         return dict(sorted(limbs.items(), key=lambda item: (item[1].above != BODY, item[0])))
 
     def body(self, times: Array) -> tuple[Array, Array]:

@@ -14,19 +14,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import hinge
 from pipeline.simulation.figures.ik_goals import (
     Goal,
     JointTargets,
     PointDirection,
     PointOrientation,
     PointPlacement,
+    dexterity_gradient,
     rotation_vector,
 )
 from pipeline.simulation.figures.inverse_kinematics import GOAL_PURSUIT
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.pose_plan import JointRun, PointRun, PoseRun
+from pipeline.simulation.figures.surroundings import LimbSamples, Surroundings
 from pipeline.simulation.figures.task_priority import Task, bounded_least_squares_step
-from pipeline.simulation.spatial import Array, normalized, rotation, turn
+from pipeline.simulation.spatial import Array, cross, normalized, rotation, turn, turn_inverse
 
 PULL_GAIN = 0.3
 """Fraction of the way to the pulled values that redundancy goes in one step."""
@@ -34,8 +37,66 @@ PULL_GAIN = 0.3
 PRIORITY_SCALE = 0.01
 """Errors of each priority count so much of those before: their squares ten thousandth."""
 
+CLEARANCE = 0.03
+"""Gap that limbs keep from obstacles, in their lengths."""
+
+CLEARANCE_GAIN = 0.5
+"""Fraction of a missing gap that one step makes up for."""
+
 REACHED = 1e-6
 """Error that counts as none, in lengths of the limb or radians."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """What the links of one limb keep clear of in n rows.
+
+    Attributes:
+        surroundings: the ground and solids.
+        samples: points of the limb.
+        times: (n,) [s].
+        R_WP, p_WP: (n, 3, 3) and (n, 3) of what the limb hangs on [m].
+    """
+
+    surroundings: Surroundings
+    samples: LimbSamples
+    times: Array
+    R_WP: Array
+    p_WP: Array
+
+    def rows(self, chosen: NDArray[np.int64]) -> Clearance:
+        """Return the rows `chosen`."""
+        return replace(
+            self, times=self.times[chosen], R_WP=self.R_WP[chosen], p_WP=self.p_WP[chosen]
+        )
+
+    def gaps(self, pose: LimbPose, batch: LimbBatch) -> tuple[Array, Array, Array]:
+        """Return the gaps (n, o, m) of the samples' surfaces, directions away, and places."""
+        samples = self.samples
+        X = pose.X_BJ[:, samples.columns]
+        offsets = samples.places - batch.places[0, samples.columns]
+        points = X[..., :3, 3] + turn(X[..., :3, :3], offsets)
+        there = self.p_WP[:, None] + turn(self.R_WP[:, None], points)
+        gap, away = self.surroundings.gaps(self.times, there)
+        return gap - samples.radii, turn_inverse(self.R_WP[:, None, None], away), points
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Demand the missing gaps, which begin to act before they are missing."""
+        size = float(batch.lengths[0])
+        keep, width = CLEARANCE * size, 0.5 * CLEARANCE * size
+        gap, away, points = self.gaps(pose, batch)
+        missing = hinge(keep - gap, width)
+        acting = np.clip((keep - gap + width) / (2.0 * width), 0.0, 1.0)
+        axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
+        levers = points[:, :, None] - pose.X_BJ[:, None, :, :3, 3]
+        J = np.where(batch.prismatic[:, None, :, None], axes[:, None], cross(axes[:, None], levers))
+        J = J * (np.arange(J.shape[2]) <= self.samples.columns[:, None])[..., None]
+        rows = np.einsum("nmkx,nomx->nomk", J, away) * acting[..., None] / size
+        count = len(rows)
+        return Task(
+            rows.reshape(count, -1, J.shape[2]),
+            (CLEARANCE_GAIN * acting * missing / size).reshape(count, -1),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +110,8 @@ class LimbGoals:
             relative to what the limb hangs on.
         values: (n, j) of the joints [rad or m].
         pull: (n, k) joint values to which redundancy leads [rad or m].
+        dexterity: joint values [rad] that redundancy gains for a gradient of dexterity of one.
+        clearance: what its links keep clear of.
     """
 
     points: Sequence[PointRun]
@@ -56,11 +119,19 @@ class LimbGoals:
     targets: Sequence[Array]
     values: Array
     pull: Array
+    dexterity: float = 0.0
+    clearance: Clearance | None = None
 
     def rows(self, chosen: NDArray[np.int64]) -> LimbGoals:
         """Return the goals in the rows `chosen`."""
         targets = [target[chosen] for target in self.targets]
-        return replace(self, targets=targets, values=self.values[chosen], pull=self.pull[chosen])
+        return replace(
+            self,
+            targets=targets,
+            values=self.values[chosen],
+            pull=self.pull[chosen],
+            clearance=None if self.clearance is None else self.clearance.rows(chosen),
+        )
 
     def repeated(self, count: int) -> LimbGoals:
         """Return the goals of the first row `count` times."""
@@ -85,12 +156,16 @@ class LimbGoals:
         scales = [
             run.weight**0.5 * PRIORITY_SCALE ** levels.index(run.priority) for run, _ in tasks
         ]
+        demands = [task for _, task in tasks]
+        if self.clearance is not None:
+            scales.append(PRIORITY_SCALE ** len(levels))
+            demands.append(self.clearance.task(batch, pose))
         return Task(
             np.concatenate(
-                [c * task.jacobian for c, (_, task) in zip(scales, tasks, strict=True)], axis=1
+                [c * task.jacobian for c, task in zip(scales, demands, strict=True)], axis=1
             ),
             np.concatenate(
-                [c * task.velocity for c, (_, task) in zip(scales, tasks, strict=True)], axis=1
+                [c * task.velocity for c, task in zip(scales, demands, strict=True)], axis=1
             ),
         )
 
@@ -169,6 +244,8 @@ def pursue(
             task = Task(task.jacobian[left], task.velocity[left])
         damping = GOAL_PURSUIT.damping + GOAL_PURSUIT.stiffness * np.minimum(error, 1.0)
         wish = PULL_GAIN * (there.pull - here.q)
+        if there.dexterity:
+            wish += there.dexterity * dexterity_gradient(batch, here)
         q = bounded_least_squares_step(batch, here.q, task, wish, damping)
         largest = np.abs(q - here.q).max(axis=1, keepdims=True, initial=0.0)
         part = GOAL_PURSUIT.max_move / np.maximum(largest, GOAL_PURSUIT.max_move)

@@ -12,7 +12,7 @@ Source: Sims 1987, 3.2.2.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -94,6 +94,8 @@ class PoseRun:
         run: values over time.
         priority: 1 comes first.
         weight: among demands of that priority.
+        avoid: names of what the limb keeps clear of; None for everything.
+        dexterity: how much its redundancy goes towards dexterity.
     """
 
     name: str
@@ -101,6 +103,8 @@ class PoseRun:
     run: BlendedTrack
     priority: int
     weight: float
+    avoid: tuple[str, ...] | None
+    dexterity: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,13 +154,16 @@ class PosePlan:
         return sorted({asked.limb for asked in (*self.points, *self.joints)})
 
 
-def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
+def plan_poses(
+    keys: Sequence[PoseKey], figure: Figure, path: str, known: Collection[str] = ()
+) -> PosePlan:
     """Return the pose plan of a figure.
 
     Args:
         keys: in any order.
         figure: the figure.
         path: of the keys in the scene, for errors.
+        known: names of what limbs can avoid.
 
     Raises:
         SceneError: a key names a part that the figure lacks, or demands the impossible.
@@ -165,6 +172,7 @@ def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
     # Authors write limb by limb; keys are taken in order of time.
     for number in sorted(range(len(keys)), key=lambda i: keys[i].at):
         plan.take(number, keys[number])
+        plan.check_avoided(number, keys[number], known)
     if plan.problems:
         raise SceneError(plan.problems)
     return plan.finished()
@@ -219,6 +227,16 @@ class _Planner:
             self._add(_TrackKey(BODY, -1, 0), BODY, key, (*key.body.move, *angles), path)
         if key.release is not None:
             self._release(key, key.release, f"{path}.release")
+
+    def check_avoided(self, number: int, key: PoseKey, known: Collection[str]) -> None:
+        """Refuse names that no limb can keep clear of."""
+        for i, name in enumerate(key.avoid or ()):
+            if name not in known:
+                message = (
+                    f"'{name}' is no prop that stands or moves by its keys, nor ground, "
+                    f"{hint(name, known)}"
+                )
+                self.problems.append(Problem(f"{self.path}[{number}].avoid[{i}]", message))
 
     def _take_point(self, key: PoseKey, path: str) -> None:
         word = "limb" if key.limb is not None else "node"
@@ -277,7 +295,7 @@ class _Planner:
         if known is None:
             self.open[thing] = _OpenTrack(name, [(key.at, value, key.ease)], key)
             return
-        for word in ("frame", "priority", "weight"):
+        for word in ("frame", "priority", "weight", "avoid", "dexterity"):
             before = getattr(known.first, word)
             if getattr(key, word) != before and thing.kind != BODY:
                 message = f"is {before} for the keys before; release it first to change that"
@@ -325,6 +343,8 @@ class _Planner:
                     run=run.run(),
                     priority=run.first.priority or JOINT_PRIORITY,
                     weight=run.first.weight,
+                    avoid=run.first.avoid,
+                    dexterity=run.first.dexterity,
                 )
 
     def _points(self, runs: Iterable[tuple[_TrackKey, _OpenTrack]]) -> Iterator[PointRun]:
@@ -341,4 +361,6 @@ class _Planner:
                 frame=first.frame,
                 priority=first.priority or POINT_PRIORITY,
                 weight=first.weight,
+                avoid=first.avoid,
+                dexterity=first.dexterity,
             )

@@ -27,14 +27,18 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.ik_goals import TipPlacement
 from pipeline.simulation.figures.inverse_kinematics import closest_pose
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
-from pipeline.simulation.figures.limb_goals import LimbGoals, pursue
+from pipeline.simulation.figures.limb_goals import CLEARANCE, Clearance, LimbGoals, pursue
 from pipeline.simulation.figures.pose_plan import PointRun, PosePlan
-from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.skeleton import BODY, Limb
+from pipeline.simulation.figures.surroundings import LimbSamples, Surroundings
 from pipeline.simulation.keyframe_track import (
     SAME_TIME,
     BlendedTrack,
     Key,
+    Lift,
+    LiftedTrack,
     Track,
+    lift_share,
     rotation_from_angles,
 )
 from pipeline.simulation.spatial import Array, normalized, turn, turn_inverse
@@ -72,12 +76,28 @@ DETOUR_END = 0.25
 KNOT_SPACING, MOST_BETWEEN = 0.15, 12
 """Movement of goals, in lengths of the limb or radians, and greatest number, of knots between."""
 
+SAMPLED = (1 / 3, 2 / 3, 1.0)
+"""Fractions of links whose points keep clear of obstacles."""
+
 RENEWAL = 0.25
 """Interval in which the poses of keys follow the place of the body [s]."""
 
 MOVED_TARGET = 0.02
 """Movement of a target relative to the limb that needs a new pose, in lengths of the limb or
 radians."""
+
+DEPTH, DEPTH_COST = 0.02, 20.0
+"""Depth in obstacles, in lengths of the limb, for which another pose is looked for, and joint
+movement [rad] that a length less is worth."""
+
+WAY = np.linspace(0.0, 1.0, 25)
+"""Where the way of a place is searched for obstacles, in fractions of its time."""
+
+LIFTS = np.arange(1, 25) * 0.05
+"""Tried lifts of a way over obstacles, in lengths of the limb."""
+
+MAX_LIFT_REACH = 0.97
+"""Greatest distance of such a way from the base of the limb, in its length."""
 
 MISS_FRACTION, MISS_ANGLE = 1e-2, 1e-2
 """Misses that are worth a note: of places, in lengths of the limb, and of angles [rad]."""
@@ -215,21 +235,52 @@ class _Knot:
     targets: LimbGoals | None = None
 
 
+def _samples_of(figure: Figure, limb: Limb, points: Sequence[PointRun]) -> LimbSamples:
+    """Return points along the links of a limb, but not those that its author places."""
+    columns, places, radii = list[int](), list[Array](), list[float]()
+    placed = [run.point.place for run in points if run.goal == "reach"]
+    for number in limb.links:
+        link = figure.skeleton.links[number]
+        if link.joint not in limb.joints:
+            continue
+        for part in SAMPLED:
+            place = link.ends[0] + part * (link.ends[1] - link.ends[0])
+            if any(float(np.abs(place - other).max()) < 1e-9 for other in placed):
+                continue
+            columns.append(limb.joints.index(link.joint))
+            places.append(place)
+            radii.append(link.radii[0] + part * (link.radii[1] - link.radii[0]))
+    return LimbSamples(np.array(columns), np.array(places), np.array(radii))
+
+
 class PosedLimb:
     """One posed limb of a figure."""
 
     def __init__(
-        self, figure: Figure, number: int, plan: PosePlan, rng: np.random.Generator
+        self,
+        figure: Figure,
+        number: int,
+        plan: PosePlan,
+        rng: np.random.Generator,
+        surroundings: Surroundings,
     ) -> None:
         skeleton = figure.skeleton
+        self.figure = figure
         self.limb = skeleton.limbs[number]
         self.batch = LimbBatch.of([(skeleton, self.limb)])
         self.above = int(skeleton.parents[self.limb.joints[0]])
         self.points = [run for run in plan.points if run.limb == number]
         self.joints = [run for run in plan.joints if run.limb == number]
+        runs = [*self.points, *self.joints]
+        self.dexterity = max(run.dexterity for run in runs)
+        self.surroundings = surroundings
+        if all(run.avoid is not None for run in runs):
+            self.surroundings = surroundings.only({n for run in runs for n in run.avoid or ()})
+        self._samples = _samples_of(figure, self.limb, self.points)
         shape = DRAWS, self.batch.lower.shape[1]
         self._draws = self.batch.lower + rng.random(shape) * (self.batch.upper - self.batch.lower)
-        self._knots = list(self._find_knots(plan.body))
+        self._body = plan.body
+        self._knots = list[_Knot]()
         self._renewed = -math.inf
         self._last: Array | None = None
         self._lags = False
@@ -265,6 +316,10 @@ class PosedLimb:
         if most.any():
             shares = weights.copy()
             shares[:, :count] /= np.where(most > 0.0, most, 1.0)[:, None]
+            if not self._knots:
+                self._clear_ways(int(np.flatnonzero(most)[0]), parent, foresight)
+                self._knots = list(self._find_knots(self._body))
+                goals = self._goals(frames, parent, q)
             seeds = self._seeds(result, frames, parent, foresight, most > 0.0)
             kept, adherence = self._detours(frames.times)
             asked = goals
@@ -286,7 +341,19 @@ class PosedLimb:
             [point_targets(run, frames, parent) for run in self.points],
             np.stack(values, axis=-1) if values else np.zeros((len(times), 0)),
             pull,
+            self.dexterity,
+            self._clearance(frames, parent),
         )
+
+    def _clearance(self, frames: FigureFrames, parent: LimbParent) -> Clearance | None:
+        R_WP = frames.R_WB @ parent.R_BP
+        p_WP = frames.p_WB + turn(frames.R_WB, parent.p_BP)
+        base = p_WP + turn(R_WP, self.batch.places[0, 0])
+        reach = float(self.batch.lengths[0])
+        near = self.surroundings.near(frames.times, base, reach * (1.0 + 2.0 * CLEARANCE))
+        if near.is_empty:
+            return None
+        return Clearance(near, self._samples, frames.times, R_WP, p_WP)
 
     # --- rows -----------------------------------------------------------------------
 
@@ -299,14 +366,17 @@ class PosedLimb:
         for kind in np.unique(kinds, axis=0):
             chosen = rows[(kinds == kind).all(axis=1)]
             start = seeds[chosen]
-            there = replace(goals.rows(chosen), pull=start)
+            # The poses of knots keep clear of obstacles; what lies between follows them.
+            there = replace(goals.rows(chosen), pull=start, clearance=None, dexterity=0.0)
             pose = self.batch.pose(start)
             if (kind == 2).any():
-                pose = pursue(self.batch, start, there.only((kind == 2).tolist()), ROW_STEPS)
+                whole = there.only((kind == 2).tolist())
+                pose = pursue(self.batch, start, whole, ROW_STEPS)
             if (kind == 1).any():
                 # Goals that are still taking over ask for a fraction of their way.
                 partial = there.partly(shares[chosen], self.batch, pose)
-                pose = pursue(self.batch, pose.q, partial.only((kind > 0).tolist()), ROW_STEPS)
+                part = partial.only((kind > 0).tolist())
+                pose = pursue(self.batch, pose.q, part, ROW_STEPS)
             result[chosen] = pose.q
         return result
 
@@ -332,6 +402,66 @@ class PosedLimb:
                 before = q[row]
         self._last = q[-1].copy()
         return q, slow
+
+    # --- ways -----------------------------------------------------------------------
+
+    def _clear_ways(self, row: int, parent: LimbParent, foresight: Foresight) -> None:
+        """Lead the ways between places around what is in them, as far as is foreseen in `row`."""
+        for i, asked in enumerate(self.points):
+            track = asked.run.track
+            if asked.goal != "reach" or self.surroundings.is_empty:
+                continue
+            lifts = []
+            for first, last in itertools.pairwise(track.times.tolist()):
+                times = first + (last - first) * WAY
+                moved = float(np.abs(np.ptp(track(times), axis=0)).max())
+                if last - first > SAME_TIME and moved > CLEARANCE * float(self.batch.lengths[0]):
+                    frames = foresight(row, times)
+                    lift = self._lift(asked, frames, parent.repeated(row, len(times)))
+                    if lift is not None:
+                        lifts.append(Lift(first, last, lift))
+            if lifts:
+                around = LiftedTrack(track.times, track.values, track.eases, None, tuple(lifts))
+                self.points[i] = replace(asked, run=replace(asked.run, track=around))
+
+    def _lift(self, asked: PointRun, frames: FigureFrames, parent: LimbParent) -> Array | None:
+        """Return by how much (3,) a way leads aside, in the frame of its places; None for none.
+
+        The least of several: upward, to the sides, or towards the base of the limb [m].
+        """
+        size = float(self.batch.lengths[0])
+        R_WG, p_WG = frames.frame(asked.frame)
+        way = p_WG + turn(R_WG, asked.run.track(frames.times))
+        base = frames.p_WB + turn(frames.R_WB, parent.p_BP)
+        base = base + turn(frames.R_WB @ parent.R_BP, self.batch.places[0, 0])
+        radius = float(self._radius_at(asked))
+        keep = 2.0 * CLEARANCE * size
+
+        def gaps(points: Array) -> Array:
+            gap: Array = self.surroundings.gaps(frames.times, points[:, None])[0].min(axis=(1, 2))
+            return gap - radius
+
+        rise = lift_share(WAY)
+        own = gaps(way)
+        # Places that touch something are met as they are.
+        needed = rise * keep + (1.0 - rise) * np.minimum(np.where(WAY < 0.5, own[0], own[-1]), keep)
+        if (own >= needed - 1e-9).all():
+            return None
+        ahead = way[-1] - way[0]
+        side = normalized(np.array([-ahead[2], 0.0, ahead[0]]) + 1e-12)
+        back = normalized(base.mean(axis=0) - way.mean(axis=0))
+        for amount in LIFTS * size:
+            for aside in (np.array([0.0, 1.0, 0.0]), side, -side, back):
+                there = way + amount * rise[:, None] * aside
+                far = np.linalg.norm(there - base, axis=-1)
+                if far.max() < MAX_LIFT_REACH * size and (gaps(there) >= needed - 1e-9).all():
+                    return turn_inverse(R_WG[0], amount * aside)
+        return None
+
+    def _radius_at(self, asked: PointRun) -> float:
+        links = (self.figure.skeleton.links[number] for number in self.limb.links)
+        near = [link for link in links if np.abs(link.ends[1] - asked.point.place).max() < 1e-9]
+        return near[0].radii[1] if near else 0.0
 
     # --- knots ----------------------------------------------------------------------
 
@@ -368,11 +498,15 @@ class PosedLimb:
 
     def _between(self, start: float, end: float, body: Sequence[BlendedTrack]) -> int:
         """Return the number of knots that the way from one time to another needs between them."""
-        size, times = float(self.batch.lengths[0]), np.array([start, end])
-        ways = [float(np.abs(np.diff(run.track(times), axis=0)).max()) / size for run in body]
+        size, times = float(self.batch.lengths[0]), start + (end - start) * CHECKED
+
+        def length(track: Track) -> float:
+            return float(np.abs(np.diff(track(times), axis=0)).sum(axis=0).max())
+
+        ways = [length(run.track) / size for run in body]
         for asked in (*self.points, *self.joints):
             unit = size if isinstance(asked, PointRun) and asked.goal == "reach" else 1.0
-            ways.append(float(np.abs(np.diff(asked.run.track(times), axis=0)).max()) / unit)
+            ways.append(length(asked.run.track) / unit)
         return min(int(max(ways) / KNOT_SPACING), MOST_BETWEEN)
 
     def _seeds(
@@ -485,7 +619,9 @@ class PosedLimb:
             return False
         q = first.after[None]
         for knot, goals in way[1:]:
-            q = pursue(self.batch, q, goals, KEY_STEPS if knot is way[-1][0] else ROW_STEPS).q
+            most = KEY_STEPS if knot is way[-1][0] else ROW_STEPS
+            least = 1 if goals.clearance is None else ROW_STEPS
+            q = pursue(self.batch, q, goals, most, least).q
             if self._cost(goals, self.batch.pose(q))[0] > KEY_TOLERANCE:
                 return False
             knot.before = knot.after = q[0]
@@ -553,24 +689,40 @@ class PosedLimb:
             start: (k,) of the key before.
         """
         near = self._pursued(goals, np.stack([start, own]))
-        cost = self._cost(goals.repeated(2), near)
-        if cost[0] < KEY_TOLERANCE:
+        own_cost = self._cost(goals.repeated(2), near)[0]
+        if own_cost < KEY_TOLERANCE and self._depth(goals.repeated(2), near)[0] < DEPTH:
             return near.q[0]
-        starts = np.concatenate([self._candidates(goals, start), near.q])
+        starts = np.concatenate([near.q, self._candidates(goals, start)])
         found = self._pursued(goals, starts)
         cost = self._cost(goals.repeated(len(starts)), found)
-        travel = np.abs(found.q - start).max(axis=1)
+        depth = self._depth(goals.repeated(len(starts)), found)
+        travel = np.abs(found.q - start).max(axis=1) + DEPTH_COST * depth
         reached = cost < KEY_TOLERANCE
         if reached.any():
             return found.q[np.where(reached, travel, np.inf).argmin()]
         return self._closest(goals, found.rows(np.array([cost.argmin()])))
+
+    def _depth(self, goals: LimbGoals, pose: LimbPose) -> Array:
+        """Return how deep (n,) links are in obstacles, in lengths of the limb."""
+        if goals.clearance is None:
+            return np.zeros(len(pose.q))
+        gap, _, _ = goals.clearance.gaps(pose, self.batch)
+        result: Array = np.maximum(-gap.min(axis=(1, 2)) / self.batch.lengths[0], 0.0)
+        return result
 
     def _pursued(self, goals: LimbGoals, starts: Array) -> LimbPose:
         same = goals.repeated(len(starts))
         return pursue(self.batch, starts, same, KEY_STEPS, min_steps=KEY_STEPS // 4)
 
     def _cost(self, goals: LimbGoals, pose: LimbPose) -> Array:
-        """Return the errors (n,) of poses, those of lower priority counting little."""
+        """Return the errors (n,) of poses, those of lower priority counting little.
+
+        Gaps from obstacles are left out.
+        """
+        return self._whole_cost(replace(goals, clearance=None), pose)
+
+    def _whole_cost(self, goals: LimbGoals, pose: LimbPose) -> Array:
+        """Return the errors (n,) with missing gaps, which count less than any goal."""
         return np.linalg.norm(goals.task(self.batch, pose).velocity, axis=-1)
 
     def _candidates(self, goals: LimbGoals, start: Array) -> Array:
@@ -582,7 +734,7 @@ class PosedLimb:
             if run.goal == "reach" and run.point.column == last and base_ball_joint(batch).any():
                 draws.append(ball_joint_branches(batch, target)[:, 0])
         q = np.concatenate(draws)
-        cost = self._cost(goals.repeated(len(q)), batch.pose(q))
+        cost = self._whole_cost(goals.repeated(len(q)), batch.pose(q))
         cost += TRAVEL_COST * np.abs(q - start).max(axis=1)
         return q[np.argsort(cost, kind="stable")[:CANDIDATES]]
 
@@ -590,6 +742,8 @@ class PosedLimb:
         """Return joint values (k,) from which no small movement leads nearer to the goals."""
         last = self.batch.lower.shape[1] - 1
         runs = goals.points
+        if self._cost(goals, pose)[0] < KEY_TOLERANCE:
+            return pose.q[0]
         if len(runs) == 1 and runs[0].goal == "reach" and runs[0].point.column == last:
             pose = closest_pose(self.batch, pose, TipPlacement(goals.targets[0]))
         return pose.q[0]

@@ -13,6 +13,7 @@ from pipeline.simulation.figures.ik_goals import PreferredValues, TipPlacement
 from pipeline.simulation.figures.inverse_kinematics import track_goals
 from pipeline.simulation.figures.pose_plan import plan_poses
 from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
+from pipeline.simulation.figures.surroundings import GROUND, Surroundings
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
@@ -39,13 +40,16 @@ class AuthoredPoses:
         herd: Herd,
         free_joints: FreeJoints,
         seed: int,
+        surroundings: Surroundings,
     ) -> None:
         self.herd, self.free_joints = herd, free_joints
+        known = {GROUND, *(solid.name for solid in surroundings.solids)}
         self.postures: Mapping[int, FigurePosture] = {
             c: FigurePosture(
                 figure,
-                plan_poses(member.pose, figure, f"cast[{number}].pose"),
+                plan_poses(member.pose, figure, f"cast[{number}].pose", known),
                 generator(seed, f"{member.name}.pose"),
+                surroundings,
             )
             for c, (number, member, figure) in enumerate(cast)
             if member.pose

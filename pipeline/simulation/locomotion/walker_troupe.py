@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
@@ -82,7 +83,9 @@ class WalkerTroupe(Troupe):
         trajectory.style = moods.style(0.0)
         free_joints = collect_free_joints(herd, world.seed)
         table = NodeTable.of(herd, free_joints)
-        self.authored_poses = AuthoredPoses(cast, herd, free_joints, world.seed)
+        self.authored_poses = AuthoredPoses(
+            cast, herd, free_joints, world.seed, Surroundings(world.ground, world.solids)
+        )
         self.pose_solver = PoseSolver(
             herd, trajectory, free_joints, table, self.authored_poses, world.clock
         )

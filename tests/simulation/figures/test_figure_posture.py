@@ -12,6 +12,8 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_posture import FigurePosture
+from pipeline.simulation.figures.ik_goals import dexterity
+from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.pose_plan import PartNames
 from pipeline.simulation.figures.posed_limb import FigureFrames
 from pipeline.simulation.keyframe_track import rotation_from_angles
@@ -27,8 +29,8 @@ ROW = 1 / 96
 class Posed:
     """A take of one creature with its parts by name."""
 
-    def __init__(self, member: str, duration: float = 2) -> None:
-        simulation = Simulation(scene_of(member, duration=duration))
+    def __init__(self, *cast: str, duration: float = 2) -> None:
+        simulation = Simulation(scene_of(*cast, duration=duration))
         while not simulation.finished:
             simulation.step()
         self.take: Take = simulation.take()
@@ -49,6 +51,10 @@ class Posed:
     def place(self, node: str) -> Array:
         """Return the position of a node (K, 3) [m]."""
         return self.link(node)[1]
+
+    def from_feet(self, node: str) -> Array:
+        """Return the position of a node (K, 3) from the ground below a body that looks ahead."""
+        return self.place(node) - self.body[1] + [0.0, self.height, 0.0]
 
     def joint(self, name: str) -> Array:
         """Return the values (K,) of a joint [degrees]."""
@@ -273,6 +279,51 @@ def test_joint_steps_halve_with_the_time_step() -> None:
     assert fine < 0.6 * coarse
 
 
+BLOCK = np.array([0.5, 0.7, 0.16])
+
+
+@pytest.mark.parametrize("avoid", ["", ", avoid: []"])
+def test_arm_goes_around_a_box(avoid: str) -> None:
+    keys = ", ".join(
+        f"{{at: {at}, limb: arm_m, reach: [0.75, 0.35, {z}]{avoid}}}"
+        for at, z in ((0.25, -0.55), (1.25, 0.55))
+    )
+    arm = f"{{figure: robot_arm, name: p, at: [0, 0], pose: [{keys}]}}"
+    block = f"{{prop: {{shape: box, size: {BLOCK.tolist()}}}, name: block, at: [0.75, 0.35, 0]}}"
+    posed = Posed(arm, block, duration=1.3)
+    inside = 0
+    for _, link in posed.names.nodes.values():
+        number = posed.figure.skeleton.limbs[0].links[link]
+        ends = posed.figure.skeleton.links[number].ends
+        R, p = matrix(posed.take.rotations[:, number]), posed.take.positions[:, number]
+        for part in np.linspace(0.0, 1.0, 5):
+            place = p + turn(R, part * (ends[1] - ends[0]))
+            deep = np.abs(place - [0.75, 0.35, 0.0]) < BLOCK / 2.0
+            inside += int(deep.all(axis=1).sum())
+    assert (inside == 0) == (avoid == "")
+    end = posed.from_feet("hand")[round(1.25 / ROW)]
+    np.testing.assert_allclose(end, [0.75, 0.35, 0.55], atol=1e-3)
+    assert posed.fastest() < 8
+
+
+def test_dexterity_moves_the_limb_away_from_singularities() -> None:
+    plain, able = (
+        Posed(
+            "{figure: robot_arm, name: p, at: [0, 0],"
+            f" pose: [{{at: 0, limb: arm_m, reach: [0.6, 0.5, 0.3]{more}}}]}}",
+            duration=0.1,
+        )
+        for more in ("", ", dexterity: 1")
+    )
+    batch = LimbBatch.of([(plain.figure.skeleton, plain.figure.skeleton.limbs[0])])
+    measures = []
+    for posed in (plain, able):
+        arm = [i for i, c in enumerate(posed.take.channels) if ".arm_m1." in c.name]
+        measures.append(float(dexterity(batch, batch.pose(posed.take.values[:1, arm]))[0]))
+        np.testing.assert_allclose(posed.from_feet("hand")[0], [0.6, 0.5, 0.3], atol=1e-3)
+    assert measures[1] > 1.02 * measures[0]
+
+
 def _standing(figure: Figure, count: int) -> tuple[Array, FigureFrames]:
     """Return joint values at rest, and frames of a figure that stands, in `count` rows."""
     R, p = np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3))
@@ -303,6 +354,10 @@ def _rows(frames: FigureFrames, first: int, last: int) -> FigureFrames:
         ("{at: 1, joints: {elbow_r_deg: 400}}", "goes from -2.29 to 148 degrees, not to 400"),
         ("{at: 1, limb: arm_r}", "needs a goal: reach or aim or turn_deg"),
         ("{at: 1, reach: [0, 0, 0]}", "needs limb or node"),
+        (
+            "{at: 1, limb: arm_r, reach: [0, 1, 0], avoid: [grond]}",
+            "'grond' is no prop that stands or moves by its keys",
+        ),
         ("{at: 1, limb: arm_r, node: hand_r, reach: [0, 0, 0]}", "either limb or node"),
         ("{at: 1, limb: arm_r, aim: [0, 0, 0]}", "has no direction"),
         ("{at: 1}", "should have limb, node, joints, body or release"),

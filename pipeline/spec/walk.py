@@ -52,7 +52,11 @@ class GaitPhases(ConfigModel):
         return self
 
 
+AUTO: Literal["auto"] = "auto"
+"""Name of the gait that changes with the speed."""
+
 GaitName = Literal[
+    "auto",
     "trot",
     "wave",
     "tripod",
@@ -100,28 +104,32 @@ Gait = Annotated[
 
 
 GAIT = (
-    "A gait by name, or foot-up and foot-down phases. `trot` and `wave` suit any legs; the "
-    "others are for as many legs as the animals have that go so."
+    "A gait by name, or foot-up and foot-down phases. `auto` changes with the speed as that of "
+    "animals does; `trot` and `wave` suit any legs; the others are for as many legs as the animals "
+    "have that go so."
 )
 
 
 class Manner(ConfigModel):
     """Gait and posture of a walking figure; keys left out are chosen to suit its legs."""
 
-    gait: Gait = Field("trot", description=GAIT)
+    gait: Gait = Field(AUTO, description=GAIT)
     legs: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)] | None = Field(
         None, description="The legs that carry it; the others are held up. All if left out."
     )
     duty: Annotated[Number, Field(ge=0.05, le=0.95)] | None = Field(
         None,
         description="Part of the cycle that each foot is down; its swing is lengthened or "
-        "shortened around its middle. The gait's own if left out.",
+        "shortened around its middle. If left out it falls as speed rises, as that of animals "
+        "does; with a `stride` or `cycle`, it is the gait's own.",
     )
     cycle: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="Duration of one gait cycle [s]."
     )
     speed: Annotated[Positive, Field(le=1000)] | None = Field(
-        None, description="Speed of the body over the ground [m/s]."
+        None,
+        description="Speed of the body over the ground; if left out, the one at which an animal of "
+        "this size is comfortable in the gait [m/s].",
     )
     stride: Length | None = Field(
         None, description="Length of one gait cycle over the ground, speed * cycle [m]."

@@ -231,7 +231,7 @@ ONE_MISTAKE = [
      "must be 'three-quarter', 'side', 'front', 'back' or 'top', is the text 'sid'; "
      "did you mean 'side'?"),
     ("{speed: 0.5}", "{gait: §trto}", "cast[0].walk.gait",
-     "must be 'trot', 'wave', 'tripod', 'ripple', 'walk', 'amble', 'pace', 'canter', "
+     "must be 'auto', 'trot', 'wave', 'tripod', 'ripple', 'walk', 'amble', 'pace', 'canter', "
      "'transverse gallop', 'rotary gallop', 'bound', 'run', 'hop' or 'skip', is the text 'trto'; "
      "did you mean 'trot'?"),
     ("{speed: 0.5}", "{duty: §1.5}", "cast[0].walk.duty",

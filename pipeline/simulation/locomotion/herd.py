@@ -13,7 +13,8 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
-from pipeline.simulation.locomotion.gaits.pace import Pace, choose_pace
+from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace_choice import choose_pace
 from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.spatial import Array

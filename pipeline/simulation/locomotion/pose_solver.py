@@ -39,6 +39,7 @@ from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
 from pipeline.simulation.locomotion.swing.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
+    part_of_path,
     swing_positions,
 )
 from pipeline.simulation.spatial import Array, heading, turn, turn_inverse
@@ -323,9 +324,10 @@ class PoseSolver:
 
 
 def _swing_fractions(herd: Herd, phase: Array, feet: FootState) -> Array:
-    """Return the fraction of its swing that each foot has done (n, L); 1 where it stands."""
+    """Return the part of its path that each foot has done (n, L); 1 where it stands."""
     s = (phase[:, herd.owner] - feet.lift_phase) / feet.swing_length
-    return np.where(feet.swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
+    s = part_of_path(np.minimum(np.maximum(s, 0.0), 1.0), feet.swing_length)
+    return np.where(feet.swinging, s, 1.0)
 
 
 def _between(values: Array, s: Array) -> Array:

@@ -37,6 +37,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
 from pipeline.simulation.locomotion.routes.speed_control import predicted
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
+from pipeline.simulation.locomotion.swing.swing_trajectory import QUICKNESS, quickness
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import TakeNote
 from pipeline.simulation.troupe import World
@@ -133,7 +134,10 @@ def _make_contacts(sequencer: StepSequencer, step: int, before: Array, phase: Ar
     for leg in np.flatnonzero(down).tolist():
         fraction = float((down_at[leg] - before[leg]) / span[leg])
         feet.swinging[leg] = False
-        time = sequencer.progress.cycle[sequencer.herd.owner[leg]] * float(feet.swing_length[leg])
+        length = feet.swing_length[leg]
+        time = sequencer.progress.cycle[sequencer.herd.owner[leg]] * float(length)
+        # Quick feet end their swings at a higher rate.
+        time /= 1.0 + QUICKNESS * float(quickness(length))
         swing = feet.start[leg], float(feet.swing_height[leg]), feet.bend_of(leg)
         timing = float(time), float(rate[leg])
         contacts.touch((step, fraction), leg, feet.footholds[leg], swing, timing)

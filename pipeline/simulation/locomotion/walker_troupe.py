@@ -242,7 +242,7 @@ class WalkerTroupe(Troupe):
         """
         herd, clock = self.herd, self.world.clock
         stride, speed = herd.stride.copy(), herd.stride / herd.cycle
-        top = np.array([pace.top_speed for pace in herd.paces])
+        top = np.array([pace.hurried_speed for pace in herd.paces])
         hurries, speedup = np.zeros(len(speed), dtype=bool), np.ones(len(speed))
         for i, instruction in enumerate(self.world.script):
             if instruction.who not in herd.names:
@@ -252,7 +252,7 @@ class WalkerTroupe(Troupe):
                 pace = moods.neutral_pace(c, do, f"script[{i}].do")
                 stride[c] = max(stride[c], pace.stride)
                 speed[c] = max(speed[c], pace.speed)
-                top[c] = max(top[c], pace.top_speed)
+                top[c] = max(top[c], pace.hurried_speed)
             elif isinstance(do, SetSpeed):
                 speed[c] = max(speed[c], do.speed)
             elif isinstance(do, Chase | Flee):

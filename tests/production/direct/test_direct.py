@@ -105,7 +105,11 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug"}, "do", "is missing"),
         ({"who": "bug", "do": {"go_to": [1]}}, "do.go_to", "must hold 2 values, holds 1"),
         ({"who": "bug", "do": {"go_too": [1, 1]}}, "do.go_too", "did you mean 'go_to'?"),
-        ({"who": "bug", "do": {"gait": "canter"}}, "do.gait", "take trot, wave, tripod or ripple"),
+        (
+            {"who": "bug", "do": {"gait": "canter"}},
+            "do.gait",
+            "take auto, trot, wave, tripod or ripple",
+        ),
         ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot do that to itself"),
         (
             {"who": "roo", "do": {"gait": "trot"}},

@@ -28,10 +28,10 @@ from pipeline.spec import Scene, read_scene
 
 HEAD = "pronk: 1\nduration: 2\nterrain: {kind: flat, size: [60, 60]}\ncast:\n"
 CAST = """\
-- {name: bug, figure: beetle, at: [0, 5], walk: {gait: ripple}}
+- {name: bug, figure: beetle, at: [0, 5], walk: {gait: ripple, speed: 0.7}}
 - {name: statue, figure: camel, at: [0, -9]}
-- {name: mare, figure: horse, walk: {gait: rotary gallop}}
-- {name: pip, figure: person, at: [0, -5], walk: {gait: run, duty: 0.3}}
+- {name: mare, figure: horse, walk: {gait: rotary gallop, speed: 7}}
+- {name: pip, figure: person, at: [0, -5], walk: {gait: run, duty: 0.3, speed: 2.5}}
 - {name: looper, figure: inchworm, at: [0, 9], walk: {}}
 """
 

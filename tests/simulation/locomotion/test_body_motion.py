@@ -116,7 +116,7 @@ def test_gaze_meets_an_ordered_place(name: str, place: tuple[float, float, float
 
 
 def test_gaze_follows_a_passed_place() -> None:
-    recording = Recording("{figure: horse, look_at: [14, 1, 6], walk: {gait: walk}}", wander=0.0)
+    recording = Recording("{figure: horse, look_at: [14, 1, 6], walk: {speed: 1}}", wander=0.0)
     eyes, look = recording.look
     assert angle(look, np.array([14, 1, 6]) - eyes).max() < 1.0
 
@@ -269,7 +269,8 @@ def test_body_pitches_down_when_braking() -> None:
 
 def test_pitched_body_keeps_its_feet_below_it() -> None:
     level, proud = (
-        Recording("{figure: horse, walk: {}}", duration=3, body_pitch=held) for held in (0.0, 0.15)
+        Recording("{figure: horse, walk: {speed: 1.1}}", duration=3, body_pitch=held)
+        for held in (0.0, 0.15)
     )
     assert 7.0 < np.mean(proud.pitch - level.pitch) < 8.6
     ends = [

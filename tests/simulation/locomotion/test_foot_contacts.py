@@ -32,7 +32,8 @@ FIGURES = ("person", "horse", "beetle")
 
 
 def scene(figure: str, step: str, terrain: str = ROUGH, fps: str = "24") -> Scene:
-    walk = f"{{step_height: {step}}}" if step else "{}"
+    speed = 0.7 if figure == "beetle" else 0.8
+    walk = f"{{step_height: {step}, speed: {speed}}}" if step else "{}"
     return read_scene(
         f"pronk: 1\nfps: {fps}\nduration: 4\nseed: 1\nterrain: {terrain}\n"
         f"cast: [{{figure: {figure}, walk: {walk}}}]\n"

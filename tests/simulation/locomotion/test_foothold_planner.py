@@ -26,7 +26,7 @@ KINDS = ("beetle", "horse", "spider", "person", "antelope")
 def walkers(request: pytest.FixtureRequest) -> WalkerTroupe:
     cast = "\n".join(
         f"- {{name: c{i}, figure: {kind}, at: [{2 * i - 4}, {i % 3}], heading_deg: {97 * i},"
-        " walk: {}}"
+        " walk: {speed: 0.7}}"
         for i, kind in enumerate(KINDS)
     )
     text = f"pronk: 1\nduration: 1\nseed: 5\nterrain: {request.param}\ncast:\n{cast}\n"

@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.gaits.named_gaits import (
     wave,
 )
 from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import LEG_REQUIREMENTS, GaitName
+from pipeline.spec.walk import AUTO, LEG_REQUIREMENTS, GaitName
 
 FINE = np.linspace(0.0, 1.0, 2001)
 GROUNDED = {"walk", "amble", "tripod", "ripple"}
@@ -212,7 +212,7 @@ def test_bipeds_have_their_gaits() -> None:
 
 def test_every_special_gait_has_leg_requirements() -> None:
     found = {name for n in range(10) for m in (n, n + 1) for name in available_gaits(even(n, m))}
-    assert found == {*LEG_REQUIREMENTS, "trot", "wave"} == set(get_args(GaitName))
+    assert found | {AUTO} == {*LEG_REQUIREMENTS, "trot", "wave", AUTO} == set(get_args(GaitName))
 
 
 # --- duty and flights ---------------------------------------------------------------

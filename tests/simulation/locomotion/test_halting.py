@@ -34,9 +34,9 @@ def test_walker_stops_at_the_edge_of_the_terrain(
 
 
 def test_walker_stops_before_forbidden_ground(scene_of: SceneOf, walk_through: WalkThrough) -> None:
-    member = "{figure: beetle, scale: 0.5, heading_deg: 200, walk: {gait: tripod}}"
+    member = "{figure: beetle, scale: 0.5, heading_deg: 200, walk: {gait: tripod, speed: 0.5}}"
     terrain = "{kind: fractal, height: 2, roughness: 0.55, size: [20, 20]}"
-    walk = walk_through(scene_of(member, terrain=terrain, duration=3, seed=1))
+    walk = walk_through(scene_of(member, terrain=terrain, duration=4, seed=1))
     note = next(note for note in walk.take.notes if note.kind == "stopped")
     assert note.part.startswith("beetle.")
     assert note.step < 200

@@ -43,7 +43,7 @@ UNEVEN = (
 
 @cache
 def walk_in_gait(figure: str, gait: str, more: str = "", options: str = "") -> Walk:
-    member = f"{{figure: {figure}, walk: {{gait: {gait}{options}}}}}"
+    member = f"{{figure: {figure}, at: [-12, 0], walk: {{gait: {gait}{options}}}}}"
     return walk_through(scene_of(member, duration=1.5, more=more))
 
 
@@ -66,7 +66,9 @@ def assert_walking_invariants(walk: Walk) -> None:
     assert stretch.max() < MAX_REACH + 0.005
     dt = walk.simulation.world.clock.dt
     # The body falls in flight and is accelerated upward in stance: up to 2 g in a hop.
-    assert np.abs(np.diff(recorder.positions[:, 0], 2, axis=0)).max() < 2.0 * GRAVITY * dt**2
+    # The film begins within a step, for which the feet were not placed.
+    bent = np.diff(recorder.positions[:, 0], 2, axis=0)[2:]
+    assert np.abs(bent).max() < 2.0 * GRAVITY * dt**2
 
 
 @pytest.mark.nightly

@@ -22,7 +22,7 @@ def walk_with_script(figure: str, walk: str, *script: str, duration: float = 6) 
     """Return the walk of one creature with a script."""
     orders = ", ".join(f"{{at: {2 + 2 * i}, who: it, do: {do}}}" for i, do in enumerate(script))
     more = f"script: [{orders}]\n" if script else ""
-    member = f"{{name: it, figure: {figure}, walk: {walk}}}"
+    member = f"{{name: it, figure: {figure}, at: [-12, 0], walk: {walk}}}"
     return walk_through(scene_of(member, duration=duration, more=more))
 
 

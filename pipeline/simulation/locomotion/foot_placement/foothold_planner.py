@@ -30,6 +30,8 @@ from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     clearance_heights,
     lowest_center_height,
+    part_of_path,
+    quickness,
     swing_positions,
 )
 from pipeline.simulation.spatial import Array, turn_inverse
@@ -233,8 +235,10 @@ class FootholdPlanner:
             first, last, height = (
                 np.repeat(f[asked], n, axis=0) for f in (start, end, swing_height)
             )
-            path = swing_positions(first, last, height, np.tile(SWING_FRACTIONS, len(asked)))
-            good[asked] = reachability.follows(
-                some.legs, turn_inverse(R, path.reshape(p.shape) - p)
-            )
+            parts = part_of_path(SWING_FRACTIONS, some.swing[:, None]).ravel()
+            path = swing_positions(first, last, height, parts)
+            paths = turn_inverse(R, path.reshape(p.shape) - p)
+            drawn_in = reachability.within_reach(some.legs, paths)
+            quick = quickness(some.swing)[:, None, None] > 0.0
+            good[asked] = reachability.follows(some.legs, np.where(quick, drawn_in, paths))
         return swing_height, good

@@ -39,6 +39,8 @@ from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     clearance_height,
     lowest_center_height,
+    part_of_path,
+    quickness,
     swing_positions,
 )
 from pipeline.simulation.spatial import UP, Array, turn_inverse
@@ -314,9 +316,13 @@ class FootholdSearch:
                 if lower > 0.99 * swing_height:
                     break
                 swing_height = lower
-            path = swing_positions(*ends, np.full(n, swing_height), SWING_FRACTIONS)
+            parts = part_of_path(SWING_FRACTIONS, request.timing.swing)
+            path = swing_positions(*ends, np.full(n, swing_height), parts)
             paths = turn_inverse(R, path - (p - np.multiply.outer(lowering, UP)))
-            if self.reachability.follows(np.full(len(paths), leg), paths).all():
+            legs = np.full(len(paths), leg)
+            if quickness(np.array(request.timing.swing)) > 0.0:
+                paths = self.reachability.within_reach(legs, paths)
+            if self.reachability.follows(legs, paths).all():
                 return replace(hold, swing_height=swing_height)
         return replace(hold, swing_height=swing_height) if easy_length == np.inf else None
 

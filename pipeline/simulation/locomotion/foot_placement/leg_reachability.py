@@ -16,6 +16,7 @@ from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near
 from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.swing.swing_trajectory import quickness
 from pipeline.simulation.spatial import Array, turn
 
 # Distance between tip and goal that counts as reached, as a fraction of the leg's length.
@@ -50,7 +51,9 @@ class LegReachability:
         self.herd, self.surface = herd, surface
         self._squared_reach = np.array([r**2 for r in PLANNED_REACH * herd.legs.lengths])
         self._can_lift = dict[tuple[int, float], bool]()
-        half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
+        # Quick feet are on their way at once, slow ones still near their places while bodies go on.
+        lag = 0.5 * (1.0 - quickness(herd.swings)) * herd.swings
+        half = 0.5 * herd.stride[herd.owner] * (1.0 - herd.swings + lag)
         x, z = herd.rest.T
         margin = NEUTRAL_MARGIN * herd.legs.lengths[:, None]
         floor = herd.foot_radius - herd.body_height[herd.owner]
@@ -86,6 +89,16 @@ class LegReachability:
         return np.asarray(
             within.reshape(shape).all(axis=1) & (joint_steps < MAX_JOINT_STEP).all(axis=(1, 2))
         )
+
+    def within_reach(self, legs: NDArray[np.int64], paths: Array) -> Array:
+        """Return paths (N, m, 3) with what is beyond the reach of legs (N,) drawn in.
+
+        Feet of running legs trail behind as far as the legs let them.
+        """
+        hips = self.herd.hips[legs, None]
+        far = np.linalg.norm(paths - hips, axis=-1)
+        reach = PLANNED_REACH * self.herd.legs.lengths[legs, None]
+        return hips + np.minimum(reach / np.maximum(far, 1e-9), 1.0)[..., None] * (paths - hips)
 
     def required_lowering(self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array) -> Array:
         """Return how far bodies must be lowered (N, k) [m] for legs to reach `tips` (N, k, 3).
@@ -133,7 +146,7 @@ class LegReachability:
         herd, owner = self.herd, self.herd.owner[legs]
         x, z = herd.rest[legs].T
         top = herd.foot_radius[legs] - herd.body_height[owner] + EASY_SWING_HEIGHT * height
-        ahead = 0.25 * herd.stride[owner]
+        ahead = np.minimum(0.25, 0.5 * (1.0 - herd.swings[legs])) * herd.stride[owner]
         goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
         return np.asarray(self.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))
 

@@ -13,12 +13,14 @@ from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.speed_control import braked_distance
+from pipeline.simulation.locomotion.swing.swing_trajectory import quickness
 from pipeline.simulation.spatial import Array, turn
 
 # Fractions of a stance at which reach is checked.
 STANCE_FRACTIONS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 
-# Part of the swing after the stance in which the foot has hardly left its place, see `ease`.
+# Part of the swing after the stance in which the foot has hardly left its place, see `ease`; quick
+# feet leave it at once.
 LIFT_LAG = 0.25
 
 MID_STANCE = len(STANCE_FRACTIONS) // 2
@@ -119,7 +121,8 @@ class StepBatch:
     def stances(self, trajectory: BodyTrajectory) -> Stances:
         """Return where the bodies are during the stances, if they go on as they go."""
         stance = self.stance[:, None]
-        end = stance + LIFT_LAG * self.swing[:, None]
+        lag = LIFT_LAG * (1.0 - quickness(self.swing)) * self.swing
+        end = stance + lag[:, None]
         parts = np.concatenate([stance * STANCE_FRACTIONS, end], axis=1)
         phases = (self.up + self.swing)[:, None] + parts
         R, p = self.body_poses(trajectory, np.concatenate([phases, self.up[:, None]], axis=1))

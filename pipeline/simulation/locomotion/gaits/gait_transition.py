@@ -31,6 +31,9 @@ BISECTIONS = 60
 # leg whose clock is slowed stands longer and is stretched farther.
 MIN_CYCLES, MIN_SLOWDOWN = 2.5, 2.5
 
+# Greatest acceleration of a change of pace [m/s²].
+MAX_ACCELERATION = 5.0
+
 
 @dataclass(frozen=True, eq=False)
 class GaitTransition:
@@ -40,6 +43,8 @@ class GaitTransition:
         before, after: gaits of the same legs.
         start: phase at which it starts, whole cycles counted.
         length: in cycles.
+        strides: before and after; the ground that feet stand through changes evenly, so long
+            strides never come with long stances [m].
 
     Raises:
         ValueError: if the legs differ, or it is shorter than `shortest_transition`.
@@ -49,6 +54,7 @@ class GaitTransition:
     after: Gait
     start: float
     length: float
+    strides: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         if len(self.before.up) != len(self.after.up):
@@ -111,8 +117,10 @@ class GaitTransition:
 
     def _swing(self, phase: Array) -> Array:
         """Return the swings (n,), by the legs' own clocks, of feet that go up at `phase` (n,)."""
-        before, after = self.before.swing, self.after.swing
-        return before + self.done(phase) * (after - before)
+        done = self.done(phase)
+        first, last = (1.0 - done) * self.strides[0], done * self.strides[1]
+        duty: Array = (first * self.before.duty + last * self.after.duty) / (first + last)
+        return 1.0 - duty
 
     def _when(self, clock: Array) -> Array:
         """Return the phases (n,) at which the legs' own clocks show `clock` (n,)."""
@@ -154,18 +162,18 @@ class PaceTransition:
     gaits: GaitTransition
 
     @staticmethod
-    def of(before: Pace, after: Pace, phase: float, *, of_cadence: bool = False) -> PaceTransition:
-        """Start a transition at `phase`, whole cycles counted.
-
-        Args:
-            before: pace until then.
-            after: pace at its end.
-            phase: at its start.
-            of_cadence: whether cadence alone changes, for which legs need no time.
-        """
-        least = 0.0 if of_cadence else MIN_CYCLES
-        length = max(least, MIN_SLOWDOWN * shortest_transition(before.gait, after.gait))
-        return PaceTransition(before, after, GaitTransition(before.gait, after.gait, phase, length))
+    def of(before: Pace, after: Pace, phase: float) -> PaceTransition:
+        """Start a transition at `phase`, whole cycles counted."""
+        least = MIN_CYCLES if before.gait_name != after.gait_name else 0.0
+        change = abs(after.speed - before.speed) / (0.5 * (before.cycle + after.cycle))
+        length = max(
+            least,
+            MIN_SLOWDOWN * shortest_transition(before.gait, after.gait),
+            MAX_EASE_SLOPE * change / MAX_ACCELERATION,
+        )
+        strides = before.stride, after.stride
+        gaits = GaitTransition(before.gait, after.gait, phase, length, strides)
+        return PaceTransition(before, after, gaits)
 
     def done(self, phase: Array) -> Array:
         """Return the finished fraction at `phase`, 0 to 1."""

@@ -14,21 +14,25 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from pipeline.errors import SceneError
 from pipeline.simulation.curves import ease
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.pace import (
+from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace_choice import (
     BODY_HEIGHTS,
     STRIDE_OF_LONGEST,
-    Pace,
+    build_of,
     choose_pace,
 )
+from pipeline.simulation.locomotion.gaits.scaling_laws import comfortable_speed, ladder
 from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.simulation.spatial import Array
 from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import ChangeGait
+from pipeline.spec.walk import AUTO, Manner
 
 # Duty factors that a mood may lead to.
 MIN_DUTY, MAX_DUTY = 0.3, 0.85
@@ -175,7 +179,7 @@ class MoodSchedule:
 
     Attributes:
         neutral: last pace of each creature without its mood.
-        quickness: factor on the cadence of each, for speeds beyond those of its longest stride.
+        manners: how each walks without its mood; None for one that stands.
         effects: start time [s] and effect of all moods of each creature, in order.
     """
 
@@ -189,7 +193,7 @@ class MoodSchedule:
         self.figures = [figure for _, _, figure in cast]
         self.legs, self.moods = legs, moods
         self.neutral = list(neutral)
-        self.quickness = [1.0] * len(self.neutral)
+        self.manners: list[Manner | None] = [member.walk for _, member, _ in cast]
         start = -2.0 * STYLE_CHANGE_TIME
         self.effects = [[(start, blend_moods(member.mood, moods))] for _, member, _ in cast]
         self._style: MotionStyle | None = None
@@ -208,21 +212,55 @@ class MoodSchedule:
         return choose_pace(where, order, self.figures[c], self.legs[c])
 
     def change_gait(self, c: int, order: ChangeGait) -> None:
-        """Follow an order to change the gait.
+        """Follow an order to change the gait, at its own speed.
 
         Raises:
             SceneError: if the legs cannot walk so.
         """
         self.neutral[c] = self.neutral_pace(c, order)
+        self.manners[c] = order
+
+    def keep_speed(self, c: int, speed: float) -> None:
+        """Let a creature keep a speed that holds without its mood, or the greatest [m/s]."""
+        self.neutral[c] = self.neutral_at(c, min(speed, self.neutral[c].top_speed))
+
+    def neutral_at(self, c: int, speed: float) -> Pace:
+        """Return the pace of a creature without its mood at a speed that it can do [m/s]."""
+        manner, last = self.manners[c], self.neutral[c]
+        if manner is None or not last.stride:
+            return last
+        asked = manner.model_copy(update={"speed": speed, "stride": None, "cycle": None})
+        where, figure, legs = "do", self.figures[c], self.legs[c]
+        try:
+            return choose_pace(where, asked, figure, legs, last.gait_name)
+        except SceneError:
+            return choose_pace(where, asked, figure, legs)
+
+    def between(self, c: int, last: Pace, pace: Pace) -> list[Pace]:
+        """Return the paces without its mood that lead a creature from one to another."""
+        manner = self.manners[c]
+        if manner is None or manner.gait != AUTO:
+            return []
+        build = build_of(self.figures[c], self.legs[c])
+        gaits, _ = ladder(build, len(last.held))
+        if last.gait_name not in gaits or pace.gait_name not in gaits:
+            return []
+        first, after = gaits.index(last.gait_name), gaits.index(pace.gait_name)
+        step = 1 if after > first else -1
+        names = gaits[first + step : after : step] if after != first else ()
+        return [self.neutral_at(c, comfortable_speed(build, name)) for name in names]
 
     def change_mood(self, c: int, weights: Mapping[str, float], time: float) -> None:
         """Follow an order to change the mood at `time` [s]."""
         self.effects[c].append((time, blend_moods(weights, self.moods)))
 
     def pace(self, c: int) -> Pace:
-        """Return the pace of a creature in its gait and mood, without quickness."""
-        effect = self.effects[c][-1][1]
-        return apply_mood(self.neutral[c], effect, self.figures[c], self.legs[c])
+        """Return the pace of a creature in its gait and mood."""
+        return self.in_mood(c, self.neutral[c])
+
+    def in_mood(self, c: int, neutral: Pace) -> Pace:
+        """Return what becomes of a pace in a creature's mood."""
+        return apply_mood(neutral, self.effects[c][-1][1], self.figures[c], self.legs[c])
 
     def style(self, time: float) -> MotionStyle:
         """Return the motion style at `time` [s]; the same object while nothing changes."""

@@ -12,7 +12,7 @@ Source: Sims 1987, 10.3; Hildebrand 1965, 1977, 1989.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, gait_from_config
 from pipeline.spec.suggestions import hint
-from pipeline.spec.walk import LEG_REQUIREMENTS, GaitPhases, Manner
+from pipeline.spec.walk import AUTO, LEG_REQUIREMENTS, GaitPhases, Manner
 
 # Fraction of its turn for which a foot is in the air: feet that come down are firm before the next
 # ones leave.
@@ -212,9 +212,14 @@ def walking_legs(where: str, walk: Manner, figure: Figure) -> list[int]:
 
 
 def choose_gait(
-    where: str, walk: Manner, figure: Figure, legs: Sequence[int], forward: Sequence[float]
-) -> Gait:
-    """Return the gait that a creature is configured to have.
+    where: str,
+    walk: Manner,
+    figure: Figure,
+    legs: Sequence[int],
+    forward: Sequence[float],
+    automatic: Callable[[Container[str]], str],
+) -> tuple[str, Gait]:
+    """Return name and phases of the gait that a creature is configured to have.
 
     Args:
         where: path of `walk` in the scene.
@@ -222,25 +227,31 @@ def choose_gait(
         figure: its figure.
         legs: numbers of the legs that it walks on.
         forward: positions of their hips along the body [m].
+        automatic: returns the name of an automatic gait, of those that its legs can have.
+
+    Returns:
+        The name, empty if the phases are written out; and the gait.
 
     Raises:
         SceneError: if its legs have no such gait.
     """
     limbs = [figure.skeleton.legs[leg] for leg in legs]
     if isinstance(walk.gait, GaitPhases):
+        name = ""
         gait = _gait_from_phases(where, walk.gait, figure.name, [limb.name for limb in limbs])
     else:
         rows = LegRows.of([limb.side for limb in limbs], forward)
         gaits = available_gaits(rows)
-        if walk.gait not in gaits:
+        name = automatic(gaits) if walk.gait == AUTO else walk.gait
+        if name not in gaits:
             verb = "has" if walk.legs is None else "walks on"
             message = (
-                f"a gait '{walk.gait}' needs {LEG_REQUIREMENTS[walk.gait]}, "
-                f"'{figure.name}' {verb} {rows}; take {join_choices(list(gaits))}"
+                f"a gait '{name}' needs {LEG_REQUIREMENTS[name]}, "
+                f"'{figure.name}' {verb} {rows}; take {join_choices([AUTO, *gaits])}"
             )
             raise SceneError([Problem(f"{where}.gait", message)])
-        gait = gaits[walk.gait]
-    return gait if walk.duty is None else gait.with_duty(walk.duty)
+        gait = gaits[name]
+    return name, gait if walk.duty is None else gait.with_duty(walk.duty)
 
 
 def _gait_from_phases(where: str, config: GaitPhases, figure: str, names: Sequence[str]) -> Gait:

@@ -46,21 +46,20 @@ class PaceSchedule:
         self.herd = herd
         self.changes: dict[int, list[PaceTransition]] = {}
 
-    def change(self, c: int, pace: Pace, phase: float, *, of_cadence: bool = False) -> float:
+    def change(self, c: int, pace: Pace, phase: float) -> float:
         """Change creature `c` to `pace`, from `phase` or the end of its last transition.
 
         Args:
             c: number of the creature.
             pace: the new one.
             phase: now, whole cycles counted.
-            of_cadence: whether it differs from the last in cadence alone.
 
         Returns:
             The phase at which the transition ends.
         """
         own = self.changes.setdefault(c, [])
         start = max(phase, own[-1].gaits.end) if own else phase
-        own.append(PaceTransition.of(self.last(c), pace, start, of_cadence=of_cadence))
+        own.append(PaceTransition.of(self.last(c), pace, start))
         return own[-1].gaits.end
 
     def last(self, c: int) -> Pace:

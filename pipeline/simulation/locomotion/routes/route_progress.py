@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
-from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE, quickened
+from pipeline.simulation.locomotion.gaits.pace import is_same_pace
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
@@ -37,8 +37,8 @@ MAX_DECELERATION = 4.0
 # Least speed fraction, at which the last bit of a route is gone.
 MIN_SPEED_FRACTION = 0.02
 
-# Relative difference between speeds that is rounding.
-SPEED_TOLERANCE = 1e-9
+# Parts of a pace's speed that an order may ask for where a mood gives another speed.
+LEAST_PART, MOST_PART = 0.7, 1.2
 
 # Distance within which a creature is at the end of its route [m].
 ARRIVAL_DISTANCE = 1e-9
@@ -85,8 +85,7 @@ class RouteProgress:
         speed_fraction: (C,) speed relative to the pace.
         smoothed_fraction, lagged_fraction: (C,) speed fraction that bodies show, without corners,
             and the first of the two lags that lead to it.
-        chosen_fraction: (C,) that orders chose, of the speed that suits gait and mood.
-        hurrying: creatures that go as fast as their legs can.
+        hurrying: creatures that go as fast as animals do that hurry.
         requested_fraction: (C,) for level ground, of the pace that they have or change to.
         slope_fraction: (C,) that suits the slope.
         halted: (C,) whether it found no foothold.
@@ -113,7 +112,6 @@ class RouteProgress:
     speed_fraction: Array
     smoothed_fraction: Array
     lagged_fraction: Array
-    chosen_fraction: Array
     hurrying: set[int]
     requested_fraction: Array
     slope_fraction: Array
@@ -188,7 +186,6 @@ def start_progress(
         speed_fraction=walking,
         smoothed_fraction=walking.copy(),
         lagged_fraction=walking.copy(),
-        chosen_fraction=np.ones(count),
         hurrying=set(),
         requested_fraction=np.ones(count),
         slope_fraction=np.ones(count),
@@ -225,35 +222,37 @@ def redirect(progress: RouteProgress, c: int, route: Route) -> None:
 
 def choose_speed(progress: RouteProgress, c: int, speed: float) -> float:
     """Let a creature go at a speed from now on, and return what becomes of it [m/s]."""
-    pace = progress.moods.pace(c)
-    chosen = min(speed, pace.fastest_stride / MIN_CYCLE)
-    progress.chosen_fraction[c] = chosen / pace.speed
+    moods, now = progress.moods, progress.moods.pace(c)
+    # A mood changes the speed by about the same part at all speeds.
+    moods.keep_speed(c, speed * moods.neutral[c].speed / now.speed)
     progress.hurrying.discard(c)
-    update_pace(progress, c)
-    return chosen
+    update_pace(progress, c, speed)
+    last = progress.paces.last(c)
+    return float(progress.requested_fraction[c]) * last.speed
 
 
-def update_pace(progress: RouteProgress, c: int, *, is_new: bool = False) -> None:
-    """Let a creature go in its gait and mood, at the speed that was chosen, or hurry.
+def update_pace(progress: RouteProgress, c: int, speed: float | None = None) -> None:
+    """Let a creature go in its gait and mood at the speed that was chosen, or hurry.
 
-    Strides grow with the root of the speed as far as legs reach with ease, then cadence alone.
+    Gait, stride, cadence and duty factor change with the speed as those of animals do. From one
+    gait to another that is not the next faster or slower one it goes through those between.
 
     Args:
         progress: of the herd.
         c: number of the creature.
-        is_new: whether its gait or mood has changed.
+        speed: that its mood has to give; what becomes of the chosen one if None [m/s].
     """
-    moods, fraction = progress.moods, float(progress.chosen_fraction[c])
-    pace = moods.pace(c)
-    if c in progress.hurrying:
-        fraction = max(fraction, pace.top_speed / pace.speed)
-    most = (pace.fastest_stride / pace.stride) ** 2
-    quickness = fraction / most if fraction > most * (1.0 + SPEED_TOLERANCE) else 1.0
-    progress.requested_fraction[c] = fraction / quickness
-    if is_new or quickness != moods.quickness[c]:
-        moods.quickness[c] = quickness
-        pace, phase = quickened(pace, quickness), float(progress.phase[c])
-        end = progress.paces.change(c, pace, phase, of_cadence=not is_new)
+    moods = progress.moods
+    neutral = moods.neutral[c]
+    if c in progress.hurrying and neutral.hurried_speed > neutral.speed:
+        neutral = moods.neutral_at(c, neutral.hurried_speed)
+    pace, last = moods.in_mood(c, neutral), progress.paces.last(c)
+    asked = 1.0 if speed is None else speed / pace.speed
+    progress.requested_fraction[c] = min(max(asked, LEAST_PART), MOST_PART)
+    if not is_same_pace(pace, last):
+        for between in moods.between(c, last, neutral):
+            progress.paces.change(c, moods.in_mood(c, between), float(progress.phase[c]))
+        end = progress.paces.change(c, pace, float(progress.phase[c]))
         progress.transition_ends[c] = end
     update_limits(progress)
 

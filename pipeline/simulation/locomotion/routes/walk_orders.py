@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE
 from pipeline.simulation.locomotion.routes.route import (
     Route,
     heading_vector,
@@ -37,6 +36,9 @@ from pipeline.spec.script import (
     TurnBy,
     Wait,
 )
+
+# Relative difference between speeds that is rounding.
+SPEED_TOLERANCE = 1e-9
 
 # Distance between places that count as the same, in strides.
 SAME_PLACE = 0.02
@@ -141,13 +143,9 @@ def _turn(progress: RouteProgress, c: int, order: TurnBy) -> None:
 
 def _set_speed(progress: RouteProgress, c: int, order: SetSpeed) -> str | None:
     speed = choose_speed(progress, c, order.speed)
-    if order.speed <= speed:
+    if order.speed <= speed * (1.0 + SPEED_TOLERANCE):
         return None
-    stride = progress.moods.pace(c).fastest_stride
-    return (
-        f"goes at {speed:.3g} m/s, the most that strides of {stride:.3g} m in {MIN_CYCLE:g} s "
-        f"make, instead of {order.speed:g}"
-    )
+    return f"goes at {speed:.3g} m/s, the most that its legs can do, instead of {order.speed:g}"
 
 
 def _look_at(progress: RouteProgress, c: int, order: LookAt) -> str | None:
@@ -164,15 +162,14 @@ def _look_ahead(progress: RouteProgress, c: int, _order: LookAhead) -> None:
 
 def _change_gait(progress: RouteProgress, c: int, order: ChangeGait) -> None:
     progress.moods.change_gait(c, order)
-    progress.chosen_fraction[c] = 1.0
     if chooses_speed(order):
         progress.hurrying.discard(c)
-    update_pace(progress, c, is_new=True)
+    update_pace(progress, c)
 
 
 def _change_mood(progress: RouteProgress, c: int, order: ChangeMood) -> None:
     progress.moods.change_mood(c, order.mood, progress.time)
-    update_pace(progress, c, is_new=True)
+    update_pace(progress, c)
 
 
 def chooses_speed(order: Do) -> bool:

@@ -44,6 +44,37 @@ POINTS = PIECES - 3
 KNOTS: Array = np.linspace(0.0, 1.0, PIECES + 1)
 
 
+# Swings from which on feet begin to be quick, and to be quickest, in cycles; and by how much the
+# rate at their ends is then higher than that of others.
+QUICK_SWINGS, QUICKNESS = (0.45, 0.6), 1.2
+
+
+# --- timing -------------------------------------------------------------------------
+
+
+def quickness(swing: Array) -> Array:
+    """Return how quick feet leave and reach the ground in swings of so many cycles, 0 to 1.
+
+    In a run the body goes far while a foot swings. One that left the ground as slowly as a walker's
+    would be left behind.
+    """
+    slow, quick = QUICK_SWINGS
+    return np.clip((swing - slow) / (quick - slow), 0.0, 1.0)
+
+
+def part_of_path(s: Array, swing: Array | float) -> Array:
+    """Return how far along their paths feet are at fractions `s` of swings, 0 to 1.
+
+    The path stays the same; the ends of it take less of the time, the middle more.
+
+    Args:
+        s: fractions of time, 0 to 1.
+        swing: duration of the swings, in cycles.
+    """
+    faster = QUICKNESS * quickness(np.asarray(swing))
+    return s + faster * s * (1.0 - s) * (1.0 - 2.0 * s)
+
+
 # --- the path -----------------------------------------------------------------------
 
 
@@ -105,7 +136,7 @@ def touchdown_speed(
         end: (3,) tip at touchdown [m].
         height: of the arch [m].
         normal: (3,) of the ground.
-        time: duration of the swing [s].
+        time: duration of the swing, as long as its end at that rate would be [s].
         bend: of the swing (m, 3).
     """
     path = swing_positions(start, end, height, LAST_TENTH, _repeated(bend, LAST_TENTH))

@@ -64,8 +64,9 @@ BODY_HEIGHTS = BodyHeights()
 # all while the body speeds up, need the rest of their reach. Sprawling legs need more of it.
 STRIDE_OF_LONGEST, SPRAWLING_STRIDE_OF_LONGEST = 0.9, 0.75
 
-# Least duty factor of a long stride, as a fraction of the law's; and least of one without flights.
-SHORTENED_STANCE, MIN_GROUNDED_DUTY = 0.75, 0.52
+# Least duty factor of a long stride, as a fraction of the law's. Where the law has no flights there
+# are none; the bounds of walks go over into those of runs between two duty factors.
+SHORTENED_STANCE, MIN_GROUNDED_DUTY, RUNNING_DUTY = 0.75, 0.52, 0.45
 
 # Gaits that keep their own duty factor, which belongs to the turns that feet take, or to the one
 # leg that always leads.
@@ -307,8 +308,9 @@ class PaceChoice:
             SceneError: the legs do not reach the ground from the author's.
         """
         tallest, given = self.legs.tallest(), self.walk.body_height
-        runs = duty < 0.5
-        fraction = BODY_HEIGHTS.run if runs else BODY_HEIGHTS.walk
+        runs = _share_of_run(duty)
+        heights = BODY_HEIGHTS
+        fraction = heights.walk + runs * (heights.run - heights.walk)
         high = min(self._rest_height, fraction * tallest) if given is None else given
         if high >= tallest:
             message = f"the legs do not reach the ground from {high:g}; "
@@ -316,7 +318,8 @@ class PaceChoice:
             raise SceneError([Problem(f"{self.where}.body_height", message)])
         if given is not None:
             return given, given
-        crouch = BODY_HEIGHTS.running_crouch if runs else BODY_HEIGHTS.walking_crouch
+        crouch = heights.walking_crouch
+        crouch += runs * (heights.running_crouch - heights.walking_crouch)
         belly = min(BODY_HEIGHTS.lowest * self.figure.belly, high)
         return max(crouch * high, belly), high
 
@@ -324,7 +327,8 @@ class PaceChoice:
         """Return the least duty factor of a long stride whose law has `duty`."""
         if duty >= MIN_GROUNDED_DUTY:
             return max(SHORTENED_STANCE * duty, MIN_GROUNDED_DUTY)
-        return min(max(SHORTENED_STANCE * duty, scaling_laws.MIN_DUTY), duty)
+        shortened = 1.0 - _share_of_run(duty) * (1.0 - SHORTENED_STANCE)
+        return min(max(shortened * duty, scaling_laws.MIN_DUTY), duty)
 
     def _duties(self, name: str, gait: Gait, speed: float, style: Style) -> tuple[float, float]:
         """Return the duty factor of the law, or of the author or gait, and the least instead."""
@@ -432,7 +436,10 @@ class PaceChoice:
             timings = [{"speed": speed}, {"cycle": shorter}]
             if walk.stride is not None:
                 timings = [{"stride": text, "speed": f"{float(text) / cycle:.9g}"}]
-        duties = [{"duty": rounded_down(duty * most / stride)}]
+        shorter_stance = duty * most / stride
+        duties = [{"duty": rounded_down(shorter_stance)}]
+        if shorter_stance < scaling_laws.MIN_DUTY:
+            duties = []
         heights = np.linspace(height, 0.5 * height, HEIGHTS)[1:].tolist()
         lower = (h for h in heights if self.legs.longest_stride(gait, h) >= stride)
         postures = [{"body_height": rounded_down(h)} for h in list(lower)[:1]]
@@ -454,6 +461,12 @@ class PaceChoice:
             f"legs at most {rounded_down(most)} times a second; "
         )
         return Problem(self.where, message + self._advice(*changes))
+
+
+def _share_of_run(duty: float) -> float:
+    """Return how far a duty factor is that of a run, 0 to 1."""
+    part = (MIN_GROUNDED_DUTY - duty) / (MIN_GROUNDED_DUTY - RUNNING_DUTY)
+    return min(max(part, 0.0), 1.0)
 
 
 def build_of(figure: Figure, legs: LegLayout) -> Build:

@@ -56,6 +56,8 @@ class Clearance:
         samples: points of the limb.
         times: (n,) [s].
         R_WP, p_WP: (n, 3, 3) and (n, 3) of what the limb hangs on [m].
+        keep: gap that is kept, in lengths of the limb.
+        ahead: (n, 3) displacements in the world by which the links keep clear, too [m].
     """
 
     surroundings: Surroundings
@@ -63,11 +65,17 @@ class Clearance:
     times: Array
     R_WP: Array
     p_WP: Array
+    keep: float = CLEARANCE
+    ahead: Array | None = None
 
     def rows(self, chosen: NDArray[np.int64]) -> Clearance:
         """Return the rows `chosen`."""
         return replace(
-            self, times=self.times[chosen], R_WP=self.R_WP[chosen], p_WP=self.p_WP[chosen]
+            self,
+            times=self.times[chosen],
+            R_WP=self.R_WP[chosen],
+            p_WP=self.p_WP[chosen],
+            ahead=None if self.ahead is None else self.ahead[chosen],
         )
 
     def gaps(self, pose: LimbPose, batch: LimbBatch) -> tuple[Array, Array, Array]:
@@ -77,20 +85,35 @@ class Clearance:
         offsets = samples.places - batch.places[0, samples.columns]
         points = X[..., :3, 3] + turn(X[..., :3, :3], offsets)
         there = self.p_WP[:, None] + turn(self.R_WP[:, None], points)
+        radii = samples.radii
+        if self.ahead is not None:
+            there = np.concatenate([there, there + self.ahead[:, None]], axis=1)
+            points, radii = np.concatenate([points, points], axis=1), np.tile(radii, 2)
         gap, away = self.surroundings.gaps(self.times, there)
-        return gap - samples.radii, turn_inverse(self.R_WP[:, None, None], away), points
+        return gap - radii, turn_inverse(self.R_WP[:, None, None], away), points
+
+    def least_gap(self, pose: LimbPose, batch: LimbBatch) -> Array:
+        """Return the least gap (n,) of each row [m]."""
+        gap, _, _ = self.gaps(pose, batch)
+        result: Array = gap.min(axis=(1, 2))
+        return result
+
+    def begins(self, batch: LimbBatch) -> float:
+        """Return the gap from which on the demand acts [m]."""
+        return 1.5 * self.keep * float(batch.lengths[0])
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
         """Demand the missing gaps, which begin to act before they are missing."""
         size = float(batch.lengths[0])
-        keep, width = CLEARANCE * size, 0.5 * CLEARANCE * size
+        keep, width = self.keep * size, 0.5 * self.keep * size
         gap, away, points = self.gaps(pose, batch)
         missing = hinge(keep - gap, width)
         acting = np.clip((keep - gap + width) / (2.0 * width), 0.0, 1.0)
         axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
         levers = points[:, :, None] - pose.X_BJ[:, None, :, :3, 3]
         J = np.where(batch.prismatic[:, None, :, None], axes[:, None], cross(axes[:, None], levers))
-        J = J * (np.arange(J.shape[2]) <= self.samples.columns[:, None])[..., None]
+        columns = np.resize(self.samples.columns, points.shape[1])
+        J = J * (np.arange(J.shape[2]) <= columns[:, None])[..., None]
         rows = np.einsum("nmkx,nomx->nomk", J, away) * acting[..., None] / size
         count = len(rows)
         return Task(
@@ -212,7 +235,12 @@ class LimbGoals:
 
 
 def pursue(
-    batch: LimbBatch, start: Array, goals: LimbGoals, max_steps: int, min_steps: int = 1
+    batch: LimbBatch,
+    start: Array,
+    goals: LimbGoals,
+    max_steps: int,
+    min_steps: int = 1,
+    least_damping: float = GOAL_PURSUIT.damping,
 ) -> LimbPose:
     """Return the limb in all rows after the steps that their goals need.
 
@@ -224,6 +252,7 @@ def pursue(
         goals: of n rows.
         max_steps: bound on the steps.
         min_steps: least number of steps, for the pull.
+        least_damping: λ, which bounds how far joints go for what they hardly move.
     """
     pose = batch.pose(np.clip(start, batch.lower, batch.upper))
     rows = np.arange(len(start))
@@ -242,7 +271,7 @@ def pursue(
             rows, there = rows[left], there.rows(left)
             here, error = here.rows(left), error[left]
             task = Task(task.jacobian[left], task.velocity[left])
-        damping = GOAL_PURSUIT.damping + GOAL_PURSUIT.stiffness * np.minimum(error, 1.0)
+        damping = least_damping + GOAL_PURSUIT.stiffness * np.minimum(error, 1.0)
         wish = PULL_GAIN * (there.pull - here.q)
         if there.dexterity:
             wish += there.dexterity * dexterity_gradient(batch, here)

@@ -235,7 +235,7 @@ class _Knot:
     targets: LimbGoals | None = None
 
 
-def _samples_of(figure: Figure, limb: Limb, points: Sequence[PointRun]) -> LimbSamples:
+def samples_of(figure: Figure, limb: Limb, points: Sequence[PointRun]) -> LimbSamples:
     """Return points along the links of a limb, but not those that its author places."""
     columns, places, radii = list[int](), list[Array](), list[float]()
     placed = [run.point.place for run in points if run.goal == "reach"]
@@ -276,7 +276,7 @@ class PosedLimb:
         self.surroundings = surroundings
         if all(run.avoid is not None for run in runs):
             self.surroundings = surroundings.only({n for run in runs for n in run.avoid or ()})
-        self._samples = _samples_of(figure, self.limb, self.points)
+        self._samples = samples_of(figure, self.limb, self.points)
         shape = DRAWS, self.batch.lower.shape[1]
         self._draws = self.batch.lower + rng.random(shape) * (self.batch.upper - self.batch.lower)
         self._body = plan.body
@@ -706,8 +706,8 @@ class PosedLimb:
         """Return how deep (n,) links are in obstacles, in lengths of the limb."""
         if goals.clearance is None:
             return np.zeros(len(pose.q))
-        gap, _, _ = goals.clearance.gaps(pose, self.batch)
-        result: Array = np.maximum(-gap.min(axis=(1, 2)) / self.batch.lengths[0], 0.0)
+        gap = goals.clearance.least_gap(pose, self.batch)
+        result: Array = np.maximum(-gap / self.batch.lengths[0], 0.0)
         return result
 
     def _pursued(self, goals: LimbGoals, starts: Array) -> LimbPose:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.spatial import Array, turn, turn_inverse
+from pipeline.simulation.spatial import Array, normalized, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 GROUND = "ground"
@@ -108,6 +108,18 @@ class Surroundings:
         ]
         return Surroundings(ground, tuple(solids))
 
+    def within(self, times: Array, places: Array, reach: Array) -> NDArray[np.bool_]:
+        """Return whether anything comes within `reach` (l,) of places (n, l, 3) [m]."""
+        near = np.zeros(len(reach), dtype=bool)
+        if self.ground is not None:
+            height = self.ground.height(places[..., 0], places[..., 2])
+            near |= (places[..., 1] - height).min(axis=0) < 1.2 * reach
+        for solid in self.solids:
+            p, _ = solid.pose_at(times)
+            far = np.linalg.norm(places - p[:, None], axis=-1).min(axis=0)
+            near |= far < reach + solid.size
+        return near
+
     @property
     def is_empty(self) -> bool:
         """Whether there is nothing to avoid."""
@@ -118,7 +130,9 @@ class Surroundings:
         found = [solid.gaps(times, points) for solid in self.solids]
         if self.ground is not None:
             height, normal = self.ground.surface(points[..., 0], points[..., 2])
-            found.append(((points[..., 1] - height) * normal[..., 1], normal))
+            # Up a wall leads out sooner than away from it, and high above one is not near it.
+            upward = normalized(normal + np.array([0.0, 1.0, 0.0]))
+            found.append(((points[..., 1] - height) * upward[..., 1], upward))
         gap = np.stack([gap for gap, _ in found], axis=1)
         return gap, np.stack([away for _, away in found], axis=1)
 

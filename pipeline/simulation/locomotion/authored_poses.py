@@ -32,6 +32,7 @@ class AuthoredPoses:
 
     Attributes:
         postures: by creature.
+        surroundings: that limbs keep clear of.
     """
 
     def __init__(
@@ -43,6 +44,7 @@ class AuthoredPoses:
         surroundings: Surroundings,
     ) -> None:
         self.herd, self.free_joints = herd, free_joints
+        self.surroundings = surroundings
         known = {GROUND, *(solid.name for solid in surroundings.solids)}
         self.postures: Mapping[int, FigurePosture] = {
             c: FigurePosture(

@@ -22,6 +22,7 @@ from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspen
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
+from pipeline.simulation.locomotion.body_motion.limb_avoidance import LimbAvoidance, SunkLimb
 from pipeline.simulation.locomotion.body_motion.pelvis_height import (
     SUPPORT_FRACTION,
     PelvisHeight,
@@ -118,6 +119,9 @@ class PoseSolver:
         self.pelvis_height = PelvisHeight(herd, trajectory)
         self.suspension = BodySuspension(herd, self.row_dt)
         self.free_limbs = FreeLimbMotion(herd, free_joints, trajectory.ground, self.row_dt)
+        self.avoidance = LimbAvoidance(
+            list(herd.figures), free_joints, authored.surroundings, self.row_dt
+        )
         self._last_free = np.zeros(len(free_joints.owner))
 
     def solve(self, moments: Sequence[HerdSnapshot]) -> Poses:
@@ -149,21 +153,23 @@ class PoseSolver:
         q_free = self.free_limbs.values(
             BodyMotion(times, distance, phase, speed_fraction, style, routes, targets, R_WB, p_WB)
         )
+        stride, cycle = (self._pace_values(name, phase) for name in ("stride", "cycle"))
+        speed = stride / cycle * speed_fraction
+        v_WB = speed[..., None] * R_WB[..., 0]
+        q_free, sunk = self.avoidance.apply(times, q_free, R_WB, p_WB, v_WB)
         self.authored.track_feet(goals, legs.q, residual)
         q_free = self._frozen(q_free, jumps.limp)
         X_free = self.free_joints.tree.pose(q_free)
         misses = self.authored.move_joints(around, (legs.q, legs.X_BJ), (q_free, X_free))
         X_BN = self.table.poses(legs.X_BJ.reshape(n, -1, 4, 4), X_free)
         R_own = R_WB[:, self.table.owner]
-        stride, cycle = (self._pace_values(name, phase) for name in ("stride", "cycle"))
-        speed = stride / cycle * speed_fraction
         jumps.speeds(speed)
         q_legs = legs.q[:, herd.legs.is_joint]
         return Poses(
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
             values=np.concatenate([np.mod(phase, 1.0), speed, q_legs, q_free], axis=1),
-            notes=self._notes([moment.step for moment in moments], residual, misses),
+            notes=self._notes([moment.step for moment in moments], residual, misses, sunk),
         )
 
     # --- bodies ---------------------------------------------------------------------
@@ -309,9 +315,13 @@ class PoseSolver:
         return q
 
     def _notes(
-        self, steps: Sequence[int], residual: Array, misses: Sequence[tuple[int, GoalMiss]]
+        self,
+        steps: Sequence[int],
+        residual: Array,
+        misses: Sequence[tuple[int, GoalMiss]],
+        sunk: Sequence[SunkLimb],
     ) -> list[TakeNote]:
-        """Return notes about feet (n, L) that miss their footholds [m], and about posed limbs."""
+        """Return notes about feet (n, L) that miss their footholds [m], and about other limbs."""
         herd, notes = self.herd, list[TakeNote]()
         for row, leg in np.argwhere(residual > NOTED_MISS):
             name = f"{herd.names[herd.owner[leg]]}.{herd.leg_names[leg]}"
@@ -320,6 +330,10 @@ class PoseSolver:
         for c, miss in misses:
             part = f"{herd.names[c]}.{miss.limb}"
             notes.append(TakeNote("missed_key", steps[miss.row], part, miss.text))
+        for limb in sunk:
+            part = f"{herd.names[limb.creature]}.{limb.limb}"
+            text = f"is {limb.depth:.2g} m deep in the ground or a prop, and cannot get out"
+            notes.append(TakeNote("passes_through", steps[limb.row], part, text))
         return notes
 
 

@@ -11,12 +11,14 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
+from pipeline.simulation.figures.network import FEELER
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
+from pipeline.simulation.locomotion.body_motion.limb_avoidance import LimbAvoidance
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule, MotionStyle
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.spatial import Array, turn
+from pipeline.simulation.spatial import Array, matrix, turn
 from tests.simulation.conftest import SHIPPED, scene_of
 
 ROW = 1.0 / 96.0
@@ -351,6 +353,7 @@ def test_feelers_rise_over_ground_ahead_of_the_feet(
 ) -> None:
     assert _lowest("feeler_r1") > 0.02
     monkeypatch.setattr(LimbClearance, "wishes", lambda self, rows, others: np.zeros_like(others))
+    monkeypatch.setattr(LimbAvoidance, "apply", lambda self, times, q, *bodies: (q, []))
     assert _lowest("feeler_r1") < -0.05
 
 
@@ -388,3 +391,25 @@ def test_frame_rate_does_not_change_the_motion() -> None:
     assert len(idle) > 20
     off = np.degrees(np.abs(slow - quick)[:, idle])
     assert off.max() < 0.02 * np.degrees(np.ptp(slow[:, idle], axis=0).max())
+
+
+def test_feelers_keep_out_of_boulders() -> None:
+    """A scorpion's feeler would go 65 mm deep into a boulder."""
+    scorpion = "{figure: scorpion, name: s, at: [-5, 0], heading_deg: 141, walk: {}}"
+    simulation = Simulation(scene_of(scorpion, terrain="boulders", seed=4, duration=0.6))
+    while not simulation.finished:
+        simulation.step()
+    take, troupe = simulation.take(), simulation.troupes[0]
+    assert isinstance(troupe, WalkerTroupe)
+    skeleton = troupe.herd.figures[0].skeleton
+    names = [node.name for node in take.nodes]
+    ground, deepest = simulation.world.ground, -1.0
+    for link in (link for link in skeleton.links if link.kind == FEELER):
+        node = names.index(f"s.{link.name}")
+        R, p = matrix(take.rotations[:, node]), take.positions[:, node]
+        for part in np.linspace(0.25, 1.0, 4):
+            place = p + turn(R, part * (link.ends[1] - link.ends[0]))
+            depth = ground.height(place[:, 0], place[:, 2]) - place[:, 1]
+            deepest = max(deepest, float(depth.max()))
+    corners = np.concatenate([link.ends for link in skeleton.links])
+    assert deepest < 0.01 * np.linalg.norm(np.ptp(corners, axis=0))

@@ -1,0 +1,196 @@
+"""Limb avoidance: heads, tails, feelers and arms that nobody poses keep out of ground and props.
+
+Where a link would come too near, the joints give way by the least movement that clears it: the
+velocity of the nearest points away from the obstacle, taken back through their own Jacobians. It
+begins before the links touch and grows smoothly, and each row is worked out by itself.
+
+Source: Sims 1987, B.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.limb_goals import Clearance, LimbGoals, pursue
+from pipeline.simulation.figures.network import LEG
+from pipeline.simulation.figures.posed_limb import samples_of
+from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.surroundings import LimbSamples, Surroundings
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
+from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
+from pipeline.simulation.spatial import Array, turn
+
+KEEP = 0.01
+"""Gap that free limbs keep, in their lengths."""
+
+STEPS = 6
+"""Steps of the joints; in all rows as many, so that what they do is continuous."""
+
+RESTRAINT = 0.2
+"""Damping of the steps: what points at an obstacle cannot be turned out of its way by much."""
+
+FREQUENCY, DAMPING = 10.0, 0.9
+"""Frequency [rad/s] and damping ratio with which joints give way."""
+
+LEAD = 0.2
+"""How long before a body is there its limbs give way [s]."""
+
+NOTED_DEPTH = 0.01
+"""Depth of a link in an obstacle that is noted, in the size of its creature."""
+
+
+@dataclass(frozen=True, slots=True)
+class SunkLimb:
+    """A limb that comes out of no obstacle.
+
+    Attributes:
+        row: the first.
+        creature: number.
+        limb: name.
+        depth: [m].
+    """
+
+    row: int
+    creature: int
+    limb: str
+    depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class _FreeLimb:
+    """A limb with what is needed to lead it away.
+
+    Attributes:
+        creature: number.
+        name: of the limb.
+        joints: its numbers among the free joints.
+        above: free joint that it hangs on; `BODY` for the body.
+        hung: (3,) where that joint was drawn [m].
+        batch: the limb alone.
+        samples: points that keep clear.
+        size: of the creature [m].
+    """
+
+    creature: int
+    name: str
+    joints: NDArray[np.int64]
+    above: int
+    hung: Array
+    batch: LimbBatch
+    samples: LimbSamples
+    size: float
+
+
+class LimbAvoidance:
+    """Leads a herd's free limbs out of obstacles."""
+
+    def __init__(
+        self,
+        figures: list[Figure],
+        free_joints: FreeJoints,
+        surroundings: Surroundings,
+        dt: float,
+    ) -> None:
+        self.joints, self.surroundings = free_joints, surroundings
+        limbs = list(_free_limbs(figures, free_joints))
+        # What hangs on another limb comes after it.
+        self._limbs = sorted(limbs, key=lambda limb: limb.above != BODY)
+        count = len(free_joints.owner)
+        springs = Oscillators(np.full(count, FREQUENCY), np.full(count, DAMPING), dt)
+        self._springs = SpringFollower(springs)
+        # How far a point of a link may be from the joint that moves it, and be on it.
+        self._spans = np.zeros(count)
+        for limb in self._limbs:
+            corners = np.concatenate([limb.batch.places[0], limb.batch.tips])
+            longest = float(np.linalg.norm(np.diff(corners, axis=0), axis=-1).max())
+            self._spans[limb.joints] = longest + 2.0 * KEEP * float(limb.batch.lengths[0])
+
+    def apply(
+        self, times: Array, q: Array, R_WB: Array, p_WB: Array, v_WB: Array
+    ) -> tuple[Array, list[SunkLimb]]:
+        """Return joint values that keep clear, and limbs that do not.
+
+        Args:
+            times: (n,) [s].
+            q: (n, M) of the free joints [rad or m].
+            R_WB: (n, C, 3, 3) and
+            p_WB: (n, C, 3), poses of the bodies [m].
+            v_WB: (n, C, 3) their velocities [m/s].
+        """
+        cleared, sunk = self._cleared(times, q, R_WB, p_WB, LEAD * v_WB)
+        # Edges of the ground come all at once; joints give way as on springs.
+        moved = cleared - q
+        moved += self._springs.follow(moved)
+        limits = self.joints.limits
+        return np.clip(q + moved, np.minimum(limits.lower, q), np.maximum(limits.upper, q)), sunk
+
+    def _cleared(
+        self, times: Array, q: Array, R_WB: Array, p_WB: Array, ahead: Array
+    ) -> tuple[Array, list[SunkLimb]]:
+        """Return joint values (n, M) that keep clear at once, and limbs that do not."""
+        sunk = list[SunkLimb]()
+        if self.surroundings.is_empty or not self._limbs:
+            return q, sunk
+        X = self.joints.tree.pose(q)
+        near = self._near(times, X[..., :3, 3], R_WB, p_WB)
+        if not near.any():
+            return q, sunk
+        result = q.copy()
+        for limb in (self._limbs[i] for i in np.flatnonzero(near)):
+            R, p = R_WB[:, limb.creature], p_WB[:, limb.creature]
+            if limb.above != BODY:
+                R_BP = X[:, limb.above, :3, :3]
+                p = p + turn(R, X[:, limb.above, :3, 3] - turn(R_BP, limb.hung))
+                R = R @ R_BP
+            base, reach = p + turn(R, limb.batch.places[0, 0]), float(limb.batch.lengths[0])
+            around = self.surroundings
+            if around.solids:
+                around = around.near(times, base, (1.0 + 2.0 * KEEP) * reach)
+                if around.is_empty:
+                    continue
+            clearance = Clearance(around, limb.samples, times, R, p, KEEP, ahead[:, limb.creature])
+            own = result[:, limb.joints]
+            gap = clearance.least_gap(limb.batch.pose(own), limb.batch)
+            rows = np.flatnonzero(gap < clearance.begins(limb.batch))
+            if not len(rows):
+                continue
+            none = np.zeros((len(rows), 0))
+            goals = LimbGoals((), (), (), none, own[rows], clearance=clearance.rows(rows))
+            pose = pursue(limb.batch, own[rows], goals, STEPS, STEPS, RESTRAINT)
+            result[rows[:, None], limb.joints] = pose.q
+            depth = -clearance.rows(rows).least_gap(pose, limb.batch)
+            deep = np.flatnonzero(depth > NOTED_DEPTH * limb.size)
+            if len(deep):
+                row, first = int(rows[deep[0]]), float(depth[deep[0]])
+                sunk.append(SunkLimb(row, limb.creature, limb.name, first))
+            X = self.joints.tree.pose(result)
+        return result, sunk
+
+    def _near(self, times: Array, p_BJ: Array, R_WB: Array, p_WB: Array) -> NDArray[np.bool_]:
+        """Return which limbs (l,) may come near an obstacle, by places (n, M, 3) of joints."""
+        own = self.joints.owner
+        near = self.surroundings.within(times, p_WB[:, own] + turn(R_WB[:, own], p_BJ), self._spans)
+        return np.array([near[limb.joints].any() for limb in self._limbs])
+
+
+def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb]:
+    free = iter(joints.limbs)
+    for c, figure in enumerate(figures):
+        skeleton = figure.skeleton
+        corners = np.concatenate([link.ends for link in skeleton.links])
+        size = float(np.linalg.norm(np.ptp(corners, axis=0)))
+        for limb in (limb for limb in skeleton.limbs if limb.kind != LEG):
+            own = np.array(list(next(free).joints), dtype=np.int64)
+            above = int(joints.tree.parents[own[0]])
+            hung = joints.tree.places[above] if above != BODY else np.zeros(3)
+            batch = LimbBatch.of([(skeleton, limb)])
+            # Their lines alone: what lies or hangs close to the ground is not lifted off it.
+            samples = samples_of(figure, limb, ())
+            samples = replace(samples, radii=np.zeros_like(samples.radii))
+            yield _FreeLimb(c, limb.name, own, above, hung, batch, samples, size)

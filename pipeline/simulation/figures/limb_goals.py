@@ -114,7 +114,7 @@ class Clearance:
         J = np.where(batch.prismatic[:, None, :, None], axes[:, None], cross(axes[:, None], levers))
         columns = np.resize(self.samples.columns, points.shape[1])
         J = J * (np.arange(J.shape[2]) <= columns[:, None])[..., None]
-        rows = np.einsum("nmkx,nomx->nomk", J, away) * acting[..., None] / size
+        rows = np.sum(J[:, None] * away[:, :, :, None], axis=-1) * acting[..., None] / size
         count = len(rows)
         return Task(
             rows.reshape(count, -1, J.shape[2]),

@@ -27,6 +27,10 @@ ROUNDING = 0.01
 """Radius over which the edges of a solid are rounded, in its size."""
 
 
+GROUND_REACH = 2.0
+"""Height above the ground, in its reach, below which a point may come near a slope beside it."""
+
+
 def _directions() -> Array:
     """Return unit vectors (d, 3): along axes and diagonals, and around y."""
     corners = np.array([v for v in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(v)])
@@ -109,15 +113,14 @@ class Surroundings:
         return Surroundings(ground, tuple(solids))
 
     def within(self, times: Array, places: Array, reach: Array) -> NDArray[np.bool_]:
-        """Return whether anything comes within `reach` (l,) of places (n, l, 3) [m]."""
-        near = np.zeros(len(reach), dtype=bool)
+        """Return whether anything comes within `reach` (l,) of places (n, l, 3) [m], (n, l)."""
+        near = np.zeros(places.shape[:2], dtype=bool)
         if self.ground is not None:
             height = self.ground.height(places[..., 0], places[..., 2])
-            near |= (places[..., 1] - height).min(axis=0) < 1.2 * reach
+            near |= places[..., 1] - height < GROUND_REACH * reach
         for solid in self.solids:
             p, _ = solid.pose_at(times)
-            far = np.linalg.norm(places - p[:, None], axis=-1).min(axis=0)
-            near |= far < reach + solid.size
+            near |= np.linalg.norm(places - p[:, None], axis=-1) < reach + solid.size
         return near
 
     @property

@@ -142,7 +142,8 @@ class LimbAvoidance:
         if not near.any():
             return q, sunk
         result = q.copy()
-        for limb in (self._limbs[i] for i in np.flatnonzero(near)):
+        for i in np.flatnonzero(near.any(axis=0)):
+            limb = self._limbs[i]
             R, p = R_WB[:, limb.creature], p_WB[:, limb.creature]
             if limb.above != BODY:
                 R_BP = X[:, limb.above, :3, :3]
@@ -157,7 +158,7 @@ class LimbAvoidance:
             clearance = Clearance(around, limb.samples, times, R, p, KEEP, ahead[:, limb.creature])
             own = result[:, limb.joints]
             gap = clearance.least_gap(limb.batch.pose(own), limb.batch)
-            rows = np.flatnonzero(gap < clearance.begins(limb.batch))
+            rows = np.flatnonzero(near[:, i] & (gap < clearance.begins(limb.batch)))
             if not len(rows):
                 continue
             none = np.zeros((len(rows), 0))
@@ -173,10 +174,10 @@ class LimbAvoidance:
         return result, sunk
 
     def _near(self, times: Array, p_BJ: Array, R_WB: Array, p_WB: Array) -> NDArray[np.bool_]:
-        """Return which limbs (l,) may come near an obstacle, by places (n, M, 3) of joints."""
+        """Return when limbs (n, l) may come near an obstacle, by places (n, M, 3) of joints."""
         own = self.joints.owner
         near = self.surroundings.within(times, p_WB[:, own] + turn(R_WB[:, own], p_BJ), self._spans)
-        return np.array([near[limb.joints].any() for limb in self._limbs])
+        return np.stack([near[:, limb.joints].any(axis=1) for limb in self._limbs], axis=-1)
 
 
 def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb]:

@@ -122,7 +122,13 @@ class IKSolution:
         return result & batch.is_joint
 
 
-def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int = 40) -> IKSolution:
+def solve(
+    batch: LimbBatch,
+    start: LimbPose,
+    goals: Array,
+    max_iterations: int = 40,
+    rest_gain: float = TIP_ITERATION.rest_gain,
+) -> IKSolution:
     """Move the tips to `goals`, starting from the pose `start`.
 
     Args:
@@ -132,6 +138,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int =
         goals: (L, 3) relative to the body [m]. An unreachable goal gives the closest pose that the
             iterations find, with its residual.
         max_iterations: bound on the iterations.
+        rest_gain: pull of the redundancy towards the preferred values.
     """
     pose, error = start, goals - start.tips
     distance = _norm(error)
@@ -142,7 +149,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int =
     while iteration < max_iterations and (far := distance > enough).any():
         # A limb that has arrived stays: its result must not depend on other limbs.
         part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
-        gain = np.where(far if iteration == 0 else distance > near, TIP_ITERATION.rest_gain, 0.0)
+        gain = np.where(far if iteration == 0 else distance > near, rest_gain, 0.0)
         candidate = batch.pose(damped_step(batch, pose, error * part[:, None], gain, damping))
         error_then = goals - candidate.tips
         distance_then = _norm(error_then)

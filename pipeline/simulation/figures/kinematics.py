@@ -252,6 +252,12 @@ class LimbBatch:
         """Return the limbs `chosen` alone."""
         return LimbBatch(**{f.name: getattr(self, f.name)[chosen] for f in fields(self)})
 
+    def first_joints(self, count: int) -> LimbBatch:
+        """Return the limbs without the padding after `count` joints."""
+        whole = "tips", "lengths"
+        arrays = {f.name: getattr(self, f.name) for f in fields(self)}
+        return LimbBatch(**{k: v if k in whole else v[:, :count] for k, v in arrays.items()})
+
     @cached_property
     def _hinges(self) -> JointTransforms:
         origins = np.concatenate([np.zeros_like(self.places[:, :1]), self.places[:, :-1]], axis=1)

@@ -23,6 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.ball_aim import BallAim, ball_joints, pick_limbs
+from pipeline.simulation.figures.bend_path import BendPath
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, normalized
 
@@ -50,6 +52,9 @@ class ChainGroup:
         home: (k, 3, 3, l, 1) x, y, z of the frames at joint values zero.
         lower, upper, preferred: (k, l, 1) [rad or m].
         lengths: (l, 1) stretched [m].
+        path: of their bends, by distance.
+        on_path: (l, 1) their numbers there.
+        aim: of the ball joints at their bases; None where there are none.
     """
 
     rows: NDArray[np.int64]
@@ -65,15 +70,19 @@ class ChainGroup:
     upper: Array
     preferred: Array
     lengths: Array
+    path: BendPath
+    on_path: NDArray[np.int64]
+    aim: BallAim | None
 
     def subset(self, chosen: slice | NDArray[np.int64]) -> ChainGroup:
         """Return some limbs alone; numbers may repeat."""
         of_limbs: dict[str, Any] = {
-            name: _pick_limbs(getattr(self, name), chosen)
+            name: pick_limbs(getattr(self, name), chosen)
             for name in self.__dataclass_fields__
-            if name not in ("rows", "slides", "used")
+            if name not in ("rows", "slides", "used", "path", "aim")
         }
-        return replace(self, rows=self.rows[chosen], **of_limbs)
+        aim = None if self.aim is None else self.aim.subset(chosen)
+        return replace(self, rows=self.rows[chosen], aim=aim, **of_limbs)
 
     def frames(self, q: Array) -> Iterator[Frame]:
         """Yield the frames of the joints at values `q` (k, l, m) [rad or m], then the tip's."""
@@ -117,7 +126,8 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
             structure, so that few legs are still solved together.
     """
     base, offset, bend, way, home = _constants(batch)
-    joints = np.concatenate([batch.is_joint, batch.prismatic], axis=1)
+    has_ball = ball_joints(batch)
+    joints = np.concatenate([batch.is_joint, batch.prismatic, has_ball[:, None]], axis=1)
     leans, bends = bend[..., :1] != 0.0, (bend != [1.0, 0.0]).any(axis=-1, keepdims=True)
     used = np.concatenate([way != 0.0, leans, bends], axis=-1)
     families = defaultdict[tuple[int, bytes], list[int]](list)
@@ -137,6 +147,8 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
         def last(values: Array, rows: NDArray[np.int64] = rows) -> Array:
             return np.ascontiguousarray(np.moveaxis(values[rows], 0, -1)[..., None])
 
+        same = batch.rows(rows).first_joints(k)
+        with_ball = bool(has_ball[rows[0]])
         found.append(
             ChainGroup(
                 rows=rows,
@@ -152,6 +164,9 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
                 upper=last(batch.upper[:, :k]),
                 preferred=last(batch.preferred[:, :k]),
                 lengths=last(batch.lengths),
+                path=BendPath.of(same),
+                on_path=np.arange(len(rows))[:, None],
+                aim=BallAim.of(same) if with_ball else None,
             )
         )
     return found
@@ -184,13 +199,6 @@ def _constants(batch: LimbBatch) -> tuple[Array, Array, Array, Array, Array]:
     before = np.concatenate([x[:, :1], x[:, :-1]], axis=1)
     offset = np.arctan2(_dot(cross(before, x), z), _dot(before, x))
     return home[:, 0], offset, bend, way, home
-
-
-def _pick_limbs(values: Array, which: slice | NDArray[np.int64]) -> Array:
-    """Return `values` (..., l, 1) of some limbs, with limbs last in memory."""
-    if isinstance(which, slice):
-        return values[..., which, :]
-    return values.take(which, axis=-2)
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
-from pipeline.simulation.figures.rest_ik import RestSolution, solve_near_rest
+from pipeline.simulation.figures.tip_ik import TipSolution, solve_tips
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
@@ -294,11 +294,11 @@ class PoseSolver:
 
     def _solve_legs(
         self, goals: Array, R_WB: Array, p_WB: Array, jumps: JumpHandover
-    ) -> RestSolution:
+    ) -> TipSolution:
         """Return the legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
         herd = self.herd
         if jumps.down.all():
-            return solve_near_rest(herd.legs, herd.chains, goals)
+            return solve_tips(herd.legs, herd.chains, goals)
         reaching = LegSolver(herd, self.trajectory.ground, self.pelvis_height.shortest)
         limp = jumps.limp[:, herd.owner]
         return reaching.solve(goals, R_WB, p_WB, jumps.down, limp)

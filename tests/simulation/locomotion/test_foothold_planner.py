@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
+from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.foot_placement import foothold_planner
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import FootholdPlanner
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
@@ -143,8 +143,8 @@ def test_residuals_equal_those_of_solved_limbs(walkers: WalkerTroupe) -> None:
     legs, chains = walkers.herd.legs, walkers.herd.chains
     rng = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))
     goals = legs.tips + 0.3 * legs.lengths[:, None] * rng
-    settled = solve_near_rest(legs, chains, goals).residual
+    settled = solve_tips(legs, chains, goals).residual
     rows = np.tile(np.arange(len(legs.lengths)), 3)
-    _, residuals = solve_each_near_rest(legs, chains, rows, goals.reshape(-1, 3))
+    _, residuals = solve_each_tip(legs, chains, rows, goals.reshape(-1, 3))
     assert (settled > 1e-3 * legs.lengths).any()
     assert np.allclose(residuals, settled.ravel(), rtol=0.0, atol=1e-12)

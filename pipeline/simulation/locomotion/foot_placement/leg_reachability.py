@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.limb_chains import group_chains
-from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
+from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
@@ -71,7 +71,7 @@ class LegReachability:
         row, sample = np.nonzero(~reached)
         if len(row):
             herd, asked = self.herd, legs[row]
-            _, residual = solve_each_near_rest(herd.legs, herd.chains, asked, goals[row, sample])
+            _, residual = solve_each_tip(herd.legs, herd.chains, asked, goals[row, sample])
             reached[row, sample] = residual <= REACHED_DISTANCE * herd.legs.lengths[asked]
         return reached
 
@@ -83,7 +83,7 @@ class LegReachability:
         """
         herd, shape = self.herd, paths.shape[:2]
         rows = np.repeat(legs, shape[1])
-        q, residual = solve_each_near_rest(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
+        q, residual = solve_each_tip(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
         within = residual <= REACHED_DISTANCE * herd.legs.lengths[rows]
         joint_steps = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
         return np.asarray(
@@ -171,10 +171,14 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     at_rest = np.linalg.norm(direction, axis=-1)
     direction /= np.maximum(at_rest, 1e-9)[:, None]
     goals = herd.hips[own] + (FOLD_DISTANCES[:, None] * legs.lengths)[..., None] * direction
-    residual = solve_near_rest(legs, group_chains(legs, herd.owner[own]), goals).residual
+    chains = group_chains(legs, herd.owner[own])
+    residual = solve_tips(legs, chains, goals).residual
     # The neutral position is reached by definition, whatever limits stretched legs meet.
-    nearer = FOLD_DISTANCES[:, None] * legs.lengths < at_rest
-    missed = nearer & (residual > REACHED_DISTANCE * legs.lengths)
+    asked = FOLD_DISTANCES[:, None] * legs.lengths
+    folded = np.zeros(len(own))
+    for chain in chains:
+        folded[chain.rows] = chain.path.shortest
+    missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | (asked < folded))
     # The last distance before the first miss; legs without a miss fold up completely.
     first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(FOLD_DISTANCES))
     return FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.rest_ik import solve_near_rest
+from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.foot_state import place_foot
@@ -315,7 +315,7 @@ class WalkerJumps:
         own, goals = herd.owner == c, herd.legs.tips[None].copy()
         goals[0, own] = (tips - now.origin) @ now.R
         q = skeleton.preferred.copy()
-        values = solve_near_rest(herd.legs, herd.chains, goals).q[0, own]
+        values = solve_tips(herd.legs, herd.chains, goals).q[0, own]
         for limb, joint_values in zip(skeleton.legs, values, strict=True):
             q[list(limb.joints)] = joint_values[: len(limb.joints)]
         return JointState(q, np.zeros_like(q))

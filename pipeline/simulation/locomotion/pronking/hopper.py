@@ -19,7 +19,7 @@ from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.network import LEG
-from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
+from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import Herd
@@ -332,7 +332,7 @@ class LegReach:
         rows = np.flatnonzero(odd)
         if len(rows):
             herd = self.herd
-            _, gap = solve_each_near_rest(herd.legs, herd.chains, self.own[rows], feet[rows])
+            _, gap = solve_each_tip(herd.legs, herd.chains, self.own[rows], feet[rows])
             missed[rows] = gap > MISS_DISTANCE
         return missed
 
@@ -354,7 +354,7 @@ class Outline:
 
     def legs(self, feet: Array) -> Array:
         """Return the leg points (m, k, 3) for feet (m, n, 3), in the frame of the body [m]."""
-        X = solve_near_rest(self._legs, self._chains, feet).X_BJ[:, self._at[:, 0], self._at[:, 1]]
+        X = solve_tips(self._legs, self._chains, feet).X_BJ[:, self._at[:, 0], self._at[:, 1]]
         return X[..., :3, 3] + turn(X[..., :3, :3], self._arms)
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.rest_ik import RestSolution
+from pipeline.simulation.figures.tip_ik import TipSolution
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
@@ -146,7 +146,7 @@ class HopperPoser:
         limp = snapshot.limp[None][:, owner]
         return self.leg_solver.solve(goals, R, p, snapshot.down[None], limp).q[0]
 
-    def _set_joints(self, legs: RestSolution, q: Array, row: int, c: int, values: Array) -> None:
+    def _set_joints(self, legs: TipSolution, q: Array, row: int, c: int, values: Array) -> None:
         """Set all joints of a creature to values (J,) [rad or m]."""
         herd, free = self.herd, self.free_joints.owner == c
         q[row, free] = values[self.free_joints.number[free]]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.rest_ik import RestSolution, solve_each_near_rest, solve_near_rest
+from pipeline.simulation.figures.tip_ik import TipSolution, solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array, turn, turn_inverse
@@ -76,7 +76,7 @@ class LegSolver:
 
     def solve(
         self, goals: Array, R: Array, p: Array, down: NDArray[np.bool_], limp: NDArray[np.bool_]
-    ) -> RestSolution:
+    ) -> TipSolution:
         """Return legs at goals (n, L, 3), or as near as they come.
 
         Args:
@@ -97,7 +97,7 @@ class LegSolver:
         p: Array,
         fixed: NDArray[np.bool_],
         clamped: NDArray[np.bool_],
-    ) -> RestSolution:
+    ) -> TipSolution:
         """Return legs at goals (n, L, 3), with feet that miss them lifted out of the ground.
 
         Args:
@@ -108,7 +108,7 @@ class LegSolver:
             clamped: (n, L) feet whose goals were changed.
         """
         herd = self.herd
-        solution = solve_near_rest(herd.legs, herd.chains, goals)
+        solution = solve_tips(herd.legs, herd.chains, goals)
         for _ in range(FOOT_LIFT.max_lifts):
             misses = clamped | (solution.residual > FOOT_LIFT.missed_distance)
             rows, legs = np.nonzero(~fixed & misses)
@@ -127,7 +127,7 @@ class LegSolver:
 
     def _relocate_feet(
         self,
-        solution: RestSolution,
+        solution: TipSolution,
         goals: Array,
         R: Array,
         p: Array,
@@ -148,7 +148,7 @@ class LegSolver:
 
     def _buried_feet(
         self,
-        solution: RestSolution,
+        solution: TipSolution,
         R: Array,
         p: Array,
         rows: NDArray[np.int64],
@@ -169,10 +169,10 @@ class LegSolver:
         is_buried = depth > FOOT_LIFT.min_depth
         return rows[is_buried], legs[is_buried], depth[is_buried]
 
-    def _resolve(self, solution: RestSolution, goals: Array, rows: NDArray[np.int64]) -> None:
+    def _resolve(self, solution: TipSolution, goals: Array, rows: NDArray[np.int64]) -> None:
         """Solve the legs of some rows again for goals (n, L, 3)."""
         chosen = np.unique(rows)
-        result = solve_near_rest(self.herd.legs, self.herd.chains, goals[chosen])
+        result = solve_tips(self.herd.legs, self.herd.chains, goals[chosen])
         for name in ("q", "X_BJ", "residual"):
             getattr(solution, name)[chosen] = getattr(result, name)
 
@@ -230,6 +230,6 @@ def free_foot_place(
     lowest = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.foot_radius[leg])
     places = places[feet[:, 1] >= lowest + search.height]
     legs = np.full(len(places), leg)
-    _, error = solve_each_near_rest(herd.legs, herd.chains, legs, places)
+    _, error = solve_each_tip(herd.legs, herd.chains, legs, places)
     reached: NDArray[np.int64] = np.flatnonzero(error <= search.tolerance)
     return places[reached[0]] if len(reached) else None

@@ -23,7 +23,7 @@ from pipeline.simulation.figures.inverse_dynamics import (
 )
 from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
-from pipeline.simulation.figures.rest_ik import solve_near_rest
+from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import swing_positions
 from pipeline.simulation.spatial import Array, turn_inverse
@@ -73,7 +73,7 @@ class LegModel:
 
     def solve(self, goals: Array) -> tuple[Array, Array]:
         """Return joint values (..., n) for goals (..., 3) of the tip, and their misses [m]."""
-        found = solve_near_rest(self.batch, self.chains, goals.reshape(-1, 1, 3))
+        found = solve_tips(self.batch, self.chains, goals.reshape(-1, 1, 3))
         return found.q.reshape(*goals.shape[:-1], -1), found.residual.reshape(goals.shape[:-1])
 
 

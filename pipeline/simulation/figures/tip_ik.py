@@ -1,15 +1,17 @@
-"""Inverse kinematics from the preferred values: the nearest joint values that bring tips to goals.
+"""Inverse kinematics of tips: joint values that bring the tips of limbs to their goals.
 
-Unlike `solve`, which follows a motion from pose to pose, this always starts at the preferred
-values and takes the same number of iterations. So a limb's pose is a function of its goal alone,
-as smooth as the goal; poses of many moments can be solved at once, in any order, and a limb
-returns to the same pose with its foot.
+First the distance from base to tip is set, by all inner joints together (`bend_path`), then the
+ball joint at the base points the limb (`ball_aim`). That is exact but for rounding, unless a ball
+joint meets its limits; a fixed number of pseudo-inverse iterations spreads what is left over all
+joints. So a limb's pose is a continuous function of its goal alone: no knee flips, a limb returns
+to the same pose with its foot, and poses of many moments can be solved at once, in any order.
+Limbs without a ball joint start the iterations with their base joints at their preferred values.
 
-It computes the same as `inverse_kinematics.damped_step`, written out for speed: limbs of one
-structure (`limb_chains`), block by block. Sums go joint by joint, and the three equations of a tip
-are solved by elimination, so that the last bit does not depend on the number of limbs.
+All is written out for limbs of one structure (`limb_chains`), block by block. Sums go joint by
+joint, and the three equations of a tip are solved by elimination, so that the last bit does not
+depend on the number of limbs.
 
-Source: Sims 1987, 6.1, 6.2, B.2, B.4 and B.7.
+Source: Sims 1987, 6.1, 6.2, 6.3.1, B.2 and B.4.
 """
 
 from __future__ import annotations
@@ -27,16 +29,15 @@ from pipeline.simulation.spatial import Array
 SEGMENT = 0.35
 """Longest step of a tip in one iteration, in lengths of the limb."""
 
-REST_GAINS = (0.6, 0.6, 0.6, 0.6, 0.3, 0.0, 0.0)
-"""Gain α of the pull towards the preferred values by iteration; the last ones only solve for the
-tip."""
+CORRECTIONS, FREE_CORRECTIONS = 2, 8
+"""Iterations after the first guess, of limbs with a ball joint at their base and of others."""
 
 BLOCK_SIZE = 5000
 """Limbs times moments solved at once: so many fit a processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
-class RestSolution:
+class TipSolution:
     """L limbs at their goals at m moments.
 
     Attributes:
@@ -50,8 +51,8 @@ class RestSolution:
     residual: Array
 
 
-def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> RestSolution:
-    """Move the tips to `goals` with joint values as near the preferred ones as possible.
+def solve_tips(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> TipSolution:
+    """Move the tips to `goals`.
 
     Args:
         batch: L limbs.
@@ -81,13 +82,13 @@ def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array
         found = _continue_solving(batch, far, q[moment, far], goals[moment, far])
         q[moment, far], X[moment, far] = found.pose.q, found.pose.X_BJ
         residual[moment, far] = found.residual
-    return RestSolution(q, X, residual)
+    return TipSolution(q, X, residual)
 
 
-def solve_each_near_rest(
+def solve_each_tip(
     batch: LimbBatch, chains: Sequence[ChainGroup], rows: LimbRows, goals: Array
 ) -> tuple[Array, Array]:
-    """Return the result of `solve_near_rest` for limbs with a goal each.
+    """Return the result of `solve_tips` for limbs with a goal each.
 
     Args:
         batch: L limbs.
@@ -122,7 +123,7 @@ def solve_each_near_rest(
 def _continue_solving(batch: LimbBatch, rows: LimbRows, q: Array, goals: Array) -> IKSolution:
     """Continue to goals at the edge of the reach, in smaller and more segments."""
     rest = batch.rows(rows)
-    return solve(rest, rest.pose(q), goals, max_iterations=100)
+    return solve(rest, rest.pose(q), goals, max_iterations=100, rest_gain=0.0)
 
 
 def _blocks(chains: Sequence[ChainGroup], moments: int) -> Iterator[tuple[ChainGroup, slice]]:
@@ -140,25 +141,20 @@ def _solve_block(chain: ChainGroup, goal: Array) -> Array:
     """Return the joint values (k, l, m) of a block for goals (3, l, m) [m]."""
     limbs, moments = goal.shape[1:]
     shape = len(chain.slides), limbs, moments
-    lower, upper, preferred = (
-        np.broadcast_to(bound, shape).reshape(shape[0], -1)
-        for bound in (chain.lower, chain.upper, chain.preferred)
+    lower, upper = (
+        np.broadcast_to(bound, shape).reshape(shape[0], -1) for bound in (chain.lower, chain.upper)
     )
     longest = np.broadcast_to(SEGMENT * chain.lengths, (limbs, moments))
     damping = np.broadcast_to(
         (TIP_ITERATION.damping * chain.lengths) ** 2, (limbs, moments)
     ).ravel()
-    # At the preferred values, where all start, moments do not differ yet.
-    tip, J = _jacobian(chain, chain.preferred)
-    J, q = np.broadcast_to(J, (3, *shape)), preferred
-    for i, gain in enumerate(REST_GAINS):
-        if i:
-            tip, J = _jacobian(chain, q.reshape(shape))
+    q = _first_guess(chain, goal).reshape(shape[0], -1)
+    for _ in range(CORRECTIONS if chain.aim is not None else FREE_CORRECTIONS):
+        tip, J = _jacobian(chain, q.reshape(shape))
         error = goal - tip
         error *= np.minimum(1.0, longest / np.maximum(_norm(error), 1e-300))
         J, dx = J.reshape(3, len(q), -1), error.reshape(3, -1)
-        z = gain * (preferred - q) if gain and i else None
-        wanted = q + _damped_step(J, dx, z, damping)
+        wanted = q + _damped_step(J, dx, damping)
         bounded = np.minimum(np.maximum(wanted, lower), upper)
         at = np.flatnonzero((bounded != wanted).any(axis=0))
         if len(at):
@@ -166,12 +162,22 @@ def _solve_block(chain: ChainGroup, goal: Array) -> Array:
             held = bounded[:, at] != wanted[:, at]
             moved = np.where(held, bounded[:, at] - q[:, at], 0.0)
             rest = dx[:, at] - _apply_jacobian(J[..., at], moved)
-            pull = None if z is None else z[:, at] * ~held
-            again = _damped_step(J[..., at] * ~held, rest, pull, damping[at])
+            again = _damped_step(J[..., at] * ~held, rest, damping[at])
             again = q[:, at] + np.where(held, moved, again)
             bounded[:, at] = np.minimum(np.maximum(again, lower[:, at]), upper[:, at])
         q = bounded
     return q.reshape(shape)
+
+
+def _first_guess(chain: ChainGroup, goal: Array) -> Array:
+    """Return joint values (k, l, m) with the tips at goals (3, l, m), but for limits [rad or m]."""
+    g = goal - chain.first
+    q = chain.path.at(chain.on_path, _norm(g))
+    if chain.aim is not None:
+        q[:3] = 0.0
+        *_, (_, _, _, tip) = chain.frames(q)
+        q[:3] = chain.aim.angles(tip - chain.first, g)
+    return np.minimum(np.maximum(q, chain.lower), chain.upper)
 
 
 def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:
@@ -192,22 +198,21 @@ def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:
     return p, J
 
 
-def _damped_step(J: Array, dx: Array, z: Array | None, damping: Array) -> Array:
-    """Return z + J⁺ (dx - J z) (k, N) with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹.
+def _damped_step(J: Array, dx: Array, damping: Array) -> Array:
+    """Return J⁺ dx (k, N) with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹.
 
     Args:
         J: (3, k, N).
         dx: (3, N) [m].
-        z: (k, N) pull of the redundancy; None for none.
         damping: (N,) λ² [m²].
     """
     square = _sum_joints(J * J) + damping
     mixed = _sum_joints(J * J[[1, 2, 0]])
-    y = _solve_symmetric(square, mixed, dx if z is None else dx - _apply_jacobian(J, z))
+    y = _solve_symmetric(square, mixed, dx)
     step: Array = J[0] * y[0]
     step += J[1] * y[1]
     step += J[2] * y[2]
-    return step if z is None else step + z
+    return step
 
 
 def _solve_symmetric(d: Array, m: Array, b: Array) -> tuple[Array, Array, Array]:

@@ -1,4 +1,4 @@
-"""Block-wise solutions match the plain iterations and do not depend on other limbs."""
+"""Limbs reach their goals without jumps, and do not depend on other limbs."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures import rest_ik
+from pipeline.simulation.figures import tip_ik
 from pipeline.simulation.figures.base_change import limb_between
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse_kinematics import damped_step, damping_matrix
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import group_chains
-from pipeline.simulation.figures.rest_ik import REST_GAINS, SEGMENT, solve_near_rest
+from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.figures.skeleton import Skeleton
 from pipeline.simulation.spatial import Array
 
@@ -37,30 +36,62 @@ def _goals(legs: LimbBatch, rng: np.random.Generator, wide: float = 1.0) -> Arra
     return goals
 
 
-def _plainly(legs: LimbBatch, goals: Array) -> tuple[Array, Array]:
-    """Return joint values (L, n) and distances (L,) after plain iterations of all legs."""
-    pose, damping = legs.pose(legs.preferred), damping_matrix(legs)
-    for gain in REST_GAINS:
-        error = goals - pose.tips
-        distance = np.linalg.norm(error, axis=-1)
-        part = np.minimum(1.0, SEGMENT * legs.lengths / np.maximum(distance, 1e-300))
-        pull = np.full(len(goals), gain)
-        pose = legs.pose(damped_step(legs, pose, error * part[:, None], pull, damping))
-    return pose.q, np.linalg.norm(goals - pose.tips, axis=-1)
+def test_tips_reach_their_goals(shipped: Figure) -> None:
+    legs, owner = _legs([shipped])
+    if not len(owner):
+        return
+    goals = _goals(legs, np.random.default_rng(5), wide=1.5)
+    found = solve_tips(legs, group_chains(legs, owner), goals)
+    assert (found.residual < 1e-6 * legs.lengths).mean() > 0.99
 
 
-def test_solutions_match_plain_iterations(
-    library: Callable[[str], Figure],
-) -> None:
-    names = ("beetle", "horse", "person", "kangaroo", "centipede")
-    legs, owner = _legs([library(name) for name in names])
-    goals = _goals(legs, np.random.default_rng(5), wide=2.0)
-    settled = solve_near_rest(legs, group_chains(legs, owner), goals)
-    for moment in range(MOMENTS):
-        q, distance = _plainly(legs, goals[moment])
-        near = distance < 1e-7 * legs.lengths  # the others are followed on by `solve`
-        assert near.mean() > 0.5
-        assert np.abs(settled.q[moment] - q)[near].max() < 1e-9
+def test_at_rest_all_joints_have_their_preferred_values(shipped: Figure) -> None:
+    legs, owner = _legs([shipped])
+    if not len(owner):
+        return
+    rest = legs.pose(legs.preferred).tips
+    found = solve_tips(legs, group_chains(legs, owner), rest[None])
+    assert np.abs(found.q[0] - legs.preferred).max() < 0.01
+
+
+def test_bends_are_those_of_two_equal_links(shipped: Figure) -> None:
+    """No joint bends faster than twice as fast as one of two equal links, and steps halve."""
+    legs, owner = _legs([shipped])
+    if not len(owner):
+        return
+    chains, base = group_chains(legs, owner), legs.places[:, 0]
+    shortest = np.empty(len(owner))
+    for chain in chains:
+        shortest[chain.rows] = chain.path.shortest
+    for seed in range(4):
+        paths = [_foot_path(legs, np.random.default_rng(seed), rows) for rows in (401, 801)]
+        coarse, fine = (solve_tips(legs, chains, goals) for goals in paths)
+        speed = np.linalg.norm(np.diff(paths[0], axis=0), axis=-1)
+        distance = np.linalg.norm(paths[0] - base, axis=-1)
+        stretch = distance / legs.lengths
+        stretch = np.maximum(stretch[1:], stretch[:-1])
+        needed = 2.0 * speed / (legs.lengths * np.sqrt(1.0 - stretch**2))
+        bends = np.abs(np.diff(coarse.q, axis=0))[..., 3:].max(axis=-1)
+        near = distance > 1.25 * shortest  # with all but one joint at a limit that one is quick
+        assert (bends <= 2.0 * needed + 1e-3)[near[1:] & near[:-1]].all()
+        assert (coarse.residual[near] < 1e-6 * legs.lengths.max()).all()
+        halves = np.abs(np.diff(fine.q, axis=0)).max() / np.abs(np.diff(coarse.q, axis=0)).max()
+        assert 0.4 < halves < 0.65
+
+
+def _foot_path(legs: LimbBatch, rng: np.random.Generator, rows: int) -> Array:
+    """Return feet (rows, L, 3) that step in place, within 96 % of their reach [m]."""
+    t = np.linspace(0.0, 2.0 * np.pi, rows)[:, None]
+    wide, high = rng.uniform(0.05, 0.2, 2)
+    way = np.concatenate(
+        [wide * np.cos(t), high * (1.0 + np.sin(t)), 0.1 * wide * np.sin(2.0 * t)], axis=1
+    )
+    goals = legs.pose(legs.preferred).tips + way[:, None] * legs.lengths[:, None]
+    arm = goals - legs.places[:, 0]
+    far = np.linalg.norm(arm, axis=-1, keepdims=True)
+    most = 0.96 * legs.lengths[:, None]
+    result: Array = legs.places[:, 0] + arm * np.minimum(1.0, most / far)
+    return result
 
 
 def test_frames_and_residuals_match_joint_values(shipped: Figure) -> None:
@@ -68,7 +99,7 @@ def test_frames_and_residuals_match_joint_values(shipped: Figure) -> None:
     if not len(owner):
         return
     goals = _goals(legs, np.random.default_rng(6))
-    settled = solve_near_rest(legs, group_chains(legs, owner), goals)
+    settled = solve_tips(legs, group_chains(legs, owner), goals)
     assert ((settled.q >= legs.lower) & (settled.q <= legs.upper)).all()
     for q, X, residual, goal in zip(settled.q, settled.X_BJ, settled.residual, goals, strict=True):
         pose = legs.pose(q)
@@ -109,13 +140,13 @@ def test_results_do_not_depend_on_other_limbs(
 ) -> None:
     legs, owner = _legs([library(name) for name in ("beetle", "antelope", "person", "beetle")])
     goals = _goals(legs, np.random.default_rng(8))
-    whole = solve_near_rest(legs, group_chains(legs, owner), goals)
-    monkeypatch.setattr(rest_ik, "BLOCK_SIZE", block)
+    whole = solve_tips(legs, group_chains(legs, owner), goals)
+    monkeypatch.setattr(tip_ik, "BLOCK_SIZE", block)
     for c in range(4):
         own = np.flatnonzero(owner == c)
         alone = legs.rows(own)
         for some in (slice(0, 1), slice(1, 4), slice(4, MOMENTS)):
-            part = solve_near_rest(alone, group_chains(alone, owner[own]), goals[some][:, own])
+            part = solve_tips(alone, group_chains(alone, owner[own]), goals[some][:, own])
             assert np.array_equal(part.q, whole.q[some][:, own])
             assert np.array_equal(part.X_BJ, whole.X_BJ[some][:, own])
             assert np.array_equal(part.residual, whole.residual[some][:, own])

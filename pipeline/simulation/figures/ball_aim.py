@@ -83,7 +83,7 @@ class BallAim:
         level[which == 0] = 0.0
         return BallAim(
             axes=np.moveaxis(axes, 0, -1)[..., None],
-            hand=np.linalg.det(axes)[:, None],
+            hand=np.sign(np.linalg.det(axes))[:, None],
             across=across.T[..., None],
             rest_across=rest_across.T[..., None],
             rest=level.T[..., None],

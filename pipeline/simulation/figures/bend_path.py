@@ -29,30 +29,33 @@ SHORTEST = 0.05
 STRETCHED = 0.98
 """Distance beyond which bends go straight to full extension, in the longest."""
 
-ITERATIONS = 8
-"""Steps from each place on the path to the next."""
-
-STILL = 1e-4
-"""Movement of joints below which a place is reached [rad or m]."""
-
-HOLDS = 3
-"""Passes of a step, each without the joints that the one before held at a limit."""
-
-LONGEST = 0.3
-"""Greatest movement of a joint in one step [rad or m]."""
+STRAIGHT_STEPS = 16
+"""Measured distances from there to full extension."""
 
 MISS = 1e-4
 """Distance of tip from place beyond which the path has ended, in lengths of the limb."""
 
-DAMPING = 1e-9
-"""λ², in squared lengths of the limb."""
+
+@dataclass(frozen=True, slots=True)
+class PathSearch:
+    """Constants of the way from one place on a path to the next.
+
+    Attributes:
+        iterations: bound on the steps.
+        still: movement of joints below which a place is reached [rad or m].
+        holds: passes of a step, each without the joints that the one before held at a limit.
+        longest: greatest movement of a joint in one step [rad or m].
+        damping: λ², in squared ranges of joints and lengths of the limb.
+    """
+
+    iterations: int = 8
+    still: float = 1e-4
+    holds: int = 3
+    longest: float = 0.3
+    damping: float = 1e-9
 
 
-def bending_joints(batch: LimbBatch) -> NDArray[np.bool_]:
-    """Return the joints (L, n) that change the distance from base to tip."""
-    away = np.abs(batch.places - batch.places[:, :1]).max(axis=-1) > 1e-9 * batch.lengths[:, None]
-    result: NDArray[np.bool_] = batch.is_joint & (away | batch.prismatic)
-    return result
+PATH_SEARCH = PathSearch()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +65,7 @@ class BendPath:
     Attributes:
         longest, shortest: (L,) distances at its ends [m].
         values: (CELLS + 1, k, L) joint values by depth, see `_depth`; those of joints that do not
-            bend the limb are the preferred ones [rad or m].
+            bend the limb lead nowhere [rad or m].
         slopes: (CELLS + 1, k, L) their derivatives, per cell.
     """
 
@@ -74,35 +77,26 @@ class BendPath:
     @staticmethod
     def of(batch: LimbBatch) -> BendPath:
         """Return the paths of limbs with as many joints each."""
-        inner = bending_joints(batch)
-        stretched = np.clip(np.where(inner, batch.extended, batch.preferred), batch.lower, batch.upper)
-        longest = _distance(batch, stretched)
-        rest = _distance(batch, batch.preferred)
-        # Dense near full extension, where bends change most.
-        t = np.linspace(0.0, 1.0, CELLS + 1)[:, None]
-        asked = longest * (1.0 - (1.0 - SHORTEST) * t * t * (2.0 - t))
-        count = len(rest)
-        at_rest = np.abs(asked - rest).argmin(axis=0)
-        # From rest towards the base and away from it, side by side.
-        number = np.tile(np.arange(count), 2)
-        way = np.repeat([1, -1], count)
-        both = batch.rows(number)
-        values = np.tile(batch.preferred, (CELLS + 1, 1, 1))
-        reached = np.zeros((CELLS + 1, count), dtype=bool)
-        q, before = both.preferred, both.preferred
-        going = np.ones(2 * count, dtype=bool)
-        for k in range(CELLS + 1):
-            cell = at_rest[number] + way * k
-            going &= (cell >= 0) & (cell <= CELLS)
-            if not going.any():
-                break
-            goal = asked[np.clip(cell, 0, CELLS), number]
-            after, miss = _nearest(both, 2.0 * q - before if k > 1 else q, goal)
-            going &= miss < MISS * both.lengths
-            q, before = np.where(going[:, None], after, q), q
-            values[cell[going], number[going]] = q[going]
-            reached[cell[going], number[going]] = True
-        return _table(batch, stretched, values, reached & (asked < STRETCHED * longest))
+        bending = _bending_joints(batch)
+        straight = np.where(bending, batch.extended, batch.preferred)
+        straight = np.clip(straight, batch.lower, batch.upper)
+        longest, shortest = np.empty((2, len(straight)))
+        values = np.empty((CELLS + 1, straight.shape[1], len(straight)))
+        depth = np.linspace(0.0, 1.0, CELLS + 1)
+        for row, kept in enumerate(_bent_poses(batch, _distance(batch, straight))):
+            q = straight[row : row + 1]
+            if len(kept):
+                part = np.linspace(0.0, 1.0, STRAIGHT_STEPS + 1)[:-1, None]
+                q = np.concatenate([q + part * (kept[0] - q), kept])
+            far = _distance(batch.rows(np.full(len(q), row)), q)
+            falls = np.diff(far) < 0.0
+            q = q[: len(q) if falls.all() else int(falls.argmin()) + 1]
+            longest[row], shortest[row] = far[0], far[len(q) - 1]
+            deep = _depth(far[: len(q)], longest[row], shortest[row])
+            for j, own in enumerate(q.T):
+                values[:, j, row] = np.interp(depth, deep, own)
+        slopes = np.asarray(np.gradient(values, axis=0))
+        return BendPath(longest, shortest, values, slopes)
 
     def at(self, own: NDArray[np.int64], distance: Array) -> Array:
         """Return joint values (k, l, m) at distances from base to tip (l, m) [rad or m].
@@ -115,9 +109,8 @@ class BendPath:
         cell = np.minimum(deep.astype(np.int64), CELLS - 1)
         u = deep - cell
         result = np.empty((self.values.shape[1], *u.shape))
-        for j, (values, slopes) in enumerate(
-            zip(self.values.swapaxes(0, 1), self.slopes.swapaxes(0, 1), strict=True)
-        ):
+        for j in range(len(result)):
+            values, slopes = self.values[:, j], self.slopes[:, j]
             a, b = values[cell, own], values[cell + 1, own]
             v, w = slopes[cell, own], slopes[cell + 1, own]
             # A cubic through both ends with their slopes.
@@ -125,6 +118,13 @@ class BendPath:
                 v + u * (3.0 * (b - a) - 2.0 * v - w + u * (2.0 * (a - b) + v + w))
             )
         return result
+
+
+def _bending_joints(batch: LimbBatch) -> NDArray[np.bool_]:
+    """Return the joints (L, n) that change the distance from base to tip."""
+    away = np.abs(batch.places - batch.places[:, :1]).max(axis=-1) > 1e-9 * batch.lengths[:, None]
+    result: NDArray[np.bool_] = batch.is_joint & (away | batch.prismatic)
+    return result
 
 
 def _depth(distance: Array, longest: Array, shortest: Array) -> Array:
@@ -136,63 +136,71 @@ def _depth(distance: Array, longest: Array, shortest: Array) -> Array:
     return np.sqrt(np.clip((longest**2 - distance**2) / span, 0.0, 1.0))
 
 
-def _table(
-    batch: LimbBatch, stretched: Array, values: Array, chosen: NDArray[np.bool_]
-) -> BendPath:
-    """Return the path from `stretched` (L, n) through those `chosen` of `values` (m, L, n)."""
-    depth = np.linspace(0.0, 1.0, CELLS + 1)
-    longest, shortest = np.empty((2, len(stretched)))
-    table = np.empty((CELLS + 1, values.shape[2], len(stretched)))
-    for row, (end, own) in enumerate(zip(stretched, values.swapaxes(0, 1), strict=True)):
-        kept, q = own[chosen[:, row]], end[None]
-        if len(kept):
-            first = end + np.linspace(0.0, 1.0, 17)[:-1, None] * (kept[0] - end)
-            q = np.concatenate([first, kept])
-        far = _distance(batch.rows(np.full(len(q), row)), q)
-        falls = np.concatenate([[True], np.diff(far) < 0.0])
-        last = len(q) if falls.all() else int(falls.argmin())
-        q, far = q[:last], far[:last]
-        longest[row], shortest[row] = far[0], far[-1]
-        deep = _depth(far, far[0], far[-1])
-        for j in range(q.shape[1]):
-            table[:, j, row] = np.interp(depth, deep, q[:, j]) if last > 1 else q[0, j]
-    return BendPath(longest, shortest, table, np.gradient(table, axis=0))
+def _bent_poses(batch: LimbBatch, longest: Array) -> list[Array]:
+    """Return joint values (m, n) of each limb, from `STRETCHED` to as near as its tip comes."""
+    count = len(longest)
+    # Dense near full extension, where bends change most.
+    t = np.linspace(0.0, 1.0, CELLS + 1)[:, None]
+    places = longest * (1.0 - (1.0 - SHORTEST) * t * t * (2.0 - t))
+    at_rest = np.abs(places - _distance(batch, batch.preferred)).argmin(axis=0)
+    # From rest towards the base and away from it, side by side.
+    number, way = np.tile(np.arange(count), 2), np.repeat([1, -1], count)
+    both = batch.rows(number)
+    values = np.tile(batch.preferred, (CELLS + 1, 1, 1))
+    reached = np.zeros((CELLS + 1, count), dtype=bool)
+    q, before = both.preferred, both.preferred
+    going = np.ones(2 * count, dtype=bool)
+    for k in range(CELLS + 1):
+        cell = at_rest[number] + way * k
+        going &= (cell >= 0) & (cell <= CELLS)
+        if not going.any():
+            break
+        place = places[np.clip(cell, 0, CELLS), number]
+        after, miss = _nearest_pose(both, 2.0 * q - before if k > 1 else q, place)
+        going &= miss < MISS * both.lengths
+        q, before = np.where(going[:, None], after, q), q
+        values[cell[going], number[going]] = q[going]
+        reached[cell[going], number[going]] = True
+    reached &= places < STRETCHED * longest
+    return [values[reached[:, row], row] for row in range(count)]
 
 
-def _nearest(batch: LimbBatch, q: Array, distance: Array) -> tuple[Array, Array]:
-    """Return joint values (L, n) that bring tips to distances (L,) on their ways at rest [m].
+def _nearest_pose(batch: LimbBatch, q: Array, distance: Array) -> tuple[Array, Array]:
+    """Return joint values (L, n) nearest to rest that bring tips to distances (L,) [m].
 
-    Also returns by how much the tips miss them (L,) [m].
+    Also returns by how much the tips miss their places (L,) [m].
     """
+    search = PATH_SEARCH
     rest = batch.pose(batch.preferred).tips - batch.places[:, 0]
     way = rest / np.maximum(np.linalg.norm(rest, axis=-1, keepdims=True), 1e-300)
-    goals = batch.places[:, 0] + distance[:, None] * way
+    places = batch.places[:, 0] + distance[:, None] * way
     weight = (batch.upper - batch.lower) ** 2
-    damping = (DAMPING * (weight.max(axis=1) * batch.lengths**2))[:, None, None] * IDENTITY
+    damping = search.damping * weight.max(axis=1) * batch.lengths**2
     q = np.clip(q, batch.lower, batch.upper)
-    for k in range(ITERATIONS):
+    for k in range(search.iterations):
         pose = batch.pose(q)
         wish, free = batch.preferred - q, batch.is_joint
-        low, high = batch.lower - q, batch.upper - q
         step = np.zeros_like(q)
-        for _ in range(HOLDS):
+        for _ in range(search.holds):
             # Joints that would exceed a limit are held there, and the others carry the motion.
             J, W = pose.jacobian * free[..., None], weight * free
             moved = np.where(free, wish, step)
-            square = np.einsum("ln,lni,lnj->lij", W, J, J) + damping
-            left = goals - pose.tips - np.einsum("lni,ln->li", pose.jacobian, moved)
+            square = np.einsum("ln,lni,lnj->lij", W, J, J) + damping[:, None, None] * IDENTITY
+            left = places - pose.tips - np.einsum("lni,ln->li", pose.jacobian, moved)
             y = np.linalg.solve(square, left[..., None])[..., 0]
             wanted = moved + W * np.einsum("lni,li->ln", J, y)
-            step = np.clip(wanted, low, high)
+            step = np.clip(wanted, batch.lower - q, batch.upper - q)
             if (step == wanted).all():
                 break
             free = free & (step == wanted)
         largest = np.abs(step).max(axis=1, keepdims=True)
-        q = q + step * (LONGEST / np.maximum(largest, LONGEST))
-        if k >= 2 and (largest < STILL).all():
+        q = q + step * (search.longest / np.maximum(largest, search.longest))
+        if k > 1 and (largest < search.still).all():
             break
-    return q, np.linalg.norm(goals - batch.pose(q).tips, axis=-1)
+    return q, np.linalg.norm(places - batch.pose(q).tips, axis=-1)
 
 
 def _distance(batch: LimbBatch, q: Array) -> Array:
-    return np.linalg.norm(batch.pose(q).tips - batch.places[:, 0], axis=-1)
+    """Return the distances (L,) from base to tip [m]."""
+    result: Array = np.linalg.norm(batch.pose(q).tips - batch.places[:, 0], axis=-1)
+    return result

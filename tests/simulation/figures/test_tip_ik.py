@@ -14,8 +14,8 @@ from pipeline.simulation.figures.base_change import limb_between
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import group_chains
-from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.figures.skeleton import Skeleton
+from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.spatial import Array
 
 MOMENTS = 40
@@ -72,7 +72,7 @@ def test_bends_are_those_of_two_equal_links(shipped: Figure) -> None:
         stretch = np.maximum(stretch[1:], stretch[:-1])
         needed = 2.0 * speed / (legs.lengths * np.sqrt(1.0 - stretch**2))
         bends = np.abs(np.diff(coarse.q, axis=0))[..., 3:].max(axis=-1)
-        near = distance > 1.25 * shortest  # with all but one joint at a limit that one is quick
+        near = distance > 1.3 * shortest  # with the others at their limits, the last joint is quick
         assert (bends <= 2.0 * needed + 1e-3)[near[1:] & near[:-1]].all()
         assert (coarse.residual[near] < 1e-6 * legs.lengths.max()).all()
         halves = np.abs(np.diff(fine.q, axis=0)).max() / np.abs(np.diff(coarse.q, axis=0)).max()

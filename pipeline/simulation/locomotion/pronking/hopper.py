@@ -19,8 +19,8 @@ from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.network import LEG
-from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.jump_parameters import (

@@ -27,7 +27,7 @@ from pipeline.simulation.spatial import Array
 MOST_TURN = 1.1
 """Greatest angle by which the plane of a limb turns with its goal [rad]."""
 
-OUTWARD = 0.03, 0.2
+OUTWARD = 0.1, 0.6
 """Distance of the goal from the upright axis, outward and as a part of the way to it, between which
 the plane of a limb begins to turn with it: nearer, its direction means little."""
 

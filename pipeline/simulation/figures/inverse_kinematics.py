@@ -1,7 +1,6 @@
 """Inverse kinematics by pseudo-inverse iterations, for many limbs at once.
 
-`solve` follows a path that is cut into segments no longer than the linearisation allows;
-redundancy pulls towards the preferred values.
+`damped_step` is one iteration; redundancy pulls towards the preferred values.
 
 `closest_pose` finds the pose within the limits nearest to an unreachable goal. There the error
 does not vanish, and with it remains the change of the Jacobian, which pseudo-inverse iterations
@@ -29,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.ik_goals import Goal, TipPlacement
-from pipeline.simulation.figures.kinematics import IDENTITY, LimbBatch, LimbPose, hessian
+from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose, hessian
 from pipeline.simulation.figures.task_priority import Task, bounded_priority_step
 from pipeline.simulation.spatial import Array
 
@@ -40,8 +39,6 @@ class TipIteration:
 
     Attributes:
         segment: longest step of a tip in one iteration.
-        damping: λ, which bounds joint speeds near singularities. As the tip is corrected in the
-            next iteration, it leaves no error.
         rest_gain: gain of the secondary goal (α in eq. B.7), the fraction of the way to the
             preferred values in one iteration.
         redundancy_cutoff: distance of tip from goal below which redundancy is left alone after the
@@ -50,7 +47,6 @@ class TipIteration:
     """
 
     segment: float = 0.15
-    damping: float = 1e-4
     rest_gain: float = 0.25
     redundancy_cutoff: float = 1e-2
     tolerance: float = 1e-6
@@ -122,56 +118,6 @@ class IKSolution:
         return result & batch.is_joint
 
 
-def solve(
-    batch: LimbBatch,
-    start: LimbPose,
-    goals: Array,
-    max_iterations: int = 40,
-    rest_gain: float = TIP_ITERATION.rest_gain,
-) -> IKSolution:
-    """Move the tips to `goals`, starting from the pose `start`.
-
-    Args:
-        batch: the limbs.
-        start: within the limits; along a motion the pose of the step before, so that a limb keeps
-            its branch and its knee never flips.
-        goals: (L, 3) relative to the body [m]. An unreachable goal gives the closest pose that the
-            iterations find, with its residual.
-        max_iterations: bound on the iterations.
-        rest_gain: pull of the redundancy towards the preferred values.
-    """
-    pose, error = start, goals - start.tips
-    distance = _norm(error)
-    enough = TIP_ITERATION.tolerance * batch.lengths
-    near = TIP_ITERATION.redundancy_cutoff * batch.lengths
-    longest, damping = batch.lengths * TIP_ITERATION.segment, damping_matrix(batch)
-    iteration = 0
-    while iteration < max_iterations and (far := distance > enough).any():
-        # A limb that has arrived stays: its result must not depend on other limbs.
-        part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
-        gain = np.where(far if iteration == 0 else distance > near, rest_gain, 0.0)
-        candidate = batch.pose(damped_step(batch, pose, error * part[:, None], gain, damping))
-        error_then = goals - candidate.tips
-        distance_then = _norm(error_then)
-        iteration += 1
-        # A segment after which the tip is further away was too long: revert and shorten it. After
-        # a good one the next may be longer (Sims 1987, figure 6.3).
-        good = distance_then < distance + enough
-        longest = np.where(good, np.minimum(longest * 2.0, batch.lengths), longest * 0.25)
-        if good.all():
-            pose, error, distance = candidate, error_then, distance_then
-        else:
-            pose = candidate.where(good, pose)
-            error = np.where(good[:, None], error_then, error)
-            distance = np.where(good, distance_then, distance)
-    return IKSolution(batch, pose, distance, iteration)
-
-
-def damping_matrix(batch: LimbBatch) -> Array:
-    """Return λ² I (L, 3, 3) [m²], shared by all iterations of these limbs."""
-    return ((TIP_ITERATION.damping * batch.lengths) ** 2)[:, None, None] * IDENTITY
-
-
 def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, damping: Array) -> Array:
     """Return the joint values (L, n) after one step of the tips, within the limits.
 
@@ -183,7 +129,7 @@ def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, dampin
         pose: their pose.
         dx: (L, 3) the step [m].
         gain: (L,) α, the fraction of the way to the preferred values that redundancy goes.
-        damping: see `damping_matrix`.
+        damping: (L, x, x) λ² I for steps of x components.
     """
     q, jacobian = pose.q, pose.jacobian
     z = gain[:, None] * (batch.preferred - q)

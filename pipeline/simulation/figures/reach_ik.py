@@ -5,7 +5,7 @@ damped pseudo-inverse iterations along a path of segments. Limbs that a limit st
 way try another branch, found by geometry; they may also restart from random joint values. Then the
 goals of lower priority use the remaining redundancy, and the tips are settled a last time.
 
-`inverse_kinematics.solve` is the fast part of it that walking needs.
+`tip_ik` is for tips that need no such search, as the feet of walking legs.
 
 Notation of the thesis: x tip, θ joint values (here q), J Jacobian, α gain.
 

@@ -20,8 +20,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, IKSolution, solve
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
 from pipeline.simulation.figures.limb_chains import ChainGroup
 from pipeline.simulation.spatial import Array
@@ -31,6 +31,18 @@ SEGMENT = 0.35
 
 CORRECTIONS, FREE_CORRECTIONS = 2, 8
 """Iterations after the first guess, of limbs with a ball joint at their base and of others."""
+
+MORE_CORRECTIONS = 16
+"""Iterations of those that are not there then."""
+
+LEAST_DAMPING = 1e-4
+"""Least λ, in lengths of the limb."""
+
+DAMPING = 0.02
+"""λ² in squared distances of tip from goal (Sugihara 2011; less, so that goals at limits are met)."""
+
+TOLERANCE = 1e-6
+"""Accepted distance of tip from goal, in lengths of the limb."""
 
 BLOCK_SIZE = 5000
 """Limbs times moments solved at once: so many fit a processor's cache."""
@@ -77,11 +89,12 @@ def solve_tips(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> 
                 X[when, :, j, :3, 3][:, chain.rows] = p.transpose(2, 1, 0)
         residual[at] = _norm(goal - p).T
         q[when, :, :k][:, chain.rows] = values.transpose(2, 1, 0)
-    moment, far = np.nonzero(residual > TIP_ITERATION.tolerance * batch.lengths)
+    moment, far = np.nonzero(residual > TOLERANCE * batch.lengths)
     if len(far):
-        found = _continue_solving(batch, far, q[moment, far], goals[moment, far])
-        q[moment, far], X[moment, far] = found.pose.q, found.pose.X_BJ
-        residual[moment, far] = found.residual
+        q[moment, far], residual[moment, far] = _continued(
+            batch, chains, far, q[moment, far], goals[moment, far]
+        )
+        X[moment, far] = batch.rows(far).pose(q[moment, far]).X_BJ
     return TipSolution(q, X, residual)
 
 
@@ -113,17 +126,40 @@ def solve_each_tip(
         *_, (_, _, _, p) = some.frames(values)
         residual[mine] = _norm(goal - p)[:, 0]
         q[mine, : len(values)] = values[..., 0].T
-        far = mine[residual[mine] > TIP_ITERATION.tolerance * batch.lengths[rows[mine]]]
-        if len(far):
-            found = _continue_solving(batch, rows[far], q[far], goals[far])
-            q[far], residual[far] = found.pose.q, found.residual
+    far = np.flatnonzero(residual > TOLERANCE * batch.lengths[rows])
+    if len(far):
+        numbers = np.arange(len(batch.lengths))[rows]
+        q[far], residual[far] = _continued(batch, chains, numbers[far], q[far], goals[far])
     return q, residual
 
 
-def _continue_solving(batch: LimbBatch, rows: LimbRows, q: Array, goals: Array) -> IKSolution:
-    """Continue to goals at the edge of the reach, in smaller and more segments."""
-    rest = batch.rows(rows)
-    return solve(rest, rest.pose(q), goals, max_iterations=100, rest_gain=0.0)
+def _continued(
+    batch: LimbBatch,
+    chains: Sequence[ChainGroup],
+    rows: NDArray[np.int64],
+    q: Array,
+    goals: Array,
+) -> tuple[Array, Array]:
+    """Return joint values (N, n) after more iterations from `q`, and the distances left (N,) [m].
+
+    Limits keep these limbs from where their ball joint and bends alone would bring them.
+    """
+    q, residual = q.copy(), np.empty(len(rows))
+    place = np.full(len(batch.lengths), -1)
+    for chain in chains:
+        place[:] = -1
+        place[chain.rows] = np.arange(len(chain.rows))
+        mine = np.flatnonzero(place[rows] >= 0)
+        if not len(mine):
+            continue
+        some, k = chain.subset(place[rows[mine]]), len(chain.slides)
+        goal = np.ascontiguousarray(goals[mine].T)[..., None]
+        start = np.ascontiguousarray(q[mine, :k].T)[..., None]
+        values = _corrected(some, start, goal, MORE_CORRECTIONS)
+        *_, (_, _, _, p) = some.frames(values)
+        residual[mine] = _norm(goal - p)[:, 0]
+        q[mine, :k] = values[..., 0].T
+    return q, residual
 
 
 def _blocks(chains: Sequence[ChainGroup], moments: int) -> Iterator[tuple[ChainGroup, slice]]:
@@ -139,20 +175,27 @@ def _blocks(chains: Sequence[ChainGroup], moments: int) -> Iterator[tuple[ChainG
 
 def _solve_block(chain: ChainGroup, goal: Array) -> Array:
     """Return the joint values (k, l, m) of a block for goals (3, l, m) [m]."""
+    count = CORRECTIONS if chain.aim is not None else FREE_CORRECTIONS
+    return _corrected(chain, _first_guess(chain, goal), goal, count)
+
+
+def _corrected(chain: ChainGroup, q: Array, goal: Array, count: int) -> Array:
+    """Return joint values (k, l, m) after `count` iterations from `q` to goals (3, l, m) [m]."""
     limbs, moments = goal.shape[1:]
     shape = len(chain.slides), limbs, moments
     lower, upper = (
         np.broadcast_to(bound, shape).reshape(shape[0], -1) for bound in (chain.lower, chain.upper)
     )
     longest = np.broadcast_to(SEGMENT * chain.lengths, (limbs, moments))
-    damping = np.broadcast_to(
-        (TIP_ITERATION.damping * chain.lengths) ** 2, (limbs, moments)
-    ).ravel()
-    q = _first_guess(chain, goal).reshape(shape[0], -1)
-    for _ in range(CORRECTIONS if chain.aim is not None else FREE_CORRECTIONS):
+    least = np.broadcast_to((LEAST_DAMPING * chain.lengths) ** 2, (limbs, moments))
+    q = q.reshape(shape[0], -1)
+    for _ in range(count):
         tip, J = _jacobian(chain, q.reshape(shape))
         error = goal - tip
-        error *= np.minimum(1.0, longest / np.maximum(_norm(error), 1e-300))
+        far = _norm(error)
+        # Calm where it is out of reach or limits hold it; vanishing at the goal.
+        damping = (least + DAMPING * far * far).ravel()
+        error *= np.minimum(1.0, longest / np.maximum(far, 1e-300))
         J, dx = J.reshape(3, len(q), -1), error.reshape(3, -1)
         wanted = q + _damped_step(J, dx, damping)
         bounded = np.minimum(np.maximum(wanted, lower), upper)

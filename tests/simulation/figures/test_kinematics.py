@@ -1,4 +1,4 @@
-"""Forward kinematics and `solve` against slower methods."""
+"""Forward kinematics against slower methods, and tips that are brought to goals."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse_kinematics import solve
 from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
+from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.skeleton import BODY, Skeleton
+from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.spatial import Array, rotation
 
 UNEQUAL = (
@@ -106,78 +107,45 @@ def test_batched_legs_match_single_legs(skeleton: Skeleton, legs: LimbBatch) -> 
         assert np.allclose(alone.pose(q[row : row + 1, :n]).tips[0], legs.pose(q).tips[row])
 
 
+def _solved(legs: LimbBatch, goals: Array) -> tuple[Array, Array]:
+    """Return joint values (m, L, n) and distances (m, L) for goals (m, L, 3) [m]."""
+    found = solve_tips(legs, group_chains(legs, np.zeros(len(legs.lengths), dtype=int)), goals)
+    return found.q, found.residual
+
+
 def test_success_rate_for_reachable_goals(beetle: Figure) -> None:
-    """Starts are the preferred pose; restarts are for the remaining goals."""
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
-    start = legs.pose(legs.preferred)
-    reached = []
-    for values in _random(skeleton, 300, seed=5):
-        goals = legs.pose(_leg_values(skeleton, legs, values)).tips
-        solution = solve(legs, start, goals)
-        reached.append(solution.residual <= 1e-6 * legs.lengths)
-        assert (solution.pose.q >= legs.lower).all()
-        assert (solution.pose.q <= legs.upper).all()
-        assert np.allclose(solution.residual, np.linalg.norm(goals - solution.pose.tips, axis=-1))
-    assert np.mean(reached) >= 0.95
+    goals = np.stack(
+        [
+            legs.pose(_leg_values(skeleton, legs, values)).tips
+            for values in _random(skeleton, 300, seed=5)
+        ]
+    )
+    q, residual = _solved(legs, goals)
+    assert ((q >= legs.lower) & (q <= legs.upper)).all()
+    assert (residual <= 1e-6 * legs.lengths).mean() >= 0.95
 
 
 def test_goals_near_rest_are_reached(skeleton: Skeleton, legs: LimbBatch) -> None:
     bent = np.array([len(leg.links) > 1 for leg in skeleton.legs])
-    start = legs.pose(legs.preferred)
-    rng = np.random.default_rng(3)
-    for _ in range(50):
-        shift = rng.normal(size=start.tips.shape)
-        shift *= (0.2 * legs.lengths / np.linalg.norm(shift, axis=-1))[:, None]
-        solution = solve(legs, start, start.tips + shift)
-        assert (solution.residual <= 1e-6 * legs.lengths)[bent].all()
+    rest = legs.pose(legs.preferred).tips
+    shift = np.random.default_rng(3).normal(size=(50, *rest.shape))
+    shift *= (0.2 * legs.lengths / np.linalg.norm(shift, axis=-1))[..., None]
+    _, residual = _solved(legs, rest + shift)
+    assert (residual <= 1e-6 * legs.lengths)[:, bent].all()
 
 
 def test_unreachable_goal_is_approached(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
-    start = legs.pose(legs.preferred)
     hips = legs.places[:, 0]
     for factor in (1.05, 1.5, 4.0):
         # Legs are drawn a little crooked in the plane that they do not bend in.
         span = np.linalg.norm(legs.tips - hips, axis=-1)
         goals = hips + factor * (legs.lengths / span)[:, None] * (legs.tips - hips)
-        solution = solve(legs, start, goals, max_iterations=200)
+        q, residual = _solved(legs, goals[None])
         distance = np.linalg.norm(goals - hips, axis=-1)
-        assert (solution.residual >= distance - legs.lengths - 1e-9).all()
-        assert (solution.residual <= distance - span + 0.04 * legs.lengths).all()
-        assert np.isfinite(solution.pose.q).all()
-
-
-def test_redundancy_pulls_to_preferred_values(beetle: Figure) -> None:
-    skeleton = beetle.skeleton
-    legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
-    q = np.clip(legs.preferred + 0.2, legs.lower, legs.upper)
-    pose = legs.pose(q)
-    goals, before = pose.tips.copy(), np.linalg.norm(q - legs.preferred, axis=-1)
-    aside = 0.05 * np.array([0.0, 1.0, 0.0])
-    for _ in range(40):
-        pose = solve(legs, pose, goals + aside).pose
-        pose = solve(legs, pose, goals).pose
-    assert (np.linalg.norm(pose.tips - goals, axis=-1) <= 1e-6 * legs.lengths).all()
-    assert (np.linalg.norm(pose.q - legs.preferred, axis=-1) < before).all()
-
-
-def test_joints_do_not_jump_and_knees_do_not_flip_along_a_motion(beetle: Figure) -> None:
-    skeleton = beetle.skeleton
-    legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
-    pose = legs.pose(legs.preferred)
-    centre = pose.tips.copy()
-    bends = np.array(
-        [[skeleton.joint_names[j].endswith("bend") for j in leg.joints] for leg in skeleton.legs]
-    )
-    previous = pose.q
-    for t in np.linspace(0, 4 * np.pi, 400):
-        way = np.array([np.sin(t), 0.4 * np.sin(2 * t + 0.3), 0.6 * np.cos(1.5 * t)])
-        ramp = min(1.0, t)
-        solution = solve(legs, pose, centre + 0.16 * ramp * legs.lengths[:, None] * way)
-        pose = solution.pose
-        assert (solution.residual <= 1e-6 * legs.lengths).all()
-        assert np.abs(pose.q - previous).max() < 0.12
-        assert (pose.q[bends] < 0.0).all()
-        previous = pose.q
+        assert (residual >= distance - legs.lengths - 1e-9).all()
+        assert (residual <= distance - span + 0.04 * legs.lengths).all()
+        assert np.isfinite(q).all()

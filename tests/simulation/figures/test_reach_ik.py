@@ -18,7 +18,6 @@ from pipeline.simulation.figures.ik_goals import (
     TipOrientation,
     dexterity,
 )
-from pipeline.simulation.figures.inverse_kinematics import solve
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.obstacle_avoidance import Obstacles, nearest_obstacles
 from pipeline.simulation.figures.reach_ik import reach
@@ -297,12 +296,12 @@ def test_obstacle_avoidance_keeps_the_tip() -> None:
     assert nearest_obstacles(batch, both.pose, ball).gap.min() >= 0.015 - 5e-3
 
 
-def test_solve_reports_joints_at_limits(beetle: Figure) -> None:
+def test_joints_at_limits_are_told(beetle: Figure) -> None:
     legs = _legs(beetle)
     rest = legs.pose(legs.preferred)
-    assert not solve(legs, rest, rest.tips).at_limit.any()
+    assert not reach(legs, rest, rest.tips).at_limit.any()
     far = legs.places[:, 0] + np.array([0.0, 3.0, 0.0]) * legs.lengths[:, None]
-    assert solve(legs, rest, far).at_limit.any()
+    assert reach(legs, rest, far).at_limit.any()
 
 
 def test_limb_across_the_body_reaches(beetle: Figure) -> None:

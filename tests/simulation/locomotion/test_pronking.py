@@ -370,7 +370,7 @@ def test_impacts_of_a_fall_are_few_and_decay():
     hits = [e for e in take.events if e.cause == "collision"]
     fell = next(n.step for n in take.notes if n.kind == "toppled")
     assert [n.kind for n in take.notes].count("toppled") == 1
-    assert 1 <= len(hits) <= 25
+    assert 1 <= len(hits) <= 30
     assert all(e.step >= fell - 1 for e in hits)
     last = max(e.step for e in hits)
     assert last < fell + 5 * 96

@@ -38,8 +38,8 @@ MORE_CORRECTIONS = 16
 LEAST_DAMPING = 1e-4
 """Least λ, in lengths of the limb."""
 
-DAMPING = 0.02
-"""λ² in squared distances of tip from goal (Sugihara 2011; less, so that goals at limits are met)."""
+DAMPING = 0.5
+"""λ² in squared distances of tip from goal (Sugihara 2011)."""
 
 TOLERANCE = 1e-6
 """Accepted distance of tip from goal, in lengths of the limb."""

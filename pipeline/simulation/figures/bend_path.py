@@ -1,10 +1,12 @@
 """Bend path: the bends of a limb as a function of the distance from its base to its tip.
 
 The tip goes on the straight line from its place at rest to the base, and away from it to full
-extension. Of all joint values that bring it there those are taken that are nearest to the preferred
-ones, in parts of each joint's range. So every distance has one set of bends, neighbouring distances
-have neighbouring ones, and a knee turns as fast as one of two equal links would, whatever path the
-foot takes.
+extension. Limbs that hang, as those of mammals, bend all joints in proportion, from their extended
+values through the preferred ones and on. Limbs that sprawl, as those of insects, would turn their
+first link past the upright by that: theirs are the joint values nearest to the preferred ones, the
+base included, in parts of each joint's range. So every distance has one set of bends, neighbouring
+distances have neighbouring ones, and a knee turns as fast as one of two equal links would, whatever
+path the foot takes.
 
 Source: Sims 1987, 6.2 and 6.3.1, which goes such a path near full extension alone; weights after
 B.3.
@@ -31,6 +33,22 @@ STRETCHED = 0.98
 
 STRAIGHT_STEPS = 16
 """Measured distances from there to full extension."""
+
+LEAST_BEND = 0.05
+"""Difference between preferred and extended value below which joints count as straight, as a part
+of their way to the limit."""
+
+MOST_BEND = 6.0
+"""Greatest proportional bend, in differences between preferred and extended values."""
+
+PARALLEL = 0.9
+"""Cosine of the angle between parallel axes."""
+
+FREE_BASE = 100.0
+"""Weight of joints at the base of a hanging limb, which follow its bends."""
+
+CORNER = 4
+"""Places on either side over which corners of a path are rounded."""
 
 MISS = 1e-4
 """Distance of tip from place beyond which the path has ended, in lengths of the limb."""
@@ -83,7 +101,7 @@ class BendPath:
         longest, shortest = np.empty((2, len(straight)))
         values = np.empty((CELLS + 1, straight.shape[1], len(straight)))
         depth = np.linspace(0.0, 1.0, CELLS + 1)
-        for row, kept in enumerate(_bent_poses(batch, _distance(batch, straight))):
+        for row, kept in enumerate(_bent_poses(batch, bending, _distance(batch, straight))):
             q = straight[row : row + 1]
             if len(kept):
                 part = np.linspace(0.0, 1.0, STRAIGHT_STEPS + 1)[:-1, None]
@@ -136,16 +154,20 @@ def _depth(distance: Array, longest: Array, shortest: Array) -> Array:
     return np.sqrt(np.clip((longest**2 - distance**2) / span, 0.0, 1.0))
 
 
-def _bent_poses(batch: LimbBatch, longest: Array) -> list[Array]:
+def _bent_poses(batch: LimbBatch, bending: NDArray[np.bool_], longest: Array) -> list[Array]:
     """Return joint values (m, n) of each limb, from `STRETCHED` to as near as its tip comes."""
     count = len(longest)
     # Dense near full extension, where bends change most.
     t = np.linspace(0.0, 1.0, CELLS + 1)[:, None]
     places = longest * (1.0 - (1.0 - SHORTEST) * t * t * (2.0 - t))
+    wishes = _proportional_bends(batch, bending, places)
     at_rest = np.abs(places - _distance(batch, batch.preferred)).argmin(axis=0)
     # From rest towards the base and away from it, side by side.
     number, way = np.tile(np.arange(count), 2), np.repeat([1, -1], count)
     both = batch.rows(number)
+    hangs = _hangs(batch)[:, None]
+    wishes = np.where(hangs, wishes, batch.preferred)
+    weights = np.where(bending | ~hangs, 1.0, FREE_BASE)[number]
     values = np.tile(batch.preferred, (CELLS + 1, 1, 1))
     reached = np.zeros((CELLS + 1, count), dtype=bool)
     q, before = both.preferred, both.preferred
@@ -155,36 +177,92 @@ def _bent_poses(batch: LimbBatch, longest: Array) -> list[Array]:
         going &= (cell >= 0) & (cell <= CELLS)
         if not going.any():
             break
-        place = places[np.clip(cell, 0, CELLS), number]
-        after, miss = _nearest_pose(both, 2.0 * q - before if k > 1 else q, place)
+        at = np.clip(cell, 0, CELLS), number
+        start = 2.0 * q - before if k > 1 else q
+        after, miss = _nearest_pose(both, start, places[at], wishes[at], weights)
         going &= miss < MISS * both.lengths
         q, before = np.where(going[:, None], after, q), q
         values[cell[going], number[going]] = q[going]
         reached[cell[going], number[going]] = True
     reached &= places < STRETCHED * longest
-    return [values[reached[:, row], row] for row in range(count)]
+    return [_rounded(values[reached[:, row], row]) for row in range(count)]
 
 
-def _nearest_pose(batch: LimbBatch, q: Array, distance: Array) -> tuple[Array, Array]:
-    """Return joint values (L, n) nearest to rest that bring tips to distances (L,) [m].
+def _hangs(batch: LimbBatch) -> NDArray[np.bool_]:
+    """Return which limbs (L,) turn first about the axis that they bend about."""
+    first = batch.axes[:, :1]
+    along = np.abs((batch.axes * first).sum(axis=-1)) * _bending_joints(batch)
+    result: NDArray[np.bool_] = along.max(axis=1, initial=0.0) > PARALLEL
+    return result
+
+
+def _proportional_bends(batch: LimbBatch, bending: NDArray[np.bool_], distances: Array) -> Array:
+    """Return joint values (m, L, n) with bends in proportion, at distances (m, L) [m]."""
+    bend = np.where(bending, batch.preferred - batch.extended, 0.0)
+    far = np.where(
+        batch.upper - batch.extended >= batch.extended - batch.lower,
+        batch.upper - batch.extended,
+        batch.lower - batch.extended,
+    )
+    straight = (np.abs(bend) < LEAST_BEND * np.abs(far)) | ~bending
+    # A limb that rests straight bends where its joints have most room.
+    bend = np.where(bending & straight.all(axis=1, keepdims=True), far / MOST_BEND, bend)
+    grid = np.linspace(0.0, MOST_BEND, 8 * CELLS + 1)
+    whole = np.where(bending, batch.extended, batch.preferred) + grid[:, None, None] * bend
+    whole = np.clip(whole, batch.lower, batch.upper)
+    result = np.empty((len(distances), *bend.shape))
+    for row in range(len(bend)):
+        far = _distance(batch.rows(np.full(len(grid), row)), whole[:, row])
+        falls = np.diff(far) < 0.0
+        begun = int(falls.argmax())
+        ended = falls[begun:]
+        last = len(grid) if ended.all() else begun + int(ended.argmin()) + 1
+        part = np.interp(-distances[:, row], -far[:last], grid[:last])
+        result[:, row] = whole[0, row] + part[:, None] * bend[row]
+    return np.clip(result, batch.lower, batch.upper)
+
+
+def _rounded(q: Array) -> Array:
+    """Return joint values (m, n) along a path with its corners rounded, where a limit is met."""
+    m = min(CORNER, len(q) - 1)
+    if m < 1:
+        return q
+    # Reflected at both ends, which stay.
+    long = np.concatenate([2.0 * q[0] - q[m:0:-1], q, 2.0 * q[-1] - q[-2 : -m - 2 : -1]])
+    weights = np.hanning(2 * m + 3)[1:-1]
+    sums = sum(w * long[k : k + len(q)] for k, w in enumerate(weights))
+    return np.asarray(sums / weights.sum())
+
+
+def _nearest_pose(
+    batch: LimbBatch, q: Array, distance: Array, wish: Array, weights: Array
+) -> tuple[Array, Array]:
+    """Return joint values (L, n) nearest to `wish` that bring tips to distances (L,) [m].
 
     Also returns by how much the tips miss their places (L,) [m].
+
+    Args:
+        batch: the limbs.
+        q: (L, n) joint values near them.
+        distance: from base to tip, in its direction at rest [m].
+        wish: (L, n) joint values.
+        weights: (L, n) 1, or more for joints that have no wish and follow the others.
     """
     search = PATH_SEARCH
     rest = batch.pose(batch.preferred).tips - batch.places[:, 0]
     way = rest / np.maximum(np.linalg.norm(rest, axis=-1, keepdims=True), 1e-300)
     places = batch.places[:, 0] + distance[:, None] * way
-    weight = (batch.upper - batch.lower) ** 2
-    damping = search.damping * weight.max(axis=1) * batch.lengths**2
+    scale = weights * (batch.upper - batch.lower) ** 2
+    damping = search.damping * scale.max(axis=1) * batch.lengths**2
     q = np.clip(q, batch.lower, batch.upper)
     for k in range(search.iterations):
         pose = batch.pose(q)
-        wish, free = batch.preferred - q, batch.is_joint
+        pull, free = np.where(weights > 1.0, 0.0, wish - q), batch.is_joint
         step = np.zeros_like(q)
         for _ in range(search.holds):
             # Joints that would exceed a limit are held there, and the others carry the motion.
-            J, W = pose.jacobian * free[..., None], weight * free
-            moved = np.where(free, wish, step)
+            J, W = pose.jacobian * free[..., None], scale * free
+            moved = np.where(free, pull, step)
             square = np.einsum("ln,lni,lnj->lij", W, J, J) + damping[:, None, None] * IDENTITY
             left = places - pose.tips - np.einsum("lni,ln->li", pose.jacobian, moved)
             y = np.linalg.solve(square, left[..., None])[..., 0]

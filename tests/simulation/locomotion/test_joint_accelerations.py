@@ -19,12 +19,12 @@ MOST = {
     "centipede": 170.0,
     "hopper": 460.0,
     "horse": 150.0,
-    "kangaroo": 100.0,
-    "ostrich": 110.0,
-    "person": 210.0,
-    "scorpion": 100.0,
+    "kangaroo": 185.0,
+    "ostrich": 150.0,
+    "person": 325.0,
+    "scorpion": 173.0,
     "spider": 56.0,
-    "tripod": 75.0,
+    "tripod": 140.0,
 }
 """Largest acceleration of a joint of a leg on level ground [rad/s²], as measured and a third
 more. Small and quick creatures have the most: it goes with the inverse square of the cycle.

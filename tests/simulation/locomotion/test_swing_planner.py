@@ -139,7 +139,7 @@ def test_least_effort_needs_less_work_than_the_spline(
     assert (works[:, 0] <= works[:, 1] * (1 + 1e-12)).all()
     least, plain = works.sum(axis=0)
     # Of legs that hardly lift, less is left to save.
-    assert least < (0.96 if shipped.name == "centipede" else 0.85) * plain
+    assert least < (0.96 if shipped.name in ("centipede", "scorpion") else 0.85) * plain
 
 
 UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
@@ -173,7 +173,7 @@ def test_no_torque_about_the_hip_of_a_free_leg(
     """The force on the foot that replaces the muscles points along the leg."""
     for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
         trial, last = one.trial, simulate_fall(one.trial, one.plain)[1]
-        assert last > ROWS // 2
+        assert last > ROWS // 3
         motion, _ = trial.motion(one.both)
         torques = trial.load(motion).torques
         model = trial.model

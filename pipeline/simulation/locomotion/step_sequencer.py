@@ -210,7 +210,7 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
         if not noted:
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
             x, _, z = feet.start[leg] if request.present is None else request.present
-            text = f"no foothold within reach, at ({x:.2f}, {z:.2f})"
+            text = f"no foothold within reach, at [{x:.2f}, {z:.2f}]"
             sequencer.notes.append(TakeNote("stopped", step, name, text))
         return
     timing = request.timing
@@ -342,7 +342,7 @@ def end_route_before(
     if not noted:
         name = f"{sequencer.herd.names[c]}.{sequencer.herd.leg_names[leg]}"
         ((x, z),), _ = route.at(np.array([barrier.distance]))
-        text = f"{barrier.cause}, at ({x:.2f}, {z:.2f})"
+        text = f"{barrier.cause}, at [{x:.2f}, {z:.2f}]"
         sequencer.notes.append(TakeNote("stopped", step, name, text))
 
 

@@ -100,7 +100,7 @@ def test_a_run_tells_its_notes_again_when_the_take_is_up_to_date(pronk: Pronk, e
     told = [
         "edge: 2 notes",
         "  edge.yaml:7: bug: stop: never given; the film ends at 1 s",
-        "  bug.l1 stopped at 0.3 s: no foothold ahead, at (0.73, 0.00)",
+        "  bug.l1 stopped at 0.3 s: no foothold ahead, at [0.73, 0.00]",
     ]
     for _ in range(2):
         code, _, err = pronk("simulate", "edge")
@@ -148,7 +148,7 @@ def test_strict_stops_after_the_simulation_and_leaves_earlier_outputs(
     code, out, err = pronk(*command, "edge", "wide", "--strict", "--set", "seed=4", "-q")
     assert (code, out) == (1, "")
     assert err.splitlines()[0] == "error: edge.yaml: 2 notes, and --strict allows none"
-    assert "  bug.l1 stopped at 0.3 s: no foothold ahead, at (0.73, 0.00)" in err
+    assert "  bug.l1 stopped at 0.3 s: no foothold ahead, at [0.73, 0.00]" in err
     assert {p: p.read_bytes() for p in files} == files
     new = {path.name for path in (edge / "out/edge").iterdir()} - {path.name for path in files}
     assert new == {"take.zarr", "take_refused.zarr", "manifest.json"}

@@ -143,7 +143,7 @@ class InchwormTroupe(Troupe):
             part = f"{self.worms[w].name}.{self.worms[w].chain.feet[end].limb.name}"
             _, middles = self.worms[w].track.pose(self.steps[w].planted[None])
             x, _, z = middles[0]
-            text = f"no foothold within reach, at ({x:.2f}, {z:.2f})"
+            text = f"no foothold within reach, at [{x:.2f}, {z:.2f}]"
             self._notes.append(TakeNote("stopped", step, part, text))
             return
         self.steps[w] = planned

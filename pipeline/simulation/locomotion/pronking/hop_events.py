@@ -176,7 +176,7 @@ def touch(
         energy = 0.5 * hopper.mass.mass / len(hopper.hips) * speed * speed
         events.append(HopEvent("touch", state.time, leg, place, normal, speed, energy))
         if not bool(ground.steppable(x, z)):
-            text = f"a foot landed in a forbidden zone, at ({x:.2f}, {z:.2f})"
+            text = f"a foot landed in a forbidden zone, at [{x:.2f}, {z:.2f}]"
             events.append(HopEvent.note("misplaced", state.time, text, leg))
     if caught:
         _catch_feet(hopper, state, np.array(caught), tips, v, events)

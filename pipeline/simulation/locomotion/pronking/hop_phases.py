@@ -241,7 +241,7 @@ def begin_push(hopper: Hopper, ground: Ground, state: HopState, events: HopEvent
     plan, is_allowed = plan_jump(hopper, state, ground)
     if not is_allowed:
         x, _, z = state.p
-        text = f"no landing outside of forbidden zones; it jumps where it is, at ({x:.2f}, {z:.2f})"
+        text = f"no landing outside of forbidden zones; it jumps where it is, at [{x:.2f}, {z:.2f}]"
         events.append(HopEvent.note("stopped", state.time, text))
     push = phase_force(
         hopper.mass.mass,

@@ -76,6 +76,7 @@ def store_take(run: SceneRun, take: Take) -> None:
     """Store a take in place of an earlier one, and describe it in the manifest."""
     _write_take(take, run.outputs.take)
     remove(run.outputs.refused_take)
+    _remove_cues(run)
     run.records.add(run.outputs.take, take.header.key)
     run.describe(take)
 
@@ -98,6 +99,7 @@ def adopt_take(run: SceneRun, key: str, fetch: Callable[[Path], None]) -> Take:
         remove(new)
         fetch(new)
         replace_folder(new, run.outputs.take)
+        _remove_cues(run)
         take = read_take(run.outputs.take)
         run.records.add(run.outputs.take, key)
     else:
@@ -107,6 +109,14 @@ def adopt_take(run: SceneRun, key: str, fetch: Callable[[Path], None]) -> Take:
     run.notes += take_notes(take, clock_of(run.order.scene))
     run.refuse_notes()
     return take
+
+
+def _remove_cues(run: SceneRun) -> None:
+    """Remove labels and edit list, which tell of the take before."""
+    cues = run.outputs.labels, run.outputs.edit_list
+    for path in cues:
+        remove(path)
+    run.records.update(*cues)
 
 
 def _write_take(take: Take, place: Path) -> None:
@@ -136,5 +146,6 @@ def _accept_take(run: SceneRun, key: str) -> None:
     """Make the take that a strict run refused the take of the film, if it is the one in use."""
     if read_key(run.outputs.take) != key:
         replace_folder(run.outputs.refused_take, run.outputs.take)
+        _remove_cues(run)
     if run.records.of(run.outputs.take, key) is None:
         run.records.add(run.outputs.take, key)

@@ -54,6 +54,13 @@ def test_scoring_and_simulating_again_change_nothing(studio: Studio) -> None:
     assert studio.changes(before) == set()
 
 
+def test_a_new_take_leaves_no_cues_of_the_one_before(studio: Studio) -> None:
+    simulate_only(studio.order("cast.bug.walk.cycle=0.4"), Reporter())
+    left = {path.name for path in studio.made.iterdir()}
+    assert "events.csv" in left
+    assert not {"tiny_labels.txt", "tiny.edl"} & left
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("word", "due"),

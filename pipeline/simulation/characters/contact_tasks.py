@@ -152,32 +152,31 @@ class Grab(Task):
             controller.face_to(first)
         self.time += dt
         closing = GRAB_DISTANCE if self.time < PATIENCE else PATIENT_GRAB_DISTANCE
-        aside = self._sides(controller, first, radius)
+        # A ball is taken from this side.
+        aside = radius * controller.direction_to(first)
         farthest = 0.0
         for k in self.hands:
             node = self.nodes[k]
-            controller.put_hand(k, p[node] + aside[k] if radius > 0.0 else p[node])
+            controller.put_hand(k, p[node] - aside)
             distance = math.dist(controller.hand(k), p[node])
-            farthest = max(farthest, distance)
+            if not controller.is_holding(k):
+                farthest = max(farthest, distance)
             if distance < closing * person.height + radius:
                 controller.grip(k, node)
                 person.has_facing = False
         self._check_progress(controller, farthest, dt)
         return False
 
-    def _sides(self, controller: PersonController, ball: Array, radius: float) -> Array:
-        """Return (2, 3) offsets of the hands from the middle of a ball [m]."""
-        ahead = controller.direction_to(ball)
-        right = np.array([-ahead[2], 0.0, ahead[0]])
-        if len(self.hands) == 1:
-            return np.tile(-radius * ahead, (2, 1))
-        return radius * np.stack([-right, right])
-
     def _check_progress(self, controller: PersonController, distance: float, dt: float) -> None:
         """Give up what comes no nearer."""
         at = controller.record.at if controller.record.has_goal else None
-        if self.progress.update(distance, dt, at) > GRAB_PATIENCE:
-            self.failure = f"stays {distance:.2f} m out of reach at {place_text(controller)}"
+        if self.progress.update(distance, dt, at) <= GRAB_PATIENCE:
+            return
+        held = [k for k in self.hands if controller.is_holding(k)]
+        for k in held:
+            controller.let_go(k)
+        only = "lets go again: the other hand " if held else ""
+        self.failure = f"{only}stays {distance:.2f} m out of reach at {place_text(controller)}"
 
 
 @dataclass

@@ -11,13 +11,14 @@ from pipeline.simulation.characters.contact_tasks import GRAB_PATIENCE, PATIENCE
 from pipeline.simulation.characters.grasp import (
     grasp_failure,
     grasp_place,
+    half_extent,
     hold_members,
     mass_of,
 )
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Task, place_text
-from pipeline.simulation.characters.pursuit_tasks import TargetTask, WalkUp
+from pipeline.simulation.characters.pursuit_tasks import CHASE_PATIENCE, TargetTask, WalkUp
 from pipeline.simulation.characters.standoff import BOWED_RANGE, Standoff
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.throw_flight import launch_velocity
@@ -32,6 +33,8 @@ LOWERING_RANGE = 0.3  # of a hand beside its place, from which it goes down, in 
 LIFTED, LIFT_SLOPE = 0.9, 1.5  # height up to which it stays above that, in arm lengths; its slope
 BOWING_TOLERANCE = math.radians(35.0)  # of the turn to a low thing
 BOWING_TIME = 0.5  # by which a person looks ahead where a rolling thing will be [s]
+ROLLING_SPEED = 0.3  # from which a thing is hurried after [m/s]
+CATCH_UP_SPEED = 0.6  # beyond that of a thing that rolls away [m/s]
 HAND_DELAY = 0.15  # by which hands are behind the place that they are sent to [s]
 
 # Putting down.
@@ -55,21 +58,30 @@ class GrabMember(TargetTask):
     Attributes:
         hands: numbers of the hands.
         time: since it is within reach [s].
+        is_walking: whether the person goes up to it.
+        pursuit: the distance to it, from the start.
         standoff: from low things.
     """
 
     hands: tuple[int, ...] = (1,)
     time: float = 0.0
+    is_walking: bool = True
+    pursuit: TaskProgress = field(default_factory=TaskProgress)
     standoff: Standoff = field(default_factory=Standoff)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        if controller.hands_holding(self.target) == self.hands:
+        held = controller.hands_holding(self.target)
+        self.leads_hands = bool(held) and held != self.hands
+        if held == self.hands:
             return True
         self.failure = grasp_failure(controller, self.target, self.hands)
         if self.failure:
             return False
         state, person = controller.view.state(self.target), controller.record
+        if held:
+            self._change_hands(controller, state, held, dt)
+            return False
         place = state.nearest(controller.waist())
         is_high = place[1] - person.floor > 0.4 * person.height
         both = len(self.hands) == 2
@@ -81,16 +93,18 @@ class GrabMember(TargetTask):
         near = (STANDING_RANGE if is_high else BOWED_RANGE) * controller.arm
         distance = controller.ground_distance(soon)
         is_stopped = not person.has_goal or self.standoff.is_stepping
+        if self._rolls_away(controller, state, dt):
+            return False
         if distance > near + (0.2 if is_stopped else 0.12) * controller.arm:
-            self.standoff.is_stepping = False
+            self.standoff.is_stepping, self.is_walking = False, True
             self.walk_to(controller, soon, near)
             self._check_progress(controller, distance, dt, "does not come near it")
             return False
-        if person.has_goal and not self.standoff.is_stepping:
-            self.progress = TaskProgress()
+        if self.is_walking:
+            self.is_walking, self.pace, self.progress = False, 0.0, TaskProgress()
             controller.stop()
         is_stuck = self.progress.time > STUCK_TIME and self.standoff.tries < 2
-        if not is_high and not self.standoff.is_kept(controller, soon, dt, is_stuck):
+        if not is_high and not self.standoff.is_kept(controller, place, soon, dt, is_stuck):
             self.progress, self.time = TaskProgress(), 0.0
             return False
         controller.face_to(state.centre)
@@ -100,6 +114,48 @@ class GrabMember(TargetTask):
             return False
         self._close_hands(controller, state, both, dt)
         return False
+
+    def _rolls_away(self, controller: PersonController, state: MemberState, dt: float) -> bool:
+        """Hurry after what rolls away; give up what comes no nearer, however far one gets."""
+        speed = float(state.v @ controller.direction_to(state.centre))
+        distance = controller.ground_distance(state.centre)
+        self.pursuit.update(distance, dt)
+        if speed < ROLLING_SPEED:
+            self.pace = 0.0
+            return False
+        # Nobody catches up with it at a walk.
+        self.pace = min(speed + CATCH_UP_SPEED, controller.best_pace)
+        if self.pursuit.idle_time > CHASE_PATIENCE and not controller.record.frozen:
+            self.failure = f"is not fast enough; still {distance:.2g} m off"
+        return bool(self.failure)
+
+    def _change_hands(
+        self, controller: PersonController, state: MemberState, held: tuple[int, ...], dt: float
+    ) -> None:
+        """Take what is in a hand with other hands, before the waist."""
+        controller.stop()
+        right = np.array([-controller.ahead[2], 0.0, controller.ahead[0]])
+        width, depth = (half_extent(state, axis) for axis in (right, controller.ahead))
+        farthest = 0.0
+        for k in {*held, *self.hands}:
+            if k in held:
+                controller.lead_hand(k, controller.place_before(k, width, depth))
+            else:
+                wrist = grasp_place(controller, state, k, both=True)
+                controller.lead_hand(k, wrist)
+                farthest = max(farthest, math.dist(controller.hand(k), wrist))
+        if farthest < PATIENT_CLOSING_DISTANCE * controller.record.height:
+            for k in held:
+                if k not in self.hands:
+                    controller.let_go(k)
+            controller.take(self.target, self.hands)
+            return
+        self._check_progress(
+            controller,
+            farthest,
+            dt,
+            f"has it in one hand; the other stays {farthest:.2f} m off it,",
+        )
 
     def _close_hands(
         self, controller: PersonController, state: MemberState, both: bool, dt: float
@@ -114,7 +170,7 @@ class GrabMember(TargetTask):
             controller.put_hand(k, wrist + HAND_DELAY * state.v + self._lift(controller, k, wrist))
             farthest = max(farthest, math.dist(controller.hand(k), wrist))
         if farthest < closing * person.height:
-            controller.hold_member(self.target, self.hands)
+            controller.take(self.target, self.hands)
             person.has_facing = False
             return
         self._check_progress(controller, farthest, dt, f"stays {farthest:.2f} m out of reach")
@@ -165,15 +221,18 @@ class CarryTo(Task):
             return self.time > OPENING_TIME
         if len(controller.hands_holding(self.thing)) < len(self.grab.hands):
             self.grab.advance(controller, dt)
-            self.failure = self.grab.failure
+            self.failure, self.pace = self.grab.failure, self.grab.pace
+            self.leads_hands = self.grab.leads_hands
             return False
+        self.leads_hands, self.pace = False, 0.0
         thing, goal = controller.view.state(self.thing), controller.view.state(self.walk.target)
         surface = _table_height(controller, goal)
         if surface is None and not goal.solids:
             # So that it hangs above the place.
-            self.walk.gap = min(controller.ground_distance(thing.centre), 0.8 * controller.arm)
+            self.walk.gap = BOWED_RANGE * controller.arm
         if not self.walk.advance(controller, dt):
-            self.failure = self.walk.failure
+            if self.walk.failure:
+                self.failure = f"{self.walk.failure}; still holds '{self.thing}'"
             return False
         self._put_down(controller, thing, goal, surface, dt)
         return False
@@ -189,11 +248,13 @@ class CarryTo(Task):
         """Lead the hands down to the surface, and open them there."""
         self.leads_hands = True
         self.time += dt
-        place = goal.centre if surface is not None or not goal.solids else thing.centre
+        # Clear of the feet, which would send it rolling.
+        before = BOWED_RANGE * controller.arm * controller.ahead
+        place = np.array([controller.record.at[0], 0.0, controller.record.at[1]]) + before
         floor = controller.view.ground_height(place[0], place[2])
         height = floor if surface is None else surface
         rise = height + 0.5 * PUT_DOWN_GAP - float(thing.low[1])
-        move = np.array([0.0, rise, 0.0])
+        move = np.array([place[0] - thing.centre[0], rise, place[2] - thing.centre[2]])
         # First up, then over the surface, then down.
         if surface is not None and rise < 0.05:
             depth = 0.5 * float(np.ptp(np.concatenate(thing.solids)[:, [0, 2]], axis=0).min())
@@ -206,10 +267,16 @@ class CarryTo(Task):
             if math.hypot(move[0], move[2]) > 0.5 * depth + 0.02:
                 move[1] = max(rise, 0.06 - (thing.low[1] - height))
         size = float(np.linalg.norm(move))
-        for k in controller.hands_holding(self.thing):
-            controller.lead_hand(k, controller.hand(k) + move)
-        if (abs(rise) < PUT_DOWN_GAP and size < 0.1) or self.time > PUT_DOWN_TIME:
-            controller.release(self.thing)
+        hands = controller.hands_holding(self.thing)
+        for k in hands:
+            both = len(hands) == 2
+            hand = grasp_place(controller, thing, k, both) if both else controller.hand(k)
+            controller.lead_hand(k, hand + move)
+        is_over = surface is None or size < 0.1
+        if (abs(rise) < PUT_DOWN_GAP and is_over) or self.time > PUT_DOWN_TIME:
+            controller.release(self.thing, np.zeros(3))
+            if (owner := controller.view.owner(self.thing)) >= 0:
+                controller.embrace(owner)
             self.leads_hands, self.is_down, self.time = False, True, 0.0
 
 

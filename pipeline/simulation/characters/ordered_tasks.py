@@ -99,9 +99,11 @@ def _taking(
     """Return the task to take something: with both hands if it is too much for one."""
     view = controller.view
     owner, hands = view.owner(name), HANDS[order.hand]
-    if "hand" not in order.model_fields_set and (owner == NOBODY or view.is_ball(owner)):
+    if owner != NOBODY and not view.is_ball(owner):
+        return Grab(hands, owner, part)
+    if "hand" not in order.model_fields_set:
         hands = hands_needed(controller, name)
-    return GrabMember(name, hands) if owner == NOBODY else Grab(hands, owner, part)
+    return GrabMember(name, hands)
 
 
 def _carry(controller: PersonController, order: spec.Carry) -> Task:

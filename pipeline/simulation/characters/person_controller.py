@@ -370,6 +370,14 @@ class PersonController:
         self.touched.append(name)
         self.grip_changes.append(GripChange(self.name, self._hand_names(hands), name, True))
 
+    def take(self, name: str, hands: Sequence[int]) -> None:
+        """Close hands around a member of another room or a ball."""
+        if (owner := self.view.owner(name)) < 0:
+            self.hold_member(name, hands)
+            return
+        for k in hands:
+            self.grip(k, int(self.view.arrays.owners[owner].nodes[0]))
+
     def release(self, name: str, v: Array | None = None) -> None:
         """Open the hands that hold a member, which goes on with a velocity (3,) [m/s].
 

@@ -20,7 +20,7 @@ BOWED_RANGE = 0.88  # of hands before the middle of a person that bows, in arm l
 LEAST_RANGE = 0.76  # nearer than which knees are in the way, in arm lengths
 CLEARED_RANGE = 0.84  # at which a step off is far enough, in arm lengths
 FARTHER_AGAIN = 0.08  # at every further try, in arm lengths
-FARTHER = 0.2  # by which the goal of a step off is beyond, in arm lengths: nobody crawls to it
+FARTHER = 1.0  # by which the goal of a step off is beyond, in arm lengths: nobody crawls to it
 RISEN_BOW = 0.8  # tangent of the trunk's lean from which feet step
 FRONT = math.radians(50.0)  # angle to things that a person keeps facing as it steps off
 UNDERFOOT = 0.15  # distance of things right between the feet, in arm lengths
@@ -43,17 +43,23 @@ class Standoff:
     is_stepping: bool = False
 
     def is_kept(
-        self, controller: PersonController, spot: Array, dt: float, is_stuck: bool = False
+        self,
+        controller: PersonController,
+        spot: Array,
+        soon: Array,
+        dt: float,
+        is_stuck: bool = False,
     ) -> bool:
         """Step off from a thing that is too near; tell whether there is room to bow.
 
         Args:
             controller: of the person.
             spot: (3,) between the hands that will hold the thing [m].
+            soon: (3,) where that will be once the person is down [m].
             dt: the step [s].
             is_stuck: whether hands do not get there although there should be room.
         """
-        person, distance = controller.record, controller.ground_distance(spot)
+        person, distance = controller.record, controller.ground_distance(soon)
         if not self.is_stepping:
             if self.tries >= MOST_TRIES:
                 return True
@@ -82,7 +88,8 @@ class Standoff:
     ) -> None:
         """Go away from the spot; only a thing in front is faced meanwhile."""
         person, ahead = controller.record, controller.ahead
-        to_spot = ahead if distance < UNDERFOOT * controller.arm else controller.direction_to(spot)
+        is_under = controller.ground_distance(spot) < UNDERFOOT * controller.arm
+        to_spot = ahead if is_under else controller.direction_to(spot)
         back = (enough + FARTHER) * controller.arm - distance
         heading = float(person.heading)
         if np.dot(to_spot, ahead) > math.cos(FRONT):

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters.contact_tasks import GRAB_PATIENCE, Grab
 from pipeline.simulation.convex_distance import convex_distance
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.members import MemberState
@@ -16,7 +17,7 @@ from pipeline.simulation.order_outcome import GripChange
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
-from tests.simulation.characters.scripted_people import node_path, troupe_of
+from tests.simulation.characters.scripted_people import node_path, run_scene, troupe_of
 
 pytestmark = pytest.mark.slow
 
@@ -325,3 +326,62 @@ script:
     assert passed > launch
     assert middle[passed, 1] == pytest.approx(0.82, abs=0.15)
     assert abs(middle[passed, 2]) < 0.1
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("ball", BALLS)
+def test_a_ball_that_is_carried_lies_still_where_it_is_put_down(ball: str) -> None:
+    order = "  - {at: 0.1, who: kid, do: {carry: ball, to: [1.8, 0.4], hand: both}}\n"
+    cast = f"  - {{name: kid, character: child, at: [0, 0]}}\n  - {{name: ball, {BALLS[ball]}}}"
+    simulation = run_scene(cast, 8.0, order)
+    (carry,) = simulation.take().orders
+    assert carry.outcome == "done"
+    path = node_path(simulation, "ball")
+    assert path[:, 1].max() > 0.5
+    assert np.linalg.norm(path[-1] - path[-24]) < 0.01
+    assert np.hypot(*(path[-1, [0, 2]] - [1.8, 0.4])) < 0.25
+
+
+@pytest.mark.nightly
+def test_what_is_in_one_hand_is_taken_by_both() -> None:
+    simulation = run_scene(
+        "  - {name: kid, character: child, at: [0, 0]}\n"
+        "  - {name: ball, prop: {shape: ball, radius: 0.06}, at: [0.5, 0.06, 0]}",
+        6.0,
+        "  - {at: 0.1, who: kid, do: {grab: ball, hand: right}}\n"
+        "  - {at: 3.5, who: kid, do: {grab: ball, hand: both}}\n",
+    )
+    assert [order.outcome for order in simulation.take().orders] == ["done", "done"]
+    controller = troupe_of(simulation).dispatcher.controllers[0]
+    assert controller.hands_holding("ball") == (0, 1)
+
+
+@pytest.mark.nightly
+def test_a_ball_that_rolls_away_too_fast_is_given_up() -> None:
+    simulation = run_scene(
+        "  - {name: kid, character: child, at: [-6, 0]}\n"
+        "  - {name: ball, body: {shape: sphere, radius: 0.13, density: 120, rolling: 0.02},"
+        " at: [-5, -0.3, 0], velocity: [1.1, 0, 0]}",
+        11.0,
+        "  - {at: 0.3, who: kid, do: {grab: ball, hand: both}}\n",
+        terrain="{kind: ramp, course: down, start: -15, slope_deg: 3, height: 4}",
+    )
+    (grab,) = simulation.take().orders
+    assert grab.reason.startswith("is not fast enough; still ")
+
+
+def test_a_hand_lets_go_again_of_one_that_the_other_cannot_take() -> None:
+    simulation = run_scene(
+        "  - {name: kid, character: child, at: [0, 0]}\n"
+        "  - {name: doll, character: ragdoll, at: [0.4, 0]}",
+        0.2,
+    )
+    controller = troupe_of(simulation).dispatcher.controllers[0]
+    owner = controller.view.number("doll")
+    grab = Grab((0, 1), owner)
+    controller.grip(1, controller.node_to_grip(owner, None, 1))
+    grab.progress.time = 2.0 * GRAB_PATIENCE
+    grab.progress.least = 0.0
+    grab._check_progress(controller, 0.44, 0.01)
+    assert controller.hands_holding("doll") == ()
+    assert grab.failure.startswith("lets go again: the other hand stays 0.44 m out of reach at [")

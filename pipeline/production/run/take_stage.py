@@ -76,7 +76,7 @@ def store_take(run: SceneRun, take: Take) -> None:
     """Store a take in place of an earlier one, and describe it in the manifest."""
     _write_take(take, run.outputs.take)
     remove(run.outputs.refused_take)
-    _remove_cues(run)
+    _remove_cues(run, take.header.key)
     run.records.add(run.outputs.take, take.header.key)
     run.describe(take)
 
@@ -99,7 +99,7 @@ def adopt_take(run: SceneRun, key: str, fetch: Callable[[Path], None]) -> Take:
         remove(new)
         fetch(new)
         replace_folder(new, run.outputs.take)
-        _remove_cues(run)
+        _remove_cues(run, key)
         take = read_take(run.outputs.take)
         run.records.add(run.outputs.take, key)
     else:
@@ -111,8 +111,10 @@ def adopt_take(run: SceneRun, key: str, fetch: Callable[[Path], None]) -> Take:
     return take
 
 
-def _remove_cues(run: SceneRun) -> None:
-    """Remove labels and edit list, which tell of the take before."""
+def _remove_cues(run: SceneRun, key: str) -> None:
+    """Remove labels and edit list of another take than that of a key."""
+    if run.records.of(run.outputs.take, key) is not None:
+        return
     cues = run.outputs.labels, run.outputs.edit_list
     for path in cues:
         remove(path)
@@ -146,6 +148,6 @@ def _accept_take(run: SceneRun, key: str) -> None:
     """Make the take that a strict run refused the take of the film, if it is the one in use."""
     if read_key(run.outputs.take) != key:
         replace_folder(run.outputs.refused_take, run.outputs.take)
-        _remove_cues(run)
+        _remove_cues(run, key)
     if run.records.of(run.outputs.take, key) is None:
         run.records.add(run.outputs.take, key)

@@ -48,9 +48,6 @@ STEP_STRIDES = 2.5
 # Distance of a foot from its neutral place that is closed up, as a fraction of its leg.
 CLOSING_DISTANCE = 0.08
 
-# World steps before the first lift-off at which a creature sets out again.
-RESTART_LEAD = 2.0
-
 # Resting places tried between the shortest and the longest stopping distance.
 STOP_CANDIDATES = 13
 
@@ -305,18 +302,6 @@ def _request(sequencer: StepSequencer, leg: int, phase: float) -> StepRequest:
 
 
 # --- rest ---------------------------------------------------------------------------
-
-
-def phase_before_lift(sequencer: StepSequencer, c: int, phase: float) -> float:
-    """Return the first phase from `phase` on just after which a foot of a creature lifts.
-
-    A creature that sets out then leaves no foot behind.
-    """
-    up = sequencer.feet.up[sequencer.herd.owner == c]
-    if not len(up):
-        return phase
-    lead = RESTART_LEAD * sequencer.world.clock.dt / float(sequencer.progress.cycle[c])
-    return phase + float(np.mod(up - lead - phase, 1.0).min())
 
 
 def is_astray(sequencer: StepSequencer, leg: int) -> bool:

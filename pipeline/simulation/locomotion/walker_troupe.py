@@ -38,11 +38,8 @@ from pipeline.simulation.locomotion.routes.route import plan_route
 from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
 from pipeline.simulation.locomotion.routes.speed_control import advance
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order, chooses_speed
-from pipeline.simulation.locomotion.step_sequencer import (
-    StepSequencer,
-    phase_before_lift,
-    take_steps,
-)
+from pipeline.simulation.locomotion.setting_out import greatest_strides, phase_before_lift
+from pipeline.simulation.locomotion.step_sequencer import StepSequencer, take_steps
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
@@ -267,12 +264,13 @@ class WalkerTroupe(Troupe):
     def _advance_on_routes(self) -> list[str]:
         """Advance on the routes; return the names of creatures that have come to their ends."""
         progress, count = self.progress, len(self.herd.names)
+        most = greatest_strides(self.sequencer)
         if not progress.can_rest:
-            advance(progress, np.zeros(count, dtype=bool))
+            advance(progress, np.zeros(count, dtype=bool), most)
             return []
         before = progress.arrived
         swinging = self.herd.owner[self.sequencer.feet.swinging]
-        advance(progress, np.bincount(swinging, minlength=count) > 0)
+        advance(progress, np.bincount(swinging, minlength=count) > 0, most)
         arrived = np.flatnonzero(progress.arrived & ~before).tolist()
         for c in arrived:
             closing = float(progress.closing_phase[c])

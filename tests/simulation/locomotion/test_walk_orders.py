@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -157,13 +159,40 @@ def test_turn_order_turns_by_its_angle(angle: int) -> None:
 )
 def test_every_foot_follows_at_a_restart(figure: str) -> None:
     """A body that sinks after a restart is pulled down by a foot left behind."""
-    script = "script:\n- {at: 1, who: b, do: stop}\n- {at: 3.6, who: b, do: walk}\n"
+    script = "script:\n- {at: 1, who: b, do: stop}\n- {at: 3.2, who: b, do: walk}\n"
     cast = f"cast: [{{name: b, figure: {figure}, walk: {{}}}}]\n"
     take = simulate(read_scene(f"pronk: 1\nduration: 7\nterrain: flat\n{cast}{script}"))
     height = take.positions[:, 0, 1]
     assert height.min() > 0.9 * np.median(height[:96])
     assert not take.notes
     assert take.positions[-1, 0, 0] > take.positions[300, 0, 0] + 0.5
+
+
+@pytest.mark.parametrize(
+    ("figure", "times"),
+    [
+        ("spider", (1.6,)),
+        pytest.param("spider", np.arange(1.1, 3.7, 0.1), marks=pytest.mark.nightly),
+        pytest.param("horse", np.arange(1.1, 3.7, 0.1), marks=pytest.mark.nightly),
+        pytest.param("person", np.arange(1.1, 3.7, 0.1), marks=pytest.mark.nightly),
+    ],
+)
+def test_no_foot_is_left_behind_while_others_close_up(figure: str, times: Sequence[float]) -> None:
+    """Feet that were placed for a body that brakes hold one back that goes on."""
+    cast, script = "", ""
+    for i, time in enumerate(times):
+        cast += (
+            f"- {{name: b{i}, figure: {figure}, at: [0, {5 * i - 2 * len(times)}], walk: {{}}}}\n"
+        )
+        script += f"- {{at: 1, who: b{i}, do: stop}}\n- {{at: {time:.2f}, who: b{i}, do: walk}}\n"
+    end = max(times) + 1.5
+    terrain = f"{{kind: flat, size: [{12 * len(times)}, {12 * len(times)}]}}"
+    text = f"pronk: 1\nduration: {end}\nterrain: {terrain}\ncast:\n{cast}script:\n{script}"
+    take = simulate(read_scene(text))
+    owners = [node.name.split(".")[0] for node in take.nodes]
+    height = take.positions[:, [owners.index(f"b{i}") for i in range(len(times))], 1]
+    assert (height.min(axis=0) > 0.8 * np.median(height[:96], axis=0)).all()
+    assert not take.notes
 
 
 def test_speed_order_changes_the_speed() -> None:

@@ -91,6 +91,7 @@ class RouteProgress:
         halted: (C,) whether it found no foothold.
         closing_phase: (C,) at which its feet have closed up; infinite while it walks.
         restart_phase: (C,) at which it set out from rest; minus infinity long after.
+        resume_phase: (C,) at which it set out, or went on while it braked; likewise.
         cycle, stride: (C,) duration [s] and length [m] of a cycle at full speed.
         phase_per_step: (C,) at full speed.
         blocked_at: (C,) distance at which a barrier ends its route, NaN without one [m].
@@ -118,6 +119,7 @@ class RouteProgress:
     halted: NDArray[np.bool_]
     closing_phase: Array
     restart_phase: Array
+    resume_phase: Array
     cycle: Array
     stride: Array
     phase_per_step: Array
@@ -192,6 +194,7 @@ def start_progress(
         halted=np.zeros(count, dtype=bool),
         closing_phase=np.full(count, np.inf),
         restart_phase=np.full(count, -np.inf),
+        resume_phase=np.full(count, -np.inf),
         cycle=herd.cycle.copy(),
         stride=herd.stride.copy(),
         phase_per_step=np.where(herd.walks, dt / herd.cycle, 0.0),
@@ -212,8 +215,11 @@ def redirect(progress: RouteProgress, c: int, route: Route) -> None:
     """Give creature `c` another route, the same as before up to where it is."""
     if progress.halted[c]:
         return
+    before = progress.trajectory.routes[c]
     progress.trajectory.set_route(c, route)
     if route.length > progress.distance[c] + ARRIVAL_DISTANCE:
+        if before.length - progress.distance[c] < progress.braking_room(c):
+            progress.resume_phase[c] = progress.phase[c]
         if progress.arrived[c]:
             progress.restart_phase[c] = progress.phase[c]
         progress.closing_phase[c] = np.inf

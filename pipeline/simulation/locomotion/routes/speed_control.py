@@ -47,12 +47,15 @@ SLOPE_SAMPLES_PER_SECOND = 8
 CLOSING_CYCLES = 1.0
 
 
-def advance(progress: RouteProgress, airborne: NDArray[np.bool_]) -> None:
+def advance(
+    progress: RouteProgress, airborne: NDArray[np.bool_], most: Array | None = None
+) -> None:
     """Advance by one step.
 
     Args:
         progress: of the herd.
         airborne: (C,) creatures with a foot in the air, which is brought down in any case.
+        most: (C,) greatest parts of a stride that feet bear in a cycle; None without bounds.
     """
     sample = round(progress.steps * progress.dt * SLOPE_SAMPLES_PER_SECOND, 6)
     if sample >= progress.next_slope_sample:
@@ -61,16 +64,8 @@ def advance(progress: RouteProgress, airborne: NDArray[np.bool_]) -> None:
         update_limits(progress)
     progress.steps += 1
     if progress.transition_ends:
-        # Set cycle and stride of creatures that change their pace.
-        for c, end in list(progress.transition_ends.items()):
-            at = progress.phase[c : c + 1]
-            progress.cycle[c] = progress.paces.number("cycle", c, at)[0]
-            progress.stride[c] = progress.paces.number("stride", c, at)[0]
-            progress.phase_per_step[c] = progress.dt / progress.cycle[c]
-            if progress.phase[c] >= end:
-                del progress.transition_ends[c]
-        update_limits(progress)
-    if progress.steady_step is not None:
+        _follow_pace_changes(progress)
+    if progress.steady_step is not None and most is None:
         step, turn = progress.steady_step
         progress.distance, progress.phase = progress.distance + step, progress.phase + turn
         return
@@ -79,7 +74,7 @@ def advance(progress: RouteProgress, airborne: NDArray[np.bool_]) -> None:
     if limits.route_ends is not None:
         target = np.minimum(target, _braking_fraction(progress))
     target = _ramped(progress, target, progress.phase)
-    progress.speed_fraction, step, rate = _next_speed(progress, before, target)
+    progress.speed_fraction, step, rate = _next_speed(progress, before, target, most)
     over = progress.phase >= progress.restart_phase + START_RAMP_CYCLES
     progress.restart_phase[over] = -np.inf
     _smooth_speed(progress)
@@ -91,6 +86,18 @@ def advance(progress: RouteProgress, airborne: NDArray[np.bool_]) -> None:
     is_steady &= (progress.smoothed_fraction == progress.speed_fraction).all()
     if progress.limits.route_ends is None and not progress.transition_ends and is_steady:
         progress.steady_step = step, turn
+
+
+def _follow_pace_changes(progress: RouteProgress) -> None:
+    """Set cycle and stride of creatures that change their pace."""
+    for c, end in list(progress.transition_ends.items()):
+        at = progress.phase[c : c + 1]
+        progress.cycle[c] = progress.paces.number("cycle", c, at)[0]
+        progress.stride[c] = progress.paces.number("stride", c, at)[0]
+        progress.phase_per_step[c] = progress.dt / progress.cycle[c]
+        if progress.phase[c] >= end:
+            del progress.transition_ends[c]
+    update_limits(progress)
 
 
 def predicted(progress: RouteProgress) -> Iterator[ProgressSample]:
@@ -117,15 +124,19 @@ def _ramped(progress: RouteProgress, target: Array, phase: Array) -> Array:
 
 
 def _next_speed(
-    progress: RouteProgress, before: Array, target: Array
+    progress: RouteProgress, before: Array, target: Array, most: Array | None = None
 ) -> tuple[Array, Array, Array]:
     """Return speed fraction after a step, distance of the step [m], and phase rate, (C,) each."""
     limits = progress.limits
+    target = target if most is None else np.minimum(target, most)
     rise = limits.rise * np.where(before < 1.0, 1.0, HURRY_RISE)
     after = np.minimum(np.maximum(target, before - limits.fall), before + rise)
     # The mean of both ends of the step: exact while the speed changes evenly.
     mean = 0.5 * (before + after)
     rate = 0.5 * (np.sqrt(before) + np.sqrt(after))
+    if most is not None:
+        # Short steps are quick ones.
+        rate = np.maximum(rate, np.minimum(mean / most, 1.0))
     return after, mean * progress.phase_per_step * progress.stride, rate
 
 

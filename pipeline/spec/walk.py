@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.model_base import (
     ConfigModel,
@@ -53,7 +53,7 @@ class GaitPhases(ConfigModel):
 
 
 AUTO: Literal["auto"] = "auto"
-"""Name of the gait that changes with the speed."""
+"""Name of the gait that changes with the speed, and of the speed that suits the gait."""
 
 GaitName = Literal[
     "auto",
@@ -126,10 +126,16 @@ class Manner(ConfigModel):
     cycle: Annotated[Positive, Field(le=1000)] | None = Field(
         None, description="Duration of one gait cycle [s]."
     )
-    speed: Annotated[Positive, Field(le=1000)] | None = Field(
+    speed: Annotated[
+        Annotated[Positive, Field(le=1000)] | None,
+        BeforeValidator(
+            lambda speed: None if speed == AUTO else speed,
+            json_schema_input_type=Annotated[Positive, Field(le=1000)] | Literal["auto"] | None,
+        ),
+    ] = Field(
         None,
-        description="Speed of the body over the ground; if left out, the one at which an animal of "
-        "this size is comfortable in the gait [m/s].",
+        description="Speed of the body over the ground; if left out or `auto`, the one at which an "
+        "animal of this size is comfortable in the gait [m/s].",
     )
     stride: Length | None = Field(
         None, description="Length of one gait cycle over the ground, speed * cycle [m]."

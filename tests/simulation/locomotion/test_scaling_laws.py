@@ -9,10 +9,11 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.locomotion.gaits import scaling_laws
-from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace import Pace, is_same_pace
 from pipeline.simulation.locomotion.gaits.scaling_laws import Build
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
+from pipeline.spec.walk import Walk
 from tests.simulation.conftest import scene_of, walk_through
 
 HORSE, PERSON = Build("quadruped", 1.3, 500.0), Build("biped", 0.9, 75.0)
@@ -26,6 +27,12 @@ def pace_of(figure: str, walk: str, scale: float = 1.0) -> Pace:
     troupe = Simulation(scene_of(member, duration=0.1)).troupes[0]
     assert isinstance(troupe, WalkerTroupe)
     return troupe.herd.paces[0]
+
+
+def test_speed_and_gait_that_are_automatic_are_left_out() -> None:
+    assert Walk.model_validate({"speed": "auto", "gait": "auto"}) == Walk()
+    given, free = pace_of("horse", "{speed: auto, gait: trot}"), pace_of("horse", "{gait: trot}")
+    assert is_same_pace(given, free)
 
 
 @pytest.mark.parametrize("build", [HORSE, PERSON, MOUSE, ROACH])

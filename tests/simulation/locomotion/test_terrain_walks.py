@@ -47,10 +47,10 @@ def test_walkers_cross_passable_terrain(
     scene_of: Callable[..., object],
     walk_through: Callable[..., object],
 ) -> None:
-    # Their own strides are longer than from stone to stone.
-    pace = "speed: 0.8" if name == "stones" and figure in ("horse", "person") else ""
-    member = f"{{figure: {figure}, scale: {WALKERS[figure]}, at: [-1.5, 0], walk: {{{pace}}}}}"
-    walk = walk_through(scene_of(member, terrain=TERRAINS[name], duration=7, seed=1))
+    member = f"{{figure: {figure}, scale: {WALKERS[figure]}, at: [-1.5, 0], walk: {{}}}}"
+    # Stones lie between banks; after them quick walkers come to the end of the terrain.
+    duration = 4.4 if name == "stones" and figure in ("horse", "person") else 7
+    walk = walk_through(scene_of(member, terrain=TERRAINS[name], duration=duration, seed=1))
     take = walk.take
     assert take.notes == ()
     assert take.positions[-1, 0, 0] > 2.2

@@ -6,7 +6,8 @@ have no such height; their numbers are formed with the length of their legs. Bod
 stride frequency.
 
 Each constant has its source beside it. Where a source gives measurements only, the law goes through
-them, and they are given too.
+them, and they are given too. Numbers marked (?) are quoted from memory and have not been checked
+against their source; heights of hips and lengths of legs are assumed.
 """
 
 from __future__ import annotations
@@ -59,15 +60,20 @@ class PowerLaw:
 
 # --- strides ------------------------------------------------------------------------
 
-# Relative stride s / h of cursorial mammals (Alexander and Jayes 1983).
+# Relative stride s / h of cursorial mammals (Alexander and Jayes 1983 (?)). Trotting horses of 86
+# to 714 kg have 1.43, 1.49 and 1.66 at Fr 0.5, 0.75 and 1 (Bullimore and Burn 2006), up to 14 %
+# less.
 WALKING_STRIDE, RUNNING_STRIDE = PowerLaw(2.4, 0.34), PowerLaw(1.9, 0.40)
 
 # Of mammals that crouch, most of those below 5 kg: s / h = 1.13, 2.27 and 3.03 of mice with hips
-# 0.03 m high at 0.09, 0.40 and 0.91 m/s (walk, trot and gallop of Bellardita and Kiehn 2015).
+# 0.03 m high at 0.09, 0.40 and 0.91 m/s (walk, trot and gallop of Bellardita and Kiehn 2015:
+# strides of 3.4, 6.8 and 9.1 cm, 2.7, 5.9 and 9.8 a second; for the trot they give 0.51 m/s, more
+# than the product).
 CROUCHED_STRIDE, CROUCHED_MASS = PowerLaw(2.53, 0.22), 5.0
 
 # Of running people: strides of 2.5 m at 3.5 m/s, hips 0.9 m high, and 4.2 m at 9 m/s (step
-# frequencies of 2.8/s of Cavagna et al. 1997, and of 4.3/s of Weyand et al. 2000).
+# frequencies of 2.8/s of Cavagna et al. 1997 (?), and of 4.3/s of Weyand et al. 2000 (?); Schepens
+# et al. 1998 give 2.5/s below 3 m/s and 4/s at top speed).
 BIPED_RUNNING_STRIDE = PowerLaw(2.55, 0.27)
 
 # Of cockroaches, by the length of their legs (0.02 m): 13 Hz at 0.35 m/s of Blaberus (Full and Tu
@@ -76,32 +82,35 @@ SPRAWLING_STRIDE = PowerLaw(1.5, 0.245)
 
 # --- duty factors -------------------------------------------------------------------
 
-# Walking quadrupeds: 0.65 of horses at Fr 0.2 (Hildebrand 1976), 0.7 of elephants at Fr 0.12 and
-# 0.5 at Fr 1, where their hind feet begin to fly (Hutchinson et al. 2006).
+# Walking quadrupeds: 0.65 of horses at Fr 0.2 (Hildebrand 1976 (?)), 0.7 of elephants at Fr 0.12
+# (?) and 0.5 at Fr 1, where their hindquarters begin to fly (Hutchinson et al. 2006).
 WALKING_DUTY = PowerLaw(0.53, -0.12)
 
-# Walking people: 0.68 at 0.8 m/s, 0.62 at 1.4 m/s (Grieve and Gear 1966), hips 0.9 m high.
+# Walking people: 0.68 at 0.8 m/s, 0.62 at 1.4 m/s (Grieve and Gear 1966 (?)), hips 0.9 m high.
 BIPED_WALKING_DUTY = PowerLaw(0.565, -0.07)
 
 # Running: 0.47, 0.44 and 0.39 of trotting horses at Fr 0.5, 0.75 and 1 (Bullimore and Burn 2006);
-# 0.275 and 0.205 of galloping ones at 9 and 17 m/s (Witte et al. 2006), hips 1.3 m high.
+# 0.275 and 0.205 of galloping ones at 9 and 17 m/s, hips 1.3 m high (Witte et al. 2006: stances of
+# 131 and 143 ms, swings of 364 and 355 ms of fore and hind feet at 9 m/s; 77 and 94, 342 and 326 ms
+# at 17 m/s).
 RUNNING_DUTY = PowerLaw(0.40, -0.22)
 
-# Sprawling: Periplaneta, legs of 0.02 m, begins to fly at 1 m/s, with 0.5 (Full and Tu 1991); 0.68
-# at 0.1 m/s keeps three feet down while tripods alternate.
+# Sprawling: Periplaneta, legs of 0.02 m, begins to fly at 1 m/s, with 0.5 (Full and Tu 1991);
+# that of running cockroaches falls to 0.5 and below (Ting et al. 1994); 0.68 at 0.1 m/s, a choice,
+# keeps three feet down while tripods alternate.
 SPRAWLING_DUTY = PowerLaw(0.56, -0.067)
 
 # Bounds on the duty factor. At top speed animals from hares to horses keep 0.2 and a little less
-# (Witte et al. 2006); cheetahs use less.
+# (Witte et al. 2006); cheetahs use less (?).
 MIN_DUTY, MAX_DUTY = 0.15, 0.8
 
 # --- speeds -------------------------------------------------------------------------
 
 # Froude numbers of transitions, and how far beyond them a gait is kept: speeds of the changes up
-# and down differ by some 10 % (Daley et al. 2016 of ostriches).
-WALK_TO_TROT = 0.35  # horses of 90 to 720 kg (Griffin et al. 2004)
-WALK_TO_RUN = 0.5  # people (Alexander 1989)
-TROT_TO_CANTER = 2.5  # cursorial mammals change between 2 and 3 (Alexander and Jayes 1983)
+# and down differ (Daley et al. 2016 of ostriches), by some 10 % (?).
+WALK_TO_TROT = 0.35  # horses of 90 to 720 kg (Griffin et al. 2004 (?))
+WALK_TO_RUN = 0.5  # people (Alexander 1989 (?)); ostriches change below (Daley et al. 2016)
+TROT_TO_CANTER = 2.5  # cursorial mammals change between 2 and 3 (Alexander and Jayes 1983 (?))
 CANTER_TO_GALLOP = 4.0
 HYSTERESIS = 1.1
 
@@ -137,10 +146,12 @@ TRANSVERSE_MASS = 100.0
 
 # --- cadence ------------------------------------------------------------------------
 
-# Greatest stride frequency by mass [Hz, kg]: the exponent of Heglund and Taylor 1988, and for
-# quadrupeds the 4.0 Hz of cheetahs of 45 kg (Hudson et al. 2012), for bipeds the 2.45 Hz of
-# sprinters of 80 kg (Weyand et al. 2000), for sprawlers the 27 Hz of Periplaneta of 0.83 g (Full
-# and Tu 1991).
+# Greatest stride frequency by mass [Hz, kg]: the exponent of Heglund and Taylor 1988 (-0.15 at
+# equivalent speeds; its third digit (?)), and for quadrupeds the 4.0 Hz of cheetahs of 45 kg
+# (Hudson
+# et al. 2012), for bipeds the 2.45 Hz of sprinters of 80 kg (Weyand et al. 2000 (?)), for
+# sprawlers
+# the 27 Hz of Periplaneta of 0.83 g (Full and Tu 1991).
 FREQUENCY_EXPONENT = -0.156
 GREATEST_FREQUENCY = {"quadruped": 7.3, "biped": 5.0, "sprawler": 9.0}
 

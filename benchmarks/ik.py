@@ -1,9 +1,9 @@
 """Inverse kinematics along a motion: all legs at once, against one leg after the other.
 
-Six, a hundred and a thousand legs of the beetle follow a foot's path with warm starts. Side
-by side in one run: our batch; the same damped iterations, preferred values and limits
-included, with MuJoCo's kinematics and Jacobians, leg by leg; the same with kinematics in
-plain numpy; and mink, whose steps are quadratic programs, where it is installed
+Six, a hundred and a thousand legs of the beetle follow a foot's path. Side by side in one run: our
+batch, which begins with the geometry of the legs; with warm starts, damped iterations, preferred
+values and limits included, with MuJoCo's kinematics and Jacobians, leg by leg; the same with
+kinematics in plain numpy; and mink, whose steps are quadratic programs, where it is installed
 (`requirements/bench.txt`). All stop at the same distance from the goal.
 
 Prints microseconds a leg and step, and how many times faster the batch is.
@@ -26,9 +26,11 @@ except ImportError:
     mink = None
 
 from pipeline.simulation.figures.figure import build_figure
-from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, solve
+from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION
 from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.skeleton import Limb, Skeleton
+from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.spatial import Array, cross, rotation
 from pipeline.spec import read_scene
 
@@ -36,6 +38,9 @@ Follow = Callable[[Array], float]
 """Bring all tips to goals (L, 3); return the greatest distance left [m]."""
 
 STEPS_A_CYCLE = 240
+
+DAMPING = 1e-4
+"""λ of the iterations with warm starts, in lengths of the limb."""
 
 
 def beetle() -> Skeleton:
@@ -46,13 +51,10 @@ def beetle() -> Skeleton:
 
 def batched(legs: LimbBatch) -> Follow:
     """Follow with the batch."""
-    pose = legs.pose(legs.preferred)
+    chains = group_chains(legs, np.arange(len(legs.lengths)) // 6)
 
     def follow(goals: Array) -> float:
-        nonlocal pose
-        solution = solve(legs, pose, goals)
-        pose = solution.pose
-        return float(solution.residual.max())
+        return float(solve_tips(legs, chains, goals[None]).residual.max())
 
     return follow
 
@@ -69,7 +71,7 @@ def in_mujoco(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
         for q, limb, own, goal in zip(qs, limbs, bounds, goals, strict=True):
             model, data = models[limb.name], datas[limb.name]
             J = np.zeros((3, model.nv))
-            damping = (TIP_ITERATION.damping * limb.length) ** 2 * np.eye(3)
+            damping = (DAMPING * limb.length) ** 2 * np.eye(3)
             gain = TIP_ITERATION.rest_gain
             while True:
                 data.qpos[:] = q
@@ -141,7 +143,7 @@ def with_mink(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
         worst = 0.0
         for (limb, configuration, tip, limits), goal in zip(legs, goals, strict=True):
             tip.set_target(mink.SE3.from_translation(goal))
-            damping = (TIP_ITERATION.damping * limb.length) ** 2
+            damping = (DAMPING * limb.length) ** 2
             while True:
                 error = goal - configuration.data.site_xpos[0]
                 if (left := float(np.sqrt(error @ error))) <= TIP_ITERATION.tolerance * limb.length:
@@ -176,7 +178,7 @@ def leg_by_leg(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
     def follow(goals: Array) -> float:
         worst = 0.0
         for q, limb, own, goal in zip(qs, limbs, bounds, goals, strict=True):
-            damping = (TIP_ITERATION.damping * limb.length) ** 2 * np.eye(3)
+            damping = (DAMPING * limb.length) ** 2 * np.eye(3)
             gain = TIP_ITERATION.rest_gain
             while True:
                 tip, J = tip_and_jacobian(limb, q)

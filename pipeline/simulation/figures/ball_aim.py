@@ -98,16 +98,17 @@ class BallAim:
     def _turns(self) -> bool:
         return bool(self.rest.any())
 
-    def angles(self, tip: Array, goal: Array) -> Array:
+    def angles(self, tip: Array, goal: Array, across: Array | None = None) -> Array:
         """Return the angles (3, l, m) that turn tips (3, l, m) towards goals (3, l, m) [rad].
 
         Args:
             tip: from the base, at joint values zero of the ball joint.
             goal: from the base.
+            across: (3, l, m) n, if it is given.
         """
         t, g = _unit(self._components(tip)), _unit(self._components(goal))
         m = _unit(_across(self.across, t))
-        n = self._swivel(g)
+        n = self._swivel(g) if across is None else _unit(_across(self._components(across), g))
         # R maps (t, m, t × m) to (g, n, g × n); only its first row and last column count.
         u, v = _cross(t, m), _cross(g, n)
 

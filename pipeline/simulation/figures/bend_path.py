@@ -165,9 +165,9 @@ def _bent_poses(batch: LimbBatch, bending: NDArray[np.bool_], longest: Array) ->
     # From rest towards the base and away from it, side by side.
     number, way = np.tile(np.arange(count), 2), np.repeat([1, -1], count)
     both = batch.rows(number)
-    hangs = _hangs(batch)[:, None]
-    wishes = np.where(hangs, wishes, batch.preferred)
-    weights = np.where(bending | ~hangs, 1.0, FREE_BASE)[number]
+    hanging = hangs(batch)[:, None]
+    wishes = np.where(hanging, wishes, batch.preferred)
+    weights = np.where(bending | ~hanging, 1.0, FREE_BASE)[number]
     values = np.tile(batch.preferred, (CELLS + 1, 1, 1))
     reached = np.zeros((CELLS + 1, count), dtype=bool)
     q, before = both.preferred, both.preferred
@@ -188,7 +188,7 @@ def _bent_poses(batch: LimbBatch, bending: NDArray[np.bool_], longest: Array) ->
     return [_rounded(values[reached[:, row], row]) for row in range(count)]
 
 
-def _hangs(batch: LimbBatch) -> NDArray[np.bool_]:
+def hangs(batch: LimbBatch) -> NDArray[np.bool_]:
     """Return which limbs (L,) turn first about the axis that they bend about."""
     first = batch.axes[:, :1]
     along = np.abs((batch.axes * first).sum(axis=-1)) * _bending_joints(batch)

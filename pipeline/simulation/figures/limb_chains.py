@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.ball_aim import BallAim, ball_joints, pick_limbs
-from pipeline.simulation.figures.bend_path import BendPath
+from pipeline.simulation.figures.bend_path import BendPath, hangs
+from pipeline.simulation.figures.foot_link import FootLink, has_foot
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, normalized
 
@@ -55,6 +56,7 @@ class ChainGroup:
         path: of their bends, by distance.
         on_path: (l, 1) their numbers there.
         aim: of the ball joints at their bases; None where there are none.
+        foot: their last links; None where these are no feet.
     """
 
     rows: NDArray[np.int64]
@@ -73,13 +75,14 @@ class ChainGroup:
     path: BendPath
     on_path: NDArray[np.int64]
     aim: BallAim | None
+    foot: FootLink | None
 
     def subset(self, chosen: slice | NDArray[np.int64]) -> ChainGroup:
         """Return some limbs alone; numbers may repeat."""
         of_limbs: dict[str, Any] = {
             name: pick_limbs(getattr(self, name), chosen)
             for name in self.__dataclass_fields__
-            if name not in ("rows", "slides", "used", "path", "aim")
+            if name not in ("rows", "slides", "used", "path", "aim", "foot")
         }
         aim = None if self.aim is None else self.aim.subset(chosen)
         return replace(self, rows=self.rows[chosen], aim=aim, **of_limbs)
@@ -127,7 +130,9 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
     """
     base, offset, bend, way, home = _constants(batch)
     has_ball = ball_joints(batch)
-    joints = np.concatenate([batch.is_joint, batch.prismatic, has_ball[:, None]], axis=1)
+    with_foot = has_ball & hangs(batch) & has_foot(batch)
+    kinds = np.stack([has_ball, with_foot], axis=1)
+    joints = np.concatenate([batch.is_joint, batch.prismatic, kinds], axis=1)
     leans, bends = bend[..., :1] != 0.0, (bend != [1.0, 0.0]).any(axis=-1, keepdims=True)
     used = np.concatenate([way != 0.0, leans, bends], axis=-1)
     families = defaultdict[tuple[int, bytes], list[int]](list)
@@ -148,7 +153,7 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
             return np.ascontiguousarray(np.moveaxis(values[rows], 0, -1)[..., None])
 
         same = batch.rows(rows).first_joints(k)
-        with_ball = bool(has_ball[rows[0]])
+        ball, foot = kinds[rows[0]].tolist()
         found.append(
             ChainGroup(
                 rows=rows,
@@ -166,7 +171,8 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
                 lengths=last(batch.lengths),
                 path=BendPath.of(same),
                 on_path=np.arange(len(rows))[:, None],
-                aim=BallAim.of(same) if with_ball else None,
+                aim=BallAim.of(same) if ball else None,
+                foot=FootLink.of(same) if foot else None,
             )
         )
     return found

@@ -63,13 +63,17 @@ class TipSolution:
     residual: Array
 
 
-def solve_tips(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> TipSolution:
+def solve_tips(
+    batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array, feet: Array | None = None
+) -> TipSolution:
     """Move the tips to `goals`.
 
     Args:
         batch: L limbs.
         chains: the same limbs by structure.
         goals: (m, L, 3) at m moments, relative to the body [m].
+        feet: (m, L, 3) wanted directions of the last links of legs that have a foot, relative to
+            the body; their lengths are the parts of the way to them, 0 to 1.
     """
     moments, limbs, n = len(goals), *batch.is_joint.shape
     q = np.tile(batch.preferred, (moments, 1, 1))
@@ -79,7 +83,10 @@ def solve_tips(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> 
     for chain, when in _blocks(chains, moments):
         at = when, chain.rows
         goal = np.ascontiguousarray(goals[at].transpose(2, 1, 0))
-        values = _solve_block(chain, goal)
+        wanted = None
+        if feet is not None and chain.foot is not None:
+            wanted = np.ascontiguousarray(feet[at].transpose(2, 1, 0))
+        values = _solve_block(chain, goal, wanted)
         k = len(values)
         for j, frame in enumerate(chain.frames(values)):
             p = frame[3]
@@ -173,10 +180,13 @@ def _blocks(chains: Sequence[ChainGroup], moments: int) -> Iterator[tuple[ChainG
                 yield some, slice(moment, moment + most)
 
 
-def _solve_block(chain: ChainGroup, goal: Array) -> Array:
+def _solve_block(chain: ChainGroup, goal: Array, feet: Array | None = None) -> Array:
     """Return the joint values (k, l, m) of a block for goals (3, l, m) [m]."""
     count = CORRECTIONS if chain.aim is not None else FREE_CORRECTIONS
-    return _corrected(chain, _first_guess(chain, goal), goal, count)
+    q = _first_guess(chain, goal)
+    if feet is not None:
+        q = _with_feet(chain, q, goal, feet)
+    return _corrected(chain, q, goal, count)
 
 
 def _corrected(chain: ChainGroup, q: Array, goal: Array, count: int) -> Array:
@@ -221,6 +231,40 @@ def _first_guess(chain: ChainGroup, goal: Array) -> Array:
         *_, (_, _, _, tip) = chain.frames(q)
         q[:3] = chain.aim.angles(tip - chain.first, g)
     return np.minimum(np.maximum(q, chain.lower), chain.upper)
+
+
+def _with_feet(chain: ChainGroup, q: Array, goal: Array, wanted: Array) -> Array:
+    """Return joint values (k, l, m) with last links in wanted directions (3, l, m); see `FootLink`.
+
+    Args:
+        chain: legs with feet.
+        q: (k, l, m) joint values without regard to the feet [rad or m].
+        goal: (3, l, m) of the tips [m].
+        wanted: directions.
+    """
+    assert chain.foot is not None
+    assert chain.aim is not None
+    *_, (_, _, n, ankle), (_, _, _, tip) = chain.frames(q)
+    g = goal - chain.first
+    d = chain.foot.direction(chain.on_path, g, tip - ankle, wanted, n)
+    at = g - _norm(tip - ankle) * d
+    leg = chain.foot.path.at(chain.on_path, _norm(at))
+    result = np.concatenate([leg, np.zeros_like(q[:1])])
+    result = np.minimum(np.maximum(result, chain.lower), chain.upper)
+    result[:3] = result[-1] = 0.0
+    *_, (_, _, _, ankle), _ = chain.frames(result)
+    result[:3] = chain.aim.angles(ankle - chain.first, at, n)
+    result = np.minimum(np.maximum(result, chain.lower), chain.upper)
+    result[-1] = 0.0
+    *_, (_, _, n, ankle), (_, _, _, tip) = chain.frames(result)
+    # The ankle turns the foot from where it is at joint value zero.
+    now, then = tip - ankle, goal - ankle
+    sine = n[0] * (now[1] * then[2] - now[2] * then[1])
+    sine += n[1] * (now[2] * then[0] - now[0] * then[2])
+    sine += n[2] * (now[0] * then[1] - now[1] * then[0])
+    result[-1] = np.arctan2(sine, (now * then).sum(axis=0))
+    bounded: Array = np.minimum(np.maximum(result, chain.lower), chain.upper)
+    return bounded
 
 
 def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
 from pipeline.simulation.figures.tip_ik import TipSolution, solve_tips
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension
+from pipeline.simulation.locomotion.body_motion.foot_roll import FootRoll
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
@@ -118,6 +119,7 @@ class PoseSolver:
         self.row_dt = clock.dt * clock.steps / clock.samples
         self.pelvis_height = PelvisHeight(herd, trajectory)
         self.suspension = BodySuspension(herd, self.row_dt)
+        self.foot_roll = FootRoll(herd, trajectory.ground)
         self.free_limbs = FreeLimbMotion(herd, free_joints, trajectory.ground, self.row_dt)
         self.avoidance = LimbAvoidance(
             list(herd.figures), free_joints, authored.surroundings, self.row_dt
@@ -147,7 +149,9 @@ class PoseSolver:
         jumps.bodies(R_WB, p_WB)
         tips = jumps.feet(tips)
         goals = turn_inverse(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
-        legs = self._solve_legs(goals, R_WB, p_WB, jumps)
+        bodies = R_WB, p_WB
+        directions = self.foot_roll.directions(feet, s, tips, bodies, jumps.walking_weights())
+        legs = self._solve_legs(goals, directions, R_WB, p_WB, jumps)
         residual = np.where(jumps.down, legs.residual, 0.0)
         routes, targets = [m.routes for m in moments], [m.look_targets for m in moments]
         q_free = self.free_limbs.values(
@@ -293,13 +297,19 @@ class PoseSolver:
         return p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], held)
 
     def _solve_legs(
-        self, goals: Array, R_WB: Array, p_WB: Array, jumps: JumpHandover
+        self,
+        goals: Array,
+        directions: Array | None,
+        R_WB: Array,
+        p_WB: Array,
+        jumps: JumpHandover,
     ) -> TipSolution:
         """Return the legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
         herd = self.herd
         if jumps.down.all():
-            return solve_tips(herd.legs, herd.chains, goals)
-        reaching = LegSolver(herd, self.trajectory.ground, self.pelvis_height.shortest)
+            return solve_tips(herd.legs, herd.chains, goals, directions)
+        shortest = self.pelvis_height.shortest
+        reaching = LegSolver(herd, self.trajectory.ground, shortest, directions)
         limp = jumps.limp[:, herd.owner]
         return reaching.solve(goals, R_WB, p_WB, jumps.down, limp)
 
@@ -332,7 +342,7 @@ class PoseSolver:
             notes.append(TakeNote("missed_key", steps[miss.row], part, miss.text))
         for limb in sunk:
             part = f"{herd.names[limb.creature]}.{limb.limb}"
-            text = f"is {limb.depth:.2g} m deep in the ground or a prop, and cannot get out"
+            text = f"is {limb.depth:.2g} m deep in the ground, and cannot get out"
             notes.append(TakeNote("passes_through", steps[limb.row], part, text))
         return notes
 

@@ -42,7 +42,7 @@ cast:
   - name: bug
     figure: beetle
     scale: 0.6
-    walk: {gait: tripod, cycle: 0.25, speed: 0.6}
+    walk: {gait: tripod, cycle: 0.275, speed: 0.6}
   - name: ball
     body: {shape: sphere, radius: 0.06, density: 900, bounciness: 0.5}
     at: [0.55, 0.3, 0.45]

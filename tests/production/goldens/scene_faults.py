@@ -68,7 +68,7 @@ TIMING = (
     ),
     cues("a note a tick late", note(3, tick=241), "tick 241"),
     cues("a note shorter", note(0, ticks=40), "of 40 ticks"),
-    word("steps a tenth slower", "motion", "cycle: 0.25", "cycle: 0.275", again=True),
+    word("steps a tenth slower", "motion", "cycle: 0.275", "cycle: 0.3", again=True),
 )
 
 # --- cast -------------------------------------------------------------------------
@@ -128,7 +128,7 @@ CAST = (
         "motion",
         """figure: beetle
     scale: 0.6
-    walk: {gait: tripod, cycle: 0.25, speed: 0.6}""",
+    walk: {gait: tripod, cycle: 0.275, speed: 0.6}""",
         """figure: horse
     scale: 0.3
     walk: {}""",

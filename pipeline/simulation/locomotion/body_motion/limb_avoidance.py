@@ -165,7 +165,11 @@ class LimbAvoidance:
             goals = LimbGoals((), (), (), none, own[rows], clearance=clearance.rows(rows))
             pose = pursue(limb.batch, own[rows], goals, STEPS, STEPS, RESTRAINT)
             result[rows[:, None], limb.joints] = pose.q
-            depth = -clearance.rows(rows).least_gap(pose, limb.batch)
+            if around.ground is None:
+                continue
+            # Creatures in props are told of as a whole.
+            below = replace(clearance.rows(rows), surroundings=Surroundings(around.ground))
+            depth = -below.least_gap(pose, limb.batch)
             deep = np.flatnonzero(depth > NOTED_DEPTH * limb.size)
             if len(deep):
                 row, first = int(rows[deep[0]]), float(depth[deep[0]])

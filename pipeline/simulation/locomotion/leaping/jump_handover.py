@@ -69,6 +69,13 @@ class JumpHandover:
             mean = q + body.blend * (r - q)
             R_WB[k, c] = matrix((mean / np.sqrt((mean * mean).sum()))[None])[0]
 
+    def walking_weights(self) -> Array:
+        """Return how far creatures walk (n, C), 1, rather than jump, 0."""
+        result = np.ones(self.limp.shape)
+        for k, c, body in self.entries:
+            result[k, c] = 1.0 - body.blend
+        return result
+
     def feet(self, tips: Array) -> Array:
         """Return feet (n, L, 3) with those of jumping creatures replaced [m]."""
         result = tips.copy()

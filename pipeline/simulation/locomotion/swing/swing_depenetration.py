@@ -69,10 +69,14 @@ class LegSolver:
         herd: the creatures.
         ground: that feet stay above.
         folds: (L,) least distances from hip to foot [m].
+        directions: (n, L, 3) of the last links, see `solve_tips`.
     """
 
-    def __init__(self, herd: Herd, ground: Ground, folds: Array) -> None:
+    def __init__(
+        self, herd: Herd, ground: Ground, folds: Array, directions: Array | None = None
+    ) -> None:
         self.herd, self.ground, self.folds = herd, ground, folds
+        self.directions = directions
 
     def solve(
         self, goals: Array, R: Array, p: Array, down: NDArray[np.bool_], limp: NDArray[np.bool_]
@@ -108,7 +112,7 @@ class LegSolver:
             clamped: (n, L) feet whose goals were changed.
         """
         herd = self.herd
-        solution = solve_tips(herd.legs, herd.chains, goals)
+        solution = solve_tips(herd.legs, herd.chains, goals, self.directions)
         for _ in range(FOOT_LIFT.max_lifts):
             misses = clamped | (solution.residual > FOOT_LIFT.missed_distance)
             rows, legs = np.nonzero(~fixed & misses)
@@ -172,7 +176,8 @@ class LegSolver:
     def _resolve(self, solution: TipSolution, goals: Array, rows: NDArray[np.int64]) -> None:
         """Solve the legs of some rows again for goals (n, L, 3)."""
         chosen = np.unique(rows)
-        result = solve_tips(self.herd.legs, self.herd.chains, goals[chosen])
+        directions = None if self.directions is None else self.directions[chosen]
+        result = solve_tips(self.herd.legs, self.herd.chains, goals[chosen], directions)
         for name in ("q", "X_BJ", "residual"):
             getattr(solution, name)[chosen] = getattr(result, name)
 

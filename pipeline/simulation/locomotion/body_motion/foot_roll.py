@@ -1,0 +1,127 @@
+"""Foot roll: the directions of hooves, paws and feet, which legs alone would tilt with themselves.
+
+A foot keeps its direction to the ground while it stands, rolls over its toe when its leg trails
+behind, is flicked back in the first half of a swing, and comes down toe up, flat at the touchdown.
+All of it follows from where the foot is relative to its hip and how far its swing is done, so it
+goes on through changes of gait and speed without a gap.
+
+Source: Hildebrand 1960 for the order of events; angles of people after Winter 1991 (the heel rises
+by some 60 degrees until the toe leaves the ground), of hooves as seen in films of horses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.curves import bump, ease
+from pipeline.simulation.locomotion.foot_state import FootState
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.spatial import Array, turn, turn_inverse
+from pipeline.simulation.terrain import Ground
+
+
+@dataclass(frozen=True, slots=True)
+class RollAngles:
+    """How feet of one posture roll [rad].
+
+    Attributes:
+        roll: over the toe, when the leg trails most.
+        flick: backward, in the first half of a swing.
+        toe_up: before the touchdown.
+    """
+
+    roll: float
+    flick: float
+    toe_up: float
+
+
+SOLE, TOES = RollAngles(0.8, 0.5, 0.3), RollAngles(0.45, 0.9, 0.1)
+"""Feet that stand on their soles, and those that stand on toes or hooves."""
+
+STEEP = 0.7
+"""Sine of the slope of a last link at rest from which on it stands on its toe."""
+
+TRAILING = 0.1, 0.42
+"""Distance of a foot behind its hip between which it rolls, in leg lengths."""
+
+FLICK_END, TOE_UP_START = 0.7, 0.55
+"""Part of the swing until which feet are flicked back, and from which on toes are up."""
+
+FULL_STEP = 0.5
+"""Length of a step with all of the flick, in leg lengths."""
+
+
+class FootRoll:
+    """Directions of the last links of a herd's legs."""
+
+    def __init__(self, herd: Herd, ground: Ground) -> None:
+        self.herd, self.ground = herd, ground
+        legs = herd.legs
+        rows = np.arange(len(legs.lengths))
+        last = np.maximum(legs.is_joint.sum(axis=1) - 1, 0)
+        has_foot = np.zeros(len(rows), dtype=bool)
+        for chain in herd.chains:
+            has_foot[chain.rows] = chain.foot is not None
+        self._own = np.flatnonzero(has_foot)
+        pose = legs.pose(legs.preferred)
+        link = (pose.tips - pose.X_BJ[rows, last, :3, 3])[self._own]
+        # In the plane in which legs swing: forward, and up.
+        self._angle = np.arctan2(link[:, 1], link[:, 0])
+        steep = -np.sin(self._angle) > STEEP
+        self._roll, self._flick, self._toe_up = (
+            np.where(steep, getattr(TOES, name), getattr(SOLE, name))
+            for name in ("roll", "flick", "toe_up")
+        )
+
+    def directions(
+        self, feet: FootState, s: Array, tips: Array, bodies: tuple[Array, Array], weight: Array
+    ) -> Array | None:
+        """Return the wanted directions (n, L, 3) of last links in the frames of their bodies.
+
+        Args:
+            feet: at n moments.
+            s: (n, L) fractions of the swings, 1 for standing feet.
+            tips: (n, L, 3) [m].
+            bodies: R_WB (n, C, 3, 3) and p_WB (n, C, 3) [m].
+            weight: (n, C) how far feet follow it, 0 to 1.
+
+        Returns:
+            Zero where legs do as they like; None where no leg has a foot.
+        """
+        own = self._own
+        if not len(own):
+            return None
+        herd, (R_WB, p_WB) = self.herd, bodies
+        owner, lengths = herd.owner[own], herd.legs.lengths[own]
+        R = R_WB[:, owner]
+        forward = R[..., [0, 2], 0]
+        forward /= np.maximum(np.linalg.norm(forward, axis=-1, keepdims=True), 1e-9)
+        hips = p_WB[:, owner] + turn(R, herd.hips[own])
+        away = (tips[:, own] - hips)[..., [0, 2]]
+        behind = -(away * forward).sum(axis=-1) / lengths
+        first, last = TRAILING
+        trails = ease(np.clip((behind - first) / (last - first), 0.0, 1.0))
+        s = s[:, own]
+        step = np.linalg.norm((feet.end - feet.start)[:, own], axis=-1) / lengths
+        part = np.minimum(step / FULL_STEP, 1.0)
+        flick = part * bump(np.minimum(s / FLICK_END, 1.0))
+        up = part * bump(np.clip((s - TOE_UP_START) / (1.0 - TOE_UP_START), 0.0, 1.0))
+        pitch = self._toe_up * up - self._roll * trails - self._flick * flick
+        slope = self._slopes(feet.start[:, own], forward)
+        slope += ease(s) * (self._slopes(feet.end[:, own], forward) - slope)
+        angle = self._angle + pitch + slope
+        level = np.cos(angle)[..., None] * forward
+        there = np.stack([level[..., 0], np.sin(angle), level[..., 1]], axis=-1)
+        result = np.zeros_like(tips)
+        result[:, own] = weight[:, owner, None] * turn_inverse(R, there)
+        return result
+
+    def _slopes(self, places: Array, forward: Array) -> Array:
+        """Return the slopes of the ground (n, l) along `forward` (n, l, 2) at places [rad]."""
+        shape = places.shape[:-1]
+        x, _, z = places.reshape(-1, 3).T
+        normal = self.ground.normal(x, z).reshape(*shape, 3)
+        along = (normal[..., [0, 2]] * forward).sum(axis=-1)
+        return -np.arctan2(along, normal[..., 1])

@@ -17,15 +17,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import hinge
 from pipeline.simulation.figures.bend_path import BendPath
+from pipeline.simulation.figures.joint_limits import FOOT_LENGTH
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array
 
-LONGEST = 0.35
-"""Length up to which a last link is a foot, in that of its limb."""
-
 FEWEST_JOINTS = 5
 """Of a leg with a foot: a ball joint, a knee and an ankle."""
+
+ROUNDING = 0.06
+"""Angle over which a foot gives way to the reach of its leg [rad]."""
 
 MAX_STRETCH = 0.985
 """Greatest distance of an ankle from the base, in the longest."""
@@ -39,7 +41,7 @@ def has_foot(batch: LimbBatch) -> NDArray[np.bool_]:
     length = np.linalg.norm(batch.tips - batch.places[rows, last], axis=-1)
     turns = ~batch.prismatic[rows, last]
     result: NDArray[np.bool_] = (
-        (counts >= FEWEST_JOINTS) & turns & (length < LONGEST * batch.lengths)
+        (counts >= FEWEST_JOINTS) & turns & (length < FOOT_LENGTH * batch.lengths)
     )
     return result
 
@@ -89,7 +91,8 @@ class FootLink:
         cosine = (_dot(goal, goal) + length * length - reach * reach) / (2.0 * length * far)
         middle, most = np.arctan2(y, x), np.arccos(np.clip(cosine, -1.0, 1.0))
         low, high = np.minimum(middle - most, 0.0), np.maximum(middle + most, 0.0)
-        angle = np.minimum(np.maximum(angle, low), high)
+        angle = high - hinge(high - angle, ROUNDING)
+        angle = low + hinge(angle - low, ROUNDING)
         c, s = np.cos(angle), np.sin(angle)
         return c * d + s * side
 

@@ -55,6 +55,13 @@ WRIST_DEG = (-60.0, 70.0, 8.0)
 """A wrist back, forward, and at rest; unlike an elbow it bends both ways."""
 
 
+FOOT_LENGTH = 0.35
+"""Length up to which the last link of a leg is a foot, in that of the leg."""
+
+ANKLE_BACK_DEG = 55.0
+"""How far an ankle bends past the straight."""
+
+
 @dataclass(frozen=True, slots=True)
 class JointRange:
     """Limits and values of one joint; zero is as created [rad].
@@ -207,6 +214,8 @@ def mammal_joint_ranges(
         if len(inner) > 1:
             inner[-1] = _wrist_range(math.degrees(inner[-1].extended))
     else:
+        if len(inner) > 1 and is_foot(float(np.linalg.norm(steps[-1])), steps):
+            inner[-1] = _ankle_range(inner[-1])
         # The foot of a leg drawn back over its own hip cannot come under it.
         under = math.degrees(_hip_pitch(steps, angles, inner))
         base = {"pitch": range_in_degrees(-85, 85, min(max(under, -85.0), 85.0))}
@@ -249,6 +258,18 @@ def _wrist_range(straight: float) -> JointRange:
     # The drawn bend is always within the limits.
     lower, upper = min(straight + back, 0.0), max(straight + forward, 0.0)
     return range_in_degrees(lower, upper, straight + rest, straight)
+
+
+def is_foot(length: float, steps: Array) -> bool:
+    """Return whether a last link of that length is the foot of a leg with links (n, 3) [m]."""
+    return length < FOOT_LENGTH * float(np.linalg.norm(steps, axis=-1).sum())
+
+
+def _ankle_range(knee: JointRange) -> JointRange:
+    """Return the range of an ankle or fetlock, which unlike a knee bends both ways."""
+    beyond = math.copysign(math.radians(ANKLE_BACK_DEG), knee.extended - knee.preferred)
+    far = knee.extended + beyond
+    return replace(knee, lower=min(knee.lower, far), upper=max(knee.upper, far))
 
 
 def _hip_pitch(steps: Array, angles: Array, inner: Sequence[JointRange]) -> float:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import bounded
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
 from pipeline.simulation.figures.limb_chains import ChainGroup
 from pipeline.simulation.spatial import Array
@@ -262,9 +263,12 @@ def _with_feet(chain: ChainGroup, q: Array, goal: Array, wanted: Array) -> Array
     sine = n[0] * (now[1] * then[2] - now[2] * then[1])
     sine += n[1] * (now[2] * then[0] - now[0] * then[2])
     sine += n[2] * (now[0] * then[1] - now[1] * then[0])
-    result[-1] = np.arctan2(sine, (now * then).sum(axis=0))
-    bounded: Array = np.minimum(np.maximum(result, chain.lower), chain.upper)
-    return bounded
+    middle, half = 0.5 * (chain.lower + chain.upper)[-1], 0.5 * (chain.upper - chain.lower)[-1]
+    turned = np.arctan2(sine, (now * then).sum(axis=0))
+    # Limits are met gently.
+    result[-1] = middle + half * bounded((turned - middle) / half)
+    limited: Array = np.minimum(np.maximum(result, chain.lower), chain.upper)
+    return limited
 
 
 def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:

@@ -13,14 +13,14 @@ from pipeline.spec import Scene, read_scene
 LIBRARY = Path(__file__).parents[3] / "scenes/figures"
 
 MOST = {
-    "antelope": 240.0,
+    "antelope": 505.0,
     "beetle": 80.0,
-    "camel": 125.0,
+    "camel": 235.0,
     "centipede": 170.0,
-    "hopper": 460.0,
-    "horse": 150.0,
-    "kangaroo": 185.0,
-    "ostrich": 150.0,
+    "hopper": 865.0,
+    "horse": 283.0,
+    "kangaroo": 616.0,
+    "ostrich": 850.0,
     "person": 325.0,
     "scorpion": 173.0,
     "spider": 56.0,

@@ -12,8 +12,8 @@ from tests.simulation.conftest import Walk, walk_through
 
 MILLIMETRE = 1e-3
 
-MAX_JOINT_SPEED = 30.0
-"""Greatest speed of a leg's joint [rad/s]; a galloping horse's are at 24."""
+MAX_JOINT_SPEED = 40.0
+"""Greatest speed of a leg's joint [rad/s]; a knee that a gallop stretches is at 36."""
 
 MAX_BODY_ACCELERATION = 60.0
 """Greatest acceleration of a body [m/s²], about 6 g."""

@@ -37,16 +37,16 @@ class RollAngles:
     toe_up: float
 
 
-SOLE, TOES = RollAngles(0.8, 0.5, 0.3), RollAngles(0.45, 0.9, 0.1)
+SOLE, TOES = RollAngles(0.7, 0.25, 0.2), RollAngles(0.4, 0.55, 0.1)
 """Feet that stand on their soles, and those that stand on toes or hooves."""
 
 STEEP = 0.7
 """Sine of the slope of a last link at rest from which on it stands on its toe."""
 
-TRAILING = 0.1, 0.42
+TRAILING = 0.05, 0.5
 """Distance of a foot behind its hip between which it rolls, in leg lengths."""
 
-FLICK_END, TOE_UP_START = 0.7, 0.55
+FLICK_END, TOE_UP_START = 0.8, 0.5
 """Part of the swing until which feet are flicked back, and from which on toes are up."""
 
 FULL_STEP = 0.5

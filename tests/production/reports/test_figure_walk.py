@@ -39,7 +39,7 @@ def test_any_figure_shows_what_it_can_do(name: str, says: str) -> None:
     assert 0.2 < cycle <= 8.0
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_walk_is_rendered_from_two_sides(tmp_path: Path) -> None:
     (drawn,) = drawn_figures("horse")
     walk = walk_sheet(drawn.figure, drawn.scene, tmp_path, "auto", Reporter())

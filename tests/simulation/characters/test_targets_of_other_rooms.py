@@ -194,6 +194,7 @@ def test_a_child_chases_a_creature_until_it_touches_it() -> None:
     assert course().arrived["kid"][0] < 5.0
 
 
+@pytest.mark.nightly
 def test_impossible_orders_are_given_up_with_a_reason() -> None:
     heavy, empty, high = course().reasons["ada"]
     assert heavy == "too heavy for both hands (40.6 kg, can carry 34.0 kg)"

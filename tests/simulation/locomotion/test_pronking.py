@@ -395,7 +395,9 @@ DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("figure", "x"), [("hopper", -9.0), ("kangaroo", -8.8)])
+@pytest.mark.parametrize(
+    ("figure", "x"), [pytest.param("hopper", -9.0, marks=pytest.mark.nightly), ("kangaroo", -8.8)]
+)
 def test_landings_avoid_forbidden_zones(figure, x):
     at = f", at: [{x}, 0], scale: 0.7"
     heedless, careful = (

@@ -40,7 +40,7 @@ def outcome_of(take: Take) -> tuple[str, str]:
     return record.outcome, record.reason
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_go_to_a_member_stops_beside_it() -> None:
     take = take_of("{go_to: cart}")
     assert outcome_of(take)[0] == "done"
@@ -56,7 +56,7 @@ def test_go_to_keeps_the_asked_gap() -> None:
     assert far - near == pytest.approx(0.8, abs=0.15)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_go_to_a_place_by_name() -> None:
     take = take_of("{go_to: gate}")
     assert outcome_of(take)[0] == "done"
@@ -92,7 +92,7 @@ def test_chaser_of_who_is_faster_gives_up_with_a_note() -> None:
     assert "is not fast enough" in reason
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_flight_ends_far_enough_away() -> None:
     take = take_of("{flee: cart, distance: 3}", "at: [0.8, 0.2, 0.3]", 16.0)
     assert outcome_of(take)[0] == "done"

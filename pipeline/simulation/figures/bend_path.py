@@ -1,12 +1,11 @@
 """Bend path: the bends of a limb as a function of the distance from its base to its tip.
 
 The tip goes on the straight line from its place at rest to the base, and away from it to full
-extension. Limbs that hang, as those of mammals, bend all joints in proportion, from their extended
-values through the preferred ones and on. Limbs that sprawl, as those of insects, would turn their
-first link past the upright by that: theirs are the joint values nearest to the preferred ones, the
-base included, in parts of each joint's range. So every distance has one set of bends, neighbouring
-distances have neighbouring ones, and a knee turns as fast as one of two equal links would, whatever
-path the foot takes.
+extension. Limbs that hang, as those of mammals, bend along their `fold_curve`. Limbs that sprawl,
+as those of insects, would turn their first link past the upright by that: theirs are the joint
+values nearest to the preferred ones, the base included, in parts of each joint's range. So every
+distance has one set of bends, neighbouring distances have neighbouring ones, and a knee turns as
+fast as one of two equal links would, whatever path the foot takes.
 
 Source: Sims 1987, 6.2 and 6.3.1, which goes such a path near full extension alone; weights after
 B.3.
@@ -14,11 +13,14 @@ B.3.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.ball_aim import ball_joints
+from pipeline.simulation.figures.fold_curve import distances, fold_curves
 from pipeline.simulation.figures.kinematics import IDENTITY, LimbBatch
 from pipeline.simulation.spatial import Array
 
@@ -33,13 +35,6 @@ STRETCHED = 0.98
 
 STRAIGHT_STEPS = 16
 """Measured distances from there to full extension."""
-
-LEAST_BEND = 0.05
-"""Difference between preferred and extended value below which joints count as straight, as a part
-of their way to the limit."""
-
-MOST_BEND = 6.0
-"""Greatest proportional bend, in differences between preferred and extended values."""
 
 PARALLEL = 0.9
 """Cosine of the angle between parallel axes."""
@@ -95,15 +90,21 @@ class BendPath:
     @staticmethod
     def of(batch: LimbBatch) -> BendPath:
         """Return the paths of limbs with as many joints each."""
-        bending = _bending_joints(batch)
+        bending = bending_joints(batch)
+        hanging = np.flatnonzero(hangs(batch))
+        curves = dict(zip(hanging, fold_curves(batch.rows(hanging), bending[hanging]), strict=True))
+        aims = ball_joints(batch)
         straight = np.where(bending, batch.extended, batch.preferred)
         straight = np.clip(straight, batch.lower, batch.upper)
         longest, shortest = np.empty((2, len(straight)))
         values = np.empty((CELLS + 1, straight.shape[1], len(straight)))
         depth = np.linspace(0.0, 1.0, CELLS + 1)
-        for row, kept in enumerate(_bent_poses(batch, bending, _distance(batch, straight))):
+        bent = _bent_poses(batch, bending, _distance(batch, straight), curves)
+        for row, kept in enumerate(bent):
             q = straight[row : row + 1]
-            if len(kept):
+            if row in curves and aims[row]:
+                q = curves[row]
+            elif len(kept):
                 part = np.linspace(0.0, 1.0, STRAIGHT_STEPS + 1)[:-1, None]
                 q = np.concatenate([q + part * (kept[0] - q), kept])
             far = _distance(batch.rows(np.full(len(q), row)), q)
@@ -138,7 +139,7 @@ class BendPath:
         return result
 
 
-def _bending_joints(batch: LimbBatch) -> NDArray[np.bool_]:
+def bending_joints(batch: LimbBatch) -> NDArray[np.bool_]:
     """Return the joints (L, n) that change the distance from base to tip."""
     away = np.abs(batch.places - batch.places[:, :1]).max(axis=-1) > 1e-9 * batch.lengths[:, None]
     result: NDArray[np.bool_] = batch.is_joint & (away | batch.prismatic)
@@ -154,19 +155,34 @@ def _depth(distance: Array, longest: Array, shortest: Array) -> Array:
     return np.sqrt(np.clip((longest**2 - distance**2) / span, 0.0, 1.0))
 
 
-def _bent_poses(batch: LimbBatch, bending: NDArray[np.bool_], longest: Array) -> list[Array]:
-    """Return joint values (m, n) of each limb, from `STRETCHED` to as near as its tip comes."""
+def _bent_poses(
+    batch: LimbBatch,
+    bending: NDArray[np.bool_],
+    longest: Array,
+    curves: Mapping[int, Array],
+) -> list[Array]:
+    """Return joint values (m, n) of each limb, from `STRETCHED` to as near as its tip comes.
+
+    Args:
+        batch: L limbs.
+        bending: (L, n) joints that change the distance.
+        longest: (L,) distances at full extension [m].
+        curves: joint values (m, n) that limbs keep near, by their numbers.
+    """
     count = len(longest)
     # Dense near full extension, where bends change most.
     t = np.linspace(0.0, 1.0, CELLS + 1)[:, None]
     places = longest * (1.0 - (1.0 - SHORTEST) * t * t * (2.0 - t))
-    wishes = _proportional_bends(batch, bending, places)
     at_rest = np.abs(places - _distance(batch, batch.preferred)).argmin(axis=0)
     # From rest towards the base and away from it, side by side.
     number, way = np.tile(np.arange(count), 2), np.repeat([1, -1], count)
     both = batch.rows(number)
     hanging = hangs(batch)[:, None]
-    wishes = np.where(hanging, wishes, batch.preferred)
+    wishes = np.broadcast_to(batch.preferred, (CELLS + 1, *batch.preferred.shape)).copy()
+    for row, curve in curves.items():
+        far = distances(batch.rows(np.array([row])), curve)
+        for j, own in enumerate(curve.T):
+            wishes[:, row, j] = np.interp(-places[:, row], -far, own)
     weights = np.where(bending | ~hanging, 1.0, FREE_BASE)[number]
     values = np.tile(batch.preferred, (CELLS + 1, 1, 1))
     reached = np.zeros((CELLS + 1, count), dtype=bool)
@@ -191,35 +207,9 @@ def _bent_poses(batch: LimbBatch, bending: NDArray[np.bool_], longest: Array) ->
 def hangs(batch: LimbBatch) -> NDArray[np.bool_]:
     """Return which limbs (L,) turn first about the axis that they bend about."""
     first = batch.axes[:, :1]
-    along = np.abs((batch.axes * first).sum(axis=-1)) * _bending_joints(batch)
+    along = np.abs((batch.axes * first).sum(axis=-1)) * bending_joints(batch)
     result: NDArray[np.bool_] = along.max(axis=1, initial=0.0) > PARALLEL
     return result
-
-
-def _proportional_bends(batch: LimbBatch, bending: NDArray[np.bool_], distances: Array) -> Array:
-    """Return joint values (m, L, n) with bends in proportion, at distances (m, L) [m]."""
-    bend = np.where(bending, batch.preferred - batch.extended, 0.0)
-    far = np.where(
-        batch.upper - batch.extended >= batch.extended - batch.lower,
-        batch.upper - batch.extended,
-        batch.lower - batch.extended,
-    )
-    straight = (np.abs(bend) < LEAST_BEND * np.abs(far)) | ~bending
-    # A limb that rests straight bends where its joints have most room.
-    bend = np.where(bending & straight.all(axis=1, keepdims=True), far / MOST_BEND, bend)
-    grid = np.linspace(0.0, MOST_BEND, 8 * CELLS + 1)
-    whole = np.where(bending, batch.extended, batch.preferred) + grid[:, None, None] * bend
-    whole = np.clip(whole, batch.lower, batch.upper)
-    result = np.empty((len(distances), *bend.shape))
-    for row in range(len(bend)):
-        far = _distance(batch.rows(np.full(len(grid), row)), whole[:, row])
-        falls = np.diff(far) < 0.0
-        begun = int(falls.argmax())
-        ended = falls[begun:]
-        last = len(grid) if ended.all() else begun + int(ended.argmin()) + 1
-        part = np.interp(-distances[:, row], -far[:last], grid[:last])
-        result[:, row] = whole[0, row] + part[:, None] * bend[row]
-    return np.clip(result, batch.lower, batch.upper)
 
 
 def _rounded(q: Array) -> Array:

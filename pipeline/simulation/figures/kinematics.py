@@ -15,7 +15,7 @@ Source: Sims 1987, 5.4, eq. 5.1 and 5.2.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +25,9 @@ from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
 from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
 
 IDENTITY = np.eye(3)
+
+MIN_REACH = 0.3
+"""Reach below which limits hold a limb folded, in the length of its links."""
 
 LimbRows = NDArray[np.bool_] | NDArray[np.int64]
 """Limbs of a batch: a mask (L,) or their numbers."""
@@ -201,7 +204,7 @@ class LimbBatch:
         prismatic: (L, n) whether they slide.
         tips: (L, 3) in the creation frame [m].
         lower, upper, preferred, extended: (L, n) [rad or m].
-        lengths: (L,) of the stretched limbs [m].
+        lengths: (L,) of the stretched limbs, from base to tip [m].
         is_joint: (L, n) False for padding.
     """
 
@@ -235,7 +238,7 @@ class LimbBatch:
             preferred[here], extended[here] = skeleton.preferred[joints], skeleton.extended[joints]
             prismatic[here] = skeleton.prismatic[joints]
             is_joint[here] = True
-        return LimbBatch(
+        batch = LimbBatch(
             places,
             axes,
             prismatic,
@@ -247,6 +250,19 @@ class LimbBatch:
             lengths=np.array([limb.length for _, limb in limbs]),
             is_joint=is_joint,
         )
+        return replace(batch, lengths=batch._stretched_lengths()) if limbs else batch
+
+    def _stretched_lengths(self) -> Array:
+        """Return the greatest distances (L,) from base to tip [m].
+
+        Crooked links whose joints cannot align them are shorter together than one by one. Limbs
+        that slide have the length that is drawn.
+        """
+        poses = (np.clip(self.extended, self.lower, self.upper), self.preferred)
+        reach = [np.linalg.norm(self.pose(q).tips - self.places[:, 0], axis=-1) for q in poses]
+        longest = np.minimum(np.maximum(*reach), self.lengths)
+        slides = self.prismatic.any(axis=1) | (longest < MIN_REACH * self.lengths)
+        return np.where(slides, self.lengths, longest)
 
     def rows(self, chosen: LimbRows) -> LimbBatch:
         """Return the limbs `chosen` alone."""

@@ -9,9 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.figures.bend_path import bending_joints
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
+from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
 from pipeline.simulation.locomotion.gaits.pace import Pace
 from pipeline.simulation.locomotion.gaits.pace_choice import choose_pace
@@ -97,6 +100,23 @@ class Herd:
         return self.legs.places[:, 0]
 
 
+def refuse_stiff_legs(where: str, member: Creature, figure: Figure, stiff: Sequence[Limb]) -> None:
+    """Refuse to move a creature on legs that cannot shorten: a foot could not leave the ground.
+
+    Raises:
+        SceneError: it walks or hops, and there are such legs.
+    """
+    moves = [key for key in ("walk", "pronk") if getattr(member, key) is not None]
+    if not stiff or not moves:
+        return
+    names = ", ".join(f"'{leg.name}'" for leg in stiff)
+    message = (
+        f"the legs of '{figure.name}' have to shorten, and {names} cannot: draw a knee, a node "
+        f"between hip and foot; or take `{moves[0]}` away"
+    )
+    raise SceneError([Problem(f"{where}.{moves[0]}", message)])
+
+
 def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str, Mood]) -> Herd:
     """Collect creatures in one herd.
 
@@ -117,8 +137,12 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
     owners = np.array(owner, dtype=np.int64)
     layouts, neutral, paces = list[LegLayout](), list[Pace](), list[Pace]()
     refusals = Refusals()
+    stiff = ~bending_joints(legs).any(axis=1)
     for c, (number, member, figure) in enumerate(cast):
         own = owners == c
+        with refusals.gathered():
+            held = [limbs[i][1] for i in np.flatnonzero(own & stiff)]
+            refuse_stiff_legs(f"cast[{number}]", member, figure, held)
         layouts.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own]))
         with refusals.gathered():
             neutral.append(choose_pace(f"cast[{number}].walk", member.walk, figure, layouts[-1]))

@@ -88,13 +88,28 @@ class PelvisHeight:
         stretch = standing * _overstretch(hips, tips, lengths)
         phase = motion.progress.phase[:, herd.owner]
         flies = self.trajectory.paces.had_flights(herd.owner, phase)
+        down_at = feet.lift_phase + feet.swing_length
+        early = feet.swinging & ~flies & (stretch > 0.0)
+        if early.any():
+            # A foot in the air stretches its leg no more than when it lifted or comes down.
+            up = early & (phase - feet.lift_phase < 0.5 * feet.swing_length)
+            lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
+            for legs, at, place, k in (
+                (up, feet.lift_phase, feet.start, 0),
+                (early & ~up, down_at, feet.end, 1),
+            ):
+                contact = at, place, feet.lowering[:, k]
+                least = self._catch(legs, motion, contact, lowered, feet.swing_length)
+                stretch[legs] = np.minimum(stretch[legs], free[legs] * least)
         if flies.any():
             # The last touchdown, or the next one of a foot in the air.
-            off = phase - (feet.lift_phase + feet.swing_length)
+            off = phase - down_at
             near = flies & (np.abs(off) < SUPPORT_FRACTION * feet.swing_length)
             down = np.where(feet.swinging[near], 0.0, stretch[near])
             lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
-            catch = free[near] * self._catch(near, motion, feet, lowered)
+            contact = down_at, feet.end, feet.lowering[:, 1]
+            catch = self._catch(near, motion, contact, lowered, feet.swing_length)
+            catch *= free[near]
             stretch[near] = np.maximum(down, catch)
         p_WB[..., 1] -= _greatest(herd, stretch)
 
@@ -110,20 +125,23 @@ class PelvisHeight:
         self,
         near: NDArray[np.bool_],
         motion: PlannedMotion,
-        feet: FootState,
+        contact: tuple[Array, Array, Array],
         lowered: Array,
+        swing_length: Array,
     ) -> Array:
-        """Return by how much bodies must be lowered around touchdowns (N,) [m].
+        """Return by how much bodies must be lowered around contacts (N,) [m].
 
         Args:
-            near: (n, L) legs near their touchdown, N in all.
-            motion: of the bodies, which continues to the touchdown.
-            feet: (n, L) where they are.
+            near: (n, L) legs near their contact, N in all.
+            motion: of the bodies, which continues to the contact.
+            contact: phases (n, L), places (n, L, 3) and lowering (n, L) of the contacts [m].
             lowered: (n, C) how far the bodies are below their trajectories [m].
+            swing_length: (n, L) in cycles.
         """
         herd, trajectory = self.herd, self.trajectory
         row, leg = np.nonzero(near)
-        c, at = herd.owner[leg], (feet.lift_phase + feet.swing_length)[near]
+        c = herd.owner[leg]
+        at, place, lowering = (values[near] for values in contact)
         here = motion.progress.phase[row, c]
         stride = trajectory.paces.value("stride", c, here)
         ahead = (at - here) * stride * np.sqrt(motion.progress.speed_fraction[row, c])
@@ -135,9 +153,9 @@ class PelvisHeight:
             motion.style_pitch[row, c],
         )
         hips = p_WB + turn(R_WB, herd.hips[leg])
-        hips[:, 1] -= np.maximum(lowered[row, c], feet.lowering[:, 1][near])
-        stretch = _overstretch(hips, feet.end[near], herd.legs.lengths[leg])
-        apart = np.abs(here - at) / (SUPPORT_FRACTION * feet.swing_length[near])
+        hips[:, 1] -= np.maximum(lowered[row, c], lowering)
+        stretch = _overstretch(hips, place, herd.legs.lengths[leg])
+        apart = np.abs(here - at) / (SUPPORT_FRACTION * swing_length[near])
         return stretch * (1.0 - ease(apart))
 
 

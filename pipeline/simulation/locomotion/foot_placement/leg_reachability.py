@@ -178,7 +178,13 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     folded = np.zeros(len(own))
     for chain in chains:
         folded[chain.rows] = chain.path.shortest
-    missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | (asked < folded))
+    near = asked < folded
+    missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | near)
     # The last distance before the first miss; legs without a miss fold up completely.
     first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(FOLD_DISTANCES))
-    return FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths
+    result = FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths
+    # Between two of them lies the end of the bends, unless limits are met before.
+    at_end = near & ~np.roll(near, 1, axis=0)
+    at_end[0] = False
+    ends = np.where(at_end.any(axis=0), at_end.argmax(axis=0), -1)
+    return np.where(ends == first, np.minimum(folded, result), result)

@@ -1,0 +1,91 @@
+"""Invariants of walking, of random figures on random terrains and paths with corners."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import read_scene
+from tests.simulation.conftest import Walk, walk_through
+from tests.simulation.locomotion.joint_pops import Pop, joint_pops
+from tests.simulation.locomotion.random_figures import random_figure_walk
+from tests.simulation.locomotion.test_random_walks import (
+    assert_feet_on_the_ground,
+    assert_gait_timing,
+    assert_joint_limits,
+    assert_smooth_body_motion,
+)
+
+COUNT, SEED = 300, 7
+
+HARMLESS = {"stopped", "drawn"}
+"""Kinds of notes of figures that stand unevenly, and stop where they cannot go on."""
+
+FLAT = 7, 12, 14, 16, 17, 18, 20, 25
+"""Numbers of figures that stand evenly, and are simulated quickly."""
+
+
+def _pops(walk: Walk) -> list[Pop]:
+    recorder = walk.simulation.recorder
+    bodies = recorder.rotations[:, 0], recorder.positions[:, 0]
+    return joint_pops(walk.walkers.herd, walk.q, walk.tips, bodies, walk.simulation.world.clock.dt)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("number", range(COUNT))
+def test_random_figures_walk_without_pops(number: int, tmp_path: Path) -> None:
+    scene = random_figure_walk(number, tmp_path, SEED)
+    if scene is None:
+        pytest.skip("no place on this terrain")
+    walk = walk_through(scene)
+    assert not _pops(walk)
+    assert {note.kind for note in walk.take.notes} <= HARMLESS
+    assert_feet_on_the_ground(walk)
+    assert_joint_limits(walk)
+    assert_smooth_body_motion(walk)
+    assert_gait_timing(walk)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", FLAT)
+def test_random_figures_walk_on_level_ground(number: int, tmp_path: Path) -> None:
+    scene = random_figure_walk(number, tmp_path, SEED, kind="flat", duration=1)
+    assert scene is not None
+    walk = walk_through(scene)
+    assert not _pops(walk)
+    assert_feet_on_the_ground(walk)
+    assert_joint_limits(walk)
+    assert_smooth_body_motion(walk)
+
+
+def test_a_foot_that_turns_its_knee_without_moving_pops() -> None:
+    scene = read_scene("pronk: 1\nduration: 1\ncast: [{figure: horse, walk: {}}]\n")
+    walk = walk_through(scene)
+    assert not _pops(walk)
+    walk.q[20:, 0, 3] += np.radians(20.0)
+    (pop,) = _pops(walk)
+    assert (pop.leg, pop.row) == (walk.walkers.herd.leg_names[0], 20)
+
+
+STIFF = """
+pronk: 1
+duration: 1
+figures:
+  stool:
+    nodes: {a: [0, -0.5], b: [0, 0], c: [0, 0.5], foot1_l: [-0.7, -0.3], foot2_l: [-0.7, 0.3]}
+    chains: [[a, b, c], [a, foot1_l], [c, foot2_l]]
+    then: [{mirror: x}]
+    parts: {b: body, a: body, c: body}
+cast:
+  - {figure: stool%s}
+"""
+
+
+def test_legs_that_cannot_shorten_stand_but_do_not_walk() -> None:
+    Simulation(read_scene(STIFF % ""))
+    with pytest.raises(SceneError, match=r"'l1', 'l2', 'r1', 'r2' cannot: draw a knee"):
+        Simulation(read_scene(STIFF % ", walk: {}"))

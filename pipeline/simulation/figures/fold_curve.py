@@ -102,7 +102,7 @@ def _descent(batch: LimbBatch, bending: NDArray[np.bool_]) -> Array:
         batch.lower - batch.extended,
     )
     straight = np.abs(batch.preferred - batch.extended) < STRAIGHT * np.abs(away)
-    straight = (straight | ~bending).all(axis=1, keepdims=True)
+    straight = np.all(straight | ~bending, axis=1)[:, None]
     # The distance of a straight limb has no gradient: it bends where its joints have most room.
     q = np.where(bending & straight, batch.extended + FIRST_BEND * away, batch.preferred)
     q = np.clip(q, batch.lower, batch.upper)

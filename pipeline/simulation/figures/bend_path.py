@@ -91,8 +91,9 @@ class BendPath:
     def of(batch: LimbBatch) -> BendPath:
         """Return the paths of limbs with as many joints each."""
         bending = bending_joints(batch)
-        hanging = np.flatnonzero(hangs(batch))
-        curves = dict(zip(hanging, fold_curves(batch.rows(hanging), bending[hanging]), strict=True))
+        hanging: list[int] = np.flatnonzero(hangs(batch)).tolist()
+        some = np.array(hanging, dtype=np.int64)
+        curves = dict(zip(hanging, fold_curves(batch.rows(some), bending[some]), strict=True))
         aims = ball_joints(batch)
         straight = np.where(bending, batch.extended, batch.preferred)
         straight = np.clip(straight, batch.lower, batch.upper)

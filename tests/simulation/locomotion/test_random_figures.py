@@ -25,7 +25,7 @@ COUNT, SEED = 300, 7
 HARMLESS = {"stopped", "drawn"}
 """Kinds of notes of figures that stand unevenly, and stop where they cannot go on."""
 
-FLAT = 7, 12, 14, 16, 17, 18, 20, 25
+FLAT = 7, 12, 17, 18, 25
 """Numbers of figures that stand evenly, and are simulated quickly."""
 
 

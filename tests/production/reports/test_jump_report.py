@@ -22,7 +22,7 @@ from pipeline.spec import Scene, read_scene
 
 HEAD = "pronk: 1\nduration: 9\nterrain: flat\ncast:\n"
 ROO = (
-    "{name: roo, figure: kangaroo, pronk: {distance: 1.6, height: 0.8, crouch: 0.56, max_force: 6}}"
+    "{name: roo, figure: kangaroo, pronk: {distance: 1.6, height: 0.8, crouch: 0.6, max_force: 6}}"
 )
 CAST = (
     ROO,

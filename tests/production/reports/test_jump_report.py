@@ -109,7 +109,7 @@ def test_the_report_lists_requested_and_resolved_parameters(
 ) -> None:
     roo, toc = facts(found["roo"]), facts(found["toc"])
     assert roo["asked"] == ["distance", "height", "crouch", "max_force"]
-    assert (roo["distance"], roo["height"], roo["crouch"]) == (1.6, 0.8, 0.56)
+    assert (roo["distance"], roo["height"], roo["crouch"]) == (1.6, 0.8, 0.6)
     assert roo["max_force"] == pytest.approx(6.0)
     assert facts(found["tac"])["asked"] == ["distance", "speed", "balance"]
     assert facts(found["tac"])["balance"] == pytest.approx(3.0)

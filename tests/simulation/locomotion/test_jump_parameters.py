@@ -199,9 +199,9 @@ def test_all_errors_are_reported_at_once() -> None:
 
 
 def test_documented_jump_is_simulated() -> None:
-    config: dict[str, Any] = {"distance": 1.6, "height": 0.8, "crouch": 0.56, "max_force": 6}
+    config: dict[str, Any] = {"distance": 1.6, "height": 0.8, "crouch": 0.6, "max_force": 6}
     text = ", ".join(f"{key}: {value}" for key, value in config.items())
     (hopper,) = build_hoppers("kangaroo", f"{{{text}}}").hoppers
-    assert hopper.lowest_height < hopper.crouch_height == 0.56 < hopper.standing_height
+    assert hopper.lowest_height < hopper.crouch_height == 0.6 < hopper.standing_height
     assert hopper.max_leg_force == pytest.approx(6.0 * hopper.weight)
     assert hopper.jump == Jump(1.6, 0.8)

@@ -21,10 +21,10 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.figure_frames import FigureFrames
 from pipeline.simulation.figures.figure_posture import FigurePosture
 from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
 from pipeline.simulation.figures.pose_plan import plan_poses
-from pipeline.simulation.figures.posed_limb import FigureFrames
 from pipeline.spec import read_scene
 from pipeline.spec.keyframes import PoseKey
 

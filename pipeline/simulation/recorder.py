@@ -32,6 +32,28 @@ from pipeline.simulation.take import (
 from pipeline.simulation.terrain import Ground
 
 
+class NoteLog:
+    """Notes of one simulation: of one kind on one part the earliest is kept.
+
+    Those about keys are all kept: each tells of another.
+    """
+
+    def __init__(self) -> None:
+        self._notes: dict[tuple[str, str, str], TakeNote] = {}
+
+    def add(self, notes: Iterable[TakeNote]) -> None:
+        """Adds notes in any order of time: some are known only when their rows are written."""
+        for note in notes:
+            key = note.kind, note.part, note.text if note.kind == "missed_key" else ""
+            if key not in self._notes or note.step < self._notes[key].step:
+                self._notes[key] = note
+
+    @property
+    def notes(self) -> list[TakeNote]:
+        """Notes so far, in the order of time."""
+        return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
+
+
 class Recorder:
     """The take under construction."""
 
@@ -56,7 +78,7 @@ class Recorder:
         self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self._notes: dict[tuple[str, str, str], TakeNote] = {}
+        self._notes = NoteLog()
 
     def attach(self, attachments: Iterable[Attachment]) -> None:
         """Sets the parents of attached nodes that have none."""
@@ -161,22 +183,15 @@ class Recorder:
         events: Iterable[SoundEvent],
         notes: Iterable[TakeNote],
     ) -> None:
-        """Adds facts of one step; of notes of one kind on one part the earliest is kept.
-
-        Those about keys are all kept: each tells of another.
-        """
+        """Adds facts of one step; of notes, those that `NoteLog` keeps."""
         self.contacts.extend(contacts)
         self.events.extend(events)
-        for note in notes:
-            key = note.kind, note.part, note.text if note.kind == "missed_key" else ""
-            # Some notes are known only when their rows are written.
-            if key not in self._notes or note.step < self._notes[key].step:
-                self._notes[key] = note
+        self._notes.add(notes)
 
     @property
     def notes(self) -> list[TakeNote]:
         """Notes so far, in the order of time."""
-        return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
+        return self._notes.notes
 
     def take(self) -> Take:
         """Returns the finished take."""

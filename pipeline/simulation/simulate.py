@@ -13,10 +13,11 @@ from pipeline.simulation.ground_notes import ground_notes
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.order_log import OrderLog
 from pipeline.simulation.pass_through import pass_through_notes
+from pipeline.simulation.recorder import NoteLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.start_overlaps import overlap_notes
-from pipeline.simulation.take import Take
+from pipeline.simulation.take import Take, TakeNote
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.handled_members import refusal_of_handling
 from pipeline.spec.order_support import performer_kind
@@ -103,6 +104,13 @@ class Simulation:
         for troupe in self.troupes:
             troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)
+
+    def foreseen_notes(self) -> list[TakeNote]:
+        """Returns notes of rows to come that are known without taking steps."""
+        log = NoteLog()
+        for troupe in self.troupes:
+            log.add(troupe.foreseen_notes())
+        return log.notes
 
     def last_row(self) -> int:
         """Returns the number of the last row, after writing all up to it."""

@@ -142,6 +142,10 @@ class Troupe:
             SceneError: if a reference names no part.
         """
 
+    def foreseen_notes(self) -> list[TakeNote]:
+        """Returns notes of rows to come that are known without taking steps."""
+        return []
+
     # --- every step -------------------------------------------------------------------
 
     def members_needed(self, orders: Orders) -> Collection[str]:

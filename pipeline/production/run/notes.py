@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from pipeline.errors import Problem, PronkError
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.take import Take
+from pipeline.simulation.take import Take, TakeNote
 from pipeline.spec import Scene
 from pipeline.spec.yaml_tree import MappingNode
 from pipeline.terminal_text import escaped_line
@@ -132,17 +132,18 @@ def take_notes(take: Take, clock: Clock) -> list[Note]:
             text = ORDER_TEXTS[order.outcome].format(text=order.text, reason=order.reason)
             kind = f"order_{order.outcome.replace(' ', '_')}"
             found.append((kind, order.end, order.who, text))
-    return [
-        Note(
-            kind,
-            "simulation",
-            part,
-            round(float(clock.time_of(step)), 3),
-            min(clock.frame_of(step, 0.0), clock.frames),
-            text,
-        )
-        for kind, step, part, text in sorted(found, key=lambda note: note[1])
-    ]
+    return [_simulated(clock, *fields) for fields in sorted(found, key=lambda note: note[1])]
+
+
+def foreseen_notes(notes: Iterable[TakeNote], clock: Clock) -> list[Note]:
+    """Return notes of rows that are yet to be simulated."""
+    return [_simulated(clock, note.kind, note.step, note.part, note.text) for note in notes]
+
+
+def _simulated(clock: Clock, kind: str, step: int, part: str, text: str) -> Note:
+    seconds = round(float(clock.time_of(step)), 3)
+    frame = min(clock.frame_of(step, 0.0), clock.frames)
+    return Note(kind, "simulation", part, seconds, frame, text)
 
 
 def read_notes(members: object) -> list[Note]:
@@ -180,11 +181,13 @@ def summary(notes: Sequence[Note], rest: str = "") -> list[str]:
 def _groups(notes: Iterable[Note]) -> Iterator[list[Note]]:
     """Yield the notes that differ only in part, numbers and time, in the order of the first.
 
-    Orders that the end of the film cuts off are one group, whatever they are.
+    Orders that the end of the film cuts off are one group, whatever they are; each missed key is
+    one of its own.
     """
     groups: dict[tuple[str, str, str], list[Note]] = {}
     for note in notes:
         text = "" if note.kind in ADVISORY else NUMBER.sub("#", note.text)
+        text = note.text if note.kind == "missed_key" else text
         groups.setdefault((note.source, note.kind, text), []).append(note)
     yield from groups.values()
 

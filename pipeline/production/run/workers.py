@@ -26,6 +26,7 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
 from render.backend import Backend, Choice, choose, without_gpu
+from render.development import Tone
 from render.errors import DeviceMemoryShort, RenderError
 from render.renderer import Renderer, Timings
 
@@ -124,6 +125,7 @@ class FrameJob:
         outputs: that the frames are written to.
         backend: of the renderer.
         keys: by frame.
+        tones: exposures of all frames of the film, as metered.
     """
 
     scene: Scene
@@ -131,6 +133,7 @@ class FrameJob:
     outputs: Outputs
     backend: Backend
     keys: dict[int, str]
+    tones: tuple[Tone, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,6 +261,7 @@ def _film_batch(job: FrameJob, numbers: list[int]) -> BatchResult | str | Device
         first, times = _equipment is None, [time.monotonic()]
         if _equipment is None:
             shooting = ShotBuilder(job.scene, read_take(job.take))
+            shooting.set_tones(job.tones)
             _equipment = shooting, Renderer(job.backend)
         shooting, renderer = _equipment
         renderer.timings = Timings()

@@ -67,11 +67,11 @@ class BallAim:
     def of(batch: LimbBatch) -> BallAim:
         """Return the ball joints of `batch`; see `ball_joints`."""
         axes = batch.axes[:, :3]
-        bends = batch.axes[:, 3:]
-        if bends.shape[1]:
-            along = np.abs(np.einsum("lij,lnj->lin", axes, bends)).sum(axis=-1)
-        else:
-            along = np.abs(np.array([[0.0, 1.0, 0.0]])).repeat(len(axes), axis=0)
+        # A joint that slides bends nothing; limbs without a knee have theirs about a level axis.
+        bends = batch.axes[:, 3:] * ~batch.prismatic[:, 3:, None]
+        along = np.abs(np.einsum("lij,lnj->lin", axes, bends)).sum(axis=-1)
+        stiff = along.max(axis=1) == 0.0
+        along[stiff] = np.where(np.abs(axes[stiff, :1, 1]) < 0.5, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
         number = np.arange(len(axes))
         which = along.argmax(axis=1)
         across = np.eye(3)[which]

@@ -125,7 +125,21 @@ class BendPath:
             own: (l, 1) numbers of the limbs.
             distance: [m]; beyond the ends of the path, those of its ends.
         """
-        deep = CELLS * _depth(distance, self.longest[own], self.shortest[own])
+        return self.at_depth(own, self.depth(own, distance))
+
+    def depth(self, own: NDArray[np.int64], distance: Array) -> Array:
+        """Return how far limbs are bent (l, m) at distances (l, m) [m], 0 to 1."""
+        return _depth(distance, self.longest[own], self.shortest[own])
+
+    def distance(self, own: NDArray[np.int64], depth: Array) -> Array:
+        """Return the distances (l, m) of limbs that are bent by `depth` (l, m) [m]."""
+        longest, shortest = self.longest[own] ** 2, self.shortest[own] ** 2
+        result: Array = np.sqrt(longest - depth**2 * (longest - shortest))
+        return result
+
+    def at_depth(self, own: NDArray[np.int64], depth: Array) -> Array:
+        """Return joint values (k, l, m) of limbs that are bent by `depth` (l, m) [rad or m]."""
+        deep = CELLS * depth
         cell = np.minimum(deep.astype(np.int64), CELLS - 1)
         u = deep - cell
         result = np.empty((self.values.shape[1], *u.shape))

@@ -42,7 +42,7 @@ def _stance_remarks(figure: Figure) -> Iterator[Remark]:
     skeleton = figure.skeleton
     if not skeleton.legs:
         return
-    legs = LimbBatch.of([(skeleton, limb) for limb in skeleton.legs])
+    legs = LimbBatch.of([(skeleton, limb) for limb in skeleton.legs]).slid_out()
     tips = legs.pose(legs.preferred).tips
     yield from _floating_feet(figure, legs, tips)
     yield from _unequal_legs(figure, legs.lengths)

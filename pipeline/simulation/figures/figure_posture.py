@@ -13,9 +13,11 @@ from functools import cached_property, partial
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.figure_frames import FigureFrames, LimbParent
+from pipeline.simulation.figures.goal_miss import GoalMiss
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.pose_plan import PosePlan
-from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss, LimbParent, PosedLimb
+from pipeline.simulation.figures.posed_limb import PosedLimb
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.keyframe_track import rotation_from_angles

@@ -1,36 +1,82 @@
-"""Foot link: the last link of a leg, a hoof, paw or foot, held in a wanted direction.
+"""Foot link: the last link of a leg, a hoof, paw or foot, turned towards a wanted direction.
 
-The joint before it, the ankle, is put where the wanted direction has it, within the plane of the
-leg, and the leg without that link reaches for the ankle as it would for a tip. Where the ankle
-would be out of the leg's reach, the link turns as far as it has to: a heel rises when its leg is
-stretched.
+A leg by itself folds along its bend path, which gives its foot one direction for each distance from
+hip to tip. To turn the foot away from that, the ankle turns and the leg folds more or less, so
+that the distance remains. How far a foot may turn is found once for each leg: as far as no joint
+has to be much quicker than those of two equal links, whatever way the tip goes. So the foot of a
+stretched leg follows the leg, a heel rises, and the foot of one that bends in its middle can stay
+flat.
 
-Notation: n axis across the leg, d direction of the link from the ankle to the tip.
+Notation: n axis of the ankle, a its turn, e distance from base to tip in lengths of the leg, δ
+turn of the foot relative to the line from base to tip.
 
-Source: the geometry is elementary; Sims 1987, 6.3.1 for the leg without the link.
+Source: the geometry is elementary; Sims 1987, 6.3.1 for bends as a function of the distance.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.curves import hinge
-from pipeline.simulation.figures.bend_path import BendPath
+from pipeline.simulation.curves import ease
+from pipeline.simulation.figures.bend_path import CELLS, BendPath
 from pipeline.simulation.figures.joint_limits import FOOT_LENGTH
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, cross, turn
 
 FEWEST_JOINTS = 5
 """Of a leg with a foot: a ball joint, a knee and an ankle."""
 
-ROUNDING = 0.06
-"""Angle over which a foot gives way to the reach of its leg [rad]."""
+TURNS: Array = np.linspace(-1.4, 1.4, 57)
+"""Turns of the ankle that are tried [rad]."""
 
-MAX_STRETCH = 0.985
-"""Greatest distance of an ankle from the base, in the longest."""
+OFFSETS: Array = np.linspace(-1.2, 1.2, 33)
+"""Turns of the foot in the tables [rad]."""
+
+ROUNDING = 10
+"""Cells on either side over which the range of a foot is rounded."""
+
+SOFT = 0.25
+"""Least turn over which a foot meets the end of its range [rad]."""
+
+OPPOSITE = 1.8
+"""Angle to the wanted direction from which on a foot gives it up, because either way round would
+do [rad]."""
+
+IN_PLANE = 0.5
+"""Part of the wanted direction within the plane of the leg below which it means little."""
+
+
+@dataclass(frozen=True, slots=True)
+class CalmFeet:
+    """Bounds of the rates of joints, in those of two equal links.
+
+    Attributes:
+        most: greatest rate while a foot turns as far as it may.
+        turning: greatest rate while a foot turns as the tip goes round the base.
+        roll: by which feet turn besides, per distance of the tip in leg lengths [rad].
+        widening: changes of the range of a foot with the bend of two equal links, of which the one
+            is taken that leaves most range about rest.
+        near: distance from that at rest to which this counts, in lengths of the leg.
+        folded: distance below which no one sees the difference and joints may be quicker, in
+            lengths of the leg.
+        most_folded: greatest rate there.
+        straight: distance above which rates do not count, because the leg stretches.
+    """
+
+    most: float = 1.9
+    turning: float = 2.1
+    roll: float = 1.5
+    widening: tuple[float, ...] = (2.0, 1.5, 1.0, 0.7)
+    near: float = 0.12
+    folded: float = 0.3
+    most_folded: float = 3.0
+    straight: float = 0.97
+
+
+CALM_FEET = CalmFeet()
 
 
 def has_foot(batch: LimbBatch) -> NDArray[np.bool_]:
@@ -48,53 +94,232 @@ def has_foot(batch: LimbBatch) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class FootLink:
-    """Legs without their feet.
+    """Bends of L legs with turned feet.
 
     Attributes:
-        path: of the bends, by distance from base to ankle; for the joints before the ankle.
+        depths: (CELLS + 1, n, L) places on the bend paths, by depth and turn of the foot.
+        turns: (CELLS + 1, n, L) turns of the ankles beside those of the paths [rad].
     """
 
-    path: BendPath
+    depths: Array
+    turns: Array
 
     @staticmethod
-    def of(batch: LimbBatch) -> FootLink:
-        """Return the feet of limbs with as many joints each."""
-        k = batch.is_joint.shape[1]
-        ankle = batch.places[:, k - 1]
-        links = np.diff(np.concatenate([batch.places[:, : k - 1], ankle[:, None]], axis=1), axis=1)
-        lengths = np.linalg.norm(links, axis=-1).sum(axis=1)
-        legs = replace(batch.first_joints(k - 1), tips=ankle, lengths=lengths)
-        return FootLink(BendPath.of(legs))
+    def of(batch: LimbBatch, path: BendPath) -> FootLink:
+        """Return the feet of limbs with as many joints each, and with bend paths."""
+        found = [_leg_tables(batch.rows(np.array([k])), path, k) for k in range(len(path.longest))]
+        depths, turns = (np.stack(tables, axis=-1) for tables in zip(*found, strict=True))
+        return FootLink(depths, turns)
 
-    def direction(
-        self, own: NDArray[np.int64], goal: Array, natural: Array, wanted: Array, n: Array
-    ) -> Array:
-        """Return the directions (3, l, m) that feet can have.
+    def bends(self, own: NDArray[np.int64], depth: Array, offset: Array) -> tuple[Array, Array]:
+        """Return places on the bend paths and turns of the ankles (l, m) [rad].
 
         Args:
             own: (l, 1) numbers of the limbs.
-            goal: (3, l, m) of the tips, from the base [m].
-            natural: (3, l, m) ways from ankle to tip that the legs would have by themselves [m].
-            wanted: (3, l, m) directions; their lengths are the parts of the way to them, 0 to 1.
-            n: (3, l, m) unit vectors across the legs.
+            depth: (l, m) on the bend paths, of feet that do not turn, see `BendPath.depth`.
+            offset: (l, m) turns of the feet [rad].
         """
-        length = _norm(natural)
-        d = natural / length
-        side = _cross(n, d)
-        along, aside = _dot(wanted, d), _dot(wanted, side)
-        # As much of the way as the wanted direction is long; none if it is zero.
-        angle = _norm(wanted) * np.arctan2(aside, along)
-        # The ankle is at goal - length * d, no farther than it reaches.
-        x, y = _dot(goal, d), _dot(goal, side)
-        far = np.maximum(np.sqrt(x * x + y * y), 1e-300)
-        reach = MAX_STRETCH * self.path.longest[own]
-        cosine = (_dot(goal, goal) + length * length - reach * reach) / (2.0 * length * far)
-        middle, most = np.arctan2(y, x), np.arccos(np.clip(cosine, -1.0, 1.0))
-        low, high = np.minimum(middle - most, 0.0), np.maximum(middle + most, 0.0)
-        angle = high - hinge(high - angle, ROUNDING)
-        angle = low + hinge(angle - low, ROUNDING)
-        c, s = np.cos(angle), np.sin(angle)
-        return c * d + s * side
+        row, rows = _weights(CELLS * depth, CELLS)
+        last = len(OFFSETS) - 1
+        column, columns = _weights((offset - OFFSETS[0]) / (OFFSETS[1] - OFFSETS[0]), last)
+        results = np.zeros((2, *depth.shape))
+        for i, by_depth in enumerate(rows):
+            k = np.clip(row + i - 1, 0, CELLS)
+            for j, by_offset in enumerate(columns):
+                at = k, np.clip(column + j - 1, 0, last), own
+                weight = by_depth * by_offset
+                for result, table in zip(results, (self.depths, self.turns), strict=True):
+                    result += weight * table[at]
+        return results[0], results[1]
+
+
+def wanted_offset(natural: Array, wanted: Array, n: Array) -> Array:
+    """Return the turns (l, m) from directions that feet have to those they should have [rad].
+
+    Args:
+        natural: (3, l, m) ways from ankle to tip.
+        wanted: (3, l, m) directions; their lengths are the parts of the way to them, 0 to 1.
+        n: (3, l, m) axes of the ankles.
+    """
+    d = natural / np.maximum(_norm(natural), 1e-300)
+    along, aside = _dot(wanted, d), _dot(wanted, _cross(n, d))
+    part = _norm(wanted)
+    within = np.sqrt(along * along + aside * aside) / (IN_PLANE * np.maximum(part, 1e-300))
+    part = part * ease(np.minimum(within, 1.0))
+    angle = np.arctan2(aside, along)
+    beyond = np.clip((np.abs(angle) - OPPOSITE) / (np.pi - OPPOSITE), 0.0, 1.0)
+    result: Array = part * (1.0 - ease(beyond)) * angle
+    return np.clip(result, OFFSETS[0], OFFSETS[-1])
+
+
+def _weights(place: Array, last: int) -> tuple[NDArray[np.int64], tuple[Array, ...]]:
+    """Return cells and the weights of the four values around places, by cubics (Catmull-Rom)."""
+    cell = np.minimum(np.maximum(place, 0.0).astype(np.int64), last - 1)
+    t = np.clip(place - cell, 0.0, 1.0)
+    u = 1.0 - t
+    return cell, (
+        -0.5 * t * u * u,
+        u * (1.0 + t - 1.5 * t * t),
+        t * (1.0 + u - 1.5 * u * u),
+        -0.5 * u * t * t,
+    )
+
+
+# --- the tables of one leg ------------------------------------------------------------
+
+
+def _leg_tables(leg: LimbBatch, path: BendPath, row: int) -> tuple[Array, Array]:
+    """Return places on the path and turns of the ankle (CELLS + 1, n) by depth and offset."""
+    own = np.full((1, 1), row)
+    depth = np.linspace(0.0, 1.0, CELLS + 1)
+    distance = path.distance(own, depth[None])[0]
+    q = path.at_depth(own, depth[None])[:, 0].T
+    far, angle = _turned_feet(leg, q)
+    places, offsets = _at_distances(distance, depth, far, angle)
+    middle = len(TURNS) // 2
+    natural = offsets[:, middle].copy()
+    offsets -= natural[:, None]
+    depths, turns = np.full((2, CELLS + 1, len(OFFSETS)), np.nan)
+    for k in range(CELLS + 1):
+        first, last = _rising(offsets[k], middle)
+        here = slice(first, last + 1)
+        for table, values in ((depths, places[k]), (turns, TURNS)):
+            table[k] = np.interp(OFFSETS, offsets[k, here], values[here], np.nan, np.nan)
+    low, high = _calm_range(leg, path, own, (depths, turns), distance, natural)
+    side = np.where(OFFSETS > 0.0, high[:, None], -low[:, None])
+    # Soft bounds: the foot comes to rest slowly where it may not turn on.
+    limited = side * OFFSETS / np.sqrt(side**2 + SOFT**2 + OFFSETS**2)
+    for k in range(CELLS + 1):
+        good = np.isfinite(depths[k])
+        if good.sum() < 2:
+            depths[k], turns[k] = depth[k], 0.0
+            continue
+        for table in (depths, turns):
+            table[k] = np.interp(limited[k], OFFSETS[good], table[k][good])
+    return depths, turns
+
+
+def _turned_feet(leg: LimbBatch, q: Array) -> tuple[Array, Array]:
+    """Return distances of tips [m] and angles of feet (m, n) [rad], for each of `TURNS`.
+
+    Args:
+        leg: one.
+        q: (m, k) joint values along its path.
+    """
+    pose = leg.rows(np.zeros(len(q), dtype=np.int64)).pose(q)
+    ankle = pose.X_BJ[:, -1, :3, 3]
+    n = turn(pose.X_BJ[:, -1, :3, :3], leg.axes[:, -1])
+    foot, up_to = pose.tips - ankle, ankle - leg.places[:, 0]
+    along = n * (n * foot).sum(axis=-1, keepdims=True)
+    c, s = np.cos(TURNS)[:, None], np.sin(TURNS)[:, None]
+    v = along[:, None] + c * (foot - along)[:, None] + s * cross(n, foot)[:, None]
+    tip = up_to[:, None] + v
+    far = np.linalg.norm(tip, axis=-1)
+    side = np.broadcast_to(n[:, None], tip.shape)
+    angle = np.arctan2((side * cross(tip, v)).sum(axis=-1), (tip * v).sum(axis=-1))
+    return far, np.unwrap(angle, axis=1)
+
+
+def _at_distances(distance: Array, depth: Array, far: Array, angle: Array) -> tuple[Array, Array]:
+    """Return places on the path and angles of the foot (m, n) at distances (m,), by turn.
+
+    NaN where the turned foot keeps the leg from that distance.
+    """
+    places, angles = np.full((2, len(distance), far.shape[1]), np.nan)
+    for j, reached in enumerate(far.T):
+        # A turned foot shortens the leg; it folds on from where it is longest.
+        first = int(reached.argmax())
+        falls = np.diff(reached[first:]) < 0.0
+        last = first + (len(falls) if falls.all() else int(falls.argmin()))
+        if last == first:
+            continue
+        x = -reached[first : last + 1]
+        places[:, j] = np.interp(-distance, x, depth[first : last + 1], np.nan, np.nan)
+        angles[:, j] = np.interp(-distance, x, angle[first : last + 1, j], np.nan, np.nan)
+    middle = far.shape[1] // 2
+    places[:, middle] = depth
+    angles[:, middle] = angle[:, middle]
+    return places, angles
+
+
+def _rising(values: Array, middle: int) -> tuple[int, int]:
+    """Return the first and last number around `middle` between which values rise."""
+    rises = np.diff(values) > 0.0
+    after, before = rises[middle:], rises[:middle][::-1]
+    last = middle + (len(after) if after.all() else int(after.argmin()))
+    first = middle - (len(before) if before.all() else int(before.argmin()))
+    return first, last
+
+
+def _calm_range(
+    leg: LimbBatch,
+    path: BendPath,
+    own: NDArray[np.int64],
+    tables: tuple[Array, Array],
+    distance: Array,
+    natural: Array,
+) -> tuple[Array, Array]:
+    """Return the least and greatest turns (m,) of a foot for which joints are calm [rad].
+
+    Args:
+        leg: one.
+        path: of its bends.
+        own: (1, 1) its number there.
+        tables: places on the path and turns of the ankle (m, n).
+        distance: (m,) from base to tip [m].
+        natural: (m,) angles of the foot at offset zero [rad].
+    """
+    calm, (depths, turns) = CALM_FEET, tables
+    q = path.at_depth(own, np.nan_to_num(depths).reshape(1, -1))[:, 0]
+    q = q.reshape(-1, *depths.shape)
+    q[-1] += turns
+    margin = 1e-6
+    held = (q[-1] < leg.lower[0, -1] - margin) | (q[-1] > leg.upper[0, -1] + margin)
+    q = np.where(np.isfinite(depths) & ~held, q, np.nan)[3:]
+    e = distance / leg.lengths[0]
+    bend = np.sqrt(1.0 - np.minimum(e, 0.99) ** 2)[:, None]
+    needed = 2.0 / (leg.lengths[0] * bend)
+    by_offset = np.gradient(q, OFFSETS, axis=2)
+    by_distance = np.gradient(q, distance, axis=1)
+    turning = np.gradient(natural, distance)[:, None]
+    round_base = (
+        np.abs(by_offset)
+        * (1.0 / np.maximum(e, 0.1)[:, None] + calm.roll)
+        / (leg.lengths[0] * needed)
+    )
+    level = np.hypot((by_distance - by_offset * turning) / needed, round_base)
+    scale = np.where(e < calm.folded, calm.most_folded / calm.most, 1.0)[:, None]
+    at_rest = leg.pose(leg.preferred).tips - leg.places[:, 0]
+    near = np.exp(-(((e - np.linalg.norm(at_rest) / leg.lengths[0]) / calm.near) ** 2))
+    best = np.zeros((2, len(e)))
+    fold = np.arccos(np.minimum(distance / distance[0], 1.0))
+    for widening in calm.widening:
+        at_edge = np.abs(by_distance) / needed + 0.5 * widening * np.abs(by_offset)
+        good = (at_edge < calm.most * scale) & (level < calm.turning * scale)
+        good |= (e > calm.straight)[:, None] & np.isfinite(by_offset)
+        found = _ranges(good.all(axis=0))
+        # A stretched leg has no choice, and ranges widen slowly from there.
+        found[:, 0] = 0.0
+        apart = widening * np.abs(fold[:, None] - fold)
+        found = (found[:, None] + apart).min(axis=-1)
+        if (near * found).sum() > (near * best).sum():
+            best = found
+    # Without corners, which would jerk the ankle.
+    rounding = np.hanning(2 * ROUNDING + 3)[1:-1]
+    padded = np.pad(best, ((0, 0), (ROUNDING, ROUNDING)), mode="edge")
+    low, high = (np.convolve(row, rounding / rounding.sum(), mode="valid") for row in padded)
+    return -low, high
+
+
+def _ranges(good: NDArray[np.bool_]) -> Array:
+    """Return how far (2, m) good values (m, n) go on from the middle, down and up [rad]."""
+    middle = len(OFFSETS) // 2
+    found = np.zeros((2, len(good)))
+    for k in np.flatnonzero(good[:, middle]):
+        for side, values in enumerate((good[k, middle::-1], good[k, middle:])):
+            count = len(values) if values.all() else int(values.argmin())
+            found[side, k] = OFFSETS[middle + count - 1]
+    return found
 
 
 def _norm(v: Array) -> Array:

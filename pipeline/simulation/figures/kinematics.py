@@ -258,11 +258,25 @@ class LimbBatch:
         Crooked links whose joints cannot align them are shorter together than one by one. Limbs
         that slide have the length that is drawn.
         """
-        poses = (np.clip(self.extended, self.lower, self.upper), self.preferred)
-        reach = [np.linalg.norm(self.pose(q).tips - self.places[:, 0], axis=-1) for q in poses]
-        longest = np.minimum(np.maximum(*reach), self.lengths)
+        longest = np.minimum(self._reach(), self.lengths)
         slides = self.prismatic.any(axis=1) | (longest < MIN_REACH * self.lengths)
         return np.where(slides, self.lengths, longest)
+
+    def _reach(self) -> Array:
+        """Return the distances (L,) from base to tip of limbs as far out as they go [m]."""
+        poses = (np.clip(self.extended, self.lower, self.upper), self.preferred)
+        reach = [np.linalg.norm(self.pose(q).tips - self.places[:, 0], axis=-1) for q in poses]
+        return np.maximum(*reach)
+
+    def slid_out(self) -> LimbBatch:
+        """Return limbs whose lengths are those that they have with all joints slid out."""
+        slides = self.prismatic.any(axis=1)
+        if not slides.any():
+            return self
+        most = self.lengths + np.where(self.prismatic, self.upper, 0.0).sum(axis=1)
+        reach = np.minimum(self._reach(), most)
+        own = slides & (reach >= MIN_REACH * self.lengths)
+        return replace(self, lengths=np.where(own, reach, self.lengths))
 
     def rows(self, chosen: LimbRows) -> LimbBatch:
         """Return the limbs `chosen` alone."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -154,6 +154,11 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
 
         same = batch.rows(rows).first_joints(k)
         ball, foot = kinds[rows[0]].tolist()
+        # Limbs that are alike share their paths.
+        kinds_of = [getattr(same, f.name).reshape(len(rows), -1) for f in fields(same)]
+        first, on_path = _first_of_each(np.concatenate(kinds_of, axis=1))
+        each = same.rows(first)
+        path = BendPath.of(each)
         found.append(
             ChainGroup(
                 rows=rows,
@@ -169,13 +174,20 @@ def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]
                 upper=last(batch.upper[:, :k]),
                 preferred=last(batch.preferred[:, :k]),
                 lengths=last(batch.lengths),
-                path=BendPath.of(same),
-                on_path=np.arange(len(rows))[:, None],
+                path=path,
+                on_path=on_path[:, None],
                 aim=BallAim.of(same) if ball else None,
-                foot=FootLink.of(same) if foot else None,
+                foot=FootLink.of(each, path) if foot else None,
             )
         )
     return found
+
+
+def _first_of_each(values: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first rows (k,) of each kind of equal rows (l, n), and the kinds of all (l,)."""
+    known = dict[bytes, int]()
+    kinds = np.array([known.setdefault(row.tobytes(), len(known)) for row in values])
+    return np.unique(kinds, return_index=True)[1], kinds
 
 
 def _constants(batch: LimbBatch) -> tuple[Array, Array, Array, Array, Array]:

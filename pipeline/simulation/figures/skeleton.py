@@ -268,9 +268,7 @@ def build_skeleton(
     ranges = joints.ranges
     axes = np.array(builder.axes).reshape(-1, 3)
     for j in np.flatnonzero(joints.prismatic):
-        # A sliding joint slides along its link, not along the axis it would turn about.
-        link = next(link for link in builder.links if link.joint == j)
-        axes[j] = normalized(link.ends[1] - link.ends[0])
+        axes[j] = _slide_axis(builder, int(j))
     return Skeleton(
         joint_names=tuple(builder.names),
         parents=np.array(builder.parents, dtype=np.int64),
@@ -284,6 +282,21 @@ def build_skeleton(
         links=tuple(builder.links),
         limbs=tuple(builder.limbs),
     )
+
+
+def _slide_axis(builder: _Builder, joint: int) -> Array:
+    """Return the direction of a joint that slides: along its link.
+
+    Raises:
+        SceneError: it moves no link of its own, as all but the last joint of a ball joint.
+    """
+    moved = {link.joint: link for link in builder.links}
+    last = next(j for j in range(joint, len(builder.names)) if j in moved)
+    if last != joint:
+        message = f"has no link to slide along; '{builder.names[last].rpartition('.')[2]}' has"
+        raise SceneError([Problem(f"joints.{builder.names[joint]}", message)])
+    ends = moved[joint].ends
+    return normalized(ends[1] - ends[0])
 
 
 def _splays(drawing: Drawing, anatomy: Anatomy, radii: Array) -> dict[int, float]:

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.curves import bounded
+from pipeline.simulation.figures.foot_link import wanted_offset
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
 from pipeline.simulation.figures.limb_chains import ChainGroup
 from pipeline.simulation.spatial import Array
@@ -247,26 +247,15 @@ def _with_feet(chain: ChainGroup, q: Array, goal: Array, wanted: Array) -> Array
     assert chain.aim is not None
     *_, (_, _, n, ankle), (_, _, _, tip) = chain.frames(q)
     g = goal - chain.first
-    d = chain.foot.direction(chain.on_path, g, tip - ankle, wanted, n)
-    at = g - _norm(tip - ankle) * d
-    leg = chain.foot.path.at(chain.on_path, _norm(at))
-    result = np.concatenate([leg, np.zeros_like(q[:1])])
-    result = np.minimum(np.maximum(result, chain.lower), chain.upper)
-    result[:3] = result[-1] = 0.0
-    *_, (_, _, _, ankle), _ = chain.frames(result)
-    result[:3] = chain.aim.angles(ankle - chain.first, at, n)
-    result = np.minimum(np.maximum(result, chain.lower), chain.upper)
-    result[-1] = 0.0
-    *_, (_, _, n, ankle), (_, _, _, tip) = chain.frames(result)
-    # The ankle turns the foot from where it is at joint value zero.
-    now, then = tip - ankle, goal - ankle
-    sine = n[0] * (now[1] * then[2] - now[2] * then[1])
-    sine += n[1] * (now[2] * then[0] - now[0] * then[2])
-    sine += n[2] * (now[0] * then[1] - now[1] * then[0])
-    middle, half = 0.5 * (chain.lower + chain.upper)[-1], 0.5 * (chain.upper - chain.lower)[-1]
-    turned = np.arctan2(sine, (now * then).sum(axis=0))
-    # Limits are met gently.
-    result[-1] = middle + half * bounded((turned - middle) / half)
+    offset = wanted_offset(tip - ankle, wanted, n)
+    depth, turned = chain.foot.bends(
+        chain.on_path, chain.path.depth(chain.on_path, _norm(g)), offset
+    )
+    result = chain.path.at_depth(chain.on_path, np.clip(depth, 0.0, 1.0))
+    result[-1] += turned
+    result[:3] = 0.0
+    *_, (_, _, _, tip) = chain.frames(result)
+    result[:3] = chain.aim.angles(tip - chain.first, g, n)
     limited: Array = np.minimum(np.maximum(result, chain.lower), chain.upper)
     return limited
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.figure_frames import FigureFrames
 from pipeline.simulation.figures.figure_posture import FigurePosture
+from pipeline.simulation.figures.goal_miss import GoalMiss
 from pipeline.simulation.figures.ik_goals import PreferredValues, TipPlacement
 from pipeline.simulation.figures.inverse_kinematics import track_goals
 from pipeline.simulation.figures.pose_plan import plan_poses
-from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
 from pipeline.simulation.figures.surroundings import GROUND, Surroundings
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
@@ -57,6 +59,16 @@ class AuthoredPoses:
             if member.pose
         }
         self._legs: dict[int, Array] = {}
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """When the first key begins to take over, and when the last one ends [s]; 0, 0 for none."""
+        plans = [posture.plan for posture in self.postures.values()]
+        runs = [asked.run for plan in plans for asked in (*plan.points, *plan.joints)]
+        runs += [run for plan in plans for run in plan.body]
+        ends = [time for run in runs for time in (float(run.track.times[-1]), *run.let_go)]
+        first = min((run.taken[0] for run in runs), default=0.0)
+        return first, max((end for end in ends if math.isfinite(end)), default=0.0)
 
     def free_fraction(self, times: Array) -> Array:
         """Return the fraction (n, L) of each leg's motion that is left to the walk."""

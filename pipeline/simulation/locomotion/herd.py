@@ -132,7 +132,7 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         for limb in figure.skeleton.legs:
             owner.append(c)
             limbs.append((figure.skeleton, limb))
-    legs = LimbBatch.of(limbs)
+    legs = LimbBatch.of(limbs).slid_out()
     tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
     owners = np.array(owner, dtype=np.int64)
     layouts, neutral, paces = list[LegLayout](), list[Pace](), list[Pace]()

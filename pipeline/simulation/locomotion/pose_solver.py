@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.figures.posed_limb import FigureFrames, GoalMiss
+from pipeline.simulation.figures.figure_frames import FigureFrames
+from pipeline.simulation.figures.goal_miss import GoalMiss
 from pipeline.simulation.figures.tip_ik import TipSolution, solve_tips
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension

@@ -10,6 +10,7 @@ Source: Sims 1987, ch. 10.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
@@ -39,6 +40,7 @@ from pipeline.simulation.locomotion.routes.route_progress import is_blocked, sta
 from pipeline.simulation.locomotion.routes.speed_control import advance
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order, chooses_speed
 from pipeline.simulation.locomotion.setting_out import greatest_strides, phase_before_lift
+from pipeline.simulation.locomotion.step_refusals import refuse_missed_steps
 from pipeline.simulation.locomotion.step_sequencer import StepSequencer, take_steps
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
@@ -55,6 +57,9 @@ from pipeline.spec.script import ChangeGait, ChangeMood, Chase, Do, Flee, Instru
 # Greatest factor on a creature's speed by a change of mood, and by unknown orders.
 MAX_SPEEDUP, UNKNOWN_SPEEDUP = 2.0, 10.0
 
+# Rows that are solved together ahead of the simulation.
+FORESEEN_ROWS = 96
+
 
 class WalkerTroupe(Troupe):
     """All creatures on legs: their state, and how it advances.
@@ -68,8 +73,9 @@ class WalkerTroupe(Troupe):
     def __init__(
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
-        self.world = world
+        self.world, self._cast, self._materials = world, cast, materials
         self.herd = herd = build_herd(cast, world.moods)
+        refuse_missed_steps(herd, [number for number, _, _ in cast])
         moods = MoodSchedule(cast, herd.neutral_paces, herd.leg_layouts, world.moods)
         farthest = self._farthest(moods)
         routes = [
@@ -181,8 +187,11 @@ class WalkerTroupe(Troupe):
 
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""
+        self._buffered.append(self._snapshot())
+
+    def _snapshot(self) -> HerdSnapshot:
         progress, trajectory = self.progress, self.progress.trajectory
-        snapshot = HerdSnapshot(
+        return HerdSnapshot(
             self.step,
             progress.sample,
             progress.smoothed_fraction,
@@ -193,7 +202,6 @@ class WalkerTroupe(Troupe):
             progress.look_targets.current,
             self.leaps.aloft(self.step * self.world.clock.dt),
         )
-        self._buffered.append(snapshot)
 
     def write(self, rows: Rows) -> None:
         """Write nodes and channels of all rows kept."""
@@ -220,6 +228,31 @@ class WalkerTroupe(Troupe):
         outcomes = (*self.pursuits.outcomes, *self.leaps.outcomes)
         touched = tuple(self.pursuits.touched)
         return Facts(contacts, notes, tuple(self._arrived), touched, outcomes=outcomes)
+
+    def foreseen_notes(self) -> list[TakeNote]:
+        """Return notes on the pose keys that creatures miss which stay where they stand.
+
+        Their rows follow from the time alone, so those of their keys are solved without steps.
+        """
+        staying = [
+            i for i, (_, member, _) in enumerate(self._cast) if member.pose and member.walk is None
+        ]
+        if not staying:
+            return []
+        cast, materials = [self._cast[i] for i in staying], [self._materials[i] for i in staying]
+        return WalkerTroupe(cast, self.world, materials)._notes_of_keys()
+
+    def _notes_of_keys(self) -> list[TakeNote]:
+        """Return notes on all rows from the first key on to the last, in the present places."""
+        clock = self.world.clock
+        first, last = (clock.step_at(time) for time in self.authored_poses.span)
+        steps = range(first, min(last + clock.steps, clock.last_step) + 1)
+        here = self._snapshot()
+        rows = [replace(here, step=step) for step in steps if clock.row_of_step(step) is not None]
+        notes = list[TakeNote]()
+        for start in range(0, len(rows), FORESEEN_ROWS):
+            notes += self.pose_solver.solve(rows[start : start + FORESEEN_ROWS]).notes
+        return notes
 
     def mechanisms(self) -> list[Mechanism]:
         """Return the joints and masses of the creatures."""

@@ -149,6 +149,7 @@ def course() -> Course:
     return found
 
 
+@pytest.mark.nightly
 def test_people_step_off_from_balls_at_their_feet_and_take_them() -> None:
     for name, ball in (("ivy", "underfoot"), ("ned", "behind")):
         assert course().arrived[name][0] < 5.0
@@ -292,7 +293,7 @@ BALLS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ball", BALLS)
+@pytest.mark.parametrize("ball", [pytest.param("prop", marks=pytest.mark.nightly), "character"])
 def test_a_ball_is_lifted_between_both_hands_and_thrown_at_once(ball: str) -> None:
     take = simulate(
         read_scene(

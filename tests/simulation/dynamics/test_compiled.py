@@ -90,7 +90,7 @@ def test_compiled_code_is_stored_and_a_damaged_file_replaced(tmp_path: Path) -> 
         assert lines() == [result, folder]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_where_nothing_can_be_stored_it_works_with_a_warning(tmp_path: Path) -> None:
     # No folder can be made below a file.
     (tmp_path / "file").touch()

@@ -93,7 +93,7 @@ def _lengths(paths: Array) -> Array:
 @pytest.mark.parametrize(
     "count",
     [
-        pytest.param(100, marks=pytest.mark.slow, id="100"),
+        pytest.param(20, marks=pytest.mark.slow, id="20"),
         pytest.param(1000, marks=pytest.mark.nightly, id="1000"),
     ],
 )

@@ -62,7 +62,7 @@ def test_bends_are_those_of_two_equal_links(shipped: Figure) -> None:
     chains, base = group_chains(legs, owner), legs.places[:, 0]
     shortest = np.empty(len(owner))
     for chain in chains:
-        shortest[chain.rows] = chain.path.shortest
+        shortest[chain.rows] = chain.path.shortest[chain.on_path[:, 0]]
     for seed in range(4):
         paths = [_foot_path(legs, np.random.default_rng(seed), rows) for rows in (401, 801)]
         coarse, fine = (solve_tips(legs, chains, goals) for goals in paths)
@@ -96,6 +96,39 @@ def _foot_path(legs: LimbBatch, rng: np.random.Generator, rows: int) -> Array:
     most = 0.96 * legs.lengths[:, None]
     result: Array = legs.places[:, 0] + arm * np.minimum(1.0, most / far)
     return result
+
+
+def test_feet_keep_their_direction_and_legs_stay_calm(shipped: Figure) -> None:
+    legs, owner = _legs([shipped])
+    chains = group_chains(legs, owner) if len(owner) else []
+    with_feet = [chain.rows for chain in chains if chain.foot is not None]
+    if not with_feet:
+        return
+    own = np.concatenate(with_feet)
+    rest = legs.pose(legs.preferred)
+    goals = _foot_path(legs, np.random.default_rng(3), 401)
+    last = legs.is_joint[own].sum(axis=1) - 1
+    link = rest.tips[own] - rest.X_BJ[own, last, :3, 3]
+    kept = link / np.linalg.norm(link, axis=-1, keepdims=True)
+    wanted = np.zeros_like(goals)
+    wanted[:, own] = kept
+    alone, held = solve_tips(legs, chains, goals), solve_tips(legs, chains, goals, wanted)
+    assert (held.residual[:, own] < 1e-6 * legs.lengths[own]).all()
+    off = []
+    for found in (alone, held):
+        tips = goals[:, own] - found.X_BJ[:, own, last][..., :3, 3]
+        tips /= np.linalg.norm(tips, axis=-1, keepdims=True)
+        off.append(np.arccos(np.clip((tips * kept).sum(axis=-1), -1.0, 1.0)).mean())
+    # As far as joints stay calm: little where a leg is folded at rest, as that of a kangaroo.
+    assert off[1] < 0.9 * off[0]
+    arm = goals - legs.places[:, 0]
+    stretch = np.linalg.norm(arm, axis=-1) / legs.lengths
+    stretch = np.maximum(stretch[1:], stretch[:-1])[:, own]
+    speed = np.linalg.norm(np.diff(goals, axis=0), axis=-1)[:, own]
+    needed = 2.0 * speed / (legs.lengths[own] * np.sqrt(1.0 - stretch**2))
+    bends = np.abs(np.diff(held.q, axis=0))[:, own, 3:].max(axis=-1)
+    calm = (stretch > 0.3) & (stretch < 0.97)
+    assert (bends <= 2.0 * needed + 1e-3)[calm].all()
 
 
 def test_frames_and_residuals_match_joint_values(shipped: Figure) -> None:

@@ -295,7 +295,16 @@ def test_style_pitch_is_bounded() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["horse", "camel", "kangaroo", "centipede", "ostrich"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "horse",
+        pytest.param("camel", marks=pytest.mark.nightly),
+        pytest.param("kangaroo", marks=pytest.mark.nightly),
+        "centipede",
+        pytest.param("ostrich", marks=pytest.mark.nightly),
+    ],
+)
 def test_head_raise_lifts_the_head(name: str) -> None:
     member = f"{{figure: {name}, walk: {{}}}}"
     low, usual, high = (

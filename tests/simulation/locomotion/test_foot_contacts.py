@@ -114,7 +114,7 @@ def test_normal_steps_do_not_scuff(figure: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step", ["0.004", "0.02"])
+@pytest.mark.parametrize("step", ["0.004", pytest.param("0.02", marks=pytest.mark.nightly)])
 def test_frame_rate_does_not_change_scuffs(step: str) -> None:
     film = simulate(scene("beetle", step, "flat"))
     for fps in ("25", "'30000/1001'", "60"):

@@ -86,7 +86,7 @@ def assert_same(one: Foothold | None, other: Foothold | None) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("off", [0.0, 1e-3])
+@pytest.mark.parametrize("off", [pytest.param(0.0, marks=pytest.mark.nightly), 1e-3])
 def test_early_predictions_equal_late_ones(walkers: WalkerTroupe, off: float) -> None:
     early, requests = planner_of(walkers), requests_of(walkers)
     upcoming = [replace(r, distance=r.distance + off) for r in requests[1:]]

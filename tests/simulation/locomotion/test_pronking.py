@@ -238,7 +238,7 @@ def landing_points(hops: HopRecording) -> np.ndarray:
 
 # --- every terrain--------------------------------------------------------------------------
 
-OFTEN = ("kangaroo", "hopper")
+OFTEN = ("kangaroo",)
 CASES = [
     pytest.param(
         (figure, terrain),

@@ -89,3 +89,46 @@ def test_legs_that_cannot_shorten_stand_but_do_not_walk() -> None:
     Simulation(read_scene(STIFF % ""))
     with pytest.raises(SceneError, match=r"'l1', 'l2', 'r1', 'r2' cannot: draw a knee"):
         Simulation(read_scene(STIFF % ", walk: {}"))
+
+
+SLIDER = """
+pronk: 1
+duration: 1
+figures:
+  slider:
+    style: %s
+    nodes: {a: [0, -0.5], b: [0, 0], c: [0, 0.5], hip1_l: [-0.2, -0.4], foot1_l: [-0.2, -1.1],
+            hip2_l: [-0.2, 0.4], foot2_l: [-0.2, 1.1]}
+    chains: [[a, b, c], [a, hip1_l, foot1_l], [c, hip2_l, foot2_l]]
+    then: [{mirror: x}]
+    parts: {b: body, a: body, c: body}
+    joints: {l1: {%s}, l2: {%s}, r1: {%s}, r2: {%s}}
+cast:
+  - {figure: slider, at: [0, 0], walk: {}}
+"""
+
+
+@pytest.mark.parametrize("style", ["mammal", "insect"])
+def test_legs_walk_that_slide_far_enough(style: str) -> None:
+    joint = "joint1_bend: {slide: [-0.1, 0.1], rest: 0}"
+    walk = walk_through(read_scene(SLIDER % (style, *[joint] * 4)))
+    assert not walk.take.notes
+    assert_feet_on_the_ground(walk)
+    assert_joint_limits(walk)
+
+
+@pytest.mark.parametrize(
+    ("style", "joint", "expected"),
+    [
+        ("mammal", "joint1_bend: {slide: [-0.02, 0]}", "of 'slider' cannot make its steps"),
+        ("mammal", "joint1_bend: {slide: [0, 0.25]}", "0.083 m off; let their joints bend"),
+        ("insect", "joint1_bend: {slide: [-0.02, 0], rest: 0}", "cannot step: at a body height"),
+        ("insect", "base_roll: {rest_deg: 0}", "draw a knee about halfway"),
+        ("mammal", "base_roll: {slide: [0, 0.1]}", "slide along; 'base_yaw' has"),
+    ],
+)
+def test_legs_that_cannot_make_their_steps_are_refused(
+    style: str, joint: str, expected: str
+) -> None:
+    with pytest.raises(SceneError, match=expected):
+        Simulation(read_scene(SLIDER % (style, *[joint] * 4)))

@@ -1,9 +1,10 @@
 """Foot roll: the directions of hooves, paws and feet, which legs alone would tilt with themselves.
 
 A foot keeps its direction to the ground while it stands, rolls over its toe when its leg trails
-behind, is flicked back in the first half of a swing, and comes down toe up, flat at the touchdown.
-All of it follows from where the foot is relative to its hip and how far its swing is done, so it
-goes on through changes of gait and speed without a gap.
+behind, is flicked back as it leaves the ground, and comes down toe up, flat at the touchdown. All
+of it follows from where the foot is, relative to its hip and to the ground: a foot that does not
+move does not turn, one that moves twice as fast turns twice as fast, and it goes on through
+changes of gait and speed without a gap.
 
 Source: Hildebrand 1960 for the order of events; angles of people after Winter 1991 (the heel rises
 by some 60 degrees until the toe leaves the ground), of hooves as seen in films of horses.
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.curves import bump, ease
+from pipeline.simulation.curves import bounded, ease
 from pipeline.simulation.locomotion.foot_state import FootState
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array, turn, turn_inverse
@@ -28,8 +29,8 @@ class RollAngles:
 
     Attributes:
         roll: over the toe, when the leg trails most.
-        flick: backward, in the first half of a swing.
-        toe_up: before the touchdown.
+        flick: backward, in the air behind the hip.
+        toe_up: in the air before the hip.
     """
 
     roll: float
@@ -43,14 +44,14 @@ SOLE, TOES = RollAngles(0.7, 0.25, 0.2), RollAngles(0.4, 0.55, 0.1)
 STEEP = 0.7
 """Sine of the slope of a last link at rest from which on it stands on its toe."""
 
-TRAILING = 0.05, 0.5
+TRAILING = -0.05, 0.55
 """Distance of a foot behind its hip between which it rolls, in leg lengths."""
 
-FLICK_END, TOE_UP_START = 0.8, 0.5
-"""Part of the swing until which feet are flicked back, and from which on toes are up."""
+AHEAD = -0.25, 0.25
+"""Distance of a foot behind its hip between which toes that are up turn to heels."""
 
-FULL_STEP = 0.5
-"""Length of a step with all of the flick, in leg lengths."""
+LIFT_RATE = 1.5
+"""Angle by which a foot turns when it begins to rise, per leg length [rad]."""
 
 
 class FootRoll:
@@ -103,14 +104,15 @@ class FootRoll:
         behind = -(away * forward).sum(axis=-1) / lengths
         first, last = TRAILING
         trails = ease(np.clip((behind - first) / (last - first), 0.0, 1.0))
-        s = s[:, own]
-        step = np.linalg.norm((feet.end - feet.start)[:, own], axis=-1) / lengths
-        part = np.minimum(step / FULL_STEP, 1.0)
-        flick = part * bump(np.minimum(s / FLICK_END, 1.0))
-        up = part * bump(np.clip((s - TOE_UP_START) / (1.0 - TOE_UP_START), 0.0, 1.0))
-        pitch = self._toe_up * up - self._roll * trails - self._flick * flick
-        slope = self._slopes(feet.start[:, own], forward)
-        slope += ease(s) * (self._slopes(feet.end[:, own], forward) - slope)
+        first, last = AHEAD
+        heels = ease(np.clip((behind - first) / (last - first), 0.0, 1.0))
+        s, start, end = s[:, own], feet.start[:, own], feet.end[:, own]
+        level = start[..., 1] + ease(s) * (end - start)[..., 1]
+        rise = LIFT_RATE * np.maximum(tips[:, own, 1] - level, 0.0) / lengths
+        flick, up = (most * bounded(rise / most) for most in (self._flick, self._toe_up))
+        pitch = up + heels * (-flick - up) - self._roll * trails
+        slope = self._slopes(start, forward)
+        slope += ease(s) * (self._slopes(end, forward) - slope)
         angle = self._angle + pitch + slope
         level = np.cos(angle)[..., None] * forward
         there = np.stack([level[..., 0], np.sin(angle), level[..., 1]], axis=-1)

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.cleared_ways import samples_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_goals import Clearance, LimbGoals, pursue
 from pipeline.simulation.figures.network import LEG
-from pipeline.simulation.figures.posed_limb import samples_of
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.surroundings import LimbSamples, Surroundings
 from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower

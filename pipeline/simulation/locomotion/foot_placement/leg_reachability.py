@@ -177,7 +177,7 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     asked = FOLD_DISTANCES[:, None] * legs.lengths
     folded = np.zeros(len(own))
     for chain in chains:
-        folded[chain.rows] = chain.path.shortest
+        folded[chain.rows] = chain.path.shortest[chain.on_path[:, 0]]
     near = asked < folded
     missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | near)
     # The last distance before the first miss; legs without a miss fold up completely.

@@ -416,6 +416,13 @@ class PaceChoice:
 
     def _too_fast(self, name: str, speed: float, plan: Plan) -> Problem:
         most = self.greatest_frequency
+        if plan.stride == 0.0:
+            message = (
+                f"the legs of '{self.figure.name}' cannot step: at a body height of "
+                f"{plan.height:.3g} they only just reach the ground; make them longer, or let "
+                "their joints bend (limits_deg) or slide farther; or take `walk` away"
+            )
+            return Problem(self.where, message)
         in_gait = "" if self.walk.gait == AUTO else f" in the gait '{name or 'written out'}'"
         message = (
             f"a speed of {speed:.3g} is more than the legs can do{in_gait}: strides of "

@@ -10,8 +10,8 @@ Source: T. Sobotka, AgX, 2022; the polynomial fit and the matrices are those of
 
 from __future__ import annotations
 
+import math
 from functools import cache
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,7 @@ _OUTSET = (
     (-0.0529716355144438, -0.0980434501171241, 1.15107367264116),
 )
 _LOW_STOP, _HIGH_STOP = -12.47393, 4.026069
+_MIDDLE_GREY = math.log2(0.18)
 _SIGMOID = (15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232)
 
 # Grading of the neutral curve: AgX's own "punchy" look is power 1.35, saturation 1.4; half way
@@ -36,13 +37,8 @@ _SIGMOID = (15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232)
 _POWER = 1.15
 _SATURATION = 1.12
 
-_CURVE_SAMPLES = 8192
-
-
-Integer = TypeVar("Integer", np.uint8, np.uint16)
-
-BAND_ROWS = 128
-"""Rows of an image that are developed together, so that they stay in the cache."""
+CURVE_SAMPLES = 8192
+"""Length of `curve`."""
 
 
 def linear(srgb: ArrayLike) -> NDArray[np.float64]:
@@ -63,49 +59,32 @@ def luminance(light: NDArray[np.floating]) -> NDArray[np.floating]:
     return np.asarray(r * light[..., 0] + g * light[..., 1] + b * light[..., 2])
 
 
-def developed(light: NDArray[np.float32], stops: float) -> NDArray[np.uint8]:
-    """Return scene light as an 8-bit sRGB image.
+def inset(channels: list[NDArray[np.float32]]) -> list[NDArray[np.float32]]:
+    """Return the channels of light as the curve takes them: primaries moved inward."""
+    return _mixed(channels, _INSET)
+
+
+def outset(channels: list[NDArray[np.float32]]) -> list[NDArray[np.float32]]:
+    """Return the channels that the curve gave as sRGB."""
+    r, g, b = LUMINANCE
+    grey = (r * channels[0] + g * channels[1] + b * channels[2]) * np.float32(1 - _SATURATION)
+    return _mixed([grey + np.float32(_SATURATION) * c for c in channels], _OUTSET)
+
+
+def curve_index(
+    channel: NDArray[np.float32], stops: float, contrast: float = 1.0
+) -> NDArray[np.intp]:
+    """Return the samples of `curve` for the light of a channel.
 
     Args:
-        light: (H, W, 3) linear sRGB, 0 or more; 0.18 is middle grey.
-        stops: exposure compensation.
-
-    Returns:
-        (H, W, 3) sRGB, ready to show.
+        channel: of `inset`.
+        stops: of exposure.
+        contrast: of the exposed light about middle grey, in stops per stop.
     """
-    return _quantized(light, stops, np.uint8)
-
-
-def developed16(light: NDArray[np.float32], stops: float) -> NDArray[np.uint16]:
-    """Return scene light as a 16-bit sRGB image; see `developed`."""
-    return _quantized(light, stops, np.uint16)
-
-
-def _quantized(light: NDArray[np.float32], stops: float, kind: type[Integer]) -> NDArray[Integer]:
-    top = np.iinfo(kind).max
-    out = np.empty(light.shape, kind)
-    for band in range(0, len(light), BAND_ROWS):
-        rows = slice(band, band + BAND_ROWS)
-        for i, c in enumerate(_tone_mapped(light[rows], stops)):
-            out[rows, ..., i] = np.clip(c * top + 0.5, 0, top)
-    return out
-
-
-def _tone_mapped(light: NDArray[np.float32], stops: float) -> list[NDArray[np.float32]]:
-    """Return the channels of the tone-mapped image, about 0 to 1."""
-    curve = _curve()
-    low, per_stop = np.float32(_LOW_STOP - stops), (_CURVE_SAMPLES - 1) / (_HIGH_STOP - _LOW_STOP)
-    channels = [light[..., i] for i in range(3)]
-    inset = _mixed(channels, _INSET)
-    index = [
-        np.clip((np.log2(np.maximum(c, 1e-12)) - low) * per_stop, 0, _CURVE_SAMPLES - 1)
-        for c in inset
-    ]
-    bent = [curve[(i + 0.5).astype(np.intp)] for i in index]
-    r, g, b = LUMINANCE
-    grey = (r * bent[0] + g * bent[1] + b * bent[2]) * np.float32(1 - _SATURATION)
-    graded = [grey + np.float32(_SATURATION) * c for c in bent]
-    return _mixed(graded, _OUTSET)
+    low = np.float32(_MIDDLE_GREY + (_LOW_STOP - _MIDDLE_GREY) / contrast - stops)
+    per_stop = np.float32(contrast * (CURVE_SAMPLES - 1) / (_HIGH_STOP - _LOW_STOP))
+    found = (np.log2(np.maximum(channel, np.float32(1e-12))) - low) * per_stop
+    return (np.clip(found, 0, CURVE_SAMPLES - 1) + np.float32(0.5)).astype(np.intp)
 
 
 def _mixed(
@@ -117,7 +96,7 @@ def _mixed(
 
 
 @cache
-def _curve() -> NDArray[np.float32]:
+def curve() -> NDArray[np.float32]:
     """Return the sigmoid with the power of the look, sampled over the range of stops."""
-    bent = np.polyval(_SIGMOID, np.linspace(0.0, 1.0, _CURVE_SAMPLES))
+    bent = np.polyval(_SIGMOID, np.linspace(0.0, 1.0, CURVE_SAMPLES))
     return np.asarray(np.clip(bent, 0.0, 1.0) ** _POWER, np.float32)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from render.config.film import Denoise
 from render.errors import DenoiseError
-from render.frame import ALBEDO_BIAS, Image, LightLayers
+from render.frame import Image, LightLayers
 
 THREADS = 2
 """Part of the key of a frame."""
@@ -23,9 +23,6 @@ MEMORY_MIB = 128
 tiles round differently."""
 
 _QUALITY = {"fast": "Fast", "high": "High"}
-
-_SURFACE_ALBEDO = 0.8 * ALBEDO_BIAS
-"""Albedo from which a pixel shows a surface and not the sky beside it."""
 
 _REMEDY = "write `film: {denoise: off}` to render without it"
 
@@ -68,7 +65,7 @@ class Denoiser:
         Direct light is clean and keeps its sharp edges. Indirect light is divided by the albedo,
         which leaves the soft irradiance; that is denoised and multiplied by the clean albedo, so
         that texture is neither taken for noise nor lost. Where all samples of a pixel met the
-        sky, its irradiance is that of the surfaces beside it.
+        sky, its irradiance is that of the surfaces beside it. Sky and haze are added unchanged.
 
         The soft shadows of wide lights are noisy, too: their direct light is denoised in the
         same way, by itself.
@@ -90,16 +87,16 @@ class Denoiser:
         # In place, because frames of a film's size are large.
         soft *= layers.albedo
         soft += self._clean_direct(layers, mode) if has_soft_lights else layers.direct
+        soft += layers.air
         return soft
 
     def _clean_direct(self, layers: LightLayers, mode: Literal["fast", "high"]) -> Image:
-        """Return direct light with clean shadows, unchanged where no surface is visible."""
-        known = layers.albedo.max(axis=-1, keepdims=True) > _SURFACE_ALBEDO
+        """Return direct light with clean shadows."""
+        known = layers.albedo.max(axis=-1, keepdims=True) > 0.0
         irradiance = np.asarray(layers.direct / np.where(known, layers.albedo, 1.0), np.float32)
-        irradiance[~known[..., 0]] = 0.0
         cleaned = self._denoise(_filled(irradiance, known), mode)
         cleaned *= layers.albedo
-        return np.where(known, cleaned, layers.direct)
+        return cleaned
 
     def _denoise(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from render.color import developed
+from render.development import Development, developed
+from render.passes.pass_images import PassImages
 
 Image = NDArray[np.float32]
 
@@ -21,22 +22,25 @@ class LightLayers:
     """One frame as traced, before denoising, in linear sRGB.
 
     Attributes:
-        direct: (H, W, 3) light of lamps, visible or reflected by the visible surface.
-        albedo: (H, W, 3) diffuse albedo of the visible surface plus `ALBEDO_BIAS`; 0 in the sky.
-        indirect: (H, W, 3) all other light, of the sky and from surface to surface; or, at half
-            the size, (H / 2, W / 2, 3).
+        direct: (H, W, 3) light of lamps, sun and sampled sky, reflected by the visible surface.
+        albedo: (H, W, 3) diffuse albedo of the visible surface plus `ALBEDO_BIAS`, as dim as the
+            haze makes it; 0 in the sky.
+        indirect: (H, W, 3) all other reflected light, of the sky and from surface to surface; or,
+            at half the size, (H / 2, W / 2, 3).
         indirect_albedo: the albedo as the samples of `indirect` met it, and of its size.
+        air: (H, W, 3) light that no surface reflects: of the sky, of haze, and of visible lamps.
     """
 
     direct: Image
     albedo: Image
     indirect: Image
     indirect_albedo: Image
+    air: Image
 
     @property
     def light(self) -> Image:
-        """The sum of direct and indirect light."""
-        return self.direct + self.full_size(self.indirect)
+        """The sum of all light."""
+        return self.direct + self.full_size(self.indirect) + self.air
 
     def full_size(self, soft: Image) -> Image:
         """Return an image of the size of indirect light at that of the frame."""
@@ -60,13 +64,15 @@ class Frame:
 
     Attributes:
         light: (H, W, 3) float32, linear sRGB before exposure and tone mapping.
-        exposure: exposure compensation [stops].
+        development: exposure and look.
+        passes: for compositing.
     """
 
     light: Image
-    exposure: float = 0.0
+    development: Development = field(default_factory=Development)
+    passes: PassImages = field(default_factory=PassImages)
 
     @cached_property
     def srgb8(self) -> NDArray[np.uint8]:
         """(H, W, 3) uint8, ready to show."""
-        return developed(self.light, self.exposure)
+        return developed(self.light, self.development)

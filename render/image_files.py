@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from pipeline.atomic_file import replaced_when_complete
+from render.development import Development
 from render.errors import FrameFileError
+from render.passes.pass_images import PassPart
 from render.picture_levels import PictureLevels
 
 KEY = "pronk-key"
@@ -28,6 +30,9 @@ KEY = "pronk-key"
 
 LEVELS = "pronk-levels"
 """Name of the text chunk or attribute that holds the levels of the picture."""
+
+DEVELOPMENT = "pronk-development"
+"""Name of the attribute that holds how the light of an EXR image is shown."""
 
 DIGEST = "pronk-digest"
 """Name of the text chunk or attribute that holds the digest of all else."""
@@ -54,33 +59,52 @@ class _Content:
         pixels: (H, W, 3).
         key: None if it has none.
         levels: as text, "" if it has none.
+        development: as text, "" if it has none.
         digest: None if it has none.
+        passes: in the further parts of the file.
     """
 
     pixels: Pixels
     key: str | None
     levels: str
+    development: str
     digest: str | None
+    passes: tuple[PassPart, ...] = ()
 
     @property
     def is_intact(self) -> bool:
         """Whether the file is as it was written; True for one without a digest."""
         return self.digest is None or self.digest == _digest(
-            self.pixels, self.key or "", self.levels
+            self.pixels, self.key or "", self.levels, self.development, self.passes
         )
 
 
-def _digest(pixels: Pixels, key: str, levels: str) -> str:
-    state = hashlib.blake2b(f"{key}|{levels}|{pixels.shape}".encode(), digest_size=16)
+def _digest(
+    pixels: Pixels, key: str, levels: str, development: str, passes: Sequence[PassPart] = ()
+) -> str:
+    shown = f"|{development}" if development else ""
+    text = f"{key}|{levels}|{pixels.shape}{shown}"
+    state = hashlib.blake2b(text.encode(), digest_size=16)
     state.update(np.ascontiguousarray(pixels).data)
+    for part in passes:
+        for name, values in sorted(part.channels.items()):
+            state.update(f"{part.name}|{name}|{values.shape}".encode())
+            state.update(np.ascontiguousarray(values).data)
     return state.hexdigest()
 
 
-def _texts(pixels: Pixels, key: str, levels: PictureLevels | None) -> dict[str, str]:
+def _texts(
+    pixels: Pixels,
+    key: str,
+    levels: PictureLevels | None,
+    development: Development | None = None,
+    passes: Sequence[PassPart] = (),
+) -> dict[str, str]:
     """Return the texts that stand beside pixels."""
-    level_text = "" if levels is None else str(levels)
-    texts = {KEY: key, DIGEST: _digest(pixels, key, level_text)}
-    return texts if levels is None else {**texts, LEVELS: level_text}
+    given = {LEVELS: levels, DEVELOPMENT: development}
+    texts = {name: str(value) for name, value in given.items() if value is not None}
+    digest = _digest(pixels, key, texts.get(LEVELS, ""), texts.get(DEVELOPMENT, ""), passes)
+    return {KEY: key, DIGEST: digest, **texts}
 
 
 def write_png(
@@ -121,26 +145,41 @@ def read_png(path: Path) -> NDArray[np.uint8]:
 
 
 def write_exr(
-    path: Path, light: NDArray[np.float32], key: str, levels: PictureLevels | None = None
+    path: Path,
+    light: NDArray[np.float32],
+    key: str,
+    levels: PictureLevels | None = None,
+    development: Development | None = None,
+    passes: Sequence[PassPart] = (),
 ) -> None:
     """Write linear light (H, W, 3) as EXR of 16-bit floats, completely or not at all.
+
+    Passes are further parts of the file, in 32-bit floats.
 
     Args:
         path: of the file.
         light: the image.
         key: stored in the file, for `read_key`.
         levels: stored in the file, for `read_levels`.
+        development: stored in the file, for `read_development`; as it is by default.
+        passes: written behind the light, which is the first part.
 
     Raises:
         FrameFileError: it could not be written.
     """
-    half = np.clip(light, -65504, 65504).astype(np.float16)
+    # OpenEXR takes the memory as it lies, and frames of the denoiser lie column by column.
+    half = np.ascontiguousarray(np.clip(light, -65504, 65504), np.float16)
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
-        **_texts(half, key, levels),
+        **_texts(half, key, levels, development or Development(), passes),
     }
-    with _image_file(path) as temporary, OpenEXR.File(header, {"RGB": half}) as file:
+    parts = [OpenEXR.Part(header, {"RGB": half}, "light" if passes else "")]
+    for part in passes:
+        head = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        channels = {name: np.ascontiguousarray(x) for name, x in part.channels.items()}
+        parts.append(OpenEXR.Part({**head, **part.attributes}, channels, part.name))
+    with _image_file(path) as temporary, OpenEXR.File(parts) as file:
         file.write(str(temporary))
 
 
@@ -151,6 +190,15 @@ def read_exr(path: Path) -> NDArray[np.float32]:
         FrameFileError: it is missing, torn or not as it was written.
     """
     return np.asarray(_intact_content(path).pixels, dtype=np.float32)
+
+
+def read_passes(path: Path) -> tuple[PassPart, ...]:
+    """Return the passes of an EXR image.
+
+    Raises:
+        FrameFileError: it is missing, torn or not as it was written.
+    """
+    return _intact_content(path).passes
 
 
 def read_key(path: Path) -> str | None:
@@ -172,6 +220,19 @@ def read_levels(path: Path) -> PictureLevels | None:
         return PictureLevels.read(text) if isinstance(text, str) else None
     except _UNREADABLE:
         return None
+
+
+def read_development(path: Path) -> Development:
+    """Return how the light of an EXR image is shown.
+
+    Raises:
+        FrameFileError: it is missing or does not say so.
+    """
+    try:
+        return Development.read(_header(path)[DEVELOPMENT])
+    except _UNREADABLE as error:
+        text = f"does not say how it is developed ({error}); render it again"
+        raise FrameFileError(path, text) from error
 
 
 def has_digest(path: Path) -> bool:
@@ -231,15 +292,35 @@ def _exr_content(path: Path) -> _Content:
     # OpenEXR itself prints a message when a file is missing.
     path.stat()
     with OpenEXR.File(str(path)) as file:
-        pixels = np.asarray(file.channels()["RGB"].pixels)
-        return _content_of(pixels, file.header())
+        # Copied: the file takes its memory with it.
+        pixels = np.array(file.channels()["RGB"].pixels)
+        passes = tuple(_read_pass(part) for part in file.parts[1:])
+        return _content_of(pixels, file.header(), passes)
 
 
-def _content_of(pixels: Pixels, members: Mapping[Any, Any]) -> _Content:
-    key, levels, digest = (members.get(name) for name in (KEY, LEVELS, DIGEST))
+def _read_pass(part: Any) -> PassPart:
+    channels: dict[str, NDArray[np.float32]] = {}
+    for name, channel in part.channels.items():
+        values = np.array(channel.pixels, np.float32)
+        if values.ndim == 2:
+            channels[name] = values
+            continue
+        # Channels that differ only in R, G, B and A are read as one.
+        for i, letter in enumerate("RGBA"[: values.shape[2]]):
+            channels[f"{name}.{letter}"] = np.ascontiguousarray(values[..., i])
+    texts = {name: x for name, x in part.header.items() if name.startswith("cryptomatte/")}
+    return PassPart(part.name(), channels, texts)
+
+
+def _content_of(
+    pixels: Pixels, members: Mapping[Any, Any], passes: tuple[PassPart, ...] = ()
+) -> _Content:
+    key, levels, shown, digest = (members.get(name) for name in (KEY, LEVELS, DEVELOPMENT, DIGEST))
     return _Content(
         pixels,
         key if isinstance(key, str) else None,
         levels if isinstance(levels, str) else "",
+        shown if isinstance(shown, str) else "",
         digest if isinstance(digest, str) else None,
+        passes,
     )

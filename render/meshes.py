@@ -16,6 +16,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render.color import linear
 from render.config import Material
 from render.errors import ShotError
 from render.footprints import FootprintRaster
@@ -27,8 +28,8 @@ from render.surfaces.material_bsdf import (
     needs_coordinates,
     needs_vertex_shares,
 )
-from render.surfaces.mitsuba_bsdf import Surface, share_names, vertex_shares
-from render.surfaces.patterns import WARNED
+from render.surfaces.mitsuba_bsdf import VERTEX_COLOR, Surface, share_names, vertex_shares
+from render.surfaces.patterns import COVER_COLOR, COVER_SHARE, WARNED
 
 MERGE_LIMIT = 20_000
 """Vertices from which a mesh is not merged: it is likely to stand still (terrain)."""
@@ -36,6 +37,9 @@ MERGE_LIMIT = 20_000
 _PLANES = np.array([[1, 2], [0, 2], [0, 1]])
 """Axes of the plane of projection along each axis. The rows of a pattern run along the first,
 which is the body's longest where possible."""
+
+
+_GroupKey = tuple[str, Surface, bool, tuple[bool, ...], str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +71,9 @@ class MeshGroup:
         warned: (F,) hatched faces, or None.
         unwrapped: the surface with texture coordinates, None where it needs none.
         footprints: in the ground, or None; a mesh with footprints is not merged.
+        colors: (V, 3) linear base colours of the vertices, or None.
+        given_normals: whether the meshes bring their normals.
+        cover: (V, 4) colours and their shares, or None; a mesh with a cover is not merged.
     """
 
     members: tuple[int, ...]
@@ -78,6 +85,9 @@ class MeshGroup:
     warned: NDArray[np.bool_] | None
     unwrapped: Unwrapped | None
     footprints: FootprintRaster | None
+    colors: NDArray[np.float32] | None
+    given_normals: bool
+    cover: NDArray[np.float32] | None
 
 
 def group_meshes(
@@ -88,12 +98,14 @@ def group_meshes(
     Raises:
         ShotError: a mesh names an unknown material, or its arrays do not fit.
     """
-    members: dict[tuple[str, Surface, bool, bool, str], list[int]] = {}
+    members: dict[_GroupKey, list[int]] = {}
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
         is_alone = len(mesh.vertices) >= MERGE_LIMIT or mesh.footprints is not None
+        is_alone |= mesh.cover is not None
         name = mesh.name if is_alone else ""
-        key = mesh.material, _surface(mesh), mesh.smooth, mesh.warned is not None, name
+        extra = tuple(x is not None for x in (mesh.warned, mesh.colors, mesh.normals))
+        key = mesh.material, _surface(mesh), mesh.smooth, extra, name
         members.setdefault(key, []).append(i)
     return tuple(
         _group(tuple(indices), meshes, materials[material], material, surface, smooth)
@@ -120,9 +132,27 @@ def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
         raise ShotError(f"mesh {mesh.name!r} has uv of shape {mesh.uv.shape}, not ({n}, 2)")
     if mesh.rest is not None and mesh.rest.shape != (n, 3):
         raise ShotError(f"mesh {mesh.name!r} has rest of shape {mesh.rest.shape}, not ({n}, 3)")
+    _check_colors(mesh, materials[mesh.material])
+    if mesh.cover is not None and mesh.cover.shape != (n, 4):
+        raise ShotError(f"mesh {mesh.name!r} has cover of shape {mesh.cover.shape}, not ({n}, 4)")
+    if mesh.cover is not None and mesh.uv is None:
+        raise ShotError(f"mesh {mesh.name!r} has a cover, but is no ground: it lacks uv")
     if mesh.warned is not None and mesh.warned.shape != mesh.faces.shape[:1]:
         counts = f"{len(mesh.warned)} values for {len(mesh.faces)} faces"
         raise ShotError(f"mesh {mesh.name!r} has `warned` with {counts}")
+
+
+def _check_colors(mesh: Mesh, material: Material) -> None:
+    n = len(mesh.vertices)
+    for name, values in (("colors", mesh.colors), ("normals", mesh.normals)):
+        if values is not None and values.shape != (n, 3):
+            raise ShotError(f"mesh {mesh.name!r} has {name} of shape {values.shape}, not ({n}, 3)")
+    if mesh.normals is not None and not mesh.smooth:
+        raise ShotError(f"mesh {mesh.name!r} has normals, but is not smooth")
+    if mesh.colors is not None and (_surface(mesh) != "bare" or mesh.warned is not None):
+        raise ShotError(f"mesh {mesh.name!r} has colours and a pattern; it may have one of them")
+    if mesh.colors is not None and material.transmission > 0.0:
+        raise ShotError(f"mesh {mesh.name!r} has colours, which {mesh.material!r} cannot show")
 
 
 def _group(
@@ -148,6 +178,8 @@ def _group(
         grouped = [meshes[i] for i in members]
         rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in grouped]
         unwrapped = unwrap(np.concatenate(rest), faces)
+    colors = [mesh.colors for mesh in (meshes[i] for i in members) if mesh.colors is not None]
+    base = linear(material.color).astype(np.float32)
     return MeshGroup(
         members,
         name,
@@ -158,6 +190,9 @@ def _group(
         np.concatenate(warned) if warned else None,
         unwrapped,
         meshes[members[0]].footprints,
+        np.concatenate(colors) * base if colors else None,
+        meshes[members[0]].normals is not None,
+        meshes[members[0]].cover,
     )
 
 
@@ -186,7 +221,12 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
     """Return a group as a new Mitsuba mesh."""
     props = mi.Properties()
     props["mesh_bsdf"] = material_bsdf(
-        material, group.surface, group.warned is not None, group.footprints
+        material,
+        group.surface,
+        group.warned is not None,
+        group.footprints,
+        has_colors=group.colors is not None,
+        has_cover=group.cover is not None,
     )
     unwrapped = group.unwrapped
     if unwrapped:
@@ -208,8 +248,19 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
     if group.warned is not None:
         share = _vertex_share(group.warned, group.faces)
         mesh.add_attribute(WARNED, 1, (share[unwrapped.source] if unwrapped else share).tolist())
+    if group.colors is not None:
+        mesh.add_attribute(VERTEX_COLOR, 3, [0.0] * group.colors.size)
+    if group.cover is not None:
+        mesh.add_attribute(COVER_COLOR, 3, [0.0] * (3 * count))
+        mesh.add_attribute(COVER_SHARE, 1, [0.0] * count)
     values = mi.traverse(mesh)
+    if group.cover is not None:
+        cover = group.cover[unwrapped.source] if unwrapped else group.cover
+        _write(values, COVER_COLOR, cover[:, :3])
+        _write(values, COVER_SHARE, cover[:, 3])
     _write(values, "faces", unwrapped.faces if unwrapped else group.faces)
+    if group.colors is not None:
+        _write(values, VERTEX_COLOR, group.colors)
     if unwrapped:
         _write(values, "vertex_texcoords", unwrapped.uv)
     update_vertices(values, "", group, meshes)
@@ -230,7 +281,11 @@ def update_vertices(values: Any, prefix: str, group: MeshGroup, meshes: Sequence
     source = slice(None) if group.unwrapped is None else group.unwrapped.source
     _write(values, prefix + "vertex_positions", vertices[source])
     if group.smooth:
-        normals = vertex_normals(vertices, group.faces)
+        if group.given_normals:
+            given = [meshes[i].normals for i in group.members]
+            normals = np.concatenate([n for n in given if n is not None])
+        else:
+            normals = vertex_normals(vertices, group.faces)
         _write(values, prefix + "vertex_normals", normals[source])
         if group.share_material is not None:
             shares = vertex_shares(group.share_material, vertices, normals)

@@ -15,7 +15,8 @@ from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
 from render.frame import LightLayers
-from render.lights.environment_emitters import emitters
+from render.lights.environment_emitters import surroundings
+from render.lights.environment_map import sky_width
 from render.lights.lamps import fixed_places, lamp_emitters, move_lamps
 from render.meshes import (
     MeshGroup,
@@ -25,12 +26,18 @@ from render.meshes import (
     update_footprints,
     update_vertices,
 )
+from render.passes.pass_tracer import PassExposure, PassTracer
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.surfaces.material_bsdf import extra_bounces
 from render.surfaces.texture_mapping import set_pixel_width
+from render.tracing.haze import Air
 from render.tracing.path_tracer import PathTracer
+from render.tracing.scene_pair import ScenePair
 from render.tracing.tracer import Accumulator, Tracer
 from render.tracing.wavefront import Wavefront
+
+MEASURED_WIDTH, MEASURED_DEPTH, MEASURED_PASSES = 160, 3, 4
+"""Of the picture that the exposure is metered by: its width [pixels], longest path, and passes."""
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
 """Linear colour of the ground beyond a scene without ground."""
@@ -41,8 +48,9 @@ class MitsubaScene:
 
     Attributes:
         build: digest of what it was built for.
-        scene: of Mitsuba.
+        scene: of Mitsuba, with all that may move and all lights.
         sensor: the camera in it.
+        air: the haze, None without any.
         depth: longest light path, in segments; glass takes more than the film asks for.
         path_tracer_reason: why Mitsuba's own path tracer is in use, or empty.
         has_soft_lights: whether sampled lights are so wide that their shadows are soft.
@@ -59,19 +67,38 @@ class MitsubaScene:
         self._lamps = shot.light.lamps
         # The update below moves them, so that a new scene equals one that was updated.
         self._lamp_places: tuple[LampPlace, ...] = ()
+        around = surroundings(shot.light, _ground_color(shot), sky_width(self._film.size[0]))
+        self.air = Air.of(around.haze) if around.haze is not None else None
         self.scene = mi.load_dict(
             {
                 "type": "scene",
                 **meshes,
-                **emitters(shot.light, _ground_color(shot)),
+                **around.emitters,
                 **lamp_emitters(self._lamps, shot.lamps or fixed_places(self._lamps)),
                 "camera": _camera(self._film, shot.camera),
             }
         )
+        still_groups = _still_groups(shot)
+        still = {
+            f"still{i}": build_mesh(group, shot.scenery, shot.materials[group.material])
+            for i, group in enumerate(still_groups)
+        }
+        self._traced: Any = self.scene
+        self._still_values: Any = None
+        if still:
+            self._traced = ScenePair(self.scene, mi.load_dict({"type": "scene", **still}))
+            self._still_values = mi.traverse(self._traced.still)
+            if wavefront_limitation(self._traced):
+                # Mitsuba's own path tracer takes one scene.
+                self.scene = self._traced = self._traced.joined()
+                self._still_values = None
         self.sensor = self.scene.sensors()[0]
         self.has_soft_lights = self.scene.environment().sampling_weight() > 0.0
         self.depth = self._film.depth + extra_bounces(shot.materials.values())
-        self._tracer, self.path_tracer_reason = choose_tracer(self.scene, self._film, self.depth)
+        self._tracer, self.path_tracer_reason = choose_tracer(
+            self._traced, self._film, self.depth, self.air
+        )
+        self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
         self._meshes: tuple[Mesh, ...] = shot.meshes
         self.update(shot.moments[0])
@@ -90,39 +117,99 @@ class MitsubaScene:
         _update_camera(self._values, moment.camera, self._film)
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
+        if self._still_values is not None:
+            # No vertices: the acceleration structure stays.
+            set_pixel_width(self._still_values, moment.camera.fov_deg, self._film.size[1])
+            self._still_values.update()
         self._tracer.scene_changed()
 
     def trace(self, seed: int, passes: range, total: int) -> LightLayers:
         """Return what the camera sees while nothing moves; see `Accumulator.add_passes`."""
         return self._tracer.trace(self.sensor, seed, passes, total)
 
+    def measure(self, moment: Moment, seed: int) -> LightLayers:
+        """Return what the camera sees in a small picture, whatever the size of the film.
+
+        Args:
+            moment: of a shot with the same build.
+            seed: of the samples.
+        """
+        width, height = self._film.size
+        size = MEASURED_WIDTH, 2 * max(round(MEASURED_WIDTH * height / width / 2), 1)
+        self.update(moment)
+        set_pixel_width(self._values, moment.camera.fov_deg, size[1])
+        self._values.update()
+        self._tracer.scene_changed()
+        tracer: Tracer = self._tracer
+        if isinstance(tracer, Wavefront):
+            tracer = Wavefront(self._traced, size, MEASURED_DEPTH, half=True, air=self.air)
+        layers = tracer.trace(self.sensor, seed, range(MEASURED_PASSES), MEASURED_PASSES)
+        # The next frame sets its own.
+        self.update(moment)
+        return layers
+
     def accumulator(self) -> Accumulator:
         """Return an empty accumulator for the sensor of this scene."""
         return self._tracer.accumulator()
 
+    def pass_exposure(self, shot: Shot) -> PassExposure | None:
+        """Return the passes of a shot before its first moment, None if the film asks for none."""
+        return self._passes.begin(shot) if self._passes else None
 
-def choose_tracer(scene: Any, film: FullFilm, depth: int) -> tuple[Tracer, str]:
+    def _pass_tracer(self, shot: Shot, still: tuple[MeshGroup, ...]) -> PassTracer:
+        variant = str(mi.variant())
+        if not variant.startswith(("llvm", "cuda")):
+            raise ShotError(f"{variant} has no passes; render with a variant of llvm or cuda")
+        pair = self._traced
+        scenes = [pair.moving, pair.still] if isinstance(pair, ScenePair) else [pair]
+        shapes = {shape.id(): shape for scene in scenes for shape in scene.shapes()}
+        return PassTracer(pair, shapes, shot, self._groups, still)
+
+    def whole(self) -> Any:
+        """Return one scene of Mitsuba, `mi.Scene`, with all that is seen now, for a reference."""
+        return self._traced.joined() if isinstance(self._traced, ScenePair) else self.scene
+
+
+def _still_groups(shot: Shot) -> tuple[MeshGroup, ...]:
+    """Return the scenery of a shot, merged.
+
+    Raises:
+        ShotError: one glows, or its arrays do not fit.
+    """
+    groups = group_meshes(shot.scenery, shot.materials)
+    for group in groups:
+        if shot.materials[group.material].glow > 0.0:
+            raise ShotError(f"scenery of material {group.material!r} glows, which it cannot")
+    return groups
+
+
+def choose_tracer(
+    scene: Any, film: FullFilm, depth: int, air: Air | None = None
+) -> tuple[Tracer, str]:
     """Return the tracer for a scene, and why it is not the wavefront tracer, or empty.
 
     Args:
-        scene: of Mitsuba.
+        scene: of Mitsuba, or a `ScenePair`.
         film: size of the frame, and of its indirect light.
         depth: longest path, in segments.
+        air: haze before the camera, None without any.
     """
     reason = wavefront_limitation(scene)
     if reason:
-        return PathTracer(scene, depth, film.rays), reason
-    return Wavefront(scene, film.size, depth, half=film.soft_light == "half"), ""
+        return PathTracer(scene, depth, film.rays, air), reason
+    half = film.soft_light == "half"
+    return Wavefront(scene, film.size, depth, half=half, air=air), ""
 
 
 def wavefront_limitation(scene: Any) -> str:
-    """Return why the wavefront tracer does not support a scene, or empty."""
+    """Return why the wavefront tracer does not support a scene or pair, or empty."""
     variant = str(mi.variant())
     if not variant.startswith(("llvm", "cuda")):
         return f"{variant} has no wavefronts"
     if "spectral" in variant or "polarized" in variant:
         return f"{variant} carries more than three colours"
-    if any(shape.is_medium_transition() for shape in scene.shapes()):
+    scenes = [scene.moving, scene.still] if isinstance(scene, ScenePair) else [scene]
+    if any(shape.is_medium_transition() for part in scenes for shape in part.shapes()):
         return "a surface encloses a medium"
     return ""
 
@@ -159,11 +246,7 @@ def _update_camera(values: Any, pose: CameraPose, film: FullFilm) -> None:
     sight = np.subtract(pose.p_WT, pose.p_WC)
     if not np.isfinite([*sight, *pose.up]).all() or np.linalg.norm(sight) == 0:
         raise ShotError(f"the camera at {pose.p_WC} cannot look at {pose.p_WT}")
-    up = np.asarray(pose.up, float)
-    if np.linalg.norm(np.cross(sight, up)) < 1e-6 * np.linalg.norm(sight):
-        # Looking straight up or down, the top of the frame is -Z, as on a map.
-        up = np.array([0.0, 0.0, -1.0])
-    T = mi.ScalarTransform4f().look_at(list(pose.p_WC), list(pose.p_WT), up.tolist())
+    T = mi.ScalarTransform4f().look_at(list(pose.p_WC), list(pose.p_WT), pose.top.tolist())
     width, height = film.size
     half = math.tan(math.radians(pose.fov_deg) / 2) * width / height
     values["camera.to_world"] = type(values["camera.to_world"])(T)

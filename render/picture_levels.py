@@ -9,7 +9,8 @@ from typing import Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from render.color import developed, luminance
+from render.color import luminance
+from render.development import Development, developed
 
 Value = TypeVar("Value", np.uint8, np.float32)
 
@@ -36,9 +37,9 @@ class PictureLevels:
     white: float
 
     @classmethod
-    def of(cls, light: NDArray[np.float32], stops: float) -> Self:
-        """Return the levels of linear light (H, W, 3), developed with `stops` of exposure."""
-        return cls.of_srgb8(developed(_thinned(light), stops))
+    def of(cls, light: NDArray[np.float32], how: Development) -> Self:
+        """Return the levels of linear light (H, W, 3), developed."""
+        return cls.of_srgb8(developed(_thinned(light), how))
 
     @classmethod
     def of_srgb8(cls, picture: NDArray[np.uint8]) -> Self:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from render.backend import Backend
 from render.config import FullFilm
 from render.errors import device_memory_errors
-from render.frame import Frame, LightLayers
+from render.frame import Frame, Image, LightLayers
+from render.passes.pass_images import PassImages
 from render.shot import Shot
 
 if TYPE_CHECKING:
@@ -93,19 +94,36 @@ class Renderer:
             self._denoiser.require()
         with device_memory_errors():
             scene = self.scene_for(shot)
-            layers = self._trace(scene, shot, film)
+            layers, passes = self._trace(scene, shot, film)
         with self.timings.timed("denoise"):
             light = self._denoiser.clean(
                 layers, film.denoise, has_soft_lights=scene.has_soft_lights
             )
         self.timings.frames += 1
-        return Frame(light, film.exposure)
+        return Frame(light, shot.development, passes)
 
-    def _trace(self, scene: MitsubaScene, shot: Shot, film: FullFilm) -> LightLayers:
-        """Return the mean of all moments of the exposure."""
+    def measure(self, shot: Shot) -> Image:
+        """Return the light of the first moment of a shot as a small picture, for the meter.
+
+        It is the same for every size and quality of the film.
+
+        Raises:
+            ShotError: the shot cannot be drawn.
+            DeviceMemoryShort: the GPU has too little memory.
+        """
+        with device_memory_errors():
+            scene = self.scene_for(shot)
+            with self.timings.timed("trace"):
+                layers = scene.measure(shot.moments[0], shot.seed)
+        return layers.light
+
+    def _trace(
+        self, scene: MitsubaScene, shot: Shot, film: FullFilm
+    ) -> tuple[LightLayers, PassImages]:
+        """Return the mean of all moments of the exposure, and the passes."""
         count = len(shot.moments)
-        each = max(round(film.passes / count), 1)
-        accumulator = scene.accumulator()
+        each = max(round(film.rounds / count), 1)
+        accumulator, exposure = scene.accumulator(), scene.pass_exposure(shot)
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.timings.timed("update"):
@@ -113,8 +131,10 @@ class Renderer:
             passes = range(k * each, (k + 1) * each)
             with self.timings.timed("trace"):
                 accumulator.add_passes(scene.sensor, shot.seed, passes, count * each)
+                if exposure:
+                    exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):
-            return accumulator.layers()
+            return accumulator.layers(), exposure.images() if exposure else PassImages()
 
     def scene_for(self, shot: Shot) -> MitsubaScene:
         """Return the Mitsuba scene of a shot, updated in place where the build is the same."""

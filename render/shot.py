@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.config import Film, Light, Material
+from render.development import Development, Tone
 from render.footprints import FootprintRaster
 from render.panorama_file import file_digest
 
@@ -27,6 +28,8 @@ from render.panorama_file import file_digest
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """A triangle mesh with one material, posed for this frame.
+
+    A mesh with colours has no pattern: its material's base colour is multiplied by them.
 
     Attributes:
         name: unique within the shot.
@@ -41,6 +44,11 @@ class Mesh:
             [m], on which patterns lie; or None. Constant.
         footprints: all footprints of the film in this ground, or None. Constant.
         footprint_count: number of these made so far.
+        colors: (V, 3) float32 linear colours, or None. Constant over a film.
+        normals: (V, 3) float32 unit normals to shade with, None to have them computed.
+        owner: name of the performer that it is a part of, or empty. Constant.
+        cover: (V, 4) float32 of ground: a linear colour in place of that of the material, and
+            its share; or None. Constant over a film.
     """
 
     name: str
@@ -53,22 +61,31 @@ class Mesh:
     rest: NDArray[np.float32] | None = None
     footprints: FootprintRaster | None = None
     footprint_count: int = 0
+    colors: NDArray[np.float32] | None = None
+    normals: NDArray[np.float32] | None = None
+    owner: str = ""
+    cover: NDArray[np.float32] | None = None
 
     @cached_property
     def topology(self) -> bytes:
         """Digest of everything that is constant in one build."""
-        head = f"{self.name}|{self.material}|{self.smooth}|{len(self.vertices)}"
+        head = f"{self.name}|{self.owner}|{self.material}|{self.smooth}|{len(self.vertices)}"
         uv = b"" if self.uv is None else self.uv.tobytes()
         warned = b"" if self.warned is None else b"tinted" + self.warned.tobytes()
         rest = b"" if self.rest is None else b"rest" + self.rest.tobytes()
         footprints = b"" if self.footprints is None else b"prints" + self.footprints.bytes
-        content = head.encode() + self.faces.tobytes() + uv + warned + rest + footprints
+        colors = b"" if self.colors is None else b"colors" + self.colors.tobytes()
+        bent = b"" if self.normals is None else b"normals"
+        cover = b"" if self.cover is None else b"cover" + self.cover.tobytes()
+        extra = rest + footprints + colors + bent + cover
+        content = head.encode() + self.faces.tobytes() + uv + warned + extra
         return hashlib.blake2b(content, digest_size=16).digest()
 
     @cached_property
     def digest(self) -> bytes:
         """Digest of the whole mesh."""
         content = self.topology + self.vertices.tobytes()
+        content += b"" if self.normals is None else self.normals.tobytes()
         content += f"printed {self.footprint_count}".encode() if self.footprint_count else b""
         return hashlib.blake2b(content, digest_size=16).digest()
 
@@ -103,6 +120,27 @@ class CameraPose:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     fov_deg: float = 35.0
     lens: Lens | None = None
+
+    @property
+    def top(self) -> NDArray[np.float64]:
+        """A direction that is upward in the frame.
+
+        Looking straight up or down, the top of the frame is -Z, as on a map.
+        """
+        sight, up = np.subtract(self.p_WT, self.p_WC), np.asarray(self.up, float)
+        if np.linalg.norm(np.cross(sight, up)) < 1e-6 * np.linalg.norm(sight):
+            return np.array([0.0, 0.0, -1.0])
+        return up
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """Unit vectors to the right, up and ahead, as rows."""
+        ahead = np.subtract(self.p_WT, self.p_WC) / np.linalg.norm(
+            np.subtract(self.p_WT, self.p_WC)
+        )
+        right = np.cross(ahead, self.top)
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(right, ahead), ahead])
 
 
 @dataclass(frozen=True)
@@ -142,10 +180,14 @@ class Shot:
         materials: name -> material, written out in full.
         light: the lights, written out in full.
         camera: pose of this frame.
-        film: size, samples, depth, denoiser and exposure.
+        film: size, samples, depth, denoiser, exposure and look.
         seed: of the sampler; constant over a film, which flickers less than one per frame.
         later: moments of the exposure after the first, evenly spaced; empty without motion blur.
         lamps: places of the lamps of the light; empty if they are fixed.
+        scenery: surfaces that stand still over the whole film, in an acceleration structure of
+            their own that is never rebuilt. Constant over a film; none of them glows.
+        after: the moment when the next frame begins, for the pass of motion; None without it.
+        tone: exposure and contrast as metered; as the light is set up by default.
     """
 
     meshes: tuple[Mesh, ...]
@@ -156,6 +198,15 @@ class Shot:
     seed: int = 0
     later: tuple[Moment, ...] = ()
     lamps: tuple[LampPlace, ...] = ()
+    scenery: tuple[Mesh, ...] = ()
+    after: Moment | None = None
+    tone: Tone = field(default_factory=Tone)
+
+    @property
+    def development(self) -> Development:
+        """How its light is shown: its tone, compensated by the film, and the film's look."""
+        stops = self.tone.stops + self.film.exposure
+        return Development(replace(self.tone, stops=stops), self.film.look)
 
     @property
     def moments(self) -> tuple[Moment, ...]:
@@ -168,25 +219,34 @@ class Shot:
         values = (
             *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
             *_light_values(self.light),
-            # The preset is expanded already, and a codec concerns the film.
-            self.film.model_dump_json(exclude={"preset", "codec", "container"}),
+            self.film.model_dump_json(exclude=_NOT_TRACED),
             "pinhole" if self.camera.lens is None else "lens",
         )
+        still = (b"scenery", *(mesh.digest for mesh in self.scenery)) if self.scenery else ()
         return _digest(
-            (*(mesh.topology for mesh in self.meshes), *(value.encode() for value in values))
+            (
+                *(mesh.topology for mesh in self.meshes),
+                *(value.encode() for value in values),
+                *still,
+            )
         )
 
     @cached_property
     def digest(self) -> str:
         """Digest of everything that the frame depends on, as hexadecimal digits."""
         camera = repr((self.camera, self.seed)).encode()
-        pieces = [self.build.encode(), camera, *(mesh.digest for mesh in self.meshes)]
+        shown = str(self.development).encode()
+        pieces = [self.build.encode(), camera, shown, *(mesh.digest for mesh in self.meshes)]
         if self.lamps:
             pieces.append(repr(self.lamps).encode())
-        for moment in self.later:
+        for moment in (*self.later, *((self.after,) if self.after else ())):
             placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
             pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]
         return _digest(pieces)
+
+
+_NOT_TRACED = {"preset", "codec", "container", "exposure", "look"}
+"""Keys of a film that concern what is made of traced light; its preset is expanded already."""
 
 
 def _light_values(light: Light) -> tuple[str, ...]:

@@ -5,19 +5,22 @@ They are independent of Mitsuba, and the renderer uses every key.
 
 from render.config.camera import Camera, Cuts, View, cuts
 from render.config.film import Film, FullFilm
-from render.config.light import LIGHTS, Hdr, Lamp, Light, Moon, Spot, Studio, Sun, light
+from render.config.light import LIGHTS, Clouds, Hdr, Lamp, Light, Moon, Spot, Studio, Sun, light
+from render.config.look import Look
 from render.config.material import MATERIALS, Material, material
 
 __all__ = [
     "LIGHTS",
     "MATERIALS",
     "Camera",
+    "Clouds",
     "Cuts",
     "Film",
     "FullFilm",
     "Hdr",
     "Lamp",
     "Light",
+    "Look",
     "Material",
     "Moon",
     "Spot",

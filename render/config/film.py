@@ -7,12 +7,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from render.config.base import RenderConfig
+from render.config.look import Look
 
 Denoise = Literal["off", "fast", "high"]
 SoftLight = Literal["half", "full"]
 Format = Literal["png", "exr"]
 Codec = Literal["h264", "prores", "vp9", "av1"]
 Container = Literal["mp4", "mov", "webm"]
+Pass = Literal["depth", "normal", "motion", "id", "alpha"]
 Preset = Literal["draft", "preview", "final", "master"]
 Degrees = Annotated[float, Field(ge=0, le=360)]
 Moments = Annotated[int, Field(ge=1, le=256)]
@@ -108,8 +110,17 @@ class Film(RenderConfig):
         description="Moments of a blurred frame, which share its samples.",
     )
     exposure: float = Field(0.0, ge=-20, le=20, description="Exposure compensation [stops].")
+    look: Look = Field(
+        default_factory=lambda: Look.model_validate("natural"),
+        description="Grading: the name of a look, or its values.",
+    )
     format: Format | None = Field(
         None, description="Format of the frames: png is ready to show; exr keeps all light."
+    )
+    passes: tuple[Pass, ...] = Field(
+        (),
+        description="For compositing, further parts of EXR frames: depth, normal, motion, alpha, "
+        "and by id the mattes of performers, parts and materials (Cryptomatte).",
     )
     codec: Codec | None = Field(
         None,
@@ -121,6 +132,18 @@ class Film(RenderConfig):
         description="Format of the film's file: mp4 of h264, vp9 and av1, mov of prores. Films of "
         "vp9 and av1 may also be webm, whose times are whole milliseconds.",
     )
+
+    @field_validator("passes")
+    @classmethod
+    def _check_passes(cls, value: tuple[Pass, ...], info: ValidationInfo) -> tuple[Pass, ...]:
+        if len(set(value)) < len(value):
+            raise ValueError("a pass is named twice; name each once")
+        # A wrong preset or format is not among the values, and has an error of its own.
+        if not value or not {"preset", "format"} <= info.data.keys():
+            return value
+        if (info.data["format"] or _PRESETS[info.data["preset"]]["format"]) != "exr":
+            raise ValueError("passes are parts of EXR frames; write format: exr")
+        return value
 
     @field_validator("codec")
     @classmethod
@@ -173,8 +196,8 @@ class FullFilm(Film):
         return 1 if self.soft_light == "half" else RAYS_PER_PATH
 
     @property
-    def passes(self) -> int:
-        """Number of passes, at least one."""
+    def rounds(self) -> int:
+        """Number of times that every pixel is sampled, at least one."""
         return max(round(self.samples / self.rays), 1)
 
     @property
@@ -190,5 +213,5 @@ class FullFilm(Film):
         """
         if self.shutter_deg == 0.0:
             return (0.0,)
-        count = min(self.moments, self.passes)
+        count = min(self.moments, self.rounds)
         return tuple(self.shutter_deg / 360.0 * (k + 0.5) / count for k in range(count))

@@ -6,11 +6,50 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
 
 from render.config.base import Color, Point, PresetModel, RenderConfig, Unit, known_name
+
+_CLOUDS: dict[str, dict[str, Any]] = {
+    "clear": {},
+    "fair": {"cumulus": 0.34, "cirrus": 0.3},
+    "cumulus": {"cumulus": 0.55, "cirrus": 0.1},
+    "cirrus": {"cirrus": 0.7},
+    "broken": {"cumulus": 0.85, "overcast": 0.1},
+    "overcast": {"overcast": 1.0},
+}
+
+
+class Clouds(PresetModel):
+    """Clouds of three kinds, 0 to 1 each."""
+
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _CLOUDS
+
+    cumulus: Unit = Field(0.0, description="Heaps with flat bases: 0.4 are a few, 1 hides most.")
+    cirrus: Unit = Field(0.0, description="Thin veils of ice, high above.")
+    overcast: Unit = Field(0.0, description="A grey layer; 1 hides sky and sun.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_number(cls, value: object) -> object:
+        """Return the clouds of a number: heaps up to a half, and more and more of a grey layer."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return value
+        if not 0 <= value <= 1:
+            raise ValueError(f"clouds are a name or a number from 0 to 1, not {value:g}")
+        return {"cumulus": min(1.6 * value, 0.8), "overcast": max(2 * value - 1, 0.0)}
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Let the JSON schema accept a number, too."""
+        found = super().__get_pydantic_json_schema__(schema, handler)
+        number = {"type": "number", "minimum": 0, "maximum": 1}
+        return {**found, "anyOf": [*found["anyOf"], number]}
 
 
 class Sun(RenderConfig):
@@ -28,7 +67,10 @@ class Sun(RenderConfig):
     softness_deg: float = Field(
         1.0, ge=0.5, le=20, description="Angular diameter of the sun; the real one has 0.53."
     )
-    clouds: Unit = Field(0.0, description="0 is a clear sky, 1 an overcast one without sun.")
+    clouds: Clouds = Field(
+        default_factory=lambda: Clouds.model_validate("fair"),
+        description="A name, a number (0 is a clear sky, 1 an overcast one without sun) or values.",
+    )
 
 
 class Moon(RenderConfig):
@@ -124,10 +166,24 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "dawn": {"sun": {"hour": 3.95, "turbidity": 3.0}},
     "dusk": {"sun": {"hour": 20.2, "turbidity": 3.0}},
     "night": {"sun": {"hour": 0.0}, "moon": {}},
-    "overcast": {"sun": {"hour": 13.0, "clouds": 1.0}},
+    "overcast": {"sun": {"hour": 13.0, "clouds": "overcast"}},
     "studio": {"studio": {}},
 }
 _ENVIRONMENTS = {"sun", "studio", "hdr"}
+
+
+HAZES = {"none": 0.0, "light": 0.2, "hazy": 0.32, "mist": 0.5, "fog": 0.8}
+"""Strengths of haze that have a word."""
+
+
+def _haze_of_word(value: object) -> object:
+    return HAZES[known_name(value, HAZES, "haze")] if isinstance(value, str) else value
+
+
+Haze = Annotated[
+    Unit,
+    BeforeValidator(_haze_of_word, json_schema_input_type=Unit | Literal[tuple(HAZES)]),
+]
 
 
 class Light(PresetModel):
@@ -140,6 +196,10 @@ class Light(PresetModel):
     hdr: Hdr | None = Field(None, description="A panorama of a place.")
     moon: Moon | None = Field(None, description="The moon, visible while the sun is down.")
     stars: Unit | None = Field(None, description="Brightness of the stars; 0.5 by default.")
+    haze: Haze | None = Field(
+        None,
+        description="Haze, 0 to 1 or a word: 0 is none, 1 fog; by weather and hour if left out.",
+    )
 
     lamps: tuple[Lamp, ...] = Field(
         (), max_length=64, description="Lamps; without other keys of `light` it is night."
@@ -162,6 +222,8 @@ class Light(PresetModel):
             raise ValueError("give one of `sun`, `studio` and `hdr`")
         if self.sun is None and (self.moon is not None or self.stars is not None):
             raise ValueError("`moon` and `stars` need a sun; write `sun: {hour: 0}`")
+        if self.studio is not None and self.haze:
+            raise ValueError("`haze` needs a sky; take it away from the studio")
         return self
 
     @property

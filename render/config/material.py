@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from render.config.base import Color, PresetModel, Unit, known_name
 from render.config.material_palette import PALETTE
@@ -21,6 +21,7 @@ Texture = Literal[
     "mud",
     "asphalt",
     "ice",
+    "waves",
     "tiles",
     "checker",
     "wood",
@@ -37,6 +38,9 @@ Texture = Literal[
     "clay",
     "marble",
 ]
+
+DIFFUSE_ROUGHNESS = 0.7
+"""Roughness from which a bare dielectric is diffuse, which is fastest and flickers least."""
 
 
 class Material(PresetModel):
@@ -55,6 +59,11 @@ class Material(PresetModel):
     sheen: Unit = Field(0.0, description="Weight of a soft gloss at the rim, as of velvet.")
     transmission: Unit = Field(
         0.0, description="Share of the light that goes through, as in glass."
+    )
+    translucency: Unit = Field(
+        0.0,
+        description="Share of the scattered light that leaves on the other side of a thin, dull "
+        "sheet, such as a leaf, paper or cloth.",
     )
     ior: float = Field(1.5, ge=1.01, le=3, description="Index of refraction of a clear material.")
     glow: float = Field(
@@ -84,6 +93,16 @@ class Material(PresetModel):
         None, description="Colour of textured ground below `hollow_height`, such as damp soil."
     )
     hollow_height: float = Field(0.0, description="Height [m] below which hollows show theirs.")
+
+    @model_validator(mode="after")
+    def _translucent_is_dull(self) -> Material:
+        shines = self.metallic or self.clearcoat or self.sheen or self.transmission
+        if self.translucency and (shines or self.roughness < DIFFUSE_ROUGHNESS):
+            raise ValueError(
+                f"translucency needs a dull surface: roughness of at least {DIFFUSE_ROUGHNESS:g}, "
+                "and no metallic, clearcoat, sheen or transmission"
+            )
+        return self
 
 
 MATERIALS: dict[str, Material] = {name: Material.model_validate(name) for name in PALETTE}

@@ -149,6 +149,7 @@ GROUNDS: dict[str, Row] = {
                              steep_color="#7a736b"),
     "asphalt":          _row("#3c3c3e", "#48474a", 0.85, ("asphalt", 1.0, 0.8)),
     "ice":              _row("#a9c8d6", "#c3d8e0", 0.12, ("ice", 2.5, 1.0), clearcoat=0.8),
+    "sea":              _row("#1f3f4a", "#24505a", 0.12, ("waves", 9.0, 1.0)),
     "tiles":            _row("#b9b0a2", "#aca190", 0.3,  ("tiles", 2.4, 1.0), clearcoat=0.3),
     "terracotta tiles": _row("#a9603c", "#9a5433", 0.5,  ("tiles", 2.4, 1.0)),
     "checker tiles":    _row("#8b8880", None,      0.22, ("checker", 2.4, 1.0), clearcoat=0.4),

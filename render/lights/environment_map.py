@@ -20,6 +20,9 @@ Vector = NDArray[np.float64]
 WIDTH, HEIGHT = 512, 256
 """Size of the maps that skies are computed at [pixels]."""
 
+CLOUD_WIDTHS = (1024, 2048, 3072)
+"""Widths of maps of skies with clouds [pixels]: a view of 50 degrees shows a seventh of one."""
+
 UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -33,6 +36,11 @@ def pixel_directions(width: int = WIDTH, height: int = HEIGHT) -> Vector:
     found = np.stack([sin * np.sin(phi), up, -sin * np.cos(phi)], axis=-1)
     found.flags.writeable = False
     return found
+
+
+def sky_width(film_width: int) -> int:
+    """Return the width of the map of a sky with clouds for frames of a width [pixels]."""
+    return next((width for width in CLOUD_WIDTHS if film_width < 0.32 * width), CLOUD_WIDTHS[-1])
 
 
 def solid_angles(width: int = WIDTH, height: int = HEIGHT) -> Map:

@@ -74,7 +74,7 @@ def outdoor_light(sun: Sun, moon: Moon, stars: float, ground: Vector) -> LightEn
     sky, sun_irradiance = clear_sky(shown, sun.turbidity)
     key = KeyLight(shown, sun.softness_deg, sun_irradiance)
     # Clouds hide the disc sooner than they whiten the sky.
-    sun_transmittance = (1 - sun.clouds) ** 2
+    sun_transmittance = (1 - sun.clouds.overcast) ** 2
     if elevation >= MIN_MODEL_ELEVATION_DEG:
         key = key.scaled(sun_transmittance)
         image = _with_ground(_clouded(sky, sun), ground, key)
@@ -111,7 +111,7 @@ def outdoor_light(sun: Sun, moon: Moon, stars: float, ground: Vector) -> LightEn
 
 def _clouded(sky: Map, sun: Sun) -> Map:
     overcast = _overcast(float(luminance(sky[: HEIGHT // 2]).mean()), sun)
-    return np.asarray((1 - sun.clouds) * sky + sun.clouds * overcast)
+    return np.asarray((1 - sun.clouds.overcast) * sky + sun.clouds.overcast * overcast)
 
 
 def _setting_sun(key: KeyLight, elevation: float, azimuth: float) -> KeyLight:

@@ -1,4 +1,4 @@
-"""BSDF plugins in Python: a diffuse and a glossy surface with a pattern shader.
+"""BSDF plugins in Python: diffuse, thin and glossy surfaces with a pattern shader.
 
 The shader is called once per point, gives the colour and bends the normal. The diffuse surface
 reflects at most its colour: the energy of a cosine about the bent normal, less what would go
@@ -49,6 +49,23 @@ def diffuse_bsdf(shader: Shader, values: dict[str, Any]) -> Any:
     surface.shader, surface.values = shader, values
     both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
     surface.m_flags = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.SpatiallyVarying | both
+    surface.m_components = [surface.m_flags]
+    return surface
+
+
+def thin_bsdf(shader: Shader, values: dict[str, Any], translucency: float) -> Any:
+    """Return a thin diffuse sheet, `mi.BSDF`, that some light passes through.
+
+    Args:
+        shader: its colour and normal.
+        values: see `diffuse_bsdf`.
+        translucency: share of the scattered light that leaves on the other side.
+    """
+    surface = plugin(_ThinBsdf, "BSDF")
+    surface.shader, surface.values, surface.translucency = shader, values, translucency
+    both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+    scattered = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.DiffuseTransmission
+    surface.m_flags = scattered | mi.BSDFFlags.SpatiallyVarying | both
     surface.m_components = [surface.m_flags]
     return surface
 
@@ -105,18 +122,18 @@ class _DiffuseBsdf(_ShadedBsdf):
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         del ctx
         color, bent = self._shaded(si)
-        return _diffuse(color, bent, si.wi, wo, active)
+        return _diffuse(color, bent, _seen_side(si), wo, active)
 
     def eval_pdf_sample(
         self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
     ) -> tuple[Any, Any, Any, Any]:
         del ctx, sample1
         color, bent = self._shaded(si)
-        value, pdf = _diffuse(color, bent, si.wi, wo, active)
+        side = _seen_side(si)
+        value, pdf = _diffuse(color, bent, side, wo, active)
         local = mi.warp.square_to_cosine_hemisphere(sample2)
-        side = _side_of(si.wi)
         out = mi.Frame3f(bent).to_world(local)
-        is_above = active & (out.z > 0) & (si.wi.z != 0)
+        is_above = active & (out.z > 0)
         found: Any = dr.zeros(mi.BSDFSample3f)
         found.wo = mi.Vector3f(out.x, out.y, out.z * side)
         found.pdf = dr.select(is_above, mi.warp.square_to_cosine_hemisphere_pdf(local), 0.0)
@@ -134,6 +151,46 @@ class _DiffuseBsdf(_ShadedBsdf):
 
     def to_string(self) -> str:
         return "DiffuseBsdf[]"
+
+
+class _ThinBsdf(_DiffuseBsdf):
+    """Methods of `mi.BSDF` for a thin diffuse sheet."""
+
+    translucency: float
+
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+        del ctx
+        color, bent = self._shaded(si)
+        return self._scattered(color, bent, si.wi, wo, active)
+
+    def eval_pdf_sample(
+        self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any, Any, Any]:
+        del ctx
+        color, bent = self._shaded(si)
+        value, pdf = self._scattered(color, bent, si.wi, wo, active)
+        out = mi.Frame3f(bent).to_world(mi.warp.square_to_cosine_hemisphere(sample2))
+        side = _side_of(si.wi) * dr.select(sample1 < self.translucency, mi.Float(-1), mi.Float(1))
+        found: Any = dr.zeros(mi.BSDFSample3f)
+        found.wo = mi.Vector3f(out.x, out.y, out.z * side)
+        is_above = active & (out.z > 0) & (si.wi.z != 0)
+        _, density = self._scattered(color, bent, si.wi, found.wo, is_above)
+        found.pdf = density
+        found.eta = 1.0
+        found.sampled_type = mi.UInt32(+mi.BSDFFlags.DiffuseReflection)
+        found.sampled_component = 0
+        return value, pdf, found, dr.select(is_above, color, 0.0)
+
+    def _scattered(self, color: Any, bent: Any, wi: Any, wo: Any, active: Any) -> tuple[Any, Any]:
+        """Return the value, times the cosine, and the density of scattering into `wo`."""
+        side = _side_of(wi)
+        mirrored = mi.Vector3f(wo.x, wo.y, dr.abs(wo.z) * side)
+        value, pdf = _diffuse(color, bent, side, mirrored, active)
+        share = dr.select(wo.z * side > 0, 1.0 - self.translucency, self.translucency)
+        return value * share, pdf * share
+
+    def to_string(self) -> str:
+        return f"ThinBsdf[{self.translucency}]"
 
 
 class _Paint:
@@ -210,7 +267,7 @@ class _GlossyBsdf(_ShadedBsdf):
         """Return the interaction for the wrapped BSDF, the bent frame and the side."""
         color, normal = self.shader(si)
         self.paint.color = color
-        side = _side_of(si.wi)
+        side = _seen_side(si)
         frame = mi.Frame3f(_local_normal(si, normal))
         here = mi.SurfaceInteraction3f(si)
         wi = frame.to_local(mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side))
@@ -228,6 +285,15 @@ def _side_of(direction: Any) -> Any:
     return dr.select(direction.z < 0, mi.Float(-1), mi.Float(1))
 
 
+def _seen_side(si: Any) -> Any:
+    """Return 1 for a surface seen from above and -1 for one seen from below.
+
+    Its faces decide, not its smooth normals: just behind a crest these face away from the viewer,
+    and the crest would have a black rim.
+    """
+    return dr.select(dr.dot(si.n, si.to_world(si.wi)) < 0, mi.Float(-1), mi.Float(1))
+
+
 def _local_normal(si: Any, normal: Any) -> Any:
     """Return a normal of the world as unit `mi.Vector3f` in the frame of the surface."""
     bent = dr.normalize(si.to_local(normal))
@@ -236,12 +302,11 @@ def _local_normal(si: Any, normal: Any) -> Any:
     return dr.normalize(bent)
 
 
-def _diffuse(color: Any, bent: Any, wi: Any, wo: Any, active: Any) -> tuple[Any, Any]:
+def _diffuse(color: Any, bent: Any, side: Any, wo: Any, active: Any) -> tuple[Any, Any]:
     """Return the value, times the cosine, and the density of scattering into `wo`."""
-    side = _side_of(wi)
     out = mi.Vector3f(wo.x, wo.y, wo.z * side)
     cosine = dr.maximum(dr.dot(out, bent), 0.0)
-    is_above = active & (out.z > 0) & (wi.z != 0)
+    is_above = active & (out.z > 0)
     pdf = dr.select(is_above, cosine * dr.inv_pi, 0.0)
     return color * pdf, pdf
 

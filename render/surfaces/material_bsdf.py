@@ -14,17 +14,20 @@ import mitsuba as mi
 from render.color import linear
 from render.config import Material
 from render.footprints import FootprintRaster
-from render.surfaces.bsdf_plugins import diffuse_bsdf, glossy_bsdf
+from render.surfaces.bsdf_plugins import diffuse_bsdf, glossy_bsdf, thin_bsdf
 from render.surfaces.mitsuba_bsdf import (
     Surface,
+    covered_bsdf,
     is_diffuse,
     opaque_bsdf,
     patterned_bsdf,
     rgb_texture,
+    thin_plugin,
     transmissive_bsdf,
+    vertex_colors,
     warned_bsdf,
 )
-from render.surfaces.patterns import BodyShader, GroundShader
+from render.surfaces.patterns import BodyShader, GroundShader, PlainShader
 
 _NO_PATTERN = {
     "texture": "none",
@@ -42,6 +45,9 @@ def material_bsdf(
     surface: Surface,
     is_warned: bool = False,
     footprints: FootprintRaster | None = None,
+    *,
+    has_colors: bool = False,
+    has_cover: bool = False,
 ) -> Any:
     """Return the BSDF of a material, `mi.BSDF`.
 
@@ -50,24 +56,33 @@ def material_bsdf(
         surface: what a pattern is laid on.
         is_warned: whether the surface has the attribute `patterns.WARNED`.
         footprints: in the ground; the scalar variant leaves them out.
+        has_colors: whether the surface has the attribute `mitsuba_bsdf.VERTEX_COLOR`, which then
+            is its base colour.
+        has_cover: whether the surface has the attributes `patterns.COVER_COLOR` and `COVER_SHARE`.
     """
     if material.transmission > 0:
         return mi.load_dict(transmissive_bsdf(material))
     has_pattern = surface != "bare" and material.texture != "none"
-    if not (has_pattern or is_warned or footprints) or _is_scalar():
-        if has_pattern:
-            made = patterned_bsdf(material, surface)
-        else:
-            made = opaque_bsdf(material, rgb_texture(material.color))
-        if is_warned:
-            made = warned_bsdf(made)
+    plain = vertex_colors() if has_colors else rgb_texture(material.color)
+    is_thin = material.translucency > 0
+    is_ground = is_warned or footprints is not None or has_cover
+    if not (has_pattern or is_ground or is_thin) or _is_scalar():
+        if is_thin and not has_pattern:
+            return mi.load_dict(thin_plugin(material, plain))
+        made = patterned_bsdf(material, surface) if has_pattern else opaque_bsdf(material, plain)
+        made = covered_bsdf(made) if has_cover else made
+        made = warned_bsdf(made) if is_warned else made
         return mi.load_dict({"type": "twosided", "bsdf": made})
-    shader: BodyShader | GroundShader
-    if has_pattern and surface == "body":
+    shader: BodyShader | GroundShader | PlainShader
+    if has_colors or not (has_pattern or is_ground):
+        shader = PlainShader(mi.load_dict(plain))
+    elif has_pattern and surface == "body":
         shader = BodyShader(material)
     else:
         shown = material if has_pattern else material.model_copy(update=_NO_PATTERN)
-        shader = GroundShader(shown, is_warned, footprints)
+        shader = GroundShader(shown, is_warned, footprints, has_cover=has_cover)
+    if is_thin:
+        return thin_bsdf(shader, shader.values, material.translucency)
     if is_diffuse(material):
         return diffuse_bsdf(shader, shader.values)
     return glossy_bsdf(material, shader, shader.values)

@@ -15,8 +15,11 @@ from numpy.typing import NDArray
 
 from render.color import linear
 from render.config import Material
+from render.config.material import DIFFUSE_ROUGHNESS
 from render.surfaces.patterns import (
     BODY_PATCHES,
+    COVER_COLOR,
+    COVER_SHARE,
     FIRST_LAYER,
     HATCHING,
     LINED_PATTERNS,
@@ -38,11 +41,12 @@ Plugin = dict[str, Any]
 Surface = Literal["ground", "body", "bare"]
 """What a pattern is laid on; a bare surface has none."""
 
-DIFFUSE_ROUGHNESS = 0.7
-"""Roughness from which a bare dielectric is diffuse, which is fastest and flickers least."""
-
 STEEP, CREST, HOLLOW = "vertex_steep", "vertex_crest", "vertex_hollow"
 """Mesh attributes: shares of bare rock, of crests and of hollows, 0 to 1."""
+
+
+VERTEX_COLOR = "vertex_color"
+"""Mesh attribute: linear base colour."""
 
 
 def is_diffuse(material: Material) -> bool:
@@ -85,6 +89,26 @@ def rgb_texture(color: tuple[float, float, float]) -> Plugin:
     return {"type": "rgb", "value": [float(c) for c in linear(color)]}
 
 
+def vertex_colors() -> Plugin:
+    """Return the colours of the vertices of a mesh as a texture."""
+    return {"type": "mesh_attribute", "name": VERTEX_COLOR}
+
+
+def thin_plugin(material: Material, color: Any) -> Plugin:
+    """Return Mitsuba's nearest BSDF to a thin diffuse sheet, which scatters a little less evenly.
+
+    The other variants have `bsdf_plugins.thin_bsdf`.
+    """
+    return {
+        "type": "principledthin",
+        "base_color": color,
+        "roughness": 1.0,
+        "spec_trans": 0.0,
+        "diff_trans": 2.0 * material.translucency,
+        "eta": 1.1,
+    }
+
+
 def patterned_bsdf(material: Material, surface: Surface) -> Plugin:
     """Return the BSDF of a surface with a pattern."""
     on_body = surface == "body"
@@ -115,6 +139,12 @@ def warned_bsdf(below: Plugin) -> Plugin:
     warning = {"type": "diffuse", "reflectance": rgb_texture(HATCHING.color)}
     attribute = {"type": "mesh_attribute", "name": WARNED}
     return _blend(attribute, below, _blend(tint, below, warning))
+
+
+def covered_bsdf(below: Plugin) -> Plugin:
+    """Return a surface that the colour of its attributes covers where their share says so."""
+    color = {"type": "diffuse", "reflectance": {"type": "mesh_attribute", "name": COVER_COLOR}}
+    return _blend({"type": "mesh_attribute", "name": COVER_SHARE}, below, color)
 
 
 def _blend(weight: Plugin | float, below: Plugin, above: Plugin) -> Plugin:

@@ -56,6 +56,12 @@ PATCHES = Layer(9.0, 19.0)
 LARGE_PATCHES = Layer(61.0, 52.0)
 BODY_PATCHES = Layer(1.7, 19.0)
 
+COVER_LAYERS = (Layer(29.0, 23.0), Layer(173.0, 61.0), Layer(911.0, 8.0))
+"""Uneven tones and lumps of the cover of land; their scales are metres."""
+
+COVER_CONTRAST, COVER_RELIEF = 0.6, 0.16
+"""How uneven the tones and the slopes of the cover of land are."""
+
 PATCH_CONTRAST = 0.8
 """Weight of patches of each size."""
 
@@ -73,6 +79,9 @@ MIN_REFLECTANCE, MAX_REFLECTANCE = 0.003, 0.9
 
 WARNED = "vertex_tinted"
 """Mesh attribute: share of the faces around a vertex that are hatched, 0 to 1."""
+
+COVER_COLOR, COVER_SHARE = "vertex_cover", "vertex_covered"
+"""Mesh attributes: linear colour of what covers land, and its share, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +114,10 @@ class GroundShader:
         material: Material,
         is_warned: bool = False,
         footprints: FootprintRaster | None = None,
+        *,
+        has_cover: bool = False,
     ) -> None:
-        self._material, self._is_warned = material, is_warned
+        self._material, self._is_warned, self._has_cover = material, is_warned, has_cover
         # Opaque, so that another lens does not compile the kernel again.
         self.values: dict[str, Any] = {PIXEL_WIDTH: dr.opaque(mi.Float, 1e-3)}
         self._footprints = None
@@ -119,12 +130,16 @@ class GroundShader:
             self.values["smoothness"] = mi.Float(mipmap.relief_darkening(material.bump))
         if material.color2 is not None:
             self._patches = device_texture(patch_mipmap(), self.values, "patches")
+        if has_cover:
+            self._uneven = device_texture(patch_mipmap(), self.values, "uneven")
         if material.steep_color is not None:
             self._rock = device_texture(pattern_mipmap("rock"), self.values, "bare")
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at surface interactions."""
         color, normal = self._textured(si)
+        if self._has_cover:
+            color, normal = self._covered(si, color, normal)
         if self._footprints is not None:
             dark, gradient = self._footprints.at(si.p)
             color *= 1.0 - dark
@@ -163,6 +178,22 @@ class GroundShader:
         color *= dr.gather(mi.Float, self.values["smoothness"], level)
         return color, bent_normal(n, projection.gradient(*slopes), material.bump)
 
+    def _covered(self, si: Any, color: Any, normal: Any) -> tuple[Any, Any]:
+        """Return colour and normal of land, with its cover, which is uneven at all sizes."""
+        cover = mi.Color3f(si.shape.eval_attribute_3(COVER_COLOR, si))
+        share = si.shape.eval_attribute_1(COVER_SHARE, si)
+        projection = box_projection(si.p, mi.Normal3f(0, 1, 0), mi.Float(0))
+        tone: Any = mi.Float(1.0)
+        slopes = mi.Float(0), mi.Float(0)
+        for layer in COVER_LAYERS:
+            level = mip_level(si, 2.0 * layer.scale, self.values[PIXEL_WIDTH])
+            uneven = self._uneven.on(projection, layer.scale, layer.turn_deg, level)
+            tone *= 1.0 + COVER_CONTRAST * (uneven.shade - 0.5)
+            slopes = slopes[0] + uneven.slope_u, slopes[1] + uneven.slope_v
+        gradient = projection.gradient(*slopes)
+        covered = bent_normal(si.sh_frame.n, gradient, COVER_RELIEF)
+        return dr.lerp(color, cover * tone, share), dr.lerp(normal, covered, share)
+
     def _patch_share(self, si: Any, projection: Projection, patches: DeviceTexture) -> Any:
         """Return the share of the second colour: patches of two incommensurable sizes."""
         share = mi.Float(0.5)
@@ -173,6 +204,18 @@ class GroundShader:
             patch = patches.on(projection, size, layer.turn_deg, level)
             share += PATCH_CONTRAST * (patch.shade - 0.5)
         return dr.clip(share, 0.0, 1.0)
+
+
+class PlainShader:
+    """Shades a surface without pattern in the colour of a texture of Mitsuba."""
+
+    def __init__(self, texture: Any) -> None:
+        self._texture = texture
+        self.values: dict[str, Any] = {}
+
+    def __call__(self, si: Any) -> tuple[Any, Any]:
+        """Return colour and normal at surface interactions."""
+        return self._texture.eval(si), si.sh_frame.n
 
 
 class BodyShader:

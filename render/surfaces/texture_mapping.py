@@ -20,7 +20,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from render.textures import TILE, Plane, patches, tile
+from render.textures import TILE, Plane, lumps, patches, tile
 
 LEVELS = 10
 """Mip levels of a tile, each half as wide as the one before."""
@@ -115,13 +115,16 @@ def pattern_mipmap(pattern: str) -> Mipmap:
 
 @lru_cache(maxsize=1)
 def patch_mipmap() -> Mipmap:
-    """Return the mipmap of slow patches; its shade is 0 to 1."""
-    plane, levels = patches(), []
+    """Return the mipmap of slow patches; its shade is 0 to 1, its slopes have a deviation of 1."""
+    plane, relief, levels = patches(), lumps(), []
+    planes = [plane, np.zeros_like(plane), *(_slope(relief, axis, 1.0) for axis in (1, 0))]
+    max_slope = float(max(np.abs(slope).max() for slope in planes[2:]))
+    ranges = [(0.0, MAX_SHADE), (-1.0, 1.0), *[(-max_slope, max_slope)] * 2]
     for _ in range(LEVELS):
-        flat = np.zeros_like(plane)
-        levels.append(_packed([plane, flat, flat, flat], [(0.0, MAX_SHADE), *[(-1.0, 1.0)] * 3]))
-        plane = _halved(plane)
-    return Mipmap(np.concatenate(levels), len(patches()), 1.0, np.zeros((LEVELS, 1), np.float32))
+        levels.append(_packed(planes, ranges))
+        planes = [_halved(part) for part in planes]
+    squares = np.zeros((LEVELS, 1), np.float32)
+    return Mipmap(np.concatenate(levels), len(plane), max_slope, squares)
 
 
 def _slope(relief: Plane, axis: int, size: float) -> Plane:
@@ -199,7 +202,20 @@ def mip_level(si: Any, size: float, pixel: Any) -> Any:
     # At a grazing angle a pixel covers more ground: its area counts. A factor of 0.7 keeps the
     # texture crisp; the samples average the sparkle that is left.
     footprint = si.t * pixel * (0.7 * TILE / size) * dr.rsqrt(dr.maximum(dr.abs(si.wi.z), 0.01))
-    return mi.UInt32(dr.clip(dr.log2(dr.maximum(footprint, 1.0)), 0.0, LEVELS - 1.0))
+    # The samples of a pixel are spread over two levels: a border between them would be seen as a
+    # ring around the camera.
+    level = dr.log2(dr.maximum(footprint, 1.0)) + _spread(si.p) - 0.5
+    return mi.UInt32(dr.clip(level, 0.0, LEVELS - 1.0))
+
+
+def _spread(p: Any) -> Any:
+    """Return a number, 0 to 1, that differs between the samples of a pixel, by their places."""
+    x: Any = dr.reinterpret_array(mi.UInt32, mi.Float(p.x))
+    z: Any = dr.reinterpret_array(mi.UInt32, mi.Float(p.z))
+    word = (x * 0x9E3779B1) ^ (z * 0x85EBCA77)
+    word ^= word >> 15
+    word *= 0x2C1B3C6D
+    return mi.Float(word >> 8) * 2.0**-24
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ import numpy as np
 from render.textures import ground_patterns, object_patterns
 from render.textures.noise import TILE, Plane, noise
 
-__all__ = ["TILE", "Plane", "Tile", "patches", "patterns", "tile"]
+__all__ = ["TILE", "Plane", "Tile", "lumps", "patches", "patterns", "tile"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +54,15 @@ def patches(size: int = 512) -> Plane:
     return (1 / (1 + np.exp(-2.2 * field))).astype(np.float32)
 
 
+@lru_cache(maxsize=4)
+def lumps(size: int = 512) -> Plane:
+    """Return a (size, size) relief of uneven ground whose slopes have a deviation of 1 per tile."""
+    rng = np.random.default_rng(_SEED + 2)
+    field = noise(rng, 1.9, first=3, size=size) + 0.12 * noise(rng, 1.0, first=30, size=size)
+    slope = (np.roll(field, -1, 1) - np.roll(field, 1, 1)) * (0.5 * size)
+    return np.asarray(field / slope.std(), np.float32)
+
+
 def patterns() -> tuple[str, ...]:
     """Return the names of all patterns."""
     return tuple(_PATTERNS)
@@ -79,6 +88,7 @@ _PATTERNS: dict[str, Callable[[np.random.Generator], ground_patterns.Drawn]] = {
     "mud": ground_patterns.mud,
     "asphalt": ground_patterns.asphalt,
     "ice": ground_patterns.ice,
+    "waves": ground_patterns.waves,
     "tiles": ground_patterns.tiles,
     "checker": ground_patterns.checker,
     "wood": object_patterns.wood,

@@ -135,6 +135,13 @@ def ice(rng: np.random.Generator) -> Drawn:
     )
 
 
+def waves(rng: np.random.Generator) -> Drawn:
+    """Draw wind waves on water, with their crests along the rows."""
+    long, short = noise(rng, 1.9, first=6, last=40, stretch=0.45), noise(rng, 1.5, first=24)
+    relief = 0.11 * long + 0.018 * short
+    return 1 + 0.06 * long.clip(-2, 2), 0.1 * long.clip(-2, 2), relief, 9.0
+
+
 def tiles(rng: np.random.Generator) -> Drawn:
     """Draw six by six floor tiles, each of its own tone, with grout between them."""
     return _slabs(rng, np.zeros((6, 6)))

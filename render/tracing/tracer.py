@@ -23,8 +23,8 @@ MAX_PATHS = 1 << 17
 SQUARE = 4
 """Side of the squares of pixels whose paths are adjacent in memory."""
 
-Sums = tuple[Any, Any]
-"""Sums over all passes, lane by lane, `mi.Color3f`: light, and albedo."""
+Sums = tuple[Any, ...]
+"""Sums over all passes, lane by lane, `mi.Color3f` each: light, albedo, and more of some."""
 
 
 class Accumulator(ABC):
@@ -80,18 +80,17 @@ class PixelLanes:
         order = _square_order(*size)
         self.chunks = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // MAX_PATHS))]
 
-    def zero_sums(self) -> list[Sums]:
-        """Return sums of zero for each chunk."""
+    def zero_sums(self, kinds: int) -> list[Sums]:
+        """Return sums of zero for each chunk, of so many kinds."""
         return [
-            (dr.opaque(mi.Color3f, 0.0, len(p)), dr.opaque(mi.Color3f, 0.0, len(p)))
-            for p in self.chunks
+            tuple(dr.opaque(mi.Color3f, 0.0, len(p)) for _ in range(kinds)) for p in self.chunks
         ]
 
-    def means(self, sums: list[Sums], count: int) -> tuple[Image, Image]:
-        """Return the means, (H, W, 3), of sums of `count` samples, which are used up."""
-        first, second = (list(column) for column in zip(*sums, strict=True))
+    def means(self, sums: list[Sums], count: int) -> list[Image]:
+        """Return the mean of each kind, (H, W, 3), of sums of `count` samples, used up."""
+        kinds = [list(column) for column in zip(*sums, strict=True)]
         sums.clear()
-        return self._mean(first, count), self._mean(second, count)
+        return [self._mean(kind, count) for kind in kinds]
 
     def _mean(self, sums: list[Any], count: int) -> Image:
         width, height = self.size

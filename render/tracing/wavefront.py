@@ -11,6 +11,7 @@ how the work is laid out, which decides the speed on a CPU:
 - Direct light on visible surfaces, and their albedo, are sharp and cheap; sky light and indirect
   light are soft and expensive. So direct light has samples of its own, several for each path,
   and both are returned apart; for a preview, indirect light is an image half as wide and high.
+- Haze lies between the camera and what it sees; reflections and light on its way do without.
 
 Sums are added up pass after pass and pixel by pixel, never by concurrent threads, so that the
 same seed gives the same bits.
@@ -31,6 +32,8 @@ import mitsuba as mi
 
 from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
+from render.tracing.haze import Air
+from render.tracing.scene_pair import emitters_of
 from render.tracing.stratification import (
     BSDF_PAIR,
     EMITTER_PAIR,
@@ -77,10 +80,12 @@ class Wavefront(Tracer):
     """Traces one scene.
 
     Args:
-        scene: of Mitsuba; see `mitsuba_scene.wavefront_limitation` for what is not supported.
+        scene: of Mitsuba, or a `ScenePair`; see `mitsuba_scene.wavefront_limitation` for what is
+            not supported.
         size: width and height of the frame [pixels].
         depth: longest path, in segments.
         half: whether indirect light is traced at half the size, with one direct sample per pixel.
+        air: haze before the camera, None without any.
 
     Attributes:
         direct_samples: for each path.
@@ -89,9 +94,15 @@ class Wavefront(Tracer):
     """
 
     def __init__(
-        self, scene: Any, size: tuple[int, int], depth: int, *, half: bool = False
+        self,
+        scene: Any,
+        size: tuple[int, int],
+        depth: int,
+        *,
+        half: bool = False,
+        air: Air | None = None,
     ) -> None:
-        self._scene, self._depth = scene, depth
+        self._scene, self._depth, self._air = scene, depth, air
         self.direct_samples = 1 if half else RAYS_PER_PATH
         self.direct = PixelLanes(size)
         self.indirect = PixelLanes((size[0] // 2, size[1] // 2)) if half else self.direct
@@ -138,9 +149,11 @@ class Wavefront(Tracer):
             self._total = passes
 
     def add_direct(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
-        """Return the sums of direct light and albedo with one more sample of every pixel."""
-        ray = _camera_ray(sensor, pixels, self.direct.size, strata.step(0))
-        return self._add_direct(self._scene, pixels, ray, self._depth > 1, sums, strata.step(1))
+        """Return the sums of direct light, albedo and air with a sample more of every pixel."""
+        ray = camera_ray(sensor, pixels, self.direct.size, strata.step(0))
+        return self._add_direct(
+            self._scene, self._air, pixels, ray, self._depth > 1, sums, strata.step(1)
+        )
 
     def add_indirect(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of indirect light and albedo with one more path of every pixel."""
@@ -149,8 +162,8 @@ class Wavefront(Tracer):
         count = dr.width(pixels)
         # Full width, although all are equal, so that later steps share the kernel of the first.
         initial = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        ray = _camera_ray(sensor, pixels, self.indirect.size, strata.step(0))
-        paths = self._start_paths(self._scene, pixels, ray, initial)
+        ray = camera_ray(sensor, pixels, self.indirect.size, strata.step(0))
+        paths = self._start_paths(self._scene, self._air, pixels, ray, initial)
         for step in range(1, self._depth):
             live = mi.UInt32(dr.compress(paths.hit.is_valid()))
             if dr.width(live) == 0:
@@ -173,7 +186,7 @@ class _Accumulator(Accumulator):
 
     def __init__(self, tracer: Wavefront) -> None:
         self._tracer = tracer
-        self._direct, self._indirect = tracer.direct.zero_sums(), tracer.indirect.zero_sums()
+        self._direct, self._indirect = tracer.direct.zero_sums(3), tracer.indirect.zero_sums(2)
         self._passes = 0
 
     def add_passes(self, sensor: Any, seed: int, passes: range, total: int) -> None:
@@ -195,9 +208,10 @@ class _Accumulator(Accumulator):
     def layers(self) -> LightLayers:
         """Return the mean of all passes."""
         tracer = self._tracer
-        direct, albedo = tracer.direct.means(self._direct, tracer.direct_samples * self._passes)
+        count = tracer.direct_samples * self._passes
+        direct, albedo, air = tracer.direct.means(self._direct, count)
         indirect, indirect_albedo = tracer.indirect.means(self._indirect, self._passes)
-        return LightLayers(direct, albedo, indirect, indirect_albedo)
+        return LightLayers(direct, albedo, indirect, indirect_albedo, air)
 
 
 def _recorded(stage: Callable[..., Any]) -> Any:
@@ -208,7 +222,7 @@ def _recorded(stage: Callable[..., Any]) -> Any:
     return dr.freeze(stage, limit=MAX_RECORDINGS, warn_after=1 << 30)
 
 
-def _camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStrata) -> Any:
+def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStrata) -> Any:
     """Return a ray through every pixel. Not recorded: some lenses cannot be."""
     place = sample_2d(pixels, strata, EMITTER_PAIR)
     lens = sample_2d(pixels, strata, BSDF_PAIR)
@@ -219,12 +233,18 @@ def _camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStr
 
 
 def _add_direct(
-    scene: Any, pixels: Any, ray: Any, has_lamps: bool, sums: Sums, strata: StepStrata
+    scene: Any,
+    air: Air | None,
+    pixels: Any,
+    ray: Any,
+    has_lamps: bool,
+    sums: Sums,
+    strata: StepStrata,
 ) -> Sums:
-    """Add visible surfaces with direct light and emission, and their albedo."""
+    """Add visible surfaces with direct light, their albedo, and what is seen besides."""
     si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
-    emitter = si.emitter(scene)
-    light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
+    emitter = si.emitter(emitters_of(scene))
+    shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     sample, arriving = scene.sample_emitter_direction(
         si, sample_2d(pixels, strata, EMITTER_PAIR), False, si.is_valid()
     )
@@ -234,17 +254,30 @@ def _add_direct(
         return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
 
     value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
+    light = mi.Color3f(0.0)
     if has_lamps:
         light += _unoccluded(
             scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=True
         )
-    return sums[0] + light, sums[1] + dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
+    albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
+    if air is not None:
+        passed = dr.select(si.is_valid(), air.transmittance(ray.o, ray.d, si.t), 1.0)
+        light, albedo = light * passed, albedo * passed
+        shining = shining * passed + air.scattered(ray.d) * (1.0 - passed)
+    return sums[0] + light, sums[1] + albedo, sums[2] + shining
 
 
-def _start_paths(scene: Any, pixels: Any, ray: Any, initial: tuple[Any, Any]) -> Paths:
+def _start_paths(
+    scene: Any, air: Air | None, pixels: Any, ray: Any, initial: tuple[Any, Any]
+) -> Paths:
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
     hit = scene.ray_intersect_preliminary(ray, coherent=True)
-    return Paths(lanes, pixels, ray.o, ray.d, hit, *initial)
+    weight, pdf = initial
+    if air is not None:
+        weight = weight * dr.select(
+            hit.is_valid(), air.transmittance(ray.o, ray.d, hit.t), mi.Color3f(1.0)
+        )
+    return Paths(lanes, pixels, ray.o, ray.d, hit, weight, pdf)
 
 
 def _bounce(
@@ -290,7 +323,8 @@ def _bounce(
     light += dr.select(
         extended.hit.is_valid(), 0.0, extended.weight * _sky(scene, extended, si, samples_sky)
     )
-    first_albedo = dr.select(is_first, albedo + ALBEDO_BIAS, 0.0)
+    # The first weight is what the haze lets through.
+    first_albedo = dr.select(is_first, (albedo + ALBEDO_BIAS) * paths.weight, 0.0)
     return extended, _add(sums[0], paths, _finite(light)), _add(sums[1], paths, first_albedo)
 
 
@@ -355,7 +389,7 @@ def _add(sums: Any, paths: Paths, values: Any) -> Any:
 
 def _emission(scene: Any, si: Any, paths: Paths) -> Any:
     """Return the emission of the surfaces, with the MIS weight of BSDF samples."""
-    emitter = si.emitter(scene)
+    emitter = si.emitter(emitters_of(scene))
     is_emitter = emitter != None  # noqa: E711  (compared lane by lane)
     sample = dr.zeros(mi.DirectionSample3f, dr.width(paths.lane))
     sample.p, sample.n, sample.uv, sample.d, sample.dist = si.p, si.n, si.uv, paths.direction, si.t

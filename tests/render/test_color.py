@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from render.color import developed, encoded, linear
+from render.color import encoded, linear
+from render.development import Development, Tone, developed
 
 
 def test_srgb_and_light_are_inverse() -> None:
@@ -17,7 +18,7 @@ def test_srgb_and_light_are_inverse() -> None:
 
 def grey(values: np.ndarray, stops: float = 0.0) -> np.ndarray:
     light = np.repeat(np.asarray(values, np.float32)[None, :, None], 3, axis=2)
-    return developed(light, stops)[0].astype(int)
+    return developed(light, Development(Tone(stops)))[0].astype(int)
 
 
 def test_more_light_is_never_darker_and_grey_stays_grey() -> None:
@@ -41,5 +42,5 @@ def test_a_stop_is_a_factor_of_two(stops: float, level: float) -> None:
 
 def test_black_negative_and_infinite_light_are_developed() -> None:
     light = np.array([[[0, 0, 0], [-1, -1, -1], [np.inf, np.inf, np.inf]]], np.float32)
-    assert developed(light, 0.0)[0, :, 0].tolist()[:2] == [0, 0]
-    assert developed(light, 0.0)[0, 2].min() > 240
+    assert developed(light)[0, :, 0].tolist()[:2] == [0, 0]
+    assert developed(light)[0, 2].min() > 240

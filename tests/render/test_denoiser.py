@@ -18,7 +18,7 @@ from render.frame import ALBEDO_BIAS, LightLayers
 from render.renderer import Renderer
 from render.shot import Shot
 
-BLACK = LightLayers(*(np.zeros((4, 4, 3), np.float32) for _ in range(4)))
+BLACK = LightLayers(*(np.zeros((4, 4, 3), np.float32) for _ in range(5)))
 
 
 def test_a_missing_denoiser_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -59,7 +59,7 @@ def test_albedo_and_hard_shadows_are_kept_and_indirect_light_is_denoised() -> No
     color = np.where(((x + y) % 2 == 0)[..., None], 0.6, 0.1).astype(np.float32).repeat(3, axis=2)
     shadow = np.where(x > 40, 0.0, 0.5).astype(np.float32)[..., None]
     noise = rng.gamma(4.0, 0.25, (64, 64, 1)).astype(np.float32)
-    layers = LightLayers(color * shadow, color, color * noise, color)
+    layers = LightLayers(color * shadow, color, color * noise, color, 0 * color)
     truth = color * (shadow + 1.0)
     cleaned = Denoiser().clean(layers, "fast")
     assert np.abs(cleaned - truth).mean() < 0.5 * np.abs(layers.light - truth).mean()
@@ -79,13 +79,12 @@ def test_soft_shadows_are_denoised_and_the_sky_is_kept() -> None:
     lit = rng.random((96, 96, 1)) < share
     nothing = np.zeros_like(color)
     truth = np.where(sky, 0.7, color * share)
-    layers = LightLayers(
-        np.where(sky, 0.7, color * lit).astype(np.float32), color, nothing, nothing
-    )
+    air = np.where(sky, 0.7, nothing).astype(np.float32)
+    layers = LightLayers((color * lit).astype(np.float32), color, nothing, nothing, air)
     cleaned = Denoiser().clean(layers, "fast", has_soft_lights=True)
     grainy = Denoiser().clean(layers, "fast")
     assert np.abs(cleaned - truth).mean() < 0.35 * np.abs(grainy - truth).mean()
-    np.testing.assert_array_equal(cleaned[:16], layers.direct[:16])
+    np.testing.assert_array_equal(cleaned[:16], layers.air[:16])
     ground = cleaned[20:]
     even = ((x + y) % 2 == 0)[20:]
     assert ground[even].mean() / ground[~even].mean() > 3.0

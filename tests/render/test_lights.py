@@ -8,7 +8,7 @@ import pytest
 from render.backend import Backend
 from render.color import luminance
 from render.config import Light, Sun, light
-from render.lights.sun_position import sun_elevation_deg
+from render.lights.sun_position import sun_direction, sun_elevation_deg
 
 GROUND = (0.3, 0.26, 0.21)
 
@@ -20,10 +20,10 @@ def _mitsuba(backend: Backend) -> None:
 
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     """Return what sky and key light send on level ground and on a wall to the south."""
-    from render.lights.environment_emitters import emitters
+    from render.lights.environment_emitters import surroundings
     from render.lights.environment_map import irradiance
 
-    found = emitters(lit, GROUND)
+    found = surroundings(lit, GROUND).emitters
     sky = np.array(found["sky"]["bitmap"], np.float64)[..., :3]
     total = []
     for normal in (np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])):
@@ -101,3 +101,54 @@ def test_the_sun_may_be_below_the_horizon() -> None:
     dark = light({"stars": 0.8})
     assert dark.sun is not None
     assert dark.sun.hour == 0
+
+
+def sky_of(hour: float, clouds: object, width: int = 512) -> np.ndarray:
+    from render.lights.environment_emitters import surroundings
+
+    found = surroundings(light({"sun": {"hour": hour, "clouds": clouds}}), GROUND, width)
+    return np.array(found.emitters["sky"]["bitmap"], np.float64)[..., :3]
+
+
+def test_clouds_are_bright_towards_the_sun_and_dark_below(backend: Backend) -> None:
+    """More of them cover more of the sky; ground, and the sun's own place, stay as they are."""
+    if backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant paints no clouds")
+    from render.lights.environment_map import pixel_directions, resized
+
+    clear = resized(sky_of(15, "clear"), 512, 256)
+    bare = luminance(clear)
+    shares = []
+    for cumulus in (0.3, 0.6):
+        image = luminance(sky_of(15, {"cumulus": cumulus}))
+        np.testing.assert_allclose(image[140:], bare[140:], rtol=0.01)
+        change = (image / bare)[:112]
+        shares.append((abs(change - 1) > 0.1).mean())
+        assert change.max() > 1.5
+        sun = pixel_directions(512, 256) @ np.array(sun_direction(Sun(hour=15)))
+        near = sun > np.cos(np.radians(3))
+        np.testing.assert_allclose(image[near], bare[near], rtol=0.05)
+    assert 0.05 < shares[0] < 0.7 * shares[1] < 0.6
+
+
+def test_clouds_repeat_and_differ_from_day_to_day(backend: Backend) -> None:
+    if backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant paints no clouds")
+    from render.lights.environment_emitters import _PAINTED
+
+    first = sky_of(10, "fair", 256)
+    _PAINTED.clear()
+    np.testing.assert_array_equal(first, sky_of(10, "fair", 256))
+    other = light({"sun": {"hour": 10, "day": 200}})
+    assert other.sun is not None
+    assert other.sun.clouds.cumulus > 0
+
+
+def test_clouds_are_a_name_a_number_or_values() -> None:
+    assert Sun(clouds=0).clouds == Sun(clouds="clear").clouds.model_copy(update={"preset": None})
+    assert Sun(clouds=1).clouds.overcast == 1
+    assert Sun(clouds={"preset": "fair", "cirrus": 0}).clouds.cumulus == Sun().clouds.cumulus
+    with pytest.raises(ValueError, match="did you mean 'cumulus'"):
+        Sun(clouds="cumulous")
+    with pytest.raises(ValueError, match="from 0 to 1"):
+        Sun(clouds=2)

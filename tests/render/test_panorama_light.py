@@ -63,13 +63,13 @@ def test_sky_and_sun_sum_to_the_panorama(
 
 
 def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
-    from render.lights.environment_emitters import emitters
+    from render.lights.environment_emitters import surroundings
 
     for sun in (0.0, 3.0):
         lit = light({"hdr": {"file": written(tmp_path / "a.exr", sky(sun))}})
-        assert set(emitters(lit, (0.2, 0.2, 0.2))) == {"sky"}
+        assert set(surroundings(lit, (0.2, 0.2, 0.2)).emitters) == {"sky"}
     dark = light({"hdr": {"file": written(tmp_path / "b.exr", 0 * sky())}})
-    assert np.array(emitters(dark, (0.2, 0.2, 0.2))["sky"]["bitmap"]).max() == 0
+    assert np.array(surroundings(dark, (0.2, 0.2, 0.2)).emitters["sky"]["bitmap"]).max() == 0
 
 
 def test_a_panorama_turns_about_the_vertical(tmp_path: Path) -> None:
@@ -160,7 +160,7 @@ def test_an_unusable_panorama_is_reported(tmp_path: Path) -> None:
     assert "is no .exr or .hdr file" in str(panorama_fault(tmp_path / "a.png"))
     torn = tmp_path / "half.exr"
     torn.write_bytes(Path(written(tmp_path / "whole.exr", sky())).read_bytes()[:3000])
-    from render.lights.environment_emitters import emitters
+    from render.lights.environment_emitters import surroundings
 
     with pytest.raises(ShotError, match=r"half\.exr"):
-        emitters(light({"hdr": {"file": str(torn)}}), (0.2, 0.2, 0.2))
+        surroundings(light({"hdr": {"file": str(torn)}}), (0.2, 0.2, 0.2))

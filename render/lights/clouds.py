@@ -1,0 +1,369 @@
+"""Clouds: painted into the map of the sky, lit by its sun or moon.
+
+Cumulus is a layer with a flat base: where the cover is thick it towers up, and puffs of noise erode
+its sides. Each direction marches through the layer, and a short way from each sample towards the
+sun tells how much light arrives. Cirrus is a thin sheet of drawn-out noise far above. Both sink to
+the horizon with the curvature of the earth and fade there into haze.
+
+Sources: A. Schneider and N. Vos, The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn, 2015,
+    for towers shaped by the cover and eroded by noise, and for more light inside than extinction
+    alone lets in; I. Quilez, Value noise derivatives, 2008, for the noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from render.config import Clouds
+from render.lights.environment_map import Map, Vector, resized
+from render.lights.key_light import KeyLight
+
+_EARTH_RADIUS = 6.371e6
+_BASE, _TOP = 900.0, 1650.0
+"""Heights between which cumulus lies [m]."""
+_CIRRUS = 7500.0
+"""Height of the cirrus [m]."""
+
+_STEPS = 64
+"""Samples along a direction through the layer."""
+_LONGEST = 9000.0
+"""Longest way through the layer [m]: what lies behind is as good as hidden."""
+_LIGHT_STEPS = (35.0, 80.0, 170.0, 340.0)
+"""Steps towards the sun [m]."""
+_EXTINCTION = 0.028
+"""Of the densest cloud [1/m]."""
+
+_PATCH = 1800.0
+"""Size of the largest patches of cover [m]."""
+_PUFF = 340.0
+"""Size of the largest puffs [m]."""
+
+_HAZE_LENGTH = 22_000.0
+"""Distance over which clouds take 1 - 1/e of the colour of the horizon [m]."""
+
+_OPEN_DEG = (6.0, 15.0)
+"""Angles from the sun within which no cumulus hides it, and from which all is covered."""
+
+
+@dataclass(frozen=True, eq=False)
+class CloudLight:
+    """What lights the clouds, in the units of the sky.
+
+    Attributes:
+        key: sun or moon.
+        above: (3,) mean radiance of the sky, which lights them from all sides.
+        below: (3,) radiance of the ground.
+    """
+
+    key: KeyLight
+    above: Vector
+    below: Vector
+
+
+def has_clouds(clouds: Clouds) -> bool:
+    """Return whether there are any clouds to paint."""
+    return max(clouds.cumulus, clouds.cirrus, clouds.overcast) > 0.0
+
+
+def painted(
+    sky: Map, clouds: Clouds, light: CloudLight, seed: int, width: int
+) -> NDArray[np.float32]:
+    """Return a sky with its clouds, (width / 2, width, 3).
+
+    A variant of Mitsuba without arrays returns it without them: a march by single numbers would
+    take minutes.
+
+    Args:
+        sky: (H, W, 3) map, at least a few pixels high.
+        clouds: which ones.
+        light: on them.
+        seed: of their places.
+        width: of the map that is returned [pixels].
+    """
+    height = width // 2
+    if not dr.is_jit_v(mi.Float):
+        return np.asarray(resized(sky, width, height), np.float32)
+    pixel = dr.arange(mi.UInt32, width * height)
+    row, column = mi.Float(pixel // width) + 0.5, mi.Float(pixel % width) + 0.5
+    theta, phi = row * (dr.pi / height), column * (2 * dr.pi / width)
+    flat = dr.sin(theta)
+    d = mi.Vector3f(flat * dr.sin(phi), dr.cos(theta), -flat * dr.cos(phi))
+    below = _sampled(sky, row / height, column / width)
+    is_up = d.y > 0.002
+    horizon = _sampled(sky, dr.opaque(mi.Float, 0.5), column / width)
+    painter = _Painter(clouds, light, seed)
+    seen = below
+    if clouds.cirrus > 0.0:
+        seen = painter.cirrus(d, is_up, seen, horizon)
+    if clouds.overcast > 0.0:
+        seen = painter.stratus(d, is_up, seen)
+    if clouds.cumulus > 0.0:
+        seen = painter.cumulus(d, is_up, seen, horizon)
+    image = dr.ravel(dr.select(is_up, seen, below))
+    return np.array(image, np.float32).reshape(height, width, 3)
+
+
+def _sampled(sky: Map, row: Any, column: Any) -> Any:
+    """Return the map at places from 0 to 1, linear between pixels."""
+    height, width = sky.shape[:2]
+    table = mi.Color3f(np.ascontiguousarray(sky.reshape(-1, 3).T, np.float32))
+    y = dr.clip(row * height - 0.5, 0.0, height - 1.001)
+    x = column * width - 0.5 + width
+    top, left = mi.UInt32(y), mi.UInt32(x)
+    down, across = y - mi.Float(top), x - mi.Float(left)
+
+    def at(r: Any) -> Any:
+        near = dr.gather(mi.Color3f, table, r * width + left % width)
+        far = dr.gather(mi.Color3f, table, r * width + (left + 1) % width)
+        return near + across * (far - near)
+
+    high, low = at(top), at(top + 1)
+    return high + down * (low - high)
+
+
+class _Painter:
+    """Paints clouds of one sky.
+
+    Numbers that a scene may change are opaque, so that all scenes share one kernel.
+    """
+
+    def __init__(self, clouds: Clouds, light: CloudLight, seed: int) -> None:
+        def opaque(value: float) -> Any:
+            return dr.opaque(mi.Float, float(value))
+
+        def color(values: Vector) -> Any:
+            return mi.Color3f(*(opaque(v) for v in values))
+
+        self._cover, self._veil = opaque(clouds.cumulus), opaque(clouds.overcast)
+        self._cirrus = opaque(clouds.cirrus)
+        self._sun = mi.Vector3f(*(opaque(v) for v in light.key.direction))
+        # White in full sun, as snow is.
+        self._key = color(light.key.irradiance * (0.9 / np.pi))
+        self._above, self._below = color(light.above), color(light.below)
+        self._shift = opaque(1.7 * _PATCH * (seed % 97)), opaque(-2.3 * _PATCH * (seed % 61))
+
+    def cumulus(self, d: Any, active: Any, behind: Any, horizon: Any) -> Any:
+        """Return what is seen through the layer of cumulus.
+
+        Args:
+            d: directions.
+            active: which of them look up.
+            behind: light behind the layer.
+            horizon: light of the horizon below each direction.
+        """
+        start = _distance_to(d, _BASE)
+        end = dr.minimum(_distance_to(d, _TOP), start + _LONGEST)
+        step = (end - start) / _STEPS
+        # Of each direction its own, or the samples would show as terraces.
+        first = start + step * _lattice(
+            dr.arange(mi.UInt32, dr.width(d)), mi.UInt32(0), mi.UInt32(7)
+        )
+        cosine = dr.dot(d, self._sun)
+        angle = dr.rad2deg(dr.acos(dr.clip(cosine, -1.0, 1.0)))
+        # The sun of the scene shines, so it stands in a gap.
+        opened = _smooth((angle - _OPEN_DEG[0]) / (_OPEN_DEG[1] - _OPEN_DEG[0]))
+        phase = 0.62 + 1.9 * _forward(cosine, 0.72) + 0.25 * _forward(-cosine, 0.3)
+
+        def body(i: Any, through: Any, color: Any, far: Any) -> Any:
+            t = first + mi.Float(i) * step
+            p = d * t
+            height = self._height(d, t)
+            tower = self._tower(p, height, opened, 4)
+
+            def marched(through: Any, color: Any, far: Any) -> Any:
+                density = _eroded(tower, p, height, self._shift, 4)
+                lit = self._light_at(p, height, opened)
+                side = 0.55 + 0.45 * height
+                around = self._above * (1.15 * side) + self._below * (0.55 * (1.0 - height))
+                passed = dr.exp(-_EXTINCTION * density * step)
+                share = through * (1.0 - passed)
+                seen = self._key * (lit * phase) + around
+                return through * passed, color + share * seen, far + share * t
+
+            # Most of the layer is empty, and is passed quickly.
+            through, color, far = dr.if_stmt(
+                (through, color, far),
+                tower > 0.0,
+                marched,
+                lambda *state: state,
+                rv_labels=("through", "color", "far"),
+            )
+            return i + 1, through, color, far
+
+        def going(i: Any, through: Any, color: Any, far: Any) -> Any:
+            return active & (i < _STEPS) & (through > 0.01)
+
+        n = dr.width(d)
+        _, through, color, far = dr.while_loop(
+            (
+                dr.zeros(mi.UInt32, n),
+                dr.ones(mi.Float, n),
+                dr.zeros(mi.Color3f, n),
+                dr.zeros(mi.Float, n),
+            ),
+            going,
+            body,
+            labels=("i", "through", "color", "far"),
+        )
+        cover = 1.0 - through
+        mean = far / dr.maximum(cover, 1e-4)
+        clear: Any = dr.exp(-mean / _HAZE_LENGTH)
+        color = color * clear + horizon * (cover * (1.0 - clear))
+        # Where the layer is a line, it is air.
+        low = _smooth((d.y - 0.004) / 0.03)
+        return behind * (1.0 - cover * low) + color * low
+
+    def cirrus(self, d: Any, active: Any, behind: Any, horizon: Any) -> Any:
+        """Return what is seen through a thin sheet of ice."""
+        t = _distance_to(d, _CIRRUS)
+        x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
+        # Drawn out by the wind.
+        along, across = 0.83 * x + 0.56 * z, -0.56 * x + 0.83 * z
+        bend = _fbm2(along / 16_000.0 + 3.1, across / 16_000.0, 2) - 0.5
+        wisps = _fbm2(along / 14_000.0 + 0.6 * bend, across / 2600.0 + 2.2 * bend, 6)
+        field = _fbm2(along / 26_000.0 + 7.7, across / 22_000.0 + 1.3, 3)
+        share = _smooth((wisps + 0.9 * field - 1.16 + 0.5 * self._cirrus) / 0.5)
+        cosine = dr.dot(d, self._sun)
+        forward: Any = 0.42 + 1.3 * _forward(cosine, 0.75)
+        light = self._key * forward + 0.55 * self._above
+        clear = dr.exp(-t / (5.0 * _HAZE_LENGTH))
+        light = light * clear + horizon * (1.0 - clear)
+        share = 0.62 * share * _smooth((d.y - 0.01) / 0.12)
+        return behind + share * (light - behind)
+
+    def stratus(self, d: Any, active: Any, behind: Any) -> Any:
+        """Return an overcast sky with the folds of its clouds: its mean brightness stays."""
+        t = _distance_to(d, _BASE)
+        x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
+        bend = _fbm2(x / 2600.0, z / 2600.0 + 5.2, 3) - 0.5
+        folds = _fbm2(x / 3400.0 + 0.9 * bend, z / 2400.0 - 0.9 * bend, 6) - 0.5
+        strength = self._veil * _smooth((d.y - 0.01) / 0.16)
+        return behind * (1.0 + 1.15 * strength * folds)
+
+    def _tower(self, p: Any, height: Any, opened: Any, octaves: int) -> Any:
+        """Return how far inside a tower of cumulus, before its erosion, a place is.
+
+        Args:
+            p: place relative to the camera [m].
+            height: in the layer, 0 to 1.
+            opened: share of the cover that the gap before the sun leaves.
+            octaves: of the cover.
+        """
+        x, z = p.x + self._shift[0], p.z + self._shift[1]
+        field = _fbm2(x / _PATCH, z / _PATCH, octaves)
+        # Of the field, which is about 0.5 in the mean, a share as large as the cover is above.
+        cover = (field - 0.66 + 0.34 * self._cover) * (3.4 * opened) - 0.6 * (1.0 - opened)
+        return cover - 0.85 * height * height - 0.12 * height
+
+    def _light_at(self, p: Any, height: Any, opened: Any) -> Any:
+        """Return the share of the key light that arrives at a place in the layer."""
+        depth = mi.Float(0.0)
+        way = 0.0
+        thickness = _TOP - _BASE
+        for length in _LIGHT_STEPS:
+            middle = way + 0.5 * length
+            at = p + self._sun * middle
+            higher = height + self._sun.y * middle / thickness
+            tower = self._tower(at, higher, opened, 3)
+            there = _eroded(tower, at, higher, self._shift, 2)
+            depth += dr.select(higher < 1.0, there, 0.0) * length
+            way += length
+        depth = _EXTINCTION * depth
+        # Light that was scattered many times reaches far deeper than extinction alone tells.
+        return 0.72 * dr.exp(-depth) + 0.28 * dr.exp(-0.18 * depth)
+
+    def _height(self, d: Any, t: Any) -> Any:
+        """Return the height in the layer, 0 at its base to 1, at a distance."""
+        rise = d.y * t + (t * t) * (0.5 * (1.0 - d.y * d.y) / _EARTH_RADIUS)
+        return (rise - _BASE) / (_TOP - _BASE)
+
+
+def _eroded(tower: Any, p: Any, height: Any, shift: tuple[Any, Any], octaves: int) -> Any:
+    """Return the density of cumulus at a place, 0 to 1, after puffs have eroded its tower."""
+    x, z = p.x + shift[0], p.z + shift[1]
+    puffs = _puffs(x / _PUFF, p.y / _PUFF, z / _PUFF, octaves)
+    body = tower - 0.62 * (1.0 - puffs) * (0.35 + 0.65 * dr.minimum(4.0 * height, 1.0))
+    return dr.clip(5.0 * body, 0.0, 1.0) * dr.clip(height / 0.06, 0.0, 1.0)
+
+
+def _distance_to(d: Any, height: float) -> Any:
+    """Return the distance at which directions reach a height above the round earth [m]."""
+    up = dr.maximum(d.y, 0.0)
+    # Equal to R (-y + sqrt(y^2 + 2 h / R)), without its difference of large numbers.
+    ratio = 2.0 * height / _EARTH_RADIUS
+    return _EARTH_RADIUS * ratio / (up + dr.sqrt(up * up + ratio))
+
+
+def _forward(cosine: Any, g: float) -> Any:
+    """Return light scattered forward, 1 straight on and less aside (Henyey and Greenstein)."""
+    return ((1.0 - g) ** 2 / (1.0 + g * g - 2.0 * g * cosine)) ** 1.5
+
+
+def _smooth(t: Any) -> Any:
+    edge = dr.clip(t, 0.0, 1.0)
+    return edge * edge * (3.0 - 2.0 * edge)
+
+
+def _lattice(x: Any, y: Any, z: Any) -> Any:
+    """Return a random number of each point of a lattice, 0 to 1."""
+    h = x * mi.UInt32(0x8DA6B343) ^ y * mi.UInt32(0xD8163841) ^ z * mi.UInt32(0xCB1AB31F)
+    h = (h ^ (h >> 13)) * mi.UInt32(0x85EBCA6B)
+    h = (h ^ (h >> 15)) * mi.UInt32(0xC2B2AE35)
+    return mi.Float((h >> 8) & 0xFFFF) * (1.0 / 65535.0)
+
+
+def _cell(x: Any) -> tuple[Any, Any]:
+    """Return the lattice point below, and the smoothed rest."""
+    low = dr.floor(x)
+    rest = x - low
+    return mi.UInt32(mi.Int32(low)), rest * rest * (3.0 - 2.0 * rest)
+
+
+def _noise2(x: Any, y: Any, seed: int) -> Any:
+    (i, u), (j, v) = _cell(x), _cell(y)
+    k = mi.UInt32(seed)
+    a, b = _lattice(i, j, k), _lattice(i + 1, j, k)
+    c, d = _lattice(i, j + 1, k), _lattice(i + 1, j + 1, k)
+    low, high = a + u * (b - a), c + u * (d - c)
+    return low + v * (high - low)
+
+
+def _noise3(x: Any, y: Any, z: Any) -> Any:
+    (i, u), (j, v), (k, w) = _cell(x), _cell(y), _cell(z)
+
+    def plane(k: Any) -> Any:
+        a, b = _lattice(i, j, k), _lattice(i + 1, j, k)
+        c, d = _lattice(i, j + 1, k), _lattice(i + 1, j + 1, k)
+        low, high = a + u * (b - a), c + u * (d - c)
+        return low + v * (high - low)
+
+    near = plane(k)
+    return near + w * (plane(k + 1) - near)
+
+
+def _fbm2(x: Any, y: Any, octaves: int) -> Any:
+    """Return noise of several octaves, 0 to 1; each is turned, or their lattices would show."""
+    total, weight, sum_ = mi.Float(0.0), 0.5, 0.0
+    for k in range(octaves):
+        total += weight * _noise2(x, y, 17 + k)
+        sum_ += weight
+        weight *= 0.5
+        x, y = 1.62 * x + 1.18 * y + 5.3, -1.18 * x + 1.62 * y + 1.7
+    return total / sum_
+
+
+def _puffs(x: Any, y: Any, z: Any, octaves: int) -> Any:
+    """Return rounded puffs with creases between them, 0 to 1."""
+    total, weight, sum_ = mi.Float(0.0), 0.5, 0.0
+    for _ in range(octaves):
+        total += weight * dr.abs(2.0 * _noise3(x, y, z) - 1.0)
+        sum_ += weight
+        weight *= 0.52
+        x, y, z = 1.7 * x + 1.1 * z + 3.1, 2.05 * y + 1.9, -1.1 * x + 1.7 * z + 7.7
+    return dr.minimum(1.7 * total / sum_, 1.0)

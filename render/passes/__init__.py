@@ -1,0 +1,1 @@
+"""Passes for compositing: what the camera meets first, beside the light."""

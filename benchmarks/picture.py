@@ -35,11 +35,11 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
-from render.color import developed
 from render.comparison.flip_metric import flip
 from render.comparison.image_statistics import psnr
 from render.config import Film
 from render.denoiser import Denoiser
+from render.development import developed
 from render.frame import LightLayers
 from render.shot import Shot
 
@@ -77,7 +77,10 @@ def main(width: int, samples: int) -> None:
     for name, frame in SCENES.items():
         scene = load_scene(find_scene(name))
         shot = ShotBuilder(scene, simulate(scene)).shot(frame)
-        shot = replace(shot, film=Film(size=size, depth=DEPTH, denoise="off"), later=())
+        # Mitsuba and Cycles, as they come, have no haze of ours.
+        clear = shot.light.model_copy(update={"haze": 0.0})
+        film = Film(size=size, depth=DEPTH, denoise="off")
+        shot = replace(shot, film=film, light=clear, later=())
         print(f"{name}, frame {frame}, {size[0]}x{size[1]}, {samples} samples in the reference")
         judge = reference(shot, samples)
         curves = {way: measured(way, shot, judge) for way in COUNTS}
@@ -98,7 +101,7 @@ def reference(shot: Shot, samples: int) -> Picture:
     if place.exists():
         return np.asarray(np.load(place), np.float32)
     scene = MitsubaScene(shot)
-    tracer = PathTracer(scene.scene, scene.depth)
+    tracer = PathTracer(scene.whole(), scene.depth, air=scene.air)
     part = min(64, samples)
     rounds = max(samples // part, 1)
     total = np.zeros((*shot.film.resolved().size[::-1], 3))
@@ -112,7 +115,7 @@ def reference(shot: Shot, samples: int) -> Picture:
 
 def measured(way: str, shot: Shot, judge: Picture) -> list[Point]:
     """Return what one way reaches with each count of samples."""
-    truth = developed(judge, 0.0)
+    truth = developed(judge)
     points = []
     for count in COUNTS[way]:
         render = WAYS[way](shot, count)
@@ -122,7 +125,7 @@ def measured(way: str, shot: Shot, judge: Picture) -> list[Point]:
             began = time.perf_counter()
             light = render(seed + 1)
             seconds = time.perf_counter() - began
-            picture = developed(np.ascontiguousarray(light, np.float32), 0.0)
+            picture = developed(np.ascontiguousarray(light, np.float32))
             found.append((seconds, psnr(truth, picture), float(flip(truth, picture).mean())))
         seconds, decibels, error = np.median(np.array(found), axis=0).tolist()
         points.append(Point(count, seconds, decibels, error))
@@ -143,7 +146,7 @@ def _loop(shot: Shot, count: int) -> Callable[[int], Picture]:
         plain = mi.load_dict(
             {"type": "path", "max_depth": scene.depth, "rr_depth": scene.depth + 1}
         )
-        image = plain.render(scene.scene, sensor, seed=seed, spp=count)
+        image = plain.render(scene.whole(), sensor, seed=seed, spp=count)
         return np.array(image, np.float32)
 
     return render
@@ -179,7 +182,7 @@ def _path(shot: Shot, count: int) -> Callable[[int], Picture]:
     from render.tracing.path_tracer import PathTracer
 
     scene, oidn = MitsubaScene(shot), _Albedo()
-    tracer = PathTracer(scene.scene, scene.depth)
+    tracer = PathTracer(scene.whole(), scene.depth, air=scene.air)
     return lambda seed: oidn.clean(
         tracer.trace(scene.sensor, 7919 * 65 * seed, range(count), count)
     )
@@ -213,7 +216,7 @@ def _ours(shot: Shot, count: int, soft_light: str = "full") -> Callable[[int], P
     words = {"soft_light": soft_light, "samples": count}
     shot = replace(shot, film=shot.film.model_copy(update=words))
     scene, denoiser = MitsubaScene(shot), Denoiser()
-    passes = shot.film.resolved().passes
+    passes = shot.film.resolved().rounds
     return lambda seed: denoiser.clean(
         scene.trace(seed, range(passes), passes), "fast", has_soft_lights=scene.has_soft_lights
     )

@@ -7,14 +7,16 @@ from functools import partial
 
 from pipeline.atomic_file import write_if_changed
 from pipeline.errors import StoreError
+from pipeline.farm.archive import read_arrays
 from pipeline.farm.film import Film
 from pipeline.farm.frame_index import FrameRecord
-from pipeline.farm.preparation import is_prepared
+from pipeline.farm.preparation import is_prepared, tracks_name
 from pipeline.farm.segments import fetched_segments
 from pipeline.farm.store import Store
 from pipeline.farm.stored_frames import stored_pictures, stored_records
 from pipeline.farm.take_object import fetch_take, take_required
 from pipeline.production.run.encoder_check import require_encoders
+from pipeline.production.run.exposure_stage import enter_exposure
 from pipeline.production.run.film_stage import make_film
 from pipeline.production.run.frame_ranges import parse_frames
 from pipeline.production.run.frame_stage import note_levels
@@ -25,6 +27,7 @@ from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.scene_run import SceneRun, working
 from pipeline.production.run.score_stage import write_score
 from pipeline.production.run.take_stage import adopt_take
+from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.shot_builder import ShotBuilder
 
 MAX_BATCH = 32
@@ -62,6 +65,9 @@ def assemble(
         if order.sound:
             write_score(run, take, shooting)
         _fetch_frames(run, store, film, records)
+        tracks = FilmTracks.of_arrays(read_arrays(store, tracks_name(film)))
+        shooting.set_tones(tracks.tones)
+        enter_exposure(run, shooting, records[0].renderer)
         note_levels(run, shooting, frames)
         run.refuse_notes()
         with fetched_segments(store, film, records, run.outputs) as encoded:

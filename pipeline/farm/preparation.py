@@ -13,16 +13,21 @@ from pipeline.farm.store import Store
 from pipeline.farm.take_object import fetch_take, store_take, take_name
 from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
+from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.notes import Note, clock_of, read_notes, take_notes
 from pipeline.production.run.picture_notes import camera_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.scene_run import translated_errors
 from pipeline.production.run.take_stage import take_key
+from pipeline.production.shots.metering import metered_tones
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_take
 from pipeline.spec import Scene
+from render.backend import choose
+from render.development import Tone
+from render.renderer import Renderer
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +115,7 @@ def prepare(
                 *take_notes(take, clock_of(scene)),
                 *camera_notes(scene, shooting),
             )
+            shooting.set_tones(_metered(shooting))
         store_film(store, film, files)
         store.put_json(notes_name(film), {"notes": [note.facts for note in notes]})
         _store_tracks(store, film, shooting)
@@ -139,6 +145,12 @@ def _stored_take(store: Store, film: Film) -> Take:
             return read_take(folder)
         except StoreError as error:
             raise StoreError(f"{store.address}: {take_name(film.take)}: {error}") from error
+
+
+def _metered(shooting: ShotBuilder) -> tuple[Tone, ...]:
+    """Return the exposures, metered once for all workers."""
+    with held_back():
+        return metered_tones(shooting, Renderer(choose("auto")))
 
 
 def _store_tracks(store: Store, film: Film, shooting: ShotBuilder) -> None:

@@ -206,7 +206,7 @@ def _object(store: Store, segment: FilmSource, digests: Mapping[int, str]) -> _S
         digests: of the files of frames.
     """
     versions = (pipeline.__version__, av.__version__, sorted(av.library_versions.items()))
-    form = (CODECS[segment.codec], str(segment.rate), segment.format, segment.exposure)
+    form = (CODECS[segment.codec], str(segment.rate), segment.format)
     frames = [digests[frame] for frame in segment.frames]
     text = repr((versions, form, frames))
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

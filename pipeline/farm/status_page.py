@@ -13,14 +13,13 @@ import numpy as np
 from PIL import Image
 
 from pipeline.errors import StoreError
-from pipeline.farm.film import scene_of
 from pipeline.farm.frame_index import FrameIndex
 from pipeline.farm.status import FilmStatus
 from pipeline.farm.store import Store
 from pipeline.production.run.quantities import duration_text
-from render.color import developed
+from render.development import developed
 from render.errors import RenderError
-from render.image_files import read_exr, read_png
+from render.image_files import read_development, read_exr, read_png
 
 THUMBNAILS = 12
 """Most thumbnails of a film."""
@@ -109,8 +108,7 @@ class StatusPage:
             path = Path(made, f"frame.{film.format}")
             path.write_bytes(data)
             if film.format == "exr":
-                exposure = scene_of(self._store, film).film.resolved().exposure
-                picture = developed(read_exr(path), exposure)
+                picture = developed(read_exr(path), read_development(path))
             else:
                 picture = read_png(path)
         image = Image.fromarray(np.ascontiguousarray(picture[..., :3]))

@@ -166,17 +166,18 @@ def _alternatives(annotation: Any) -> Iterator[Any]:
 def _tagged(kinds: list[Any], tag: PathSegment) -> list[Any]:
     """Return the models of a union that a tag selects."""
     models = [kind for kind in kinds if _is_model(kind)]
-    fitting = [kind for kind in models if tag == kind.__name__ or tag in _literals(kind)]
+    fitting = [kind for kind in models if tag == kind.__name__ or tag in _tags(kind)]
     return fitting or kinds
 
 
-def _literals(kind: type[BaseModel]) -> set[Any]:
-    return {
-        value
+def _tags(kind: type[BaseModel]) -> set[Any]:
+    """Return the values of fields that can have but one; others are choices of an author."""
+    literals = [
+        get_args(field.annotation)
         for field in kind.model_fields.values()
         if get_origin(field.annotation) is Literal
-        for value in get_args(field.annotation)
-    }
+    ]
+    return {values[0] for values in literals if len(values) == 1}
 
 
 def _is_model(kind: Any) -> bool:

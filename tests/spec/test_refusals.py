@@ -48,7 +48,7 @@ ONE_MISTAKE = [
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
      "unknown key, known: at, cells, foot_radius, footprints, heading_deg, kind, material, "
-     "polygons, show_forbidden, size, unsteppable_slope_deg"),
+     "polygons, show_forbidden, size, surroundings, unsteppable_slope_deg"),
     ("[2, 0.5], radius", "[2, 0.5], §radios", "figures.bug.nodes.foot_l.radios",
      "unknown key, did you mean 'radius'?"),
     ("terrain: hills", "film: {§sise: [320, 180]}", "film.sise",
@@ -169,6 +169,9 @@ ONE_MISTAKE = [
      "must be at most 10000, is 100000.0"),
     ("terrain: hills", "terrain: {kind: flat, show_forbidden: §1}", "terrain.show_forbidden",
      "should be true or false, is 1"),
+    ("terrain: hills", "terrain: {kind: flat, surroundings: §hils}", "terrain.surroundings",
+     "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
+     "the text 'hils'; did you mean 'hills'?"),
     ("terrain: hills", "terrain: §{kind: sum}", "terrain.of", "is missing"),
     ("terrain: hills", "terrain: {kind: sum, of: §[]}", "terrain.of",
      "must hold at least 1 value, holds 0"),

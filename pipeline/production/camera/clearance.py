@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.camera.camera_path import CameraPath, envelope
 from pipeline.production.camera.camera_target import TARGET_SMOOTHING_S, CameraTarget, ExtremePoints
-from pipeline.production.shots.ground_mesh import RINGS, ground_meshes
+from pipeline.production.surroundings.land import Land
+from pipeline.production.surroundings.rings import NEAR_GROWTH
 from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Take, TerrainRecord
-from pipeline.simulation.terrain.heightfield import surface_of_vertices
+from pipeline.simulation.take import Take
 
 MIN_HEIGHT = 0.03
 """Least height of any camera over the ground; beyond the near clipping plane [m]."""
@@ -30,46 +29,30 @@ MAX_RISE = 1.2
 
 
 class VisibleGround:
-    """The visible ground: the terrain, and the far field around it."""
+    """The visible ground: the terrain, and the land around it."""
 
-    def __init__(self, terrain: TerrainRecord) -> None:
-        self._terrain = terrain
-        self._near = surface_of_vertices(terrain.vertices, terrain.cells)
+    def __init__(self, land: Land) -> None:
+        self._land = land
 
     def height(self, places: Array) -> Array:
         """Return the height (...) of the ground at `places` (..., 3) [m].
 
-        In the far field, with its wide triangles, it is that of the highest corner around.
+        Outside the terrain, where triangles are wide, it is that of the highest place around.
         """
         x, z = places[..., 0], places[..., 2]
-        result = self._near.height(x, z)
-        outside = ~self._near.inside(x, z)
+        near = self._land.field
+        result = near.height(x, z)
+        outside = ~near.inside(x, z)
         if outside.any():
             result = np.array(result)
-            result[outside] = self._far_height(x[outside], z[outside])
+            result[outside] = self._land_height(x[outside], z[outside])
         return result
 
-    def _far_height(self, x: Array, z: Array) -> Array:
-        rings, reach = self._far
-        half = np.array(self._near.size) / 2.0
-        g = np.stack(self._near.to_grid(x, z), axis=-1)
-        out = (np.abs(g) - half).max(axis=-1)
-        # On the innermost ring, from which all others are scaled.
-        rim = g / (1.0 + out[:, None] / half)
-        edge = np.stack(self._near.to_grid(rings[0, :, 0], rings[0, :, 2]), axis=-1)
-        at = ((rim[:, None] - edge) ** 2).sum(axis=-1).argmin(axis=-1)
-        outer = np.searchsorted(reach, out).clip(1, len(reach) - 1)
-        around = (at[:, None] + [-1, 0, 1]) % len(edge)
-        corners = [rings[ring[:, None], around, 1] for ring in (outer - 1, outer)]
-        return np.maximum(*corners).max(axis=-1)
-
-    @cached_property
-    def _far(self) -> tuple[Array, Array]:
-        """Rings (R, n, 3) of the far field, and their distances from the terrain (R,) [m]."""
-        vertices = ground_meshes(self._terrain)[1].vertices.astype(float)
-        rings = vertices.reshape(RINGS + 1, -1, 3)
-        x, _ = self._near.to_grid(rings[..., 0], rings[..., 2])
-        return rings, np.abs(x).max(axis=-1) - self._near.size[0] / 2.0
+    def _land_height(self, x: Array, z: Array) -> Array:
+        g = np.stack(self._land.field.to_grid(x, z), axis=-1)
+        step = 0.5 * NEAR_GROWTH * self._land.beyond(g)[:, None]
+        around = [g + step * way for way in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))]
+        return np.max([self._land.height_in_grid(p) for p in around], axis=0)
 
     def cleared(self, path: CameraPath, rate: float, *, with_target: bool) -> CameraPath:
         """Return the path of an author's camera raised above the ground.

@@ -20,6 +20,7 @@ from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
 from pipeline.production.camera.view_turn import ViewTurn, clear_path
 from pipeline.production.camera.visibility import Visibility
+from pipeline.production.surroundings.land import Land
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Take
@@ -59,6 +60,7 @@ def filmed_cuts(
     mounts: Sequence[int] | None = None,
     nodes: Mapping[str, int] | None = None,
     clear: Collection[str] = (),
+    land: Land | None = None,
 ) -> list[FilmedCut]:
     """Return the cuts of a film.
 
@@ -69,10 +71,11 @@ def filmed_cuts(
         mounts: node that carries the camera of each cut, -1 for none.
         nodes: number of each node that a focus names.
         clear: materials that can be seen through.
+        land: around the terrain; by default the terrain's own roughness goes on.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
-    ground = VisibleGround(take.terrain)
+    ground = VisibleGround(land or Land(take.terrain))
     visibility = Visibility(take, ground, clear)
     filmed: list[FilmedCut] = []
     mounts = mounts or [-1] * len(cameras)

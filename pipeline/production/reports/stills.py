@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pipeline.errors import UsageError
+from pipeline.production.run.exposure_stage import expose
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.frame_stage import note_levels, shooting_of
 from pipeline.production.run.interrupts import held_back
@@ -99,6 +100,7 @@ def _stills(run: SceneRun, frames: Sequence[int]) -> list[Path]:
         def rendered(backend: Backend) -> None:
             with held_back():
                 renderer = Renderer(backend)
+            expose(run, shooting, renderer)
             keys, missing = outdated_frames(
                 shooting, run.outputs, run.records, frames, renderer.key_extra
             )
@@ -132,12 +134,14 @@ def thumbnails(run: SceneRun, take: Take, frames: Sequence[int], height: int) ->
     width, full_height = scene.film.resolved().size
     size = _even(THUMBNAIL_SCALE * height * width / full_height), _even(THUMBNAIL_SCALE * height)
     shooting = ShotBuilder(scene, take)
-    small = Film(preset="draft", size=size, exposure=scene.film.exposure)
+    small = Film(preset="draft", size=size, exposure=scene.film.exposure, look=scene.film.look)
     quick = ShotBuilder(scene.model_copy(update={"film": small}), take)
     pictures: list[bytes] = []
     with stage(run.reporter, "thumbnails", len(frames)) as current:
         with held_back():
             renderer = Renderer(choose(run.order.backend))
+        expose(run, shooting, renderer)
+        quick.set_tones(shooting.tracks.tones)
         _, missing = outdated_frames(shooting, run.outputs, run.records, frames, renderer.key_extra)
         for done, frame in enumerate(frames, start=1):
             if frame in missing or shooting.film.format != "png":

@@ -17,10 +17,10 @@ from pipeline.production.run.file_records import FileRecords
 from pipeline.production.run.frame_ranges import read_frames
 from pipeline.production.run.outputs import Outputs
 from pipeline.spec import Scene
-from render.color import developed, developed16
+from render.development import developed, developed16
 from render.film_codecs import CODECS
 from render.film_segments import Picture, segment_length
-from render.image_files import read_exr, read_png
+from render.image_files import read_development, read_exr, read_png
 
 
 def split_frames(frames: tuple[int, ...], rate: Fraction) -> list[tuple[int, ...]]:
@@ -37,7 +37,6 @@ class FilmSource:
         frames: ascending.
         rate: frames per second.
         format: of the frames, "png" or "exr".
-        exposure: with which EXR frames are developed [stops].
         has_sound: whether it has the sound of the WAV file.
         codec: of the film, a name in `CODECS`.
     """
@@ -45,7 +44,6 @@ class FilmSource:
     frames: tuple[int, ...]
     rate: Fraction
     format: str
-    exposure: float
     has_sound: bool
     codec: str
 
@@ -58,7 +56,7 @@ class FilmSource:
     def of(scene: Scene, frames: tuple[int, ...], has_sound: bool) -> FilmSource:
         """Return the source of a film of some frames of a scene."""
         film = scene.film.resolved()
-        return FilmSource(frames, scene.rate, film.format, film.exposure, has_sound, film.codec)
+        return FilmSource(frames, scene.rate, film.format, has_sound, film.codec)
 
     @staticmethod
     def read(members: object) -> FilmSource | None:
@@ -68,13 +66,12 @@ class FilmSource:
                 "frames": str(frames),
                 "rate": str(rate),
                 "format": "png" | "exr" as format,
-                "exposure": float(exposure),
                 "has_sound": bool(has_sound),
                 "codec": str(codec),
             } if codec in CODECS:
                 try:
                     numbers = read_frames(frames)
-                    return FilmSource(numbers, Fraction(rate), format, exposure, has_sound, codec)
+                    return FilmSource(numbers, Fraction(rate), format, has_sound, codec)
                 except (UsageError, ValueError, ZeroDivisionError):
                     return None
         return None
@@ -115,7 +112,7 @@ class FilmSource:
         """
         deep = CODECS[self.codec].bits == 16
         if self.format == "exr":
-            return (developed16 if deep else developed)(read_exr(path), self.exposure)
+            return (developed16 if deep else developed)(read_exr(path), read_development(path))
         picture = read_png(path)
         # 257 = 65535 / 255, so that white stays white.
         return picture.astype(np.uint16) * 257 if deep else picture

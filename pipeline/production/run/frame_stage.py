@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pipeline.production.run.exposure_stage import expose
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.picture_notes import camera_notes, level_notes
@@ -63,6 +64,7 @@ def _rendered_on(
         run.reporter.note(line, detail=True)
     with held_back():
         renderer = Renderer(backend)
+    expose(run, shooting, renderer)
     keys, missing = outdated_frames(shooting, outputs, run.records, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
     run.manifest.entries["renderer"] = renderer.key_extra
@@ -73,7 +75,7 @@ def _rendered_on(
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
     if jobs > 1:
-        job = FrameJob(order.scene, outputs.take, outputs, backend, wanted)
+        job = FrameJob(order.scene, outputs.take, outputs, backend, wanted, shooting.tracks.tones)
         split = film_in_processes(
             job,
             jobs,

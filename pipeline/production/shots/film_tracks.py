@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
 from pipeline.production.shots.footprint_timeline import FootprintTimeline
+from render.development import Tone
 from render.footprints import FootprintRaster
 from render.shot import CameraPose, Lens
 
@@ -26,23 +27,30 @@ _POSE_NUMBERS = 12
 
 @dataclass(frozen=True, eq=False)
 class FilmTracks:
-    """Camera poses and footprints of a film.
+    """Camera poses, footprints and exposures of a film.
 
     Attributes:
         poses: of the camera, one for each frame.
         footprints: of the film, None without any.
+        tones: exposure and contrast of each frame; empty before they are metered.
     """
 
     poses: tuple[CameraPose, ...]
     footprints: FootprintTimeline | None
+    tones: tuple[Tone, ...] = ()
 
     def arrays(self) -> Arrays:
-        """Return the tracks as arrays: `poses` (F, 12), a pinhole with a NaN for its lens."""
+        """Return the tracks as arrays: `poses` (F, 12), a pinhole with a NaN for its lens.
+
+        `tones` (F, 3) are stops, contrasts and whites.
+        """
         numbers = [
             (*pose.p_WC, *pose.p_WT, *pose.up, pose.fov_deg, *_lens_numbers(pose.lens))
             for pose in self.poses
         ]
         arrays: Arrays = {"poses": np.array(numbers, float).reshape(-1, _POSE_NUMBERS)}
+        values = [(tone.stops, tone.contrast, tone.white) for tone in self.tones]
+        arrays["tones"] = np.array(values, float).reshape(-1, 3)
         if self.footprints is not None:
             raster = self.footprints.raster
             arrays["footprint_rows"] = self.footprints.rows
@@ -60,6 +68,7 @@ class FilmTracks:
         """
         try:
             poses = tuple(_pose(numbers) for numbers in arrays["poses"].tolist())
+            tones = tuple(Tone(*pair) for pair in arrays["tones"].tolist())
             footprints = None
             if "footprint_rows" in arrays:
                 x, z, spacing = arrays["footprint_grid"].tolist()
@@ -68,7 +77,7 @@ class FilmTracks:
                 footprints = FootprintTimeline(raster, arrays["footprint_rows"])
         except (KeyError, ValueError, TypeError) as error:
             raise StoreError(f"the tracks of the film cannot be read ({error!r})") from error
-        return FilmTracks(poses, footprints)
+        return FilmTracks(poses, footprints, tones)
 
 
 def _lens_numbers(lens: Lens | None) -> tuple[float, float]:

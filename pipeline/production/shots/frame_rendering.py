@@ -20,6 +20,7 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from render.errors import DeviceMemoryShort, RenderError
 from render.frame import Frame
 from render.image_files import (
+    read_development,
     read_exr,
     read_key,
     read_levels,
@@ -96,9 +97,9 @@ def render_frames(
 
 def write_frame(path: Path, frame: Frame, key: str) -> FileRecord:
     """Write a frame in the format of its file's suffix, and return the record of the file."""
-    levels = PictureLevels.of(frame.light, frame.exposure)
+    levels = PictureLevels.of(frame.light, frame.development)
     if path.suffix == ".exr":
-        write_exr(path, frame.light, key, levels)
+        write_exr(path, frame.light, key, levels, frame.development, frame.passes.parts())
     else:
         write_png(path, frame.srgb8, key, levels=levels)
     return FileRecord.of(path, key)
@@ -113,11 +114,11 @@ def frame_levels(
         RenderError: a file cannot be read.
     """
     files = [outputs.frame(frame, builder.film.format) for frame in frames]
-    return [read_levels(file) or _measured(file, builder.film.exposure) for file in files]
+    return [read_levels(file) or _measured(file) for file in files]
 
 
-def _measured(path: Path, exposure: float) -> PictureLevels:
+def _measured(path: Path) -> PictureLevels:
     """Return the levels of a frame that was written without them."""
     if path.suffix == ".exr":
-        return PictureLevels.of(read_exr(path), exposure)
+        return PictureLevels.of(read_exr(path), read_development(path))
     return PictureLevels.of_srgb8(read_png(path))

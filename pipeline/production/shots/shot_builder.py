@@ -4,26 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
-from pipeline.production.camera.cuts import FilmedCut, filmed_cuts, first_frames
+from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, first_frames
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
-from pipeline.production.shots.ground_mesh import ground_meshes
+from pipeline.production.shots.ground_mesh import surrounding_meshes, terrain_mesh
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.production.surroundings.choice import Choice
+from pipeline.production.surroundings.land import Land
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material
+from render.development import Tone
 from render.shot import CameraPose, Mesh, Moment, Shot
 
 
@@ -48,7 +52,9 @@ class ShotBuilder:
         self.light = scene.light
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
-        self.materials = _materials(scene, take)
+        self._around = around = Choice.of(scene)
+        self._land = Land(take.terrain, around.kind, around.joins, around.seed)
+        self.materials = _materials(scene, take, around)
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
@@ -61,11 +67,24 @@ class ShotBuilder:
         terrain = scene.terrain
         self._footprints = self.tracks.footprints
         raster = self._footprints.raster if self._footprints else None
-        self._ground = ground_meshes(take.terrain, terrain.show_forbidden, raster)
+        self._terrain = terrain_mesh(
+            take.terrain, terrain.show_forbidden, raster, smooth=not self._land.is_platform
+        )
         self._skin = Skin.of(take)
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
         self._lamps = CarriedLamps.of(scene, take)
+
+    def set_tones(self, tones: tuple[Tone, ...]) -> None:
+        """Expose each frame as metered."""
+        self.tracks = replace(self.tracks, tones=tones)
+
+    @property
+    def cuts(self) -> tuple[range, ...]:
+        """Frames of each cut that is seen, 1-based."""
+        header = self.take.header
+        cuts = cut_frames(self._scene.camera, header.rate, header.frames)
+        return tuple(frames for frames in cuts if frames)
 
     @property
     def poses(self) -> tuple[CameraPose, ...]:
@@ -83,11 +102,14 @@ class ShotBuilder:
             film=self.film,
             later=tuple(later),
             lamps=first.lamps,
+            after=self._moment(frame, 1.0) if "motion" in self.film.passes else None,
+            tone=self.tracks.tones[frame - 1] if self.tracks.tones else Tone(),
+            scenery=self._surroundings,
         )
 
     def camera_faults(self) -> list[CameraFault]:
         """Return what is wrong with the cameras, by their paths and the take."""
-        visibility = Visibility(self.take, VisibleGround(self.take.terrain), self._clear)
+        visibility = Visibility(self.take, VisibleGround(self._land), self._clear)
         filmed = self._filmed if self._filmed is not None else self._filmed_cuts()
         return camera_faults(visibility, self._scene.camera, filmed, self._aspect)
 
@@ -108,12 +130,15 @@ class ShotBuilder:
     def _filmed_cuts(self) -> list[FilmedCut]:
         scene, names = self._scene, NodeNames.of(self.take)
         mounts, focus = camera_parents(scene, names), focus_nodes(scene, names)
-        return filmed_cuts(self.take, scene.camera, self._aspect, mounts, focus, self._clear)
+        return filmed_cuts(
+            self.take, scene.camera, self._aspect, mounts, focus, self._clear, self._land
+        )
 
     def _moment(self, frame: int, part: float) -> Moment:
         """Return the moment a fraction of a frame after its start."""
         row = self.clock.row_of_frame(frame)
-        at = row + part * self.clock.samples
+        # The last frame of a take has no next one.
+        at = min(row + part * self.clock.samples, len(self.take.positions) - 1)
         vertices = self._skin.posed(self.take, at)
         meshes = list(self._ground_at(at))
         for i, piece in enumerate(self._parts):
@@ -123,22 +148,34 @@ class ShotBuilder:
                 # Hidden by collapsing, because the topology of a build is constant.
                 placed = np.zeros_like(placed)
             rest = self._rests[i]
-            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
+            meshes.append(
+                Mesh(
+                    *(piece.name, placed, mesh.faces, piece.material),
+                    rest=rest,
+                    owner=piece.performer,
+                )
+            )
         return Moment(
             tuple(meshes), self._interpolator.at(frame, part), self._lamps.placed(self.take, at)
         )
 
     def _ground_at(self, row: float) -> tuple[Mesh, ...]:
-        """Return the ground with the footprints made until a row of the take."""
-        near, *others = self._ground
+        """Return the terrain with the footprints made until a row of the take."""
         made = self._footprints.count(row) if self._footprints else 0
-        if near.footprint_count != made:
-            self._ground = replace(near, footprint_count=made), *others
-        return self._ground
+        if self._terrain.footprint_count != made:
+            self._terrain = replace(self._terrain, footprint_count=made)
+        return (self._terrain,)
+
+    @cached_property
+    def _surroundings(self) -> tuple[Mesh, ...]:
+        """The land around the terrain, made when the first shot needs it."""
+        return surrounding_meshes(
+            self.take.terrain, self._around, self.materials, self.film.size[0]
+        )
 
 
-def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:
-    """Return the materials that the take names; the author's own override the presets."""
-    names = {part.material for part in take.parts} | {take.terrain.material}
+def _materials(scene: Scene, take: Take, around: Choice) -> Mapping[str, Material]:
+    """Return the materials of take and land; the author's own override the presets."""
+    names = {part.material for part in take.parts} | {take.terrain.material, *around.materials}
     own = scene.materials
     return {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}

@@ -36,6 +36,7 @@ CellCount = Annotated[Integer, Field(ge=2, le=MAX_CELLS)]
 Cells = tuple[CellCount, CellCount]
 Size = tuple[Length, Length]
 Polygons = Literal["triangles", "quads"]
+Surroundings = Literal["auto", "hills", "mountains", "forest", "sea", "plain", "dunes", "none"]
 
 SIZE = "Extent along x and z, centred on the place `at` [m]."
 CELLS = "Number of cells of the grid along x and z."
@@ -77,9 +78,16 @@ class TerrainConfig(ConfigModel):
         False, strict=True, description="Whether forbidden zones are hatched in the picture."
     )
     footprints: bool = Field(
-        False,
+        True,
         strict=True,
         description="Whether feet leave prints in soft ground: soil, sand, grass, mud or snow.",
+    )
+    surroundings: Surroundings = Field(
+        "auto",
+        description="The land from the terrain's edge to the horizon: `hills`, `mountains`, "
+        "`forest`, `sea`, `plain`, `dunes` or `none`. `auto`: dunes around sand, mountains around "
+        "snow, rock, gravel and ice, a plain around mud, none around a floor in a studio, hills "
+        "around all else.",
     )
 
     @classmethod

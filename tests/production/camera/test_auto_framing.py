@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from pipeline.production.camera.auto_framing import LEAD_ROOM
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import camera_poses
+from pipeline.production.surroundings.land import Land
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -177,7 +178,7 @@ def test_the_camera_is_smooth_for_any_motion(
 def test_an_automatic_camera_is_not_in_or_behind_a_hill(
     hilly: Take, move: dict[str, Any], view: str
 ) -> None:
-    ground = VisibleGround(hilly.terrain)
+    ground = VisibleGround(Land(hilly.terrain))
     path = line((-4, 0, -3), (2, 0, 1.5))
     path[:, 1] = ground.height(path) + 0.5
     poses = camera_path(along(hilly, path), {"follow": "a", "view": view, "distance": 6} | move)
@@ -198,7 +199,7 @@ def test_an_automatic_camera_is_not_in_or_behind_a_hill(
 )
 def test_a_configured_camera_is_not_in_the_ground(hilly: Take, config: dict[str, Any]) -> None:
     eye = column(camera_path(hilly, config), "p_WC")
-    assert (eye[:, 1] > VisibleGround(hilly.terrain).height(eye)).all()
+    assert (eye[:, 1] > VisibleGround(Land(hilly.terrain)).height(eye)).all()
     assert np.abs(np.diff(eye, 3, axis=0)).max() * RATE**3 < 120
 
 

@@ -121,7 +121,12 @@ def test_what_can_be_seen_has_no_fault(camera: str, others: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", [pytest.param("dice", marks=pytest.mark.nightly), "over_the_box", "through_the_wall"]
+    "name",
+    [
+        pytest.param("dice", marks=pytest.mark.nightly),
+        "over_the_box",
+        pytest.param("through_the_wall", marks=pytest.mark.nightly),
+    ],
 )
 def test_shipped_scenes_have_no_fault(name: str) -> None:
     scene = load_scene(ROOT / "scenes" / f"{name}.yaml")

@@ -50,7 +50,7 @@ def _directed(folder: Path, every: int, end: str = "end", until: int = 10**6) ->
     return ask("end", at=end)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_commands_replay_to_the_same_bytes_whatever_is_queried(
     tmp_path: Path,
 ) -> None:

@@ -22,7 +22,7 @@ MOST_BYTES = 600_000
 
 pytestmark = pytest.mark.slow
 
-LONG = ("stacking", "toy")
+LONG = ("dice", "stacking", "toy")
 """Goldens that take the longest."""
 
 

@@ -55,7 +55,9 @@ def forces(hopping: HopSimulation) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["roo", "tic", "tac"])
+@pytest.mark.parametrize(
+    "name", ["roo", *(pytest.param(x, marks=pytest.mark.nightly) for x in ("tic", "tac"))]
+)
 def test_the_report_agrees_with_the_simulated_jump(
     found: dict[str, JumpSummary], scene: Scene, name: str
 ) -> None:

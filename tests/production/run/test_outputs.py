@@ -19,8 +19,8 @@ from pipeline.errors import StoreError
 from pipeline.production.run import outputs as output_files
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
-from render.color import developed
-from render.image_files import read_exr, read_png
+from render.development import developed
+from render.image_files import read_development, read_exr, read_png
 
 if TYPE_CHECKING:
     from tests.production.conftest import Studio
@@ -64,7 +64,8 @@ def test_a_films_pictures_are_its_frames_in_order(film: Studio) -> None:
     for i, picture in enumerate(pictures):
         away = [float(np.abs(picture - frame).mean()) for frame in frames]
         assert int(np.argmin(away)) == i
-        assert away[i] < 6
+        # The more contrast, the more the codec loses.
+        assert away[i] < 10
 
 
 def _onsets(path: Path) -> list[Fraction]:
@@ -146,8 +147,10 @@ def test_frames_in_exr_make_the_same_film_as_their_pictures(studio: Studio) -> N
     made = {"frames/0001.exr", "frames/0002.exr", "manifest.json", "tiny_1-2.mp4"}
     assert studio.changes(before) == made
     for frame in (1, 2):
-        light = read_exr(studio.made / "frames" / f"000{frame}.exr")
-        off = developed(light, 0.0).astype(int) - read_png(studio.frame(frame)).astype(int)
+        file = studio.made / "frames" / f"000{frame}.exr"
+        off = developed(read_exr(file), read_development(file)).astype(int) - read_png(
+            studio.frame(frame)
+        ).astype(int)
         # Light kept in half precision is off by a grey value here and there.
         assert np.abs(off).max() <= 1
     off = np.array(shown(studio.made / "tiny_1-2.mp4"), int) - before_film

@@ -14,6 +14,7 @@ from pipeline.production.run.picture_notes import level_notes
 from pipeline.production.run.production import render
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.scene_check import check_scene
+from render.development import Development
 from render.image_files import read_key, read_levels, read_png, write_exr, write_png
 from render.picture_levels import PictureLevels
 
@@ -55,7 +56,7 @@ def test_levels_are_the_bright_percentile_and_the_share_of_white() -> None:
 def test_levels_of_a_large_picture_are_those_of_a_grid_of_it() -> None:
     light = np.random.default_rng(2).uniform(0.0, 0.5, (1080, 1920, 3)).astype(np.float32)
     light[:540] = 50.0
-    large, small = PictureLevels.of(light, 0.0), PictureLevels.of(light[::2, ::2], 0.0)
+    large, small = (PictureLevels.of(part, Development()) for part in (light, light[::2, ::2]))
     assert large.white == pytest.approx(0.5, abs=0.01)
     assert small.bright == pytest.approx(large.bright, abs=0.01)
 

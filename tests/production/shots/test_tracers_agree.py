@@ -53,7 +53,7 @@ def test_tracers_agree_on_the_light_of_shipped_scenes(renderer: Renderer, name: 
     shot = shot_of(name)
     scene = MitsubaScene(shot)
     assert scene.path_tracer_reason == ""
-    judge = PathTracer(scene.scene, scene.depth)
+    judge = PathTracer(scene.whole(), scene.depth, air=scene.air)
     ours, theirs = (
         np.array([one(k) for k in range(ROUNDS)])
         for one in (

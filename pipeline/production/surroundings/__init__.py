@@ -1,0 +1,1 @@
+"""Surroundings: the land that goes on from the edge of the terrain to the horizon."""

@@ -1,0 +1,114 @@
+"""Land mesh: the land around a terrain, its sea, and the walls of a floor that stands on it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.production.surroundings.land import Land
+from pipeline.production.surroundings.land_cover import Color, Site, cover
+from pipeline.production.surroundings.landforms import REACH
+from pipeline.production.surroundings.rings import (
+    AROUND,
+    LEAST_AROUND,
+    border,
+    distances,
+    rim_places,
+    ring_faces,
+    turned,
+    zipped,
+)
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import TerrainRecord
+from render.shot import Mesh
+
+SEA_AROUND = 180
+"""Vertices of a ring of the sea."""
+
+WALL_FOOT = 0.3
+"""Depth to which walls go below the level of the land [m]."""
+
+
+def land_mesh(
+    land: Land, terrain: TerrainRecord, material: str, color: Color, detail: float = 1.0
+) -> Mesh:
+    """Return the land from the vertices of the terrain's edge to the horizon.
+
+    Args:
+        land: its heights.
+        terrain: where it begins.
+        material: of the ground near the terrain.
+        color: linear mean colour of that.
+        detail: factor on the number of vertices along each direction.
+    """
+    around = max(LEAST_AROUND, round(AROUND * detail))
+    numbers = border(land.field)
+    edge = np.array(terrain.vertices[numbers], dtype=float)
+    inner = np.stack(land.field.to_grid(edge[:, 0], edge[:, 2]), axis=-1)
+    rim = rim_places(land.half, around)
+    way = rim / np.hypot(*rim.T)[:, None]
+    first = 0.7 * min(min(land.field.cell), 0.4)
+    out = distances(first, detail)
+    places = (rim + out[:, None, None] * way).reshape(-1, 2)
+    height = land.height_in_grid(places)
+    x, z = land.field.to_world(*places.T)
+    if land.is_platform:
+        edge[:, 1] = land.level
+    vertices = np.concatenate([edge, np.stack([x, height, z], axis=-1)]).astype(np.float32)
+    faces = np.concatenate(
+        [
+            zipped(turned(inner, land.half), turned(rim, land.half)),
+            ring_faces(len(out), around, len(edge)),
+        ]
+    ).astype(np.uint32)
+    mesh = Mesh("horizon", vertices, faces, material, uv=vertices[:, [0, 2]])
+    if land.kind == "none":
+        return mesh
+    sea = land.sea_level
+    above = height - (land.level if sea is None else sea)
+    site = Site(
+        places, land.beyond(places), above, _steepness(places, height, around), land.seed, color
+    )
+    # The edge shows the material alone, as the terrain does.
+    bare = np.zeros((len(edge), 4))
+    covered = np.concatenate([bare, cover(site, land.kind)]).astype(np.float32)
+    return replace(mesh, cover=covered)
+
+
+def _steepness(places: Array, height: Array, around: int) -> Array:
+    """Return the rise per metre (N,) at the vertices of rings."""
+    at, h = places.reshape(-1, around, 2), height.reshape(-1, around)
+    rises = []
+    for axis in (0, 1):
+        ahead, behind = (np.roll(at, -way, axis) - at for way in (1, -1))
+        up = np.roll(h, -1, axis) - np.roll(h, 1, axis)
+        rises.append(up / np.maximum(np.hypot(*np.moveaxis(ahead - behind, -1, 0)), 1e-6))
+    # The first ring has none inside, the last one none outside.
+    rises[0][[0, -1]] = 0.0
+    return np.hypot(*rises).ravel()
+
+
+def sea_mesh(land: Land, material: str) -> Mesh | None:
+    """Return the surface of the sea, None where there is none."""
+    if land.sea_level is None:
+        return None
+    around = np.arange(SEA_AROUND) * (2.0 * np.pi / SEA_AROUND)
+    radii = np.geomspace(0.25 * float(land.half.min()), 1.2 * REACH, 24)
+    middle = np.array([land.field.at[0], land.sea_level, land.field.at[1]])
+    ring = np.stack([np.cos(around), np.zeros_like(around), np.sin(around)], axis=-1)
+    vertices = (middle + radii[:, None, None] * ring).reshape(-1, 3).astype(np.float32)
+    faces = ring_faces(len(radii), SEA_AROUND, 0).astype(np.uint32)
+    return Mesh("sea", vertices, faces, material, uv=vertices[:, [0, 2]])
+
+
+def wall_mesh(land: Land, terrain: TerrainRecord) -> Mesh | None:
+    """Return the walls from the edge of a floor down to the land, None without a platform."""
+    if not land.is_platform:
+        return None
+    top = terrain.vertices[border(land.field)].astype(np.float32)
+    foot = top.copy()
+    foot[:, 1] = land.level - WALL_FOOT
+    faces = ring_faces(2, len(top), 0).astype(np.uint32)
+    vertices = np.concatenate([top, foot])
+    return Mesh("edge", vertices, faces, terrain.material, uv=vertices[:, [0, 2]], smooth=False)

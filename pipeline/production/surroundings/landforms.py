@@ -1,0 +1,163 @@
+"""Landforms: how high the land is, far from the terrain, for each kind of surroundings.
+
+Every landform is a function of the place and of the distance beyond the edge of the terrain. Near
+the edge it is 0, where the roughness of the terrain goes on; then come swells, hills, and ridges
+one behind the other, each higher than the last, so that from a man's height several are seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from pipeline.production.surroundings.lattice_noise import eroded, fractal, ridged, smoothstep
+from pipeline.simulation.spatial import Array
+
+Landform = Callable[[Array, Array, int], Array]
+"""From places (N, 2) [m], distances beyond the edge (N,) [m] and a seed to heights (N,) [m]."""
+
+REACH = 7000.0
+"""Distance at which the land ends, behind its last ridge [m]."""
+
+SEA_DEPTH = 4.0
+"""Depth of the bottom of the sea [m]."""
+
+
+Shape = Callable[[Array], Array]
+"""From places (M, 2) [m] to heights (M,) [m]."""
+
+
+def _rising(places: Array, out: Array, span: tuple[float, float], shape: Shape) -> Array:
+    """Return heights (N,) of a shape that rises over a span of distances [m] from nothing."""
+    result = np.zeros(len(out))
+    there = out > span[0]
+    result[there] = smoothstep(*span, out[there]) * shape(places[there])
+    return result
+
+
+def _swells(places: Array, out: Array, seed: int, height: float) -> Array:
+    """Return gentle swells that set in some tens of metres away."""
+    return _rising(places, out, (8.0, 220.0), lambda p: height * fractal(p / 140.0, seed, 4))
+
+
+def _uneven(places: Array, seed: int) -> Array:
+    """Return a factor, 0.35 to 1.35, that makes a chain of hills higher here than there."""
+    return 0.85 + 0.5 * np.clip(fractal(places / 2600.0, seed, 2), -1.0, 1.0)
+
+
+def _bent(places: Array, seed: int, width: float, by: float) -> Array:
+    """Return places moved by up to about `by` metres, in swirls `width` metres wide."""
+    return places + by * np.stack(
+        [fractal(places / width, seed + 50 + k, 2) for k in range(2)], axis=-1
+    )
+
+
+def _hills(places: Array, out: Array, seed: int) -> Array:
+    def near(p: Array) -> Array:
+        return 8.0 + 52.0 * eroded(p / 520.0, seed + 10)
+
+    def middle(p: Array) -> Array:
+        return 170.0 * eroded(p / 1300.0, seed + 20, 5)
+
+    def far(p: Array) -> Array:
+        return 420.0 * ridged(p / 2300.0, seed + 30, 6) * _uneven(p, seed + 40)
+
+    return (
+        _swells(places, out, seed, 7.0)
+        + _rising(places, out, (120.0, 800.0), near)
+        + _rising(places, out, (800.0, 2400.0), middle)
+        + _rising(places, out, (2600.0, 4800.0), far)
+    )
+
+
+def _mountains(places: Array, out: Array, seed: int) -> Array:
+    def foot(p: Array) -> Array:
+        return 10.0 + 90.0 * eroded(p / 700.0, seed + 10, 5)
+
+    def chain(p: Array) -> Array:
+        ridge = ridged(_bent(p, seed, 1500.0, 320.0) / 2100.0, seed + 20)
+        out = np.hypot(*p.T)
+        high = 330.0 + 900.0 * smoothstep(2400.0, 4600.0, out) * ridge**0.2
+        return high * ridge * _uneven(p, seed + 40)
+
+    return (
+        _swells(places, out, seed, 6.0)
+        + _rising(places, out, (160.0, 1100.0), foot)
+        + _rising(places, out, (1100.0, 2600.0), chain)
+    )
+
+
+def _plain(places: Array, out: Array, seed: int) -> Array:
+    def far(p: Array) -> Array:
+        return 190.0 * eroded(p / 1900.0, seed + 20) * _uneven(p, seed + 40)
+
+    return _swells(places, out, seed, 3.5) + _rising(places, out, (2600.0, 5200.0), far)
+
+
+def _dunes(places: Array, out: Array, seed: int) -> Array:
+    def dunes(p: Array) -> Array:
+        # Crests lie across the wind, which blows along the second axis.
+        bent = _bent(p, seed, 160.0, 40.0) / np.array([260.0, 105.0])
+        crest = 1.0 - np.abs(fractal(bent, seed + 10, 3))
+        return 17.0 * np.clip(crest, 0.0, 1.0) ** 1.7
+
+    def great(p: Array) -> Array:
+        return 75.0 * eroded(p / 900.0, seed + 20)
+
+    def mesas(p: Array) -> Array:
+        high = fractal(p / 1500.0, seed + 30, 6)
+        return 120.0 * smoothstep(0.10, 0.20, high) + 95.0 * smoothstep(0.20, 0.26, high)
+
+    return (
+        _rising(places, out, (40.0, 420.0), dunes)
+        + _rising(places, out, (500.0, 2200.0), great)
+        + _rising(places, out, (1900.0, 2700.0), mesas)
+    )
+
+
+def _forest(places: Array, out: Array, seed: int) -> Array:
+    def near(p: Array) -> Array:
+        return 4.0 + 38.0 * eroded(p / 380.0, seed + 10)
+
+    def far(p: Array) -> Array:
+        return 210.0 * eroded(p / 1200.0, seed + 20) * _uneven(p, seed + 40)
+
+    return (
+        _swells(places, out, seed, 4.0)
+        + _rising(places, out, (60.0, 420.0), near)
+        + _rising(places, out, (600.0, 2600.0), far)
+    )
+
+
+def _sea(places: Array, out: Array, seed: int) -> Array:
+    """Return the land at a bay: a coast with headlands and a far shore; the sea is near 0."""
+
+    def headlands(p: Array) -> Array:
+        return (SEA_DEPTH + 46.0) * smoothstep(0.15, 0.5, fractal(p / 900.0, seed + 20, 4))
+
+    def shore(p: Array) -> Array:
+        return 330.0 * eroded(p / 1700.0, seed + 30) * _uneven(p, seed + 40)
+
+    sunk = smoothstep(0.55, 1.5, out / 75.0 + 0.9 * fractal(places / 240.0, seed + 10, 4))
+    rise = np.maximum(
+        _rising(places, out, (260.0, 900.0), headlands),
+        _rising(places, out, (3000.0, 4700.0), shore),
+    )
+    return _swells(places, out, seed, 2.0) * (1.0 - sunk) - SEA_DEPTH * sunk + rise
+
+
+def _flat(places: Array, out: Array, seed: int) -> Array:
+    del places, seed
+    return np.zeros_like(out)
+
+
+LANDFORMS: Mapping[str, Landform] = {
+    "hills": _hills,
+    "mountains": _mountains,
+    "plain": _plain,
+    "dunes": _dunes,
+    "forest": _forest,
+    "sea": _sea,
+    "none": _flat,
+}

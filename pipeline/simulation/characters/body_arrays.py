@@ -39,6 +39,7 @@ FREE, LOCKED, LANDING, RESTING = 0, 1, 2, 3
 """Locks of a node; RESTING is that of all nodes of a sleeping character."""
 
 NOBODY, TERRAIN, SOLID = -1, -2, -3
+RECENT_TOUCHES = 4  # others that a link knows it is touching
 """What a link touches that is no link: nothing, the ground, the first solid of another room;
 further solids are numbered downward."""
 
@@ -93,6 +94,9 @@ LINK = np.dtype(
         # link, and the ground [s].
         ("energy", "f8"),
         ("age", "f8", 2),
+        # What it has touched of late: owners, SOLID - thing, or NOBODY; time since it did [s].
+        ("recent", "i8", RECENT_TOUCHES),
+        ("recent_age", "f8", RECENT_TOUCHES),
     ],
     align=True,
 )

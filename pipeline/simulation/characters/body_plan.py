@@ -129,8 +129,8 @@ def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
     for name in ("radius", "damping", "is_arm"):
         links[name] = [getattr(link, name) for _, link in planned]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
-    links["touched"] = links["touched_owner"] = NOBODY
-    links["age"] = np.inf
+    links["touched"] = links["touched_owner"] = links["recent"] = NOBODY
+    links["age"] = links["recent_age"] = np.inf
     return links
 
 

@@ -15,7 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, IntArray, RecordArray
+from pipeline.simulation.characters.body_arrays import (
+    NOBODY,
+    RECENT_TOUCHES,
+    TERRAIN,
+    IntArray,
+    RecordArray,
+)
 from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -125,10 +131,33 @@ def touch_links(
 ) -> None:
     """Let two links of different characters sense one another, and log the onset."""
     a, b = links[pair[0]], links[pair[1]]
-    if (a.touched_owner != b.owner or a.age[0] > TOUCH_PAUSE) and speed > MIN_TOUCH_SPEED:
+    if is_new_touch(a, b.owner) and speed > MIN_TOUCH_SPEED:
         log_touch(log, moment, pair, where, speed, energy)
     sense_touch(a, pair[1], b.owner, energy)
     sense_touch(b, pair[0], a.owner, energy)
+
+
+@inlined
+def is_new_touch(link: Record, other: int) -> bool:
+    """Note that a link touches another, and tell whether they were apart for a while before.
+
+    A link that lies between several keeps them apart, or each of their turns would sound anew.
+
+    Args:
+        link: a `LINK`.
+        other: owner that is touched, or SOLID - its thing.
+    """
+    oldest = 0
+    for k in range(RECENT_TOUCHES):
+        if link.recent[k] == other:
+            is_new = link.recent_age[k] > TOUCH_PAUSE
+            link.recent_age[k] = 0.0
+            return is_new
+        if link.recent_age[k] > link.recent_age[oldest]:
+            oldest = k
+    link.recent[oldest] = other
+    link.recent_age[oldest] = 0.0
+    return True
 
 
 @inlined
@@ -147,6 +176,8 @@ def age_touches(links: Records, h: float) -> None:
         link = links[n]
         link.age[0] += h
         link.age[1] += h
+        for k in range(RECENT_TOUCHES):
+            link.recent_age[k] += h
         if link.age[0] > TOUCH_PAUSE and (link.touched != TERRAIN or link.age[1] > TOUCH_PAUSE):
             link.touched, link.touched_owner = NOBODY, NOBODY
 

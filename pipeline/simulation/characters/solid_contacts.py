@@ -27,12 +27,12 @@ from pipeline.simulation.characters.broad_phase import bounds_overlap
 from pipeline.simulation.characters.contact_response import (
     MIN_BOUNCE_SPEED,
     MIN_TOUCH_SPEED,
-    TOUCH_PAUSE,
     SubStep,
     TouchLog,
     ball_count,
     damp_resting,
     friction_move,
+    is_new_touch,
     link_overlaps,
     log_touch,
     move_between,
@@ -379,9 +379,7 @@ def _touch_solid(
     """Let a link sense a solid, with the mobility of both [1/kg], and log the onset."""
     speed, number = max(contact.approach, 0.0) / sub_step.h, SOLID - pair[1]
     energy = 0.5 * speed * speed / weight
-    touched = link.touched
-    is_same = touched <= SOLID and solids[SOLID - touched].thing == solids[pair[1]].thing
-    if (link.age[0] > TOUCH_PAUSE or not is_same) and speed > MIN_TOUCH_SPEED:
+    if is_new_touch(link, SOLID - solids[pair[1]].thing) and speed > MIN_TOUCH_SPEED:
         where = contact.place, contact.normal
         log_touch(log, sub_step.moment, (pair[0], number), where, speed, energy)
     sense_touch(link, number, NOBODY, energy)

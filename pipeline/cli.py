@@ -149,3 +149,7 @@ def _ended() -> str | int | None:
         options.say(told)
         return told.exit_code
     raise AssertionError("typer ends every command by SystemExit")
+
+
+if __name__ == "__main__":
+    main()

@@ -19,7 +19,7 @@ from pipeline.production.run.picture_notes import camera_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.scene_run import translated_errors
 from pipeline.production.run.take_stage import take_key
-from pipeline.production.shots.metering import metered_tones
+from pipeline.production.shots.exposure_metering import metered_tones
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take

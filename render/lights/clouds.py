@@ -149,7 +149,7 @@ class _Painter:
         self._shift = opaque(1.7 * _PATCH * (seed % 97)), opaque(-2.3 * _PATCH * (seed % 61))
 
     def cumulus(self, d: Any, active: Any, behind: Any, horizon: Any) -> Any:
-        """Return what is seen through the layer of cumulus.
+        """Return the light that arrives through the layer of cumulus.
 
         Args:
             d: directions.
@@ -220,7 +220,7 @@ class _Painter:
         return behind * (1.0 - cover * low) + color * low
 
     def cirrus(self, d: Any, active: Any, behind: Any, horizon: Any) -> Any:
-        """Return what is seen through a thin sheet of ice."""
+        """Return the light that arrives through a thin sheet of ice."""
         t = _distance_to(d, _CIRRUS)
         x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
         # Drawn out by the wind.

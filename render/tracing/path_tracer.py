@@ -48,7 +48,7 @@ class PathTracer(Tracer):
 
 
 def _layered_path(depth: int, air: Air | None) -> Any:
-    """Return `path` with what the first surface is, and what is seen besides, as extra channels.
+    """Return `path` with what the first surface is, and its auxiliary layers, as extra channels.
 
     The base class depends on the variant of Mitsuba, which is chosen later than this is imported.
     """

@@ -241,7 +241,7 @@ def _add_direct(
     sums: Sums,
     strata: StepStrata,
 ) -> Sums:
-    """Add visible surfaces with direct light, their albedo, and what is seen besides."""
+    """Add visible surfaces with direct light, their albedo, and auxiliary layers."""
     si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pipeline.errors import FilmingError
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.scene_run import SceneRun
-from pipeline.production.shots.metering import metered_tones, metering_key
+from pipeline.production.shots.exposure_metering import metered_tones, metering_key
 from pipeline.production.shots.shot_builder import ShotBuilder
 from render.development import Tone
 from render.errors import DeviceMemoryShort, RenderError

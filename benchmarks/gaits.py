@@ -20,8 +20,9 @@ import numpy as np
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits.pace import Pace
-from pipeline.simulation.locomotion.gaits.pace_choice import build_of, choose_pace
+from pipeline.simulation.locomotion.gaits.pace_choice import choose_pace
 from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
+from pipeline.simulation.locomotion.gaits.stride_plan import build_of
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene

@@ -20,14 +20,14 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.pace import Pace
-from pipeline.simulation.locomotion.gaits.pace_choice import (
+from pipeline.simulation.locomotion.gaits.pace_choice import choose_pace
+from pipeline.simulation.locomotion.gaits.scaling_laws import comfortable_speed, ladder
+from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
+from pipeline.simulation.locomotion.gaits.stride_plan import (
     BODY_HEIGHTS,
     STRIDE_OF_LONGEST,
     build_of,
-    choose_pace,
 )
-from pipeline.simulation.locomotion.gaits.scaling_laws import comfortable_speed, ladder
-from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.simulation.spatial import Array
 from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood

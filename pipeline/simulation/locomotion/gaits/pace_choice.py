@@ -1,8 +1,6 @@
 """Pace choice: gait, stride, cycle, duty factor and posture of a creature at a speed.
 
-What the author leaves open follows the laws of animals (`scaling_laws`), as far as the legs reach.
-A stride that is longer than that first lowers the body, then shortens the stance, and at last is
-shortened itself; the cadence grows instead, up to the greatest that muscles can drive.
+What the author leaves open follows the laws of animals, as far as the legs reach (`stride_plan`).
 """
 
 from __future__ import annotations
@@ -11,7 +9,6 @@ import math
 from collections.abc import Container
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +17,6 @@ from pydantic import ValidationError
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits import scaling_laws
 from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
 from pipeline.simulation.locomotion.gaits.named_gaits import (
@@ -28,68 +24,26 @@ from pipeline.simulation.locomotion.gaits.named_gaits import (
     join_choices,
     walking_legs,
 )
-from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE, Pace, cycle_and_stride
-from pipeline.simulation.locomotion.gaits.scaling_laws import Build, Style
+from pipeline.simulation.locomotion.gaits.pace import Pace, cycle_and_stride
+from pipeline.simulation.locomotion.gaits.scaling_laws import Build
 from pipeline.simulation.locomotion.gaits.stride_limits import (
     LegLayout,
     rounded_down,
     rounded_up,
 )
+from pipeline.simulation.locomotion.gaits.stride_plan import (
+    BODY_HEIGHTS,
+    OWN_DUTY,
+    SPEED_TOLERANCE,
+    SPEEDS,
+    Plan,
+    StridePlanner,
+    build_of,
+)
 from pipeline.spec.walk import AUTO, Manner, Walk
 
-
-@dataclass(frozen=True, slots=True)
-class BodyHeights:
-    """Bounds of default body heights.
-
-    Attributes:
-        lowest: over level ground, in depths of the belly.
-        run, walk, stand: greatest height running, walking and standing, as fractions of the
-            tallest that the legs reach: straight legs have no room for a stride.
-        running_crouch, walking_crouch: least height to which a long stride lowers a body, as
-            fractions of its own.
-    """
-
-    lowest: float = 1.25
-    run: float = 0.92
-    walk: float = 0.94
-    stand: float = 0.99
-    running_crouch: float = 0.86
-    walking_crouch: float = 0.97
-
-
-BODY_HEIGHTS = BodyHeights()
-
-# Default stride, as a fraction of the longest that the legs can do: the outer legs on a curve, and
-# all while the body speeds up, need the rest of their reach. Sprawling legs need more of it.
-STRIDE_OF_LONGEST, SPRAWLING_STRIDE_OF_LONGEST = 0.9, 0.75
-
-# Least duty factor of a long stride, as a fraction of the law's. Where the law has no flights there
-# are none; the bounds of walks go over into those of runs between two duty factors.
-SHORTENED_STANCE, MIN_GROUNDED_DUTY, RUNNING_DUTY = 0.75, 0.52, 0.45
-
-# Gaits that keep their own duty factor, which belongs to the turns that feet take, or to the one
-# leg that always leads.
-OWN_DUTY = frozenset({"", "wave", "ripple", "hop", "skip"})
-
-# Gaits that are a walk or a run at any speed; the others are one or the other by speed.
-STYLES: dict[str, Style] = {
-    "walk": "walking",
-    **dict.fromkeys(
-        (
-            "amble",
-            "pace",
-            "canter",
-            "transverse gallop",
-            "rotary gallop",
-            "bound",
-            "run",
-            "hop",
-            "skip",
-        ),
-        "running",
-    ),
-}
+# Heights of the body that are tried.
+HEIGHTS = 33
 
 # Duration of a cycle of one that stands, in periods of a pendulum of its size, over 2π.
 PERIOD = 3.0
@@ -102,20 +56,6 @@ BOUNCE, MAX_FLIGHT_BOUNCE = 0.018, 0.1
 
 # How far feet that carry a body alone stand under its middle, as a fraction of the way.
 CENTERING = 0.9
-
-# Speeds between which the greatest is looked for [m/s], halvings, and heights that are tried.
-SPEEDS, BISECTIONS, HEIGHTS = (1e-4, 1e3), 50, 33
-
-# Relative difference between speeds that is rounding.
-SPEED_TOLERANCE = 1e-9
-
-
-class Plan(NamedTuple):
-    """What legs do at a speed: stride [m], duty factor, height of the body [m]."""
-
-    stride: float
-    duty: float
-    height: float
 
 
 def choose_pace(
@@ -185,9 +125,9 @@ class PaceChoice:
         return build_of(self.figure, self.all_legs)
 
     @cached_property
-    def greatest_frequency(self) -> float:
-        """Greatest stride frequency, of its muscles or of the world's steps [Hz]."""
-        return min(scaling_laws.greatest_frequency(self.build), 1.0 / MIN_CYCLE)
+    def planner(self) -> StridePlanner:
+        """What its legs do at any speed."""
+        return StridePlanner(self.where, self.walk, self.build, self.legs, self.figure.belly)
 
     # --- paces ------------------------------------------------------------------------
 
@@ -196,7 +136,7 @@ class PaceChoice:
         name, gait = self._gait(0.0, None)
         tallest = BODY_HEIGHTS.stand * self.legs.tallest()
         cycle = PERIOD * math.sqrt(self.build.size / GRAVITY)
-        return self._pace(name, gait, (cycle, 0.0), min(self._rest_height, tallest))
+        return self._pace(name, gait, (cycle, 0.0), min(self.planner.rest_height, tallest))
 
     def walking(self, present: str | None = None) -> Pace:
         """Return the pace of a creature that walks.
@@ -210,15 +150,15 @@ class PaceChoice:
         name, gait = self._gait(speed, present)
         if speed is None:
             comfortable = scaling_laws.comfortable_speed(self.build, name)
-            speed = min(comfortable, self._top_speed_in(name, gait))
-        plan = self._plan(name, gait, speed)
+            speed = min(comfortable, self.planner.top_speed(name, gait))
+        plan = self.planner.plan(name, gait, speed)
         if walk.stride is None and walk.cycle is None:
             return self._by_law(name, gait, speed, plan)
         tempo = cycle_and_stride(walk, plan.stride / speed, plan.stride)
         return self._by_tempo(name, gait, tempo)
 
     def _by_law(self, name: str, gait: Gait, speed: float, plan: Plan) -> Pace:
-        if not self._is_possible(name, gait, speed):
+        if not self.planner.is_possible(name, gait, speed):
             raise SceneError([self._too_fast(name, speed, plan)])
         if float(np.ptp(gait.duty)) or plan.duty != float(gait.duty.max()):
             gait = gait if name in OWN_DUTY else gait.with_duty(plan.duty)
@@ -232,18 +172,18 @@ class PaceChoice:
             return math.inf
         rise = MAX_FLIGHT_BOUNCE * float(self.legs.lengths.mean())
         longest = math.sqrt(rise / (flight.amplitude * GRAVITY))
-        return max(longest, 1.0 / self.greatest_frequency)
+        return max(longest, 1.0 / self.planner.greatest_frequency)
 
     def _by_tempo(self, name: str, gait: Gait, tempo: tuple[float, float]) -> Pace:
         """Return a pace whose stride or cycle is the author's: the gait keeps its duty factor."""
         cycle, stride = tempo
-        low, high = self._heights(float(gait.duty.max()))
+        low, high = self.planner.heights(float(gait.duty.max()))
         for height in np.linspace(high, low, HEIGHTS).tolist():
             if self.legs.longest_stride(gait, height) >= stride:
                 break
         else:
             raise SceneError([self._too_long(gait, low, tempo)])
-        if cycle * self.greatest_frequency < 1.0 - SPEED_TOLERANCE:
+        if cycle * self.planner.greatest_frequency < 1.0 - SPEED_TOLERANCE:
             raise SceneError([self._too_quick(cycle)])
         return self._pace(name, gait, tempo, height)
 
@@ -285,110 +225,17 @@ class PaceChoice:
         forward = self.legs.hips[:, 0].tolist()
         return choose_gait(self.where, self.walk, self.figure, self.own, forward, automatic)
 
-    def _style(self, name: str, speed: float) -> Style:
-        if scaling_laws.is_graviportal(self.build):
-            return "walking"
-        if name in STYLES:
-            return STYLES[name]
-        if name == "trot" and len(self.own) == 4 and self.build.family == "quadruped":
-            return "running"
-        return scaling_laws.style_at(self.build, speed)
-
-    # --- posture ----------------------------------------------------------------------
-
-    @cached_property
-    def _rest_height(self) -> float:
-        lowest = BODY_HEIGHTS.lowest * self.figure.belly
-        return max(-float(self.legs.feet[:, 1].mean()), lowest)
-
-    def _heights(self, duty: float) -> tuple[float, float]:
-        """Return the least and the greatest height of the body with a duty factor [m].
-
-        Raises:
-            SceneError: the legs do not reach the ground from the author's.
-        """
-        tallest, given = self.legs.tallest(), self.walk.body_height
-        runs = _share_of_run(duty)
-        heights = BODY_HEIGHTS
-        fraction = heights.walk + runs * (heights.run - heights.walk)
-        high = min(self._rest_height, fraction * tallest) if given is None else given
-        if high >= tallest:
-            message = f"the legs do not reach the ground from {high:g}; "
-            message += f"at this scale less than {tallest:.3g} works"
-            raise SceneError([Problem(f"{self.where}.body_height", message)])
-        if given is not None:
-            return given, given
-        crouch = heights.walking_crouch
-        crouch += runs * (heights.running_crouch - heights.walking_crouch)
-        belly = min(BODY_HEIGHTS.lowest * self.figure.belly, high)
-        return max(crouch * high, belly), high
-
-    def _least_duty(self, duty: float) -> float:
-        """Return the least duty factor of a long stride whose law has `duty`."""
-        if duty >= MIN_GROUNDED_DUTY:
-            return max(SHORTENED_STANCE * duty, MIN_GROUNDED_DUTY)
-        shortened = 1.0 - _share_of_run(duty) * (1.0 - SHORTENED_STANCE)
-        return min(max(shortened * duty, scaling_laws.MIN_DUTY), duty)
-
-    def _duties(self, name: str, gait: Gait, speed: float, style: Style) -> tuple[float, float]:
-        """Return the duty factor of the law, or of the author or gait, and the least instead."""
-        if name in OWN_DUTY or self.walk.duty is not None:
-            duty = float(gait.duty.max())
-            return duty, duty
-        duty = scaling_laws.duty_at(self.build, speed, style)
-        return duty, self._least_duty(duty)
-
-    def _plan(self, name: str, gait: Gait, speed: float) -> Plan:
-        """Return what the legs do at a speed [m/s], perhaps too often."""
-        style = self._style(name, speed)
-        stride = scaling_laws.stride_at(self.build, speed, style)
-        duty, least = self._duties(name, gait, speed, style)
-        low, high = self._heights(duty)
-        sprawls = self.build.family == "sprawler"
-        usual = SPRAWLING_STRIDE_OF_LONGEST if sprawls else STRIDE_OF_LONGEST
-        needed = stride * duty / usual
-        if self.legs.reach(high) >= needed:
-            return Plan(stride, duty, high)
-        reach = self.legs.reach(low)
-        if reach >= needed:
-            below, above = low, high
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (below + above)
-                fits = self.legs.reach(middle) >= needed
-                below, above = (middle, above) if fits else (below, middle)
-            return Plan(stride, duty, below)
-        reach *= usual
-        duty = max(reach / stride, least)
-        return Plan(min(stride, reach / duty), duty, low)
-
-    # --- limits -----------------------------------------------------------------------
-
-    def _is_possible(self, name: str, gait: Gait, speed: float) -> bool:
-        frequency = self.greatest_frequency * (1.0 + SPEED_TOLERANCE)
-        return self._plan(name, gait, speed).stride * frequency >= speed
-
-    def _top_speed_in(self, name: str, gait: Gait) -> float:
-        """Return the greatest speed in a gait [m/s]."""
-        slow, fast = SPEEDS
-        for _ in range(BISECTIONS):
-            middle = math.sqrt(slow * fast)
-            if self._is_possible(name, gait, middle):
-                slow = middle
-            else:
-                fast = middle
-        return slow
-
     @cached_property
     def top_speed(self) -> float:
         """The greatest speed, in the fastest gait if it is automatic [m/s]."""
         name, gait = self._gait(SPEEDS[1], None)
         if self.walk.gait != AUTO:
-            return self._top_speed_in(name, gait)
-        top, count = self._top_speed_in(name, gait), len(self.own)
+            return self.planner.top_speed(name, gait)
+        top, count = self.planner.top_speed(name, gait), len(self.own)
         gaits, _ = scaling_laws.ladder(self.build, count)
         if name in gaits and scaling_laws.gait_at(self.build, count, top) != name:
             # So slow a creature does not gallop.
-            top = min(self._top_speed_in(slower, gait) for slower in gaits)
+            top = min(self.planner.top_speed(slower, gait) for slower in gaits)
         return top
 
     @cached_property
@@ -415,7 +262,7 @@ class PaceChoice:
         return f"take {join_choices(choices)}" if choices else "take another gait or scale"
 
     def _too_fast(self, name: str, speed: float, plan: Plan) -> Problem:
-        most = self.greatest_frequency
+        most = self.planner.greatest_frequency
         if plan.stride == 0.0:
             message = (
                 f"the legs of '{self.figure.name}' cannot step: at a body height of "
@@ -458,7 +305,7 @@ class PaceChoice:
         return Problem(self.where, message + self._advice(*timings, *duties, *postures))
 
     def _too_quick(self, cycle: float) -> Problem:
-        walk, most = self.walk, self.greatest_frequency
+        walk, most = self.walk, self.planner.greatest_frequency
         changes = [{"cycle": rounded_up(1.0 / most)}]
         if walk.speed is not None and walk.stride is not None:
             changes.append({"speed": rounded_down(walk.stride * most)})
@@ -468,21 +315,6 @@ class PaceChoice:
             f"legs at most {rounded_down(most)} times a second; "
         )
         return Problem(self.where, message + self._advice(*changes))
-
-
-def _share_of_run(duty: float) -> float:
-    """Return how far a duty factor is that of a run, 0 to 1."""
-    part = (MIN_GROUNDED_DUTY - duty) / (MIN_GROUNDED_DUTY - RUNNING_DUTY)
-    return min(max(part, 0.0), 1.0)
-
-
-def build_of(figure: Figure, legs: LegLayout) -> Build:
-    """Return the size of a figure with legs at rest."""
-    mass = FigureMass(figure).mass_of(range(len(figure.skeleton.links)))
-    if figure.style == "insect":
-        return Build("sprawler", float(legs.lengths.mean()), mass)
-    height = float((legs.hips[:, 1] - legs.feet[:, 1]).mean())
-    return Build("biped" if len(legs.lengths) <= 2 else "quadruped", height, mass)
 
 
 def _bounce(gait: Gait, flight: FlightBounce | None, leg: float, cycle: float) -> float:

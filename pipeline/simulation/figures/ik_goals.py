@@ -18,7 +18,6 @@ Source: Sims 1987, 6.2, 6.3, B.2 and B.3; Yoshikawa 1985.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -31,8 +30,7 @@ from pipeline.simulation.figures.kinematics import (
     hessian,
     rotation_axes,
 )
-from pipeline.simulation.figures.obstacle_avoidance import Obstacles, nearest_obstacles
-from pipeline.simulation.figures.task_priority import Task, solve_priorities
+from pipeline.simulation.figures.task_priority import Task
 from pipeline.simulation.spatial import Array, cross, quaternion, turn
 
 
@@ -71,94 +69,6 @@ class TipPlacement:
         """Return the goals of some limbs alone."""
         turned = None if self.orientations is None else self.orientations[chosen]
         return TipPlacement(self.places[chosen], turned)
-
-
-@dataclass(frozen=True, eq=False)
-class TipOrientation:
-    """Tips in given orientations, at any place.
-
-    Attributes:
-        orientations: (L, 3, 3) R_BF.
-    """
-
-    orientations: Array
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand the whole error."""
-        left = rotation_vector(self.orientations @ pose.R_BF.transpose(0, 2, 1))
-        return Task(rotation_axes(batch, pose).transpose(0, 2, 1), left)
-
-
-@dataclass(frozen=True, slots=True)
-class PreferredValues:
-    """Joint values near the preferred ones.
-
-    Attributes:
-        gain: α, the fraction of the error that one step corrects.
-    """
-
-    gain: float = 0.5
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand z = θ_preferred - θ; B.2 has the opposite sign."""
-        return Task.wish(self.gain * (batch.preferred - pose.q))
-
-
-@dataclass(frozen=True, slots=True)
-class MaximumDexterity:
-    """Joint values far from singularities.
-
-    Attributes:
-        gain: α, joint values [rad] for a gradient of one.
-    """
-
-    gain: float = 1.0
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand the steepest increase of dexterity."""
-        return Task.wish(self.gain * dexterity_gradient(batch, pose))
-
-
-@dataclass(frozen=True, eq=False)
-class AvoidObstacles:
-    """All links clear of obstacles.
-
-    Attributes:
-        obstacles: in the frame that the limbs are relative to.
-        margin: gap that the lines of the limbs keep, including their thickness [m].
-    """
-
-    obstacles: Obstacles
-    margin: float
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand the missing gap of every link that is too near; the others are free."""
-        near = nearest_obstacles(batch, pose, self.obstacles)
-        size = batch.lengths[:, None]
-        missing = np.maximum(self.margin - near.gap, 0.0) / size
-        rows = np.einsum("lknx,lkx->lkn", near.jacobian, near.away) / size[..., None]
-        return Task(rows * (missing > 0.0)[..., None], missing)
-
-
-@dataclass(frozen=True)
-class WeightedGoals:
-    """Several goals at once with weights; they may oppose one another.
-
-    Attributes:
-        parts: weight and goal of each.
-    """
-
-    parts: tuple[tuple[float, Goal], ...]
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand z = w₁ z₁ + w₂ z₂ + ..., where each z serves its goal alone.
-
-        Source: Sims 1987, eq. B.10.
-        """
-        z = np.zeros_like(pose.q)
-        for weight, goal in self.parts:
-            z = z + weight * solve_priorities([goal.task(batch, pose)], 1e-3)
-        return Task.wish(z)
 
 
 def rotation_vector(R: Array) -> Array:
@@ -321,43 +231,3 @@ class JointTargets:
         del batch
         rows = np.broadcast_to(np.diag(self.columns), (len(pose.q), *np.diag(self.columns).shape))
         return Task(rows, self.columns * (self.values - pose.q))
-
-
-@dataclass(frozen=True, eq=False)
-class JointPull:
-    """All joints nearer to given values.
-
-    Attributes:
-        values: (L, n) [rad or m].
-        gain: the fraction of the error that one step corrects.
-    """
-
-    values: Array
-    gain: float
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand a fraction of the error."""
-        del batch
-        return Task.wish(self.gain * (self.values - pose.q))
-
-
-@dataclass(frozen=True)
-class LeastSquaresGoals:
-    """Several goals at once, with the least weighted sum of squared errors.
-
-    The thesis adds the joint velocities that each goal would have alone (eq. B.10, see
-    `WeightedGoals`); goals that agree would then be served twice.
-
-    Attributes:
-        parts: weight and goal of each.
-    """
-
-    parts: Sequence[tuple[float, Goal]]
-
-    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Demand all errors, each times the root of its weight."""
-        tasks = [(weight**0.5, goal.task(batch, pose)) for weight, goal in self.parts]
-        return Task(
-            np.concatenate([w * task.jacobian for w, task in tasks], axis=1),
-            np.concatenate([w * task.velocity for w, task in tasks], axis=1),
-        )

@@ -11,9 +11,6 @@ bend it to and fro. Newton's method with the full second derivative of half the 
 
 arrives in a few steps.
 
-`track_goals` follows goals of several priorities through time, a few steps from the pose of the
-moment before, so that a limb keeps its branch and never jumps. Goals need not concern its tip.
-
 Notation of the thesis: x tip position, θ joint values (here q), J Jacobian.
 
 Source: Sims 1987, 6.1, 6.2 and appendix B; Bertsekas 1982 (projected Newton).
@@ -21,15 +18,13 @@ Source: Sims 1987, 6.1, 6.2 and appendix B; Bertsekas 1982 (projected Newton).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.ik_goals import Goal, TipPlacement
+from pipeline.simulation.figures.ik_goals import TipPlacement
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose, hessian
-from pipeline.simulation.figures.task_priority import Task, bounded_priority_step
 from pipeline.simulation.spatial import Array
 
 
@@ -229,63 +224,3 @@ def _downhill(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, step: Array) 
             break
         step = 0.5 * step
     return result if moved.any() else None
-
-
-@dataclass(frozen=True, eq=False)
-class TrackedPose:
-    """Limbs and their remaining error.
-
-    Attributes:
-        pose: within the limits.
-        error: (L,) of the first goals, in lengths of the limb and radians.
-    """
-
-    pose: LimbPose
-    error: Array
-
-
-def track_goals(
-    batch: LimbBatch,
-    start: Array,
-    goals: Sequence[Goal],
-    *,
-    min_steps: int = 1,
-    max_steps: int = 12,
-) -> TrackedPose:
-    """Follow goals from joint values near them.
-
-    Args:
-        batch: the limbs.
-        start: (L, n) joint values of the moment before [rad or m].
-        goals: at least one, in order of priority; the last one should wish for joint values, such
-            as `PreferredValues`, so that redundancy does not drift.
-        min_steps: least number of steps, for the goals after the first.
-        max_steps: bound on the steps.
-    """
-    pose = batch.pose(np.clip(start, batch.lower, batch.upper))
-    error = np.full(len(start), np.inf)
-    for count in range(max_steps + 1):
-        tasks = [goal.task(batch, pose) for goal in goals]
-        before, error = error, np.linalg.norm(tasks[0].velocity, axis=-1)
-        if count == max_steps or (count >= min_steps and _is_converged(error, before)):
-            break
-        pose = _pursuit_step(batch, pose, tasks, error)
-    return TrackedPose(pose, error)
-
-
-def _is_converged(error: Array, before: Array) -> bool:
-    is_small = error < GOAL_PURSUIT.tolerance
-    is_stalled = error > (1.0 - GOAL_PURSUIT.stall_fraction) * before
-    return bool((is_small | is_stalled).all())
-
-
-def _pursuit_step(
-    batch: LimbBatch, pose: LimbPose, tasks: Sequence[Task], error: Array
-) -> LimbPose:
-    q, _ = bounded_priority_step(
-        batch, pose.q, tasks, GOAL_PURSUIT.damping + GOAL_PURSUIT.stiffness * np.minimum(error, 1.0)
-    )
-    largest = np.abs(q - pose.q).max(axis=1, keepdims=True, initial=0.0)
-    return batch.pose(
-        pose.q + (q - pose.q) * (GOAL_PURSUIT.max_move / np.maximum(largest, GOAL_PURSUIT.max_move))
-    )

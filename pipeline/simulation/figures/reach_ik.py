@@ -2,8 +2,7 @@
 
 First the tips are brought to their goals: near full extension by its own method, elsewhere by
 damped pseudo-inverse iterations along a path of segments. Limbs that a limit stops short on a long
-way try another branch, found by geometry; they may also restart from random joint values. Then the
-goals of lower priority use the remaining redundancy, and the tips are settled a last time.
+way try another branch, found by geometry; they may also restart from random joint values.
 
 `tip_ik` is for tips that need no such search, as the feet of walking legs.
 
@@ -14,7 +13,6 @@ Source: Sims 1987, ch. 6 and appendix B; damping after Sugihara 2011.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +25,7 @@ from pipeline.simulation.figures.ball_joint_ik import (
     is_near_extension,
     solve_extended,
 )
-from pipeline.simulation.figures.ik_goals import Goal, TipPlacement
+from pipeline.simulation.figures.ik_goals import TipPlacement
 from pipeline.simulation.figures.inverse_kinematics import TIP_ITERATION, IKSolution, closest_pose
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.task_priority import Task, bounded_priority_step
@@ -42,22 +40,12 @@ MIN_DAMPING = 1e-6
 MIN_SEGMENT = 1e-7
 """Segment below which a tip is as near its goal as its limits allow."""
 
-MAX_JOINT_MOVE = 0.2
-"""Greatest movement of a joint for lower goals in one round [rad or m]."""
-
 RESTART_DRAWS = 32
 """Random joint values for one restart; it starts at those nearest to the goal."""
 
 REST_PREFERENCE = 1e-2
 """Extra distance, in lengths of the limb, that a branch may start with for joints one radian
 nearer to rest."""
-
-STILL_MOVE = 1e-6
-"""Movement for lower goals below which they are served [rad or m]."""
-
-
-SETTLE_ITERATIONS = 20
-"""Bound on the iterations that bring the tips back after the lower goals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,14 +69,12 @@ def reach(
     start: LimbPose,
     goals: Array,
     orientation: Array | None = None,
-    secondary: Sequence[Goal] = (),
     *,
     restarts: int = 0,
     rng: np.random.Generator | None = None,
     max_iterations: int = 50,
-    rounds: int = 60,
 ) -> IKSolution:
-    """Bring tips to places, and to orientations if given; then serve the other goals.
+    """Bring tips to places, and to orientations if given.
 
     Args:
         batch: the limbs.
@@ -97,14 +83,10 @@ def reach(
             closest pose that is found, with its residual. A tip less than a segment from its goal
             stays on its branch: along a motion a knee never flips.
         orientation: (L, 3, 3) R_BF of the tips; free by default.
-        secondary: goals of lower priority, in order.
         restarts: number of restarts, from random values, of limbs that fell short. None along a
             motion: the pose would jump.
         rng: for the restarts.
         max_iterations: bound on the iterations of each start.
-        rounds: bound on those for the secondary goals. Along a motion few, so that joints do not
-            outrun
-            the tip: one round is one step of eq. B.7.
 
     Raises:
         ValueError: there are restarts but no `rng`.
@@ -125,9 +107,6 @@ def reach(
             q = _nearest_draw(own, aim.rows(rows), draws)
             state, more = _retry(batch, state, aim, rows, q, max_iterations)
             iterations += more
-    if secondary:
-        state, more = _serve_secondary(batch, state, aim, secondary, rounds)
-        iterations += more
     residual = np.linalg.norm(goals - state.pose.tips, axis=-1)
     turn = None
     if orientation is not None:
@@ -317,37 +296,6 @@ def _arc_step(batch: LimbBatch, tips: Array, goals: Array, part: Array) -> Array
     there = base + (u * a + v * b) * (r_a + part * (r_b - r_a))
     there = np.where(part < 1.0, there, goals)
     return (there - tips) / batch.lengths[:, None]
-
-
-def _serve_secondary(
-    batch: LimbBatch, state: _ReachState, aim: TipPlacement, secondary: Sequence[Goal], rounds: int
-) -> tuple[_ReachState, int]:
-    """Use the redundancy for the goals of lower priority, and settle the tips again."""
-    pose, count = state.pose, 0
-    for count in range(1, rounds + 1):  # noqa: B007
-        tasks = [aim.task(batch, pose), *(goal.task(batch, pose) for goal in secondary)]
-        q, _ = bounded_priority_step(
-            batch, pose.q, tasks, MIN_DAMPING + DAMPING_RATIO * state.error
-        )
-        largest = np.abs(q - pose.q).max(axis=1, initial=0.0)
-        part = MAX_JOINT_MOVE / np.maximum(largest, MAX_JOINT_MOVE)
-        pose = batch.pose(pose.q + part[:, None] * (q - pose.q))
-        if (largest < STILL_MOVE).all():
-            break
-    stirred = _ReachState(pose, _error(batch, pose, aim))
-    settled = stirred
-    for _ in range(SETTLE_ITERATIONS):
-        if (settled.error <= np.maximum(TIP_ITERATION.tolerance, state.error)).all():
-            break
-        q, _ = bounded_priority_step(
-            batch, settled.pose.q, [aim.task(batch, settled.pose)], MIN_DAMPING
-        )
-        pose = batch.pose(q)
-        settled = _ReachState(pose, _error(batch, pose, aim)).better(settled)
-        count += 1
-    # A lower goal never costs a higher one: where the tip is worse off, revert.
-    kept = settled.error <= np.maximum(TIP_ITERATION.tolerance, state.error * (1.0 + 1e-9))
-    return settled.where(kept, state), count
 
 
 def _error(batch: LimbBatch, pose: LimbPose, aim: TipPlacement) -> Array:

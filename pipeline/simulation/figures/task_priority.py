@@ -12,8 +12,9 @@ Source: Sims 1987, eq. B.7 and B.9, B.3; Siciliano and Slotine 1991.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,48 +109,21 @@ def bounded_priority_step(
     """Return joint values (L, n) one step on, within the limits, and which were held there.
 
     Joints that the step would push through a limit are held at it and the others carry the motion.
-    A joint whose return from its limit would then serve the first task is released again; a limb
-    would else stall, its joints held by steps computed before others were held. The iteration ends
-    where no joint changes sides, which is the minimum of the first task's damped error between the
-    limits.
-
-    Source: Júdice and Pires 1994 (block principal pivoting).
+    The result is the minimum of the first task's damped error between the limits.
     """
-    held = np.broadcast_to(~batch.is_joint, q.shape).copy()
-    is_joint = ~held
-    moved, step = np.zeros_like(q), np.zeros_like(q)
-    lower, upper = batch.lower - q, batch.upper - q
     λ = np.broadcast_to(damping, (len(q),))
-    # Limbs that change no side are done; the others go on without them.
-    going = np.arange(len(q))
-    for turn in range(6 * q.shape[1]):
-        whole = len(going) == len(q)
-        own = tasks if whole else [_rows(task, going) for task in tasks]
-        held_here, moved_here = held[going], moved[going]
+
+    def step(going: NDArray[np.int64], held: NDArray[np.bool_], moved: Array) -> _Step:
+        own = tasks if len(going) == len(q) else [_rows(task, going) for task in tasks]
         reduced = [
-            Task(task.jacobian * ~held_here[:, None, :], _remaining(task, moved_here), task.is_wish)
+            Task(task.jacobian * ~held[:, None, :], _remaining(task, moved), task.is_wish)
             for task in own
         ]
-        free = solve_priorities(reduced, λ[going], LOWER_DAMPING)
-        here = np.where(held_here, moved_here, free)
-        step[going] = here
-        bounded = np.minimum(np.maximum(here, lower[going]), upper[going])
-        over = (bounded != here) & ~held_here
+        here = np.where(held, moved, solve_priorities(reduced, λ[going], LOWER_DAMPING))
         pull = (_remaining(own[0], here)[:, None] @ own[0].jacobian)[:, 0]
-        pull -= λ[going, None] ** 2 * here
-        inward = np.where(moved_here <= lower[going], pull, -pull) > RELEASE_GAIN
-        inward &= held_here & is_joint[going]
-        changed = (over | inward).any(axis=1)
-        if not changed.any():
-            break
-        if turn >= q.shape[1]:
-            # Changing all at once may cycle; changing the last joint alone cannot (Murty's rule).
-            last = (over | inward) & (np.cumsum((over | inward)[:, ::-1], axis=1)[:, ::-1] == 1)
-            over, inward = over & last, inward & last
-        moved[going] = np.where(over, bounded, np.where(inward, 0.0, moved_here))
-        held[going] = (held_here | over) & ~inward
-        going = going[changed]
-    return np.clip(q + step, batch.lower, batch.upper), held & is_joint
+        return _Step(here, pull - λ[going, None] ** 2 * here)
+
+    return _pivoted(batch, q, step, RELEASE_GAIN)
 
 
 def bounded_least_squares_step(
@@ -167,42 +141,75 @@ def bounded_least_squares_step(
         task: served first.
         wish: (L, n) z.
         damping: (L,) λ.
+    """
+    J, Jt = task.jacobian, task.jacobian.transpose(0, 2, 1)
+    square = (damping * damping)[:, None]
+    unit = np.eye(J.shape[1])
+
+    def step(going: NDArray[np.int64], held: NDArray[np.bool_], moved: Array) -> _Step:
+        own, own_t, λ, z = J[going], Jt[going], square[going], wish[going]
+        start = np.where(held, moved, z)
+        rest = task.velocity[going] - (own @ start[..., None])[..., 0]
+        free = own * ~held[:, None, :]
+        y = np.linalg.solve(free @ own_t + λ[..., None] * unit, rest[..., None])
+        here = start + np.where(held, 0.0, (own_t @ y)[..., 0])
+        left = task.velocity[going] - (own @ here[..., None])[..., 0]
+        return _Step(here, (own_t @ left[..., None])[..., 0] + λ * (z - here))
+
+    return _pivoted(batch, q, step, INWARD_PULL)[0]
+
+
+class _Step(NamedTuple):
+    """Movements (k, n) of joints, and the slopes (k, n) of what they serve."""
+
+    here: Array
+    pull: Array
+
+
+def _pivoted(
+    batch: LimbBatch,
+    q: Array,
+    step: Callable[[NDArray[np.int64], NDArray[np.bool_], Array], _Step],
+    release: float,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return joint values (L, n) one step on, within the limits, and which are held there.
+
+    A joint whose return from its limit would serve the goal is released again; a limb would else
+    stall, its joints held by steps computed before others were held. The iteration ends where no
+    joint changes sides.
+
+    Args:
+        batch: the limbs, or one that serves for all rows.
+        q: (L, n) within the limits [rad or m].
+        step: of rows (k,) whose joints (k, n) are held at movements (k, n).
+        release: pull inwards beyond which a joint is released.
 
     Source: Júdice and Pires 1994 (block principal pivoting).
     """
-    J, Jt = task.jacobian, task.jacobian.transpose(0, 2, 1)
     is_joint = np.broadcast_to(batch.is_joint, q.shape)
     lower, upper = batch.lower - q, batch.upper - q
-    square = (damping * damping)[:, None]
-    unit = np.eye(J.shape[1])
-    held, moved, step = ~is_joint, np.zeros_like(q), np.zeros_like(q)
+    held, moved, result = ~is_joint, np.zeros_like(q), np.zeros_like(q)
+    # Limbs that change no side are done; the others go on without them.
     going = np.arange(len(q))
     for turn in range(6 * q.shape[1]):
-        own, own_t, λ = J[going], Jt[going], square[going]
-        fixed, there, z = held[going], moved[going], wish[going]
-        start = np.where(fixed, there, z)
-        rest = task.velocity[going] - (own @ start[..., None])[..., 0]
-        free = own * ~fixed[:, None, :]
-        y = np.linalg.solve(free @ own_t + λ[..., None] * unit, rest[..., None])
-        here = start + np.where(fixed, 0.0, (own_t @ y)[..., 0])
-        step[going] = here
+        fixed, there = held[going], moved[going]
+        here, pull = step(going, fixed, there)
+        result[going] = here
         bounded = np.minimum(np.maximum(here, lower[going]), upper[going])
         over = (bounded != here) & ~fixed
-        left = task.velocity[going] - (own @ here[..., None])[..., 0]
-        pull = (own_t @ left[..., None])[..., 0] + λ * (z - here)
-        inward = np.where(there <= lower[going], pull, -pull) > INWARD_PULL
+        inward = np.where(there <= lower[going], pull, -pull) > release
         inward &= fixed & is_joint[going]
         changed = (over | inward).any(axis=1)
         if not changed.any():
             break
         if turn >= q.shape[1]:
+            # Changing all at once may cycle; changing the last joint alone cannot (Murty's rule).
             last = (over | inward) & (np.cumsum((over | inward)[:, ::-1], axis=1)[:, ::-1] == 1)
             over, inward = over & last, inward & last
         moved[going] = np.where(over, bounded, np.where(inward, 0.0, there))
         held[going] = (fixed | over) & ~inward
         going = going[changed]
-    result: Array = np.clip(q + step, batch.lower, batch.upper)
-    return result
+    return np.clip(q + result, batch.lower, batch.upper), held & is_joint
 
 
 def _rows(task: Task, chosen: NDArray[np.int64]) -> Task:

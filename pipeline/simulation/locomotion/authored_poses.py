@@ -12,8 +12,6 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_frames import FigureFrames
 from pipeline.simulation.figures.figure_posture import FigurePosture
 from pipeline.simulation.figures.goal_miss import GoalMiss
-from pipeline.simulation.figures.ik_goals import PreferredValues, TipPlacement
-from pipeline.simulation.figures.inverse_kinematics import track_goals
 from pipeline.simulation.figures.pose_plan import plan_poses
 from pipeline.simulation.figures.surroundings import GROUND, Surroundings
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
@@ -21,12 +19,6 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.creature import Creature
-
-REST_PULL = 0.08
-"""Fraction of the way to rest that the redundancy of legs goes in one step."""
-
-FIRST_POSE_STEPS, TRACKING_STEPS = 60, 12
-"""Bounds on the steps of legs towards their first pose, and along the motion."""
 
 
 class AuthoredPoses:
@@ -58,7 +50,6 @@ class AuthoredPoses:
             for c, (number, member, figure) in enumerate(cast)
             if member.pose
         }
-        self._legs: dict[int, Array] = {}
 
     @property
     def span(self) -> tuple[float, float]:
@@ -85,33 +76,6 @@ class AuthoredPoses:
             R_WG = heading(headings[:, c])
             R_WB[:, c] = R_WG @ R @ R_WG.transpose(0, 2, 1) @ R_WB[:, c]
             p_WB[:, c] += turn(R_WG, p)
-
-    def track_feet(self, goals: Array, q: Array, residual: Array) -> None:
-        """Keep the feet of moved bodies in place, leg by leg from the row before.
-
-        An authored body goes where no walk would have it, where `settle` may jump between poses of
-        a leg.
-
-        Args:
-            goals: (n, L, 3) of the tips, relative to the bodies [m].
-            q: (n, L, k) joint values of all legs; changed.
-            residual: (n, L) misses [m]; changed.
-        """
-        for c, posture in self.postures.items():
-            legs = np.flatnonzero(self.herd.owner == c)
-            if not posture.plan.body or not len(legs):
-                continue
-            batch = self.herd.legs.rows(legs)
-            before = self._legs.get(c, batch.preferred)
-            for row in range(len(q)):
-                wanted = TipPlacement(goals[row, legs]), PreferredValues(REST_PULL)
-                first = row == 0 and c not in self._legs
-                pursued = track_goals(
-                    batch, before, wanted, max_steps=FIRST_POSE_STEPS if first else TRACKING_STEPS
-                )
-                q[row, legs] = before = pursued.pose.q
-                residual[row, legs] = pursued.error * batch.lengths
-            self._legs[c] = before
 
     def move_joints(
         self,

@@ -162,7 +162,6 @@ class PoseSolver:
         speed = stride / cycle * speed_fraction
         v_WB = speed[..., None] * R_WB[..., 0]
         q_free, sunk = self.avoidance.apply(times, q_free, R_WB, p_WB, v_WB)
-        self.authored.track_feet(goals, legs.q, residual)
         q_free = self._frozen(q_free, jumps.limp)
         X_free = self.free_joints.tree.pose(q_free)
         misses = self.authored.move_joints(around, (legs.q, legs.X_BJ), (q_free, X_free))

@@ -1,4 +1,4 @@
-"""Complete inverse kinematics: success rates, accuracy, full extension, and secondary goals."""
+"""Complete inverse kinematics: success rates, accuracy, and full extension."""
 
 from __future__ import annotations
 
@@ -10,16 +10,7 @@ import pytest
 from pipeline.simulation.figures.ball_joint_ik import full_reach
 from pipeline.simulation.figures.base_change import base_pose, limb_between, link_poses
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.ik_goals import (
-    AvoidObstacles,
-    Goal,
-    MaximumDexterity,
-    PreferredValues,
-    TipOrientation,
-    dexterity,
-)
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.obstacle_avoidance import Obstacles, nearest_obstacles
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import BODY, Limb, Link, Skeleton
 from pipeline.simulation.spatial import Array
@@ -234,66 +225,12 @@ def test_joints_do_not_jump_along_a_motion(library: Library, name: str) -> None:
     for t in np.linspace(0, 2 * np.pi, steps):
         way = 0.05 * np.array([np.cos(t) - 1.0, np.sin(t), 0.5 * np.sin(2 * t)])
         goals = centre + limbs.lengths[:, None] * way
-        found = reach(limbs, pose, goals, secondary=[PreferredValues(0.2)], rounds=1)
+        found = reach(limbs, pose, goals)
         met = found.residual <= 1e-4 * limbs.lengths
         # What cannot follow stays as near as it can without a jump.
         assert np.abs(found.pose.q - pose.q).max() < 0.35
         assert np.abs(found.pose.q - pose.q)[met].max(initial=0.0) < 0.35
         pose = found.pose
-
-
-@pytest.mark.parametrize(
-    "secondary",
-    [
-        [PreferredValues()],
-        [MaximumDexterity(0.2)],
-        [TipOrientation(np.broadcast_to(np.eye(3), (6, 3, 3))), PreferredValues()],
-    ],
-)
-def test_secondary_goals_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> None:
-    legs = _legs(beetle)
-    rng = np.random.default_rng(7)
-    for _ in range(10):
-        q = _uniform(legs, rng)
-        goals, start = legs.pose(q).tips, legs.pose(q)
-        found = reach(legs, start, goals, secondary=secondary)
-        assert (found.residual <= 2e-6 * legs.lengths).all()
-
-
-def test_secondary_goals_use_the_redundancy(beetle: Figure) -> None:
-    legs = _legs(beetle)
-    rng = np.random.default_rng(8)
-    nearer, abler = [], []
-    for _ in range(10):
-        start = legs.pose(_uniform(legs, rng))
-        rest = reach(legs, start, start.tips, secondary=[PreferredValues()]).pose
-        able = reach(legs, start, start.tips, secondary=[MaximumDexterity(0.5)]).pose
-        before = np.linalg.norm(start.q - legs.preferred, axis=-1)
-        after = np.linalg.norm(rest.q - legs.preferred, axis=-1)
-        assert (after <= before + 1e-3).all()
-        nearer.append((after < before - 1e-3).mean())
-        abler.append((dexterity(legs, able) > dexterity(legs, start) - 1e-4).mean())
-    assert np.mean(nearer) > 0.8
-    assert np.mean(abler) > 0.9
-
-
-def test_obstacle_avoidance_keeps_the_tip() -> None:
-    """A ball stands where the middle of the chain is; the tip stays where it was."""
-    skeleton = _chain(np.stack([Z] * 5), (0.5,) * 5)
-    batch = LimbBatch.of([(skeleton, skeleton.limbs[0])])
-    start = batch.pose(np.array([[0.9, -0.6, -0.6, -0.4, 0.3]]))
-    middle = start.X_BJ[0, 2, :3, 3] + np.array([0.02, -0.08, 0.0])
-    ball = Obstacles(np.stack([middle, middle])[None], np.array([0.1]))
-    assert nearest_obstacles(batch, start, ball).gap.min() < 0.0
-    found = reach(batch, start, start.tips, secondary=[AvoidObstacles(ball, 0.015)])
-    assert found.residual[0] <= 2e-6 * batch.lengths[0]
-    assert nearest_obstacles(batch, found.pose, ball).gap.min() >= 0.015 - 1e-3
-    # Preferred values of lower priority use the remaining redundancy without collisions.
-    both = reach(
-        batch, start, start.tips, secondary=[AvoidObstacles(ball, 0.015), PreferredValues(0.1)]
-    )
-    assert both.residual[0] <= 2e-6 * batch.lengths[0]
-    assert nearest_obstacles(batch, both.pose, ball).gap.min() >= 0.015 - 5e-3
 
 
 def test_joints_at_limits_are_told(beetle: Figure) -> None:
@@ -332,7 +269,7 @@ def test_chain_walks_by_swapping_base_and_tip() -> None:
         for s in np.linspace(0, 1, 20)[1:]:
             there = begin + np.array([stride * s, 0.1 * np.sin(np.pi * s), 0.0])
             goal = X_WN[:3, :3].T @ (there - X_WN[:3, 3])
-            found = reach(batch, pose, goal[None], secondary=[PreferredValues(0.0)], rounds=1)
+            found = reach(batch, pose, goal[None])
             assert found.residual[0] <= 1e-5 * batch.lengths[0]
             assert np.abs(found.pose.q - pose.q).max() < 0.3
             pose = found.pose

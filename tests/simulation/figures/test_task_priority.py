@@ -7,15 +7,12 @@ import pytest
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.ik_goals import (
-    PreferredValues,
-    WeightedGoals,
     dexterity,
     dexterity_gradient,
     rotation_vector,
     singular_values,
 )
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.obstacle_avoidance import closest_points
 from pipeline.simulation.figures.task_priority import Task, bounded_priority_step, solve_priorities
 from pipeline.simulation.spatial import Array, rotation
 
@@ -104,16 +101,6 @@ def test_bounded_step_is_optimal_within_limits(beetle: Figure) -> None:
             assert (cost(other) >= cost(after) - 1e-7).all()
 
 
-def test_weighted_goals_add_up(beetle: Figure) -> None:
-    """Eq. B.10."""
-    legs = LimbBatch.of([(beetle.skeleton, leg) for leg in beetle.skeleton.legs])
-    pose = legs.pose(legs.preferred + 0.1 * legs.is_joint)
-    both = WeightedGoals(((0.25, PreferredValues(1.0)), (0.5, PreferredValues(0.5)))).task(
-        legs, pose
-    )
-    assert np.allclose(both.velocity, 0.5 * (legs.preferred - pose.q), atol=1e-6)
-
-
 def test_dexterity_gradient_matches_finite_differences(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs])
@@ -144,18 +131,3 @@ def test_rotation_vector_inverts_rotation() -> None:
     for angle in (1e-14, 1e-9, 1e-4, 0.5, 3.0, np.pi - 1e-9):
         found = rotation_vector(rotation(axis, np.full(200, angle)))
         assert np.allclose(found, angle * axis, rtol=1e-6, atol=1e-15)
-
-
-def test_closest_points_of_segments() -> None:
-    rng = np.random.default_rng(8)
-    a, b, c, d = rng.normal(size=(4, 300, 3))
-    b[:40] = a[:40]  # points
-    d[20:60] = c[20:60]
-    d[60:90] = c[60:90] + 0.7 * (b - a)[60:90]  # parallel ones
-    p, q = closest_points(a, b, c, d)
-    least = np.linalg.norm(p - q, axis=-1)
-    grid = np.linspace(0, 1, 41)
-    s, t = (x.ravel()[:, None, None] for x in np.meshgrid(grid, grid))
-    apart = np.linalg.norm(a + s * (b - a) - c - t * (d - c), axis=-1).min(axis=0)
-    assert (least <= apart + 1e-12).all()
-    assert (least >= apart - 0.1 * np.linalg.norm([b - a, d - c], axis=-1).sum(axis=0)).all()

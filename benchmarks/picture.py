@@ -77,8 +77,8 @@ def main(width: int, samples: int) -> None:
     for name, frame in SCENES.items():
         scene = load_scene(find_scene(name))
         shot = ShotBuilder(scene, simulate(scene)).shot(frame)
-        # Mitsuba and Cycles, as they come, have no haze of ours.
-        clear = shot.light.model_copy(update={"haze": 0.0})
+        # Mitsuba and Cycles, as they come, have neither haze nor shadows of clouds.
+        clear = shot.light.model_copy(update={"haze": 0.0}).without_cloud_shadows()
         film = Film(size=size, depth=DEPTH, denoise="off")
         shot = replace(shot, film=film, light=clear, later=())
         print(f"{name}, frame {frame}, {size[0]}x{size[1]}, {samples} samples in the reference")

@@ -15,6 +15,7 @@ from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
 from render.frame import LightLayers
+from render.lights.cloud_shadows import cloud_shadows
 from render.lights.environment_emitters import surroundings
 from render.lights.environment_map import sky_width
 from render.lights.lamps import fixed_places, lamp_emitters, move_lamps
@@ -30,6 +31,7 @@ from render.passes.pass_tracer import PassExposure, PassTracer
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.surfaces.material_bsdf import extra_bounces
 from render.surfaces.texture_mapping import set_pixel_width
+from render.tracing.cloud_shade import CloudShade
 from render.tracing.haze import Air
 from render.tracing.path_tracer import PathTracer
 from render.tracing.scene_pair import ScenePair
@@ -64,11 +66,13 @@ class MitsubaScene:
             f"mesh{i}": build_mesh(group, shot.meshes, shot.materials[group.material])
             for i, group in enumerate(self._groups)
         }
-        self._lamps = shot.light.lamps
+        self._light, self._lamps = shot.light, shot.light.lamps
         # The update below moves them, so that a new scene equals one that was updated.
         self._lamp_places: tuple[LampPlace, ...] = ()
         around = surroundings(shot.light, _ground_color(shot), sky_width(self._film.size[0]))
         self.air = Air.of(around.haze) if around.haze is not None else None
+        self._key_direction, self._drifting = around.key, around.drifting
+        self._sky_time: float | None = None
         self.scene = mi.load_dict(
             {
                 "type": "scene",
@@ -101,6 +105,8 @@ class MitsubaScene:
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
         self._meshes: tuple[Mesh, ...] = shot.meshes
+        keys = [shape for shape in self.scene.shapes() if shape.id() == "key"]
+        self._key = keys[0].emitter() if keys else None
         self.update(shot.moments[0])
 
     def update(self, moment: Moment) -> None:
@@ -115,13 +121,24 @@ class MitsubaScene:
             move_lamps(self._values, self._lamps, places)
             self._lamp_places = places
         _update_camera(self._values, moment.camera, self._film)
+        if self._drifting is not None and self._sky_time != moment.time:
+            self._values["sky.data"] = self._drifting.at(moment.time)
+            self._sky_time = moment.time
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
         if self._still_values is not None:
             # No vertices: the acceleration structure stays.
             set_pixel_width(self._still_values, moment.camera.fov_deg, self._film.size[1])
             self._still_values.update()
+        self._shade(self._tracer, moment.time)
         self._tracer.scene_changed()
+
+    def _shade(self, tracer: Tracer, time: float) -> None:
+        """Lay the shadows of clouds at a time, which only our own tracer knows."""
+        if not isinstance(tracer, Wavefront) or self._key is None or self._key_direction is None:
+            return
+        shadows = cloud_shadows(self._light, self._key_direction, time)
+        tracer.shade = None if shadows is None else CloudShade.of(shadows, self._key)
 
     def trace(self, seed: int, passes: range, total: int) -> LightLayers:
         """Return what the camera sees while nothing moves; see `Accumulator.add_passes`."""
@@ -143,6 +160,7 @@ class MitsubaScene:
         tracer: Tracer = self._tracer
         if isinstance(tracer, Wavefront):
             tracer = Wavefront(self._traced, size, MEASURED_DEPTH, half=True, air=self.air)
+            self._shade(tracer, moment.time)
         layers = tracer.trace(self.sensor, seed, range(MEASURED_PASSES), MEASURED_PASSES)
         # The next frame sets its own.
         self.update(moment)

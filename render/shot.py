@@ -164,11 +164,13 @@ class Moment:
         meshes: surfaces in world coordinates, of one topology in all moments of a shot.
         camera: pose at this moment.
         lamps: places of the lamps of the shot's light; empty if they are fixed.
+        time: since the film began [s]; 0 if the light does not change with it.
     """
 
     meshes: tuple[Mesh, ...]
     camera: CameraPose
     lamps: tuple[LampPlace, ...] = ()
+    time: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +190,7 @@ class Shot:
             their own that is never rebuilt. Constant over a film; none of them glows.
         after: the moment when the next frame begins, for the pass of motion; None without it.
         tone: exposure and contrast as metered; as the light is set up by default.
+        time: since the film began [s]; 0 if the light does not change with it.
     """
 
     meshes: tuple[Mesh, ...]
@@ -201,6 +204,7 @@ class Shot:
     scenery: tuple[Mesh, ...] = ()
     after: Moment | None = None
     tone: Tone = field(default_factory=Tone)
+    time: float = 0.0
 
     @property
     def development(self) -> Development:
@@ -211,7 +215,7 @@ class Shot:
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments of the exposure."""
-        return Moment(self.meshes, self.camera, self.lamps), *self.later
+        return Moment(self.meshes, self.camera, self.lamps, self.time), *self.later
 
     @cached_property
     def build(self) -> str:
@@ -239,6 +243,8 @@ class Shot:
         pieces = [self.build.encode(), camera, shown, *(mesh.digest for mesh in self.meshes)]
         if self.lamps:
             pieces.append(repr(self.lamps).encode())
+        if any(moment.time for moment in self.moments):
+            pieces.append(repr([moment.time for moment in self.moments]).encode())
         for moment in (*self.later, *((self.after,) if self.after else ())):
             placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
             pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]

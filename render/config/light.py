@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validat
 from pydantic_core import CoreSchema
 
 from render.config.base import Color, Point, PresetModel, RenderConfig, Unit, known_name
+from render.config.weather import Weather
 
 _CLOUDS: dict[str, dict[str, Any]] = {
     "clear": {},
@@ -31,6 +32,9 @@ class Clouds(PresetModel):
     cumulus: Unit = Field(0.0, description="Heaps with flat bases: 0.4 are a few, 1 hides most.")
     cirrus: Unit = Field(0.0, description="Thin veils of ice, high above.")
     overcast: Unit = Field(0.0, description="A grey layer; 1 hides sky and sun.")
+    shadows: Unit = Field(
+        0.55, description="Share of the key light that heaps keep from the ground below them."
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -200,6 +204,10 @@ class Light(PresetModel):
         None,
         description="Haze, 0 to 1 or a word: 0 is none, 1 fog; by weather and hour if left out.",
     )
+    weather: Weather = Field(
+        default_factory=lambda: Weather.model_validate("breeze"),
+        description="Wind, rain and snow: a name or values.",
+    )
 
     lamps: tuple[Lamp, ...] = Field(
         (), max_length=64, description="Lamps; without other keys of `light` it is night."
@@ -225,6 +233,30 @@ class Light(PresetModel):
         if self.studio is not None and self.haze:
             raise ValueError("`haze` needs a sky; take it away from the studio")
         return self
+
+    @property
+    def cloud_shadows(self) -> float:
+        """Share of the key light that is lost in the shadow of a cloud; 0 without such clouds."""
+        if self.sun is None or self.sun.clouds.cumulus == 0.0:
+            return 0.0
+        return self.sun.clouds.shadows
+
+    def without_cloud_shadows(self) -> Light:
+        """Return the light with clouds that cast no shadows, as Mitsuba's own tracer has it."""
+        if self.sun is None:
+            return self
+        clouds = self.sun.clouds.model_copy(update={"shadows": 0.0})
+        return self.model_copy(update={"sun": self.sun.model_copy(update={"clouds": clouds})})
+
+    @property
+    def changes(self) -> bool:
+        """Whether the light depends on the time, besides the places of its lamps."""
+        return self._clouds_drift
+
+    @property
+    def _clouds_drift(self) -> bool:
+        clouds = None if self.sun is None else self.sun.clouds
+        return clouds is not None and clouds.cumulus > 0.0 and self.weather.wind > 0.0
 
     @property
     def is_wide(self) -> bool:

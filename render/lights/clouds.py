@@ -3,7 +3,8 @@
 Cumulus is a layer with a flat base: where the cover is thick it towers up, and puffs of noise erode
 its sides. Each direction marches through the layer, and a short way from each sample towards the
 sun tells how much light arrives. Cirrus is a thin sheet of drawn-out noise far above. Both sink to
-the horizon with the curvature of the earth and fade there into haze.
+the horizon with the curvature of the earth and fade there into haze. Heaps drift; see
+`drifting_sky`.
 
 Sources: A. Schneider and N. Vos, The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn, 2015,
     for towers shaped by the cover and eroded by noise, and for more light inside than extinction
@@ -47,6 +48,9 @@ _PUFF = 340.0
 _HAZE_LENGTH = 22_000.0
 """Distance over which clouds take 1 - 1/e of the colour of the horizon [m]."""
 
+_LOWEST = 0.002
+"""Sine of the lowest elevation with clouds."""
+
 _OPEN_DEG = (6.0, 15.0)
 """Angles from the sun within which no cumulus hides it, and from which all is covered."""
 
@@ -71,10 +75,23 @@ def has_clouds(clouds: Clouds) -> bool:
     return max(clouds.cumulus, clouds.cirrus, clouds.overcast) > 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class Heaps:
+    """A layer of cumulus as it is seen, above the horizon.
+
+    Attributes:
+        color: (H / 2, W, 3) light of the clouds and of the air before them.
+        cover: (H / 2, W) share of the sky behind that they hide.
+    """
+
+    color: NDArray[np.float32]
+    cover: NDArray[np.float32]
+
+
 def painted(
     sky: Map, clouds: Clouds, light: CloudLight, seed: int, width: int
 ) -> NDArray[np.float32]:
-    """Return a sky with its clouds, (width / 2, width, 3).
+    """Return a sky with its clouds except heaps, (width / 2, width, 3).
 
     A variant of Mitsuba without arrays returns it without them: a march by single numbers would
     take minutes.
@@ -86,27 +103,58 @@ def painted(
         seed: of their places.
         width: of the map that is returned [pixels].
     """
-    height = width // 2
     if not dr.is_jit_v(mi.Float):
-        return np.asarray(resized(sky, width, height), np.float32)
-    pixel = dr.arange(mi.UInt32, width * height)
-    row, column = mi.Float(pixel // width) + 0.5, mi.Float(pixel % width) + 0.5
-    theta, phi = row * (dr.pi / height), column * (2 * dr.pi / width)
-    flat = dr.sin(theta)
-    d = mi.Vector3f(flat * dr.sin(phi), dr.cos(theta), -flat * dr.cos(phi))
-    below = _sampled(sky, row / height, column / width)
-    is_up = d.y > 0.002
-    horizon = _sampled(sky, dr.opaque(mi.Float, 0.5), column / width)
+        return np.asarray(resized(sky, width, width // 2), np.float32)
+    d, row, column = _directions(width, width // 2)
+    below = _sampled(sky, row, column)
+    is_up = d.y > _LOWEST
+    horizon = _sampled(sky, dr.opaque(mi.Float, 0.5), column)
     painter = _Painter(clouds, light, seed)
     seen = below
     if clouds.cirrus > 0.0:
         seen = painter.cirrus(d, is_up, seen, horizon)
     if clouds.overcast > 0.0:
         seen = painter.stratus(d, is_up, seen)
-    if clouds.cumulus > 0.0:
-        seen = painter.cumulus(d, is_up, seen, horizon)
     image = dr.ravel(dr.select(is_up, seen, below))
-    return np.array(image, np.float32).reshape(height, width, 3)
+    return np.array(image, np.float32).reshape(width // 2, width, 3)
+
+
+def heaps(
+    sky: Map,
+    clouds: Clouds,
+    light: CloudLight,
+    seed: int,
+    width: int,
+    drift: tuple[float, float],
+) -> Heaps:
+    """Return the cumulus before a sky; see `painted`. It needs a variant with arrays.
+
+    Args:
+        sky: (H, W, 3) map, whose horizon tints what is far.
+        clouds: which ones.
+        light: on them.
+        seed: of their places.
+        width: of the whole map [pixels].
+        drift: way of the clouds along x and z since the film began [m].
+    """
+    rows = width // 4
+    d, _, column = _directions(width, rows)
+    horizon = _sampled(sky, dr.opaque(mi.Float, 0.5), column)
+    color, cover = _Painter(clouds, light, seed, drift).cumulus(d, d.y > _LOWEST, horizon)
+    return Heaps(
+        np.array(dr.ravel(color), np.float32).reshape(rows, width, 3),
+        np.array(cover, np.float32).reshape(rows, width),
+    )
+
+
+def _directions(width: int, rows: int) -> tuple[Any, Any, Any]:
+    """Return direction, row and column, from 0 to 1, of the pixels in the upper rows of a map."""
+    pixel = dr.arange(mi.UInt32, width * rows)
+    row, column = mi.Float(pixel // width) + 0.5, mi.Float(pixel % width) + 0.5
+    theta, phi = row * (2 * dr.pi / width), column * (2 * dr.pi / width)
+    flat = dr.sin(theta)
+    d = mi.Vector3f(flat * dr.sin(phi), dr.cos(theta), -flat * dr.cos(phi))
+    return d, row * (2.0 / width), column / width
 
 
 def _sampled(sky: Map, row: Any, column: Any) -> Any:
@@ -133,7 +181,13 @@ class _Painter:
     Numbers that a scene may change are opaque, so that all scenes share one kernel.
     """
 
-    def __init__(self, clouds: Clouds, light: CloudLight, seed: int) -> None:
+    def __init__(
+        self,
+        clouds: Clouds,
+        light: CloudLight,
+        seed: int,
+        drift: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         def opaque(value: float) -> Any:
             return dr.opaque(mi.Float, float(value))
 
@@ -146,19 +200,20 @@ class _Painter:
         # White in full sun, as snow is.
         self._key = color(light.key.irradiance * (0.9 / np.pi))
         self._above, self._below = color(light.above), color(light.below)
-        self._shift = opaque(1.7 * _PATCH * (seed % 97)), opaque(-2.3 * _PATCH * (seed % 61))
+        x, z = 1.7 * _PATCH * (seed % 97), -2.3 * _PATCH * (seed % 61)
+        self._shift = opaque(x), opaque(z)
+        self._drifted = opaque(x - drift[0]), opaque(z - drift[1])
 
-    def cumulus(self, d: Any, active: Any, behind: Any, horizon: Any) -> Any:
-        """Return the light that arrives through the layer of cumulus.
+    def cumulus(self, d: Any, active: Any, horizon: Any) -> tuple[Any, Any]:
+        """Return the light of the layer of cumulus, and the share that it hides of what is behind.
 
         Args:
             d: directions.
             active: which of them look up.
-            behind: light behind the layer.
             horizon: light of the horizon below each direction.
         """
-        start = _distance_to(d, _BASE)
-        end = dr.minimum(_distance_to(d, _TOP), start + _LONGEST)
+        start = distance_to(d, _BASE)
+        end = dr.minimum(distance_to(d, _TOP), start + _LONGEST)
         step = (end - start) / _STEPS
         # Of each direction its own, or the samples would show as terraces.
         first = start + step * _lattice(
@@ -177,7 +232,7 @@ class _Painter:
             tower = self._tower(p, height, opened, 4)
 
             def marched(through: Any, color: Any, far: Any) -> Any:
-                density = _eroded(tower, p, height, self._shift, 4)
+                density = _eroded(tower, p, height, self._drifted, 4)
                 lit = self._light_at(p, height, opened)
                 side = 0.55 + 0.45 * height
                 around = self._above * (1.15 * side) + self._below * (0.55 * (1.0 - height))
@@ -217,11 +272,11 @@ class _Painter:
         color = color * clear + horizon * (cover * (1.0 - clear))
         # Where the layer is a line, it is air.
         low = _smooth((d.y - 0.004) / 0.03)
-        return behind * (1.0 - cover * low) + color * low
+        return dr.select(active, color * low, 0.0), dr.select(active, cover * low, 0.0)
 
     def cirrus(self, d: Any, active: Any, behind: Any, horizon: Any) -> Any:
         """Return the light that arrives through a thin sheet of ice."""
-        t = _distance_to(d, _CIRRUS)
+        t = distance_to(d, _CIRRUS)
         x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
         # Drawn out by the wind.
         along, across = 0.83 * x + 0.56 * z, -0.56 * x + 0.83 * z
@@ -239,7 +294,7 @@ class _Painter:
 
     def stratus(self, d: Any, active: Any, behind: Any) -> Any:
         """Return an overcast sky with the folds of its clouds: its mean brightness stays."""
-        t = _distance_to(d, _BASE)
+        t = distance_to(d, _BASE)
         x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
         bend = _fbm2(x / 2600.0, z / 2600.0 + 5.2, 3) - 0.5
         folds = _fbm2(x / 3400.0 + 0.9 * bend, z / 2400.0 - 0.9 * bend, 6) - 0.5
@@ -255,7 +310,7 @@ class _Painter:
             opened: share of the cover that the gap before the sun leaves.
             octaves: of the cover.
         """
-        x, z = p.x + self._shift[0], p.z + self._shift[1]
+        x, z = p.x + self._drifted[0], p.z + self._drifted[1]
         field = _fbm2(x / _PATCH, z / _PATCH, octaves)
         # Of the field, which is about 0.5 in the mean, a share as large as the cover is above.
         cover = (field - 0.66 + 0.34 * self._cover) * (3.4 * opened) - 0.6 * (1.0 - opened)
@@ -271,7 +326,7 @@ class _Painter:
             at = p + self._sun * middle
             higher = height + self._sun.y * middle / thickness
             tower = self._tower(at, higher, opened, 3)
-            there = _eroded(tower, at, higher, self._shift, 2)
+            there = _eroded(tower, at, higher, self._drifted, 2)
             depth += dr.select(higher < 1.0, there, 0.0) * length
             way += length
         depth = _EXTINCTION * depth
@@ -292,7 +347,7 @@ def _eroded(tower: Any, p: Any, height: Any, shift: tuple[Any, Any], octaves: in
     return dr.clip(5.0 * body, 0.0, 1.0) * dr.clip(height / 0.06, 0.0, 1.0)
 
 
-def _distance_to(d: Any, height: float) -> Any:
+def distance_to(d: Any, height: float) -> Any:
     """Return the distance at which directions reach a height above the round earth [m]."""
     up = dr.maximum(d.y, 0.0)
     # Equal to R (-y + sqrt(y^2 + 2 h / R)), without its difference of large numbers.

@@ -7,27 +7,33 @@ middle grey, or darker by some stops at night, as a photographer would expose it
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
 from render.config import Light, Moon, Studio, Sun
-from render.lights.clouds import CloudLight, has_clouds, painted
-from render.lights.environment_map import UP, Map, resized
+from render.lights.cloud_shadows import drift
+from render.lights.clouds import CloudLight, Heaps, has_clouds, heaps, painted
+from render.lights.drifting_sky import DriftingSky
+from render.lights.environment_map import UP, Map, Vector, resized
 from render.lights.haze import Haze, haze_of, haze_strength
 from render.lights.key_light import CARD_ILLUMINANCE, KeyLight, LightEnvironment, card_illuminance
 from render.lights.outdoor_light import outdoor_light
 from render.lights.panorama_light import panorama_light
 from render.lights.studio_light import studio_light
 
-_KEPT_WIDTH, _KEPT_SKIES = 2048, 4
-"""Largest width [pixels] and number of skies that are remembered."""
+_KEPT_WIDTH, _KEPT_SKIES = 2048, 6
+"""Largest width [pixels] and number of paintings that are remembered."""
 
-_PAINTED: dict[str, NDArray[np.floating]] = {}
+_PAINTED: dict[str, Any] = {}
+
+Painting = TypeVar("Painting")
 
 _STRONG_KEY_SHARE = 0.02
 """Share of the card's light from which a key light alone is worth a shadow ray."""
@@ -38,13 +44,17 @@ class Surroundings:
     """What lights a scene from afar, and the air in it.
 
     Attributes:
-        emitters: dictionaries for `mi.load_dict`: `sky`, an `envmap`, and `key`, a distant disc,
-            if there is a key light.
+        emitters: dictionaries for `mi.load_dict`: `sky`, an `envmap` as the film begins, and
+            `key`, a distant disc, if there is a key light.
         haze: of the air, or None.
+        key: unit vector to the key light, or None.
+        drifting: the sky in time, where it changes, or None.
     """
 
     emitters: dict[str, dict[str, Any]]
     haze: Haze | None
+    key: Vector | None
+    drifting: DriftingSky | None
 
 
 def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Surroundings:
@@ -63,8 +73,13 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     if environment.stars is not None:
         height, across = environment.stars.shape[:2]
         image = resized(image, across, height) + environment.stars
+    drifting = None
     if light.sun is not None and has_clouds(light.sun.clouds):
-        shown = _with_clouds(light.sun, image, key.scaled(scale), width)
+        lit = _cloud_light(image, key.scaled(scale))
+        shown = _with_veils(light.sun, image, lit, width)
+        if light.sun.clouds.cumulus > 0.0 and dr.is_jit_v(mi.Float):
+            drifting = _drifting(light, image, lit, shown)
+            shown = drifting.image(0.0)
     else:
         shown = image
     # Softboxes beside the key light are bright and narrow: without shadow rays they are noise.
@@ -78,20 +93,47 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     }
     if key.is_lit:
         found["key"] = key.emitter(scale)
-    return Surroundings(found, haze)
+    return Surroundings(found, haze, key.direction if key.is_lit else None, drifting)
 
 
-def _with_clouds(sun: Sun, sky: Map, key: KeyLight, width: int) -> NDArray[np.floating]:
-    """Return a sky with clouds, which is remembered while it is small."""
-    state = hashlib.blake2b(sun.model_dump_json().encode(), digest_size=16)
-    state.update(repr((width, mi.variant(), key.direction, key.irradiance)).encode())
-    state.update(sky.tobytes())
-    name = state.hexdigest()
-    if name in _PAINTED:
-        return _PAINTED[name]
+def _cloud_light(sky: Map, key: KeyLight) -> CloudLight:
     half = len(sky) // 2
-    lit = CloudLight(key, sky[:half].mean(axis=(0, 1)), sky[half + half // 3 :].mean(axis=(0, 1)))
-    image = painted(sky, sun.clouds, lit, sun.day, width)
+    above, below = sky[:half].mean(axis=(0, 1)), sky[half + half // 3 :].mean(axis=(0, 1))
+    return CloudLight(key, above, below)
+
+
+def _with_veils(sun: Sun, sky: Map, lit: CloudLight, width: int) -> NDArray[np.floating]:
+    """Return a sky with its clouds except heaps."""
+    name = _name(sun, sky, lit, (width, "veils"))
+    return _remembered(name, width, lambda: painted(sky, sun.clouds, lit, sun.day, width))
+
+
+def _drifting(light: Light, sky: Map, lit: CloudLight, behind: NDArray[np.floating]) -> DriftingSky:
+    """Return a sky whose heaps drift before what is behind them."""
+    sun, width = light.sun or Sun(), behind.shape[1]
+
+    def paint(moved: tuple[float, float]) -> Heaps:
+        now = partial(heaps, sky, sun.clouds, lit, sun.day, width, moved)
+        return _remembered(_name(sun, sky, lit, (width, moved)), width, now)
+
+    return DriftingSky(behind, paint, light.weather.wind, partial(drift, light))
+
+
+def _name(sun: Sun, sky: Map, lit: CloudLight, what: object) -> str:
+    """Return a digest of a painting, which is remembered by it."""
+    values = sun.model_dump_json(exclude={"clouds": {"shadows"}})
+    state = hashlib.blake2b(values.encode(), digest_size=16)
+    state.update(repr((what, mi.variant(), lit.key.direction, lit.key.irradiance)).encode())
+    state.update(sky.tobytes())
+    return state.hexdigest()
+
+
+def _remembered(name: str, width: int, paint: Callable[[], Painting]) -> Painting:
+    """Return a painting, which is remembered while it is small."""
+    if name in _PAINTED:
+        found: Painting = _PAINTED[name]
+        return found
+    image = paint()
     if width <= _KEPT_WIDTH:
         if len(_PAINTED) >= _KEPT_SKIES:
             _PAINTED.pop(next(iter(_PAINTED)))

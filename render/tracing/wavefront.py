@@ -12,6 +12,7 @@ how the work is laid out, which decides the speed on a CPU:
   light are soft and expensive. So direct light has samples of its own, several for each path,
   and both are returned apart; for a preview, indirect light is an image half as wide and high.
 - Haze lies between the camera and what it sees; reflections and light on its way do without.
+- Clouds dim the key light wherever it arrives.
 
 Sums are added up pass after pass and pixel by pixel, never by concurrent threads, so that the
 same seed gives the same bits.
@@ -32,6 +33,7 @@ import mitsuba as mi
 
 from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
+from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
 from render.tracing.stratification import (
@@ -88,6 +90,7 @@ class Wavefront(Tracer):
         air: haze before the camera, None without any.
 
     Attributes:
+        shade: of clouds on the key light, None without any; it may change with the scene.
         direct_samples: for each path.
         direct: pixels of direct light.
         indirect: pixels of indirect light.
@@ -103,6 +106,7 @@ class Wavefront(Tracer):
         air: Air | None = None,
     ) -> None:
         self._scene, self._depth, self._air = scene, depth, air
+        self.shade: CloudShade | None = None
         self.direct_samples = 1 if half else RAYS_PER_PATH
         self.direct = PixelLanes(size)
         self.indirect = PixelLanes((size[0] // 2, size[1] // 2)) if half else self.direct
@@ -152,7 +156,7 @@ class Wavefront(Tracer):
         """Return the sums of direct light, albedo and air with a sample more of every pixel."""
         ray = camera_ray(sensor, pixels, self.direct.size, strata.step(0))
         return self._add_direct(
-            self._scene, self._air, pixels, ray, self._depth > 1, sums, strata.step(1)
+            self._scene, self._air, self.shade, pixels, ray, self._depth > 1, sums, strata.step(1)
         )
 
     def add_indirect(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
@@ -171,13 +175,14 @@ class Wavefront(Tracer):
             paths = dr.gather(Paths, paths, live)
             is_first = dr.opaque(mi.Bool, step == 1)
             paths, *added = self._bounce(
-                self._scene, paths, sums, strata.step(step), is_first, self._samples_sky
+                *(self._scene, self.shade, paths, sums, strata.step(step)),
+                *(is_first, self._samples_sky),
             )
             sums = added[0], added[1]
         shining = mi.UInt32(dr.compress(self._hits_emitter(paths)))
         if dr.width(shining):
             paths = dr.gather(Paths, paths, shining)
-            sums = self._add_emission(self._scene, paths, sums[0]), sums[1]
+            sums = self._add_emission(self._scene, self.shade, paths, sums[0]), sums[1]
         return sums
 
 
@@ -235,6 +240,7 @@ def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStra
 def _add_direct(
     scene: Any,
     air: Air | None,
+    shade: CloudShade | None,
     pixels: Any,
     ray: Any,
     has_lamps: bool,
@@ -245,9 +251,11 @@ def _add_direct(
     si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
+    shining *= dimmed(shade, emitter, ray.o)
     sample, arriving = scene.sample_emitter_direction(
         si, sample_2d(pixels, strata, EMITTER_PAIR), False, si.is_valid()
     )
+    arriving *= dimmed(shade, sample.emitter, si.p)
 
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
         # In one call, so that textures are read once.
@@ -281,7 +289,13 @@ def _start_paths(
 
 
 def _bounce(
-    scene: Any, paths: Paths, sums: Sums, strata: StepStrata, is_first: Any, samples_sky: bool
+    scene: Any,
+    shade: CloudShade | None,
+    paths: Paths,
+    sums: Sums,
+    strata: StepStrata,
+    is_first: Any,
+    samples_sky: bool,
 ) -> tuple[Paths, Any, Any]:
     """Light the surfaces at the ends of the paths and extend the paths; return them and the sums.
 
@@ -291,6 +305,7 @@ def _bounce(
     sample, arriving = scene.sample_emitter_direction(
         si, sample_2d(paths.pixel, strata, EMITTER_PAIR), False
     )
+    arriving *= dimmed(shade, sample.emitter, si.p)
 
     def evaluate(bsdf: Any, si: Any, wo: Any, u: Any, v: Any) -> Any:
         albedo = bsdf.eval_diffuse_reflectance(si)
@@ -305,7 +320,7 @@ def _bounce(
         sample_2d(paths.pixel, strata, BSDF_PAIR),
     )
     light = _unoccluded(scene, si, sample, bsdf_pdf, paths.weight * value * arriving, ~is_first)
-    light += dr.select(is_first, 0.0, _finite(paths.weight * _emission(scene, si, paths)))
+    light += dr.select(is_first, 0.0, _finite(paths.weight * _emission(scene, shade, si, paths)))
     weight = _finite(paths.weight * share)
     is_delta = mi.has_flag(scattered.sampled_type, mi.BSDFFlags.Delta)
     ray = si.spawn_ray(si.to_world(scattered.wo))
@@ -375,10 +390,10 @@ def _hits_emitter(paths: Paths) -> Any:
     return paths.hit.is_valid() & paths.hit.shape.is_emitter()
 
 
-def _add_emission(scene: Any, paths: Paths, light: Any) -> Any:
+def _add_emission(scene: Any, shade: CloudShade | None, paths: Paths, light: Any) -> Any:
     """Return the sums with the emission of the surfaces at the ends of the paths."""
     si = paths.interaction()
-    return _add(light, paths, _finite(paths.weight * _emission(scene, si, paths)))
+    return _add(light, paths, _finite(paths.weight * _emission(scene, shade, si, paths)))
 
 
 def _add(sums: Any, paths: Paths, values: Any) -> Any:
@@ -387,7 +402,7 @@ def _add(sums: Any, paths: Paths, values: Any) -> Any:
     return sums
 
 
-def _emission(scene: Any, si: Any, paths: Paths) -> Any:
+def _emission(scene: Any, shade: CloudShade | None, si: Any, paths: Paths) -> Any:
     """Return the emission of the surfaces, with the MIS weight of BSDF samples."""
     emitter = si.emitter(emitters_of(scene))
     is_emitter = emitter != None  # noqa: E711  (compared lane by lane)
@@ -397,4 +412,5 @@ def _emission(scene: Any, si: Any, paths: Paths) -> Any:
     origin = dr.zeros(mi.Interaction3f, dr.width(paths.lane))
     origin.p = paths.origin
     pdf = scene.pdf_emitter_direction(origin, sample, is_emitter)
-    return _bsdf_mis(paths, pdf) * emitter.eval(si, is_emitter)
+    light = emitter.eval(si, is_emitter) * dimmed(shade, emitter, paths.origin)
+    return _bsdf_mis(paths, pdf) * light

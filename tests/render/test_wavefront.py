@@ -38,7 +38,7 @@ def light_of_both(
     from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer
 
-    scene = MitsubaScene(shot)
+    scene = MitsubaScene(replace(shot, light=shot.light.without_cloud_shadows()))
     assert scene.path_tracer_reason == ""
     reference = PathTracer(scene.whole(), shot.film.resolved().depth, air=scene.air)
     ours, theirs = [], []

@@ -104,6 +104,7 @@ class ShotBuilder:
             lamps=first.lamps,
             after=self._moment(frame, 1.0) if "motion" in self.film.passes else None,
             tone=self.tracks.tones[frame - 1] if self.tracks.tones else Tone(),
+            time=first.time,
             scenery=self._surroundings,
         )
 
@@ -156,8 +157,13 @@ class ShotBuilder:
                 )
             )
         return Moment(
-            tuple(meshes), self._interpolator.at(frame, part), self._lamps.placed(self.take, at)
+            *(tuple(meshes), self._interpolator.at(frame, part)),
+            *(self._lamps.placed(self.take, at), self._time(frame, part)),
         )
+
+    def _time(self, frame: int, part: float) -> float:
+        """Return the time since the film began [s], 0 in a light that does not change."""
+        return float((frame - 1 + part) / self.clock.rate) if self.light.changes else 0.0
 
     def _ground_at(self, row: float) -> tuple[Mesh, ...]:
         """Return the terrain with the footprints made until a row of the take."""

@@ -1,0 +1,44 @@
+"""Weather: how the wind drives the clouds, and what falls from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from pydantic import Field
+
+from render.config.base import PresetModel, Unit
+
+_WEATHER: dict[str, dict[str, Any]] = {
+    "calm": {"wind": 0.0},
+    "breeze": {},
+    "drizzle": {"rain": 0.25},
+    "rain": {"rain": 0.6},
+    "storm": {"rain": 1.0, "wind": 18.0},
+    "flurries": {"snow": 0.25},
+    "snow": {"snow": 0.6},
+    "blizzard": {"snow": 1.0, "wind": 16.0},
+}
+
+
+class Weather(PresetModel):
+    """Wind, rain and snow; both may fall at once."""
+
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _WEATHER
+
+    rain: Unit = Field(0.0, description="0.25 is drizzle, 1 a downpour; it wets the ground.")
+    snow: Unit = Field(0.0, description="0.25 are single flakes; it whitens level ground.")
+    wind: float = Field(
+        8.0,
+        ge=0,
+        le=60,
+        description="Speed of the clouds [m/s]; a third of it drives rain and snow.",
+    )
+    wind_heading_deg: float = Field(
+        25.0, ge=-360, le=360, description="Heading that the wind blows to; 0 is +X."
+    )
+
+    @property
+    def falls(self) -> bool:
+        """Whether rain or snow falls."""
+        return self.rain > 0.0 or self.snow > 0.0

@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from render.airborne.airborne_pass import AirborneExposure, AirbornePass
+from render.airborne.precipitation import Precipitation
 from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
@@ -71,7 +74,7 @@ class MitsubaScene:
         self._lamp_places: tuple[LampPlace, ...] = ()
         around = surroundings(shot.light, _ground_color(shot), sky_width(self._film.size[0]))
         self.air = Air.of(around.haze) if around.haze is not None else None
-        self._key_direction, self._drifting = around.key, around.drifting
+        self._around = around
         self._sky_time: float | None = None
         self.scene = mi.load_dict(
             {
@@ -105,6 +108,7 @@ class MitsubaScene:
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
         self._meshes: tuple[Mesh, ...] = shot.meshes
+        self._airborne = self._airborne_pass()
         keys = [shape for shape in self.scene.shapes() if shape.id() == "key"]
         self._key = keys[0].emitter() if keys else None
         self.update(shot.moments[0])
@@ -121,8 +125,8 @@ class MitsubaScene:
             move_lamps(self._values, self._lamps, places)
             self._lamp_places = places
         _update_camera(self._values, moment.camera, self._film)
-        if self._drifting is not None and self._sky_time != moment.time:
-            self._values["sky.data"] = self._drifting.at(moment.time)
+        if self._around.drifting is not None and self._sky_time != moment.time:
+            self._values["sky.data"] = self._around.drifting.at(moment.time)
             self._sky_time = moment.time
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
@@ -135,9 +139,9 @@ class MitsubaScene:
 
     def _shade(self, tracer: Tracer, time: float) -> None:
         """Lay the shadows of clouds at a time, which only our own tracer knows."""
-        if not isinstance(tracer, Wavefront) or self._key is None or self._key_direction is None:
+        if not isinstance(tracer, Wavefront) or self._key is None or self._around.key is None:
             return
-        shadows = cloud_shadows(self._light, self._key_direction, time)
+        shadows = cloud_shadows(self._light, self._around.key.direction, time)
         tracer.shade = None if shadows is None else CloudShade.of(shadows, self._key)
 
     def trace(self, seed: int, passes: range, total: int) -> LightLayers:
@@ -173,6 +177,21 @@ class MitsubaScene:
     def pass_exposure(self, shot: Shot) -> PassExposure | None:
         """Return the passes of a shot before its first moment, None if the film asks for none."""
         return self._passes.begin(shot) if self._passes else None
+
+    def airborne_exposure(self) -> AirborneExposure | None:
+        """Return what is in the air before the first moment of a frame, None where it is empty."""
+        return self._airborne.begin() if self._airborne else None
+
+    def add_airborne(self, exposure: AirborneExposure, moment: Moment, k: int, count: int) -> None:
+        """Add what is in the air at the k-th of `count` moments of an exposure."""
+        key = np.zeros(3) if self._around.key is None else self._around.key.irradiance
+        falling = Precipitation.of(self._light.weather, self._around.ambient, key, moment.time)
+        exposure.add(self.sensor, moment.camera.fov_deg, falling, k, count)
+
+    def _airborne_pass(self) -> AirbornePass | None:
+        if not self._light.weather.falls or not dr.is_jit_v(mi.Float):
+            return None
+        return AirbornePass(self._traced, self._film.size, self.air)
 
     def _pass_tracer(self, shot: Shot, still: tuple[MeshGroup, ...]) -> PassTracer:
         variant = str(mi.variant())

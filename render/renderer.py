@@ -124,6 +124,7 @@ class Renderer:
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)
         accumulator, exposure = scene.accumulator(), scene.pass_exposure(shot)
+        airborne = scene.airborne_exposure()
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.timings.timed("update"):
@@ -131,10 +132,14 @@ class Renderer:
             passes = range(k * each, (k + 1) * each)
             with self.timings.timed("trace"):
                 accumulator.add_passes(scene.sensor, shot.seed, passes, count * each)
+                if airborne:
+                    scene.add_airborne(airborne, moment, k, count)
                 if exposure:
                     exposure.add(scene.sensor, k)
         with self.timings.timed("trace"):
-            return accumulator.layers(), exposure.images() if exposure else PassImages()
+            layers = accumulator.layers()
+            layers = airborne.over(layers) if airborne else layers
+            return layers, exposure.images() if exposure else PassImages()
 
     def scene_for(self, shot: Shot) -> MitsubaScene:
         """Return the Mitsuba scene of a shot, updated in place where the build is the same."""

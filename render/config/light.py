@@ -230,6 +230,8 @@ class Light(PresetModel):
             raise ValueError("give one of `sun`, `studio` and `hdr`")
         if self.sun is None and (self.moon is not None or self.stars is not None):
             raise ValueError("`moon` and `stars` need a sun; write `sun: {hour: 0}`")
+        if self.sun is None and self.weather.falls:
+            raise ValueError("rain and snow need a sky; write `sun: {hour: 13}`")
         if self.studio is not None and self.haze:
             raise ValueError("`haze` needs a sky; take it away from the studio")
         return self
@@ -251,7 +253,7 @@ class Light(PresetModel):
     @property
     def changes(self) -> bool:
         """Whether the light depends on the time, besides the places of its lamps."""
-        return self._clouds_drift
+        return self._clouds_drift or self.weather.falls
 
     @property
     def _clouds_drift(self) -> bool:

@@ -8,7 +8,7 @@ the horizon with the curvature of the earth and fade there into haze. Heaps drif
 
 Sources: A. Schneider and N. Vos, The Real-time Volumetric Cloudscapes of Horizon: Zero Dawn, 2015,
     for towers shaped by the cover and eroded by noise, and for more light inside than extinction
-    alone lets in; I. Quilez, Value noise derivatives, 2008, for the noise.
+    alone lets in.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from render.config import Clouds
 from render.lights.environment_map import Map, Vector, resized
 from render.lights.key_light import KeyLight
+from render.lights.lattice_noise import fbm2, lattice, puffs
 
 _EARTH_RADIUS = 6.371e6
 _BASE, _TOP = 900.0, 1650.0
@@ -216,7 +217,7 @@ class _Painter:
         end = dr.minimum(distance_to(d, _TOP), start + _LONGEST)
         step = (end - start) / _STEPS
         # Of each direction its own, or the samples would show as terraces.
-        first = start + step * _lattice(
+        first = start + step * lattice(
             dr.arange(mi.UInt32, dr.width(d)), mi.UInt32(0), mi.UInt32(7)
         )
         cosine = dr.dot(d, self._sun)
@@ -280,9 +281,9 @@ class _Painter:
         x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
         # Drawn out by the wind.
         along, across = 0.83 * x + 0.56 * z, -0.56 * x + 0.83 * z
-        bend = _fbm2(along / 16_000.0 + 3.1, across / 16_000.0, 2) - 0.5
-        wisps = _fbm2(along / 14_000.0 + 0.6 * bend, across / 2600.0 + 2.2 * bend, 6)
-        field = _fbm2(along / 26_000.0 + 7.7, across / 22_000.0 + 1.3, 3)
+        bend = fbm2(along / 16_000.0 + 3.1, across / 16_000.0, 2) - 0.5
+        wisps = fbm2(along / 14_000.0 + 0.6 * bend, across / 2600.0 + 2.2 * bend, 6)
+        field = fbm2(along / 26_000.0 + 7.7, across / 22_000.0 + 1.3, 3)
         share = _smooth((wisps + 0.9 * field - 1.16 + 0.5 * self._cirrus) / 0.5)
         cosine = dr.dot(d, self._sun)
         forward: Any = 0.42 + 1.3 * _forward(cosine, 0.75)
@@ -296,8 +297,8 @@ class _Painter:
         """Return an overcast sky with the folds of its clouds: its mean brightness stays."""
         t = distance_to(d, _BASE)
         x, z = d.x * t + self._shift[0], d.z * t + self._shift[1]
-        bend = _fbm2(x / 2600.0, z / 2600.0 + 5.2, 3) - 0.5
-        folds = _fbm2(x / 3400.0 + 0.9 * bend, z / 2400.0 - 0.9 * bend, 6) - 0.5
+        bend = fbm2(x / 2600.0, z / 2600.0 + 5.2, 3) - 0.5
+        folds = fbm2(x / 3400.0 + 0.9 * bend, z / 2400.0 - 0.9 * bend, 6) - 0.5
         strength = self._veil * _smooth((d.y - 0.01) / 0.16)
         return behind * (1.0 + 1.15 * strength * folds)
 
@@ -311,7 +312,7 @@ class _Painter:
             octaves: of the cover.
         """
         x, z = p.x + self._drifted[0], p.z + self._drifted[1]
-        field = _fbm2(x / _PATCH, z / _PATCH, octaves)
+        field = fbm2(x / _PATCH, z / _PATCH, octaves)
         # Of the field, which is about 0.5 in the mean, a share as large as the cover is above.
         cover = (field - 0.66 + 0.34 * self._cover) * (3.4 * opened) - 0.6 * (1.0 - opened)
         return cover - 0.85 * height * height - 0.12 * height
@@ -342,8 +343,8 @@ class _Painter:
 def _eroded(tower: Any, p: Any, height: Any, shift: tuple[Any, Any], octaves: int) -> Any:
     """Return the density of cumulus at a place, 0 to 1, after puffs have eroded its tower."""
     x, z = p.x + shift[0], p.z + shift[1]
-    puffs = _puffs(x / _PUFF, p.y / _PUFF, z / _PUFF, octaves)
-    body = tower - 0.62 * (1.0 - puffs) * (0.35 + 0.65 * dr.minimum(4.0 * height, 1.0))
+    rounded = puffs(x / _PUFF, p.y / _PUFF, z / _PUFF, octaves)
+    body = tower - 0.62 * (1.0 - rounded) * (0.35 + 0.65 * dr.minimum(4.0 * height, 1.0))
     return dr.clip(5.0 * body, 0.0, 1.0) * dr.clip(height / 0.06, 0.0, 1.0)
 
 
@@ -363,62 +364,3 @@ def _forward(cosine: Any, g: float) -> Any:
 def _smooth(t: Any) -> Any:
     edge = dr.clip(t, 0.0, 1.0)
     return edge * edge * (3.0 - 2.0 * edge)
-
-
-def _lattice(x: Any, y: Any, z: Any) -> Any:
-    """Return a random number of each point of a lattice, 0 to 1."""
-    h = x * mi.UInt32(0x8DA6B343) ^ y * mi.UInt32(0xD8163841) ^ z * mi.UInt32(0xCB1AB31F)
-    h = (h ^ (h >> 13)) * mi.UInt32(0x85EBCA6B)
-    h = (h ^ (h >> 15)) * mi.UInt32(0xC2B2AE35)
-    return mi.Float((h >> 8) & 0xFFFF) * (1.0 / 65535.0)
-
-
-def _cell(x: Any) -> tuple[Any, Any]:
-    """Return the lattice point below, and the smoothed rest."""
-    low = dr.floor(x)
-    rest = x - low
-    return mi.UInt32(mi.Int32(low)), rest * rest * (3.0 - 2.0 * rest)
-
-
-def _noise2(x: Any, y: Any, seed: int) -> Any:
-    (i, u), (j, v) = _cell(x), _cell(y)
-    k = mi.UInt32(seed)
-    a, b = _lattice(i, j, k), _lattice(i + 1, j, k)
-    c, d = _lattice(i, j + 1, k), _lattice(i + 1, j + 1, k)
-    low, high = a + u * (b - a), c + u * (d - c)
-    return low + v * (high - low)
-
-
-def _noise3(x: Any, y: Any, z: Any) -> Any:
-    (i, u), (j, v), (k, w) = _cell(x), _cell(y), _cell(z)
-
-    def plane(k: Any) -> Any:
-        a, b = _lattice(i, j, k), _lattice(i + 1, j, k)
-        c, d = _lattice(i, j + 1, k), _lattice(i + 1, j + 1, k)
-        low, high = a + u * (b - a), c + u * (d - c)
-        return low + v * (high - low)
-
-    near = plane(k)
-    return near + w * (plane(k + 1) - near)
-
-
-def _fbm2(x: Any, y: Any, octaves: int) -> Any:
-    """Return noise of several octaves, 0 to 1; each is turned, or their lattices would show."""
-    total, weight, sum_ = mi.Float(0.0), 0.5, 0.0
-    for k in range(octaves):
-        total += weight * _noise2(x, y, 17 + k)
-        sum_ += weight
-        weight *= 0.5
-        x, y = 1.62 * x + 1.18 * y + 5.3, -1.18 * x + 1.62 * y + 1.7
-    return total / sum_
-
-
-def _puffs(x: Any, y: Any, z: Any, octaves: int) -> Any:
-    """Return rounded puffs with creases between them, 0 to 1."""
-    total, weight, sum_ = mi.Float(0.0), 0.5, 0.0
-    for _ in range(octaves):
-        total += weight * dr.abs(2.0 * _noise3(x, y, z) - 1.0)
-        sum_ += weight
-        weight *= 0.52
-        x, y, z = 1.7 * x + 1.1 * z + 3.1, 2.05 * y + 1.9, -1.1 * x + 1.7 * z + 7.7
-    return dr.minimum(1.7 * total / sum_, 1.0)

@@ -21,7 +21,7 @@ from render.config import Light, Moon, Studio, Sun
 from render.lights.cloud_shadows import drift
 from render.lights.clouds import CloudLight, Heaps, has_clouds, heaps, painted
 from render.lights.drifting_sky import DriftingSky
-from render.lights.environment_map import UP, Map, Vector, resized
+from render.lights.environment_map import UP, Map, Vector, irradiance, resized, solid_angles
 from render.lights.haze import Haze, haze_of, haze_strength
 from render.lights.key_light import CARD_ILLUMINANCE, KeyLight, LightEnvironment, card_illuminance
 from render.lights.outdoor_light import outdoor_light
@@ -35,6 +35,10 @@ _PAINTED: dict[str, Any] = {}
 
 Painting = TypeVar("Painting")
 
+_SNOW_LIGHT = 0.5
+"""Share of the light of level ground that comes back from the sky, over white ground and under
+clouds."""
+
 _STRONG_KEY_SHARE = 0.02
 """Share of the card's light from which a key light alone is worth a shadow ray."""
 
@@ -47,13 +51,15 @@ class Surroundings:
         emitters: dictionaries for `mi.load_dict`: `sky`, an `envmap` as the film begins, and
             `key`, a distant disc, if there is a key light.
         haze: of the air, or None.
-        key: unit vector to the key light, or None.
+        key: the key light, or None.
+        ambient: (3,) mean radiance from all directions, without the key light.
         drifting: the sky in time, where it changes, or None.
     """
 
     emitters: dict[str, dict[str, Any]]
     haze: Haze | None
-    key: Vector | None
+    key: KeyLight | None
+    ambient: Vector
     drifting: DriftingSky | None
 
 
@@ -69,6 +75,8 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     key, card = environment.key, environment.card
     scale = CARD_ILLUMINANCE * 2.0**environment.stops / card
     image = environment.radiance * scale
+    if light.weather.snow > 0.0:
+        image = _with_snow_light(image, key.scaled(scale), light.weather.snow)
     haze = haze_of(haze_strength(light), image)
     if environment.stars is not None:
         height, across = environment.stars.shape[:2]
@@ -93,7 +101,18 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     }
     if key.is_lit:
         found["key"] = key.emitter(scale)
-    return Surroundings(found, haze, key.direction if key.is_lit else None, drifting)
+    even = solid_angles() / (4 * np.pi)
+    ambient = (resized(np.asarray(shown, np.float64)) * even[..., None]).sum(axis=(0, 1))
+    return Surroundings(found, haze, key.scaled(scale) if key.is_lit else None, ambient, drifting)
+
+
+def _with_snow_light(sky: Map, key: KeyLight, snow: float) -> Map:
+    """Return a sky with the light that snow on the ground throws up and clouds throw back."""
+    up = irradiance(sky, UP) + key.irradiance * max(float(key.direction @ UP), 0.0)
+    half = len(sky) // 2
+    lit = sky.copy()
+    lit[:half] += _SNOW_LIGHT * min(snow / 0.6, 1.0) * up / np.pi
+    return lit
 
 
 def _cloud_light(sky: Map, key: KeyLight) -> CloudLight:

@@ -33,6 +33,7 @@ _TINT = np.array([0.80, 1.0, 1.32])
 
 _CLEAR, _PER_TURBIDITY = 0.16, 0.03
 _OVERCAST, _MORNING, _LOW_SUN = 0.06, 0.07, 0.04
+_RAIN, _SNOW = 0.16, 0.34
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,10 @@ def haze_strength(light: Light) -> float:
     """Return the strength of the haze, 0 to 1: as written, or by weather and hour."""
     if light.haze is not None:
         return light.haze
-    return 0.0 if light.sun is None else natural_strength(light.sun)
+    if light.sun is None:
+        return 0.0
+    fallen = _RAIN * light.weather.rain + _SNOW * light.weather.snow
+    return min(natural_strength(light.sun) + fallen, 1.0)
 
 
 def natural_strength(sun: Sun) -> float:

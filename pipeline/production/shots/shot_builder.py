@@ -18,6 +18,7 @@ from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
 from pipeline.production.shots.ground_mesh import surrounding_meshes, terrain_mesh
+from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.surroundings.choice import Choice
@@ -175,13 +176,17 @@ class ShotBuilder:
     @cached_property
     def _surroundings(self) -> tuple[Mesh, ...]:
         """The land around the terrain, made when the first shot needs it."""
-        return surrounding_meshes(
+        land = surrounding_meshes(
             self.take.terrain, self._around, self.materials, self.film.size[0]
         )
+        return tuple(snowed_cover(mesh, self.light.weather) for mesh in land)
 
 
 def _materials(scene: Scene, take: Take, around: Choice) -> Mapping[str, Material]:
     """Return the materials of take and land; the author's own override the presets."""
     names = {part.material for part in take.parts} | {take.terrain.material, *around.materials}
     own = scene.materials
-    return {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
+    made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
+    for name in {take.terrain.material, around.material}:
+        made[name] = ground_in_weather(made[name], scene.light.weather)
+    return made

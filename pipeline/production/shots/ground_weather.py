@@ -1,0 +1,85 @@
+"""Ground weather: how rain and snow change the ground.
+
+Wet ground is darker, because water leads light into it, and glossier. Snow lies where it is level.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from pipeline.production.surroundings.land_cover import SNOW
+from render.config import MATERIALS, Material, Weather
+from render.shot import Mesh
+
+WET_SHARE = 0.52
+"""Brightness of soaked ground, as a share of dry ground, in sRGB values."""
+WET_ROUGHNESS = 0.42
+"""Roughness of soaked ground."""
+
+_COVERED = 0.6
+"""Snowfall at which all level ground is white."""
+_SLOPES = 0.62, 0.86
+"""Cosines of slopes at which snow begins to lie, and lies fully."""
+_STEEP_DEG = 40.0
+
+_COLORS = ("color", "color2", "steep_color", "crest_color", "hollow_color")
+
+
+def ground_in_weather(material: Material, weather: Weather) -> Material:
+    """Return a material of the ground as rain and snow change it."""
+    values: dict[str, Any] = {}
+    if weather.rain > 0.0:
+        wet = min(weather.rain / 0.5, 1.0)
+        share = 1.0 + wet * (WET_SHARE - 1.0)
+        for key in _COLORS:
+            color = getattr(material, key)
+            if color is not None:
+                values[key] = tuple(share * c for c in color)
+        values["roughness"] = min(
+            material.roughness, material.roughness + wet * (WET_ROUGHNESS - material.roughness)
+        )
+        # Rough snow, cloth and leaves keep their other qualities; what needs a dull surface goes.
+        values |= {"translucency": 0.0, "sheen": 0.0}
+    if weather.snow > 0.0:
+        snow, lying = MATERIALS["snow"], min(weather.snow / _COVERED, 1.0)
+        for key in ("color", "color2"):
+            own = values.get(key, getattr(material, key)) or values.get("color", material.color)
+            white = getattr(snow, key) or snow.color
+            values[key] = tuple(a + lying * (b - a) for a, b in zip(own, white, strict=True))
+        values["steep_color"] = values.get("steep_color") or material.steep_color or material.color
+        values["steep_deg"] = max(_STEEP_DEG, material.steep_deg)
+        values |= {"crest_color": None, "hollow_color": None}
+        if lying > 0.5:
+            values |= {
+                "texture": snow.texture,
+                "texture_scale": snow.texture_scale,
+                "bump": snow.bump,
+                "roughness": snow.roughness,
+            }
+    return material.model_copy(update=values) if values else material
+
+
+def snowed_cover(mesh: Mesh, weather: Weather) -> Mesh:
+    """Return land whose cover is white where it is level enough for snow to lie."""
+    if weather.snow == 0.0 or mesh.cover is None:
+        return mesh
+    low, high = _SLOPES
+    t = ((_up(mesh) - low) / (high - low)).clip(0.0, 1.0)
+    share = (t * t * (3 - 2 * t) * min(weather.snow / _COVERED, 1.0))[:, None]
+    color = mesh.cover[:, :3] * (1 - share) + np.array(SNOW) * share
+    cover = np.concatenate([color, mesh.cover[:, 3:]], axis=1).astype(np.float32)
+    return replace(mesh, cover=cover)
+
+
+def _up(mesh: Mesh) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return the vertical component (V,) of the normals of the vertices."""
+    a, b, c = (mesh.vertices[mesh.faces[:, i]].astype(float) for i in range(3))
+    normals = np.zeros((len(mesh.vertices), 3))
+    across = np.cross(b - a, c - a)
+    for i in range(3):
+        np.add.at(normals, mesh.faces[:, i], across)
+    length = np.linalg.norm(normals, axis=1)
+    return np.asarray(np.abs(normals[:, 1]) / np.maximum(length, 1e-12))

@@ -1,0 +1,312 @@
+"""Precipitation: rain and snow in the air, and drops that splash on the ground.
+
+Drops and flakes lie in vertical planes that stand still in the world, one family across X and one
+across Z, so that a moving camera passes them and none swims with it. In a plane they are cells of
+a grid that slides down as fast as they fall: a hash of the cell says whether it holds one, and
+where. Each ray meets the planes before its surface one after the other. Farther planes lie wider
+apart and hold larger clusters, which stand for all drops between.
+
+An image of a drop is as wide as the drop or the pixel, whichever is more, and fainter by their
+ratio, so that nothing sparkles.
+
+Sources: P. Rousseau et al., Realistic real-time rain rendering, 2006, for streaks as long as a
+    drop falls while one sees it, which refract the sky; K. Garg and S. Nayar, Photorealistic
+    rendering of rain streaks, 2006, for their length at a shutter.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from render.config import Weather
+from render.lights.environment_map import Vector
+from render.lights.lattice_noise import lattice
+
+WIND_SHARE = 1 / 3
+"""Wind near the ground, as a share of that at the clouds."""
+
+SEEN = 1 / 60
+"""Time over which one sees a drop at once [s]."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Planes between two distances.
+
+    Attributes:
+        nearest, farthest: distances from the camera [m].
+        apart: distance between two planes of a family [m].
+        cell: width and height of a cell, which holds one drop at most [m].
+        size: radius of what is in a cell [m].
+    """
+
+    nearest: float
+    farthest: float
+    apart: float
+    cell: tuple[float, float]
+    size: float
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of precipitation.
+
+    Attributes:
+        speed: of its fall [m/s].
+        length: of a streak [m]; 0 for flakes.
+        opacity: of one drop.
+        sway: amplitude of its swaying [m].
+        layers: of planes, from near to far.
+    """
+
+    speed: float
+    length: float
+    opacity: float
+    sway: float
+    layers: tuple[Layer, ...]
+
+
+RAIN = Kind(
+    8.0,
+    8.0 * SEEN,
+    0.34,
+    0.0,
+    (
+        Layer(0.5, 7.0, 0.6, (0.34, 0.9), 0.0011),
+        Layer(7.0, 25.0, 2.0, (0.30, 0.8), 0.003),
+        Layer(25.0, 70.0, 7.0, (0.5, 1.2), 0.010),
+    ),
+)
+SNOW = Kind(
+    1.3,
+    0.0,
+    0.85,
+    0.05,
+    (
+        Layer(0.4, 6.0, 0.6, (0.26, 0.26), 0.0042),
+        Layer(6.0, 22.0, 1.8, (0.21, 0.21), 0.0095),
+        Layer(22.0, 70.0, 6.0, (0.30, 0.30), 0.028),
+    ),
+)
+
+_SPLASH_CELL, _SPLASH_CYCLE, _SPLASH_TIME = 0.16, 0.45, 0.13
+"""Of splashes: side of a cell [m], time after which it may have another, and how long one lasts."""
+_SPLASH_REACH = 14.0
+"""Distance from the camera at which splashes have vanished [m]."""
+
+
+@dataclass
+class Precipitation:
+    """What falls at one moment, opaque to recordings.
+
+    Attributes:
+        rain, snow: amounts, 0 to 1.
+        rain_light, snow_light: radiance of drops and flakes.
+        wind: near the ground, along x and z [m/s].
+        time: since the film began [s].
+    """
+
+    rain: mi.Float
+    snow: mi.Float
+    rain_light: mi.Color3f
+    snow_light: mi.Color3f
+    wind: mi.Vector2f
+    time: mi.Float
+    has_rain: bool
+    has_snow: bool
+
+    @staticmethod
+    def of(weather: Weather, ambient: Vector, key: Vector, time: float) -> Precipitation:
+        """Return what falls.
+
+        Args:
+            weather: of the scene.
+            ambient: (3,) mean radiance from all directions.
+            key: (3,) irradiance of the key light on a plane that faces it.
+            time: since the film began [s].
+        """
+        heading = math.radians(weather.wind_heading_deg)
+        speed = WIND_SHARE * weather.wind
+        # Drops show the bright sky behind and above; flakes are white spheres.
+        rain = 1.35 * ambient + 0.02 * key
+        snow = 1.8 * ambient + key / (4 * math.pi)
+        made = Precipitation(
+            mi.Float(weather.rain),
+            mi.Float(weather.snow),
+            mi.Color3f(rain.tolist()),
+            mi.Color3f(snow.tolist()),
+            mi.Vector2f(speed * math.cos(heading), -speed * math.sin(heading)),
+            mi.Float(time),
+            weather.rain > 0.0,
+            weather.snow > 0.0,
+        )
+        dr.make_opaque(made.rain, made.snow, made.rain_light, made.snow_light)
+        dr.make_opaque(made.wind, made.time)
+        return made
+
+    def seen(self, ray: Any, distance: Any, pixel_angle: Any) -> tuple[Any, Any]:
+        """Return the share of light that passes, `mi.Float`, and the light added, `mi.Color3f`.
+
+        Args:
+            ray: from the camera.
+            distance: to the surface [m].
+            pixel_angle: width of a pixel [rad].
+        """
+        passed, light = mi.Float(1.0), mi.Color3f(0.0)
+        if self.has_rain:
+            through = self._through(RAIN, self.rain, ray, distance, pixel_angle)
+            passed, light = through, self.rain_light * (1.0 - through)
+        if self.has_snow:
+            through = self._through(SNOW, self.snow, ray, distance, pixel_angle)
+            light = light * through + self.snow_light * (1.0 - through)
+            passed = passed * through
+        return passed, light
+
+    def splashes(self, point: Any, normal: Any, distance: Any, pixel_angle: Any) -> Any:
+        """Return the share of a surface that splashes of rain hide, `mi.Float`.
+
+        Args:
+            point: of the surface [m].
+            normal: of the surface.
+            distance: from the camera [m].
+            pixel_angle: width of a pixel [rad].
+        """
+        column, row = point.x / _SPLASH_CELL, point.z / _SPLASH_CELL
+        i, j = dr.floor(column), dr.floor(row)
+        a, b = mi.UInt32(mi.Int32(i)), mi.UInt32(mi.Int32(j))
+        offset = lattice(a, b, mi.UInt32(31)) * _SPLASH_CYCLE
+        cycle = (self.time + offset) / _SPLASH_CYCLE
+        count = dr.floor(cycle)
+        age = (cycle - count) * (_SPLASH_CYCLE / _SPLASH_TIME)
+        turn = mi.UInt32(count) * 3
+        is_there = lattice(a, b, turn) < 0.75 * self.rain
+        # Far enough inside the cell for the whole ring.
+        x = 0.3 + 0.4 * lattice(a, b, turn + 1)
+        z = 0.3 + 0.4 * lattice(a, b, turn + 2)
+        away = _SPLASH_CELL * _length(column - i - x, row - j - z)
+        pixel = pixel_angle * distance
+        ring = 0.008 + 0.034 * age
+        width = 0.004 + 0.6 * pixel
+        shape = dr.maximum(1.0 - dr.abs(away - ring) / width, 0.0) * (0.004 / width)
+        center = dr.maximum(1.0 - away / (0.007 + pixel), 0.0) * dr.maximum(1.0 - 2.5 * age, 0.0)
+        fade = dr.clip((normal.y - 0.75) / 0.15, 0.0, 1.0)
+        fade *= dr.clip(2.0 - 2.0 * distance / _SPLASH_REACH, 0.0, 1.0)
+        share = (1.0 - age) * (0.55 * shape + 0.5 * center) * fade
+        return dr.select(is_there & (age < 1.0), dr.clip(share, 0.0, 1.0), 0.0)
+
+    def _through(self, kind: Kind, amount: Any, ray: Any, distance: Any, pixel_angle: Any) -> Any:
+        """Return the share of light that passes between all drops of a kind."""
+        # Seen along their fall, drops stand still: their planes lean with the wind.
+        lean = self.wind / kind.speed
+        origin = ray.o.x + ray.o.y * lean.x, ray.o.z + ray.o.y * lean.y
+        way = ray.d.x + ray.d.y * lean.x, ray.d.z + ray.d.y * lean.y
+        level = dr.maximum(_length(ray.d.x, ray.d.z), 1e-3)
+        ahead = ray.d.x / level, ray.d.z / level
+        # How far aside something lies, seen from the camera, for each metre that it is higher.
+        lean_aside = ahead[1] * lean.x - ahead[0] * lean.y
+        through = mi.Float(1.0)
+        for number, layer in enumerate(kind.layers):
+            for family in (0, 1):
+                place = _Grid(kind, layer, 2 * number + family, family)
+                through *= self._through_planes(
+                    place, amount, (origin, way, ray, ahead, lean_aside), distance, pixel_angle
+                )
+        return through
+
+    def _through_planes(
+        self, grid: _Grid, amount: Any, line: Any, distance: Any, pixel_angle: Any
+    ) -> Any:
+        """Return the share of light that passes one family of planes of a layer."""
+        kind, layer = grid.kind, grid.layer
+        origin, way, ray, ahead, lean_aside = line
+        across, along = grid.family, 1 - grid.family
+        o, d = origin[across], way[across]
+        safe = dr.select(dr.abs(d) < 1e-4, dr.select(d < 0.0, -1e-4, 1e-4), d)
+        is_ahead = safe > 0.0
+        start = o + safe * layer.nearest
+        first = dr.select(is_ahead, dr.ceil(start / layer.apart), dr.floor(start / layer.apart))
+        step = dr.select(is_ahead, 1.0, -1.0)
+        # Seen at a slant, drops keep their width.
+        slant = ahead[0] if grid.family == 0 else -ahead[1]
+        count = int((layer.farthest - layer.nearest) / layer.apart) + 1
+        end = dr.minimum(distance, layer.farthest)
+
+        def body(i: Any, through: Any) -> Any:
+            plane = first + mi.Float(i) * step
+            t = (plane * layer.apart - o) / safe
+            u = origin[along] + way[along] * t
+            y = ray.o.y + ray.d.y * t + kind.speed * self.time
+            shown = grid.opacity(
+                mi.UInt32(mi.Int32(plane)),
+                (u, y),
+                slant,
+                amount,
+                (t, pixel_angle, self.time, lean_aside),
+            )
+            # Layers fade into one another, and what touches the lens is not there.
+            edge = dr.clip((t - layer.nearest) / (0.25 * layer.nearest), 0.0, 1.0)
+            shown = dr.select((t > layer.nearest) & (t < end), shown * edge, 0.0)
+            return i + 1, through * (1.0 - shown)
+
+        n = dr.width(distance)
+        _, through = dr.while_loop(
+            (dr.zeros(mi.UInt32, n), dr.ones(mi.Float, n)),
+            lambda i, through: i < count,
+            body,
+            labels=("i", "through"),
+        )
+        return through
+
+
+def _length(x: Any, y: Any) -> Any:
+    return dr.sqrt(x * x + y * y)
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """The grid of drops of a kind in one family of planes of a layer."""
+
+    kind: Kind
+    layer: Layer
+    salt: int
+    family: int
+
+    def opacity(self, plane: Any, place: Any, slant: Any, amount: Any, view: Any) -> Any:
+        """Return how much is hidden at a place of a plane."""
+        kind, layer = self.kind, self.layer
+        t, pixel_angle, time, lean_aside = view
+        u, y = place
+        wide, high = layer.cell
+        # Columns are shifted against one another, or rows of drops would show.
+        column = dr.floor(u / wide)
+        a = mi.UInt32(mi.Int32(column))
+        shift = lattice(a, plane, mi.UInt32(101 + self.salt))
+        y = y / high + 7.0 * shift
+        row = dr.floor(y)
+        b = mi.UInt32(mi.Int32(row)) + mi.UInt32(7919) * plane
+        salt = 4 * self.salt
+        is_there = lattice(a, b, mi.UInt32(salt)) < amount
+        pixel = pixel_angle * t
+        sway = kind.sway * dr.sin(2.1 * time + 6.3 * shift) if kind.sway else 0.0
+        aside = (u / wide - column - 0.2 - 0.6 * lattice(a, b, mi.UInt32(salt + 1))) * wide - sway
+        if kind.length:
+            aside = dr.abs(aside * slant)
+            margin = 0.5 * kind.length / high
+            middle = margin + (1.0 - 2.0 * margin) * lattice(a, b, mi.UInt32(salt + 2))
+            up = dr.abs(y - row - middle) * high
+            ends = dr.clip(2.0 * (1.0 - up / (0.5 * kind.length)), 0.0, 1.0)
+            width = layer.size + 0.6 * pixel
+            shape = dr.maximum(1.0 - aside / width, 0.0) * (layer.size / width) * ends
+        else:
+            size = layer.size * (0.6 + 0.8 * lattice(a, b, mi.UInt32(salt + 3)))
+            up = (y - row - 0.2 - 0.6 * lattice(a, b, mi.UInt32(salt + 2))) * high
+            width = size + 0.7 * pixel
+            # Round as it is seen, where the grid leans.
+            away = _length(aside * slant + up * lean_aside, up) / width
+            shape = dr.maximum(1.0 - away * away, 0.0) * dr.square(size / width)
+        return dr.select(is_there, kind.opacity * dr.minimum(shape, 1.0), 0.0)

@@ -1,0 +1,119 @@
+"""What is in the air between camera and surfaces: rain and snow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
+from pipeline.production.surroundings.land_cover import SNOW
+from render.backend import Backend
+from render.color import linear, luminance
+from render.config import MATERIALS, Weather, light
+from render.frame import LightLayers
+from render.lights.haze import haze_strength
+from render.shot import Mesh
+
+RAYS = 4096
+
+
+@pytest.fixture(scope="module")
+def backend() -> Backend:
+    from render.backend import choose
+
+    found = choose()
+    if found.variant == "scalar_rgb":
+        pytest.skip("the scalar variant shows nothing in the air")
+    found.activate()
+    return found
+
+
+def passed(weather: Weather, time: float, lowered: float = 0.0) -> np.ndarray:
+    """Return what passes along rays in a fan, from a camera that is lowered by some metres."""
+    import mitsuba as mi
+
+    from render.airborne.precipitation import Precipitation
+
+    falling = Precipitation.of(weather, np.ones(3), np.zeros(3), time)
+    angle = np.linspace(-0.7, 0.7, RAYS)
+    d = np.stack([np.sin(angle), np.full(RAYS, 0.02), np.cos(angle)])
+    d /= np.linalg.norm(d, axis=0)
+    ray = mi.Ray3f(mi.Point3f(0.13, 2.0 - lowered, 0.21), mi.Vector3f(d.astype(np.float32)))
+    share, light = falling.seen(ray, mi.Float(np.full(RAYS, 50.0, np.float32)), mi.Float(0.002))
+    np.testing.assert_allclose(np.array(light)[0] > 0, np.array(share) < 1)
+    return np.array(share)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["rain", "snow"])
+def test_drops_fall_through_the_world(backend: Backend, kind: str) -> None:
+    """A camera that falls as fast as they do sees the same drops; one that stands sees others."""
+    weather = Weather(**{kind: 0.6, "wind": 0.0})
+    speed = {"rain": 8.0, "snow": 1.3}[kind]
+    before = passed(weather, 1.0)
+    assert 0.002 < 1 - before.mean() < 0.5
+    np.testing.assert_array_equal(passed(weather, 1.0), before)
+    later = passed(weather, 1.5)
+    assert abs(later - before).mean() > 1e-3
+    if kind == "rain":
+        followed = passed(weather, 1.5, lowered=speed * 0.5)
+        assert abs(followed - before).mean() < 0.2 * abs(later - before).mean()
+
+
+def test_more_rain_hides_more(backend: Backend) -> None:
+    light_rain, heavy = (passed(Weather(rain=r), 2.0).mean() for r in (0.2, 1.0))
+    assert 1 - heavy > 2 * (1 - light_rain) > 0
+
+
+def test_layers_are_dimmed_and_lit(backend: Backend) -> None:
+    from render.airborne.airborne_pass import AirborneExposure
+
+    seen = np.full((4, 4, 4), 0.25, np.float32)
+    ones, half = np.ones((4, 4, 3), np.float32), np.ones((2, 2, 3), np.float32)
+
+    class Fixed:
+        def traced(self) -> np.ndarray:
+            return seen
+
+    exposure = AirborneExposure(Fixed())  # type: ignore[arg-type]
+    exposure.add()
+    for soft in (ones, half):
+        laid = exposure.over(LightLayers(ones, ones, soft, soft, ones))
+        np.testing.assert_allclose(laid.light, 0.25 * 3.0 + 0.25)
+        np.testing.assert_allclose(laid.albedo, 0.25)
+        np.testing.assert_allclose(laid.indirect / laid.indirect_albedo, 1.0)
+
+
+def test_ground_is_dark_and_glossy_in_rain_and_white_under_snow() -> None:
+    soil = MATERIALS["dry soil"]
+    wet = ground_in_weather(soil, Weather(rain=1.0))
+    white = ground_in_weather(soil, Weather(snow=1.0))
+    brightness = [float(luminance(linear(m.color))) for m in (wet, soil, white)]
+    assert brightness[0] < 0.5 * brightness[1] < brightness[2]
+    assert brightness[2] > 0.7
+    assert wet.roughness < soil.roughness
+    assert white.steep_color is not None
+    assert ground_in_weather(soil, Weather()) is soil
+
+
+def test_snow_lies_where_land_is_level() -> None:
+    corners = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [9, 0, 0], [9, 5, 0.1], [9, 0, 1]])
+    mesh = Mesh(
+        *("land", corners.astype(np.float32), np.array([[0, 1, 2], [3, 4, 5]], np.uint32), "grass"),
+        cover=np.full((6, 4), 0.1, np.float32),
+    )
+    cover = snowed_cover(mesh, Weather(snow=1.0)).cover
+    assert cover is not None
+    np.testing.assert_allclose(cover[:3, :3], np.tile(SNOW, (3, 1)), rtol=1e-5)
+    np.testing.assert_allclose(cover[3:, :3], 0.1)
+    assert snowed_cover(mesh, Weather()) is mesh
+
+
+def test_rain_needs_a_sky_and_thickens_the_haze() -> None:
+    with pytest.raises(ValueError, match="need a sky"):
+        light({"studio": {}, "weather": "rain"})
+    with pytest.raises(ValueError, match="did you mean 'storm'"):
+        light({"weather": "strom"})
+    dry, wet = light("day"), light({"preset": "day", "weather": "rain"})
+    assert haze_strength(wet) > haze_strength(dry)
+    assert wet.changes

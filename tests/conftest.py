@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import settings
 
 # Holds numpy to the common arithmetic, so it comes before everything that loads numpy.
@@ -12,3 +13,21 @@ import pipeline  # noqa: F401
 settings.register_profile("steady", deadline=None, derandomize=True)
 settings.register_profile("random", deadline=None)
 settings.load_profile("steady")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave most cases of a test marked `sample(n)` to the nightly tier, all but n of them.
+
+    The kept ones lie evenly among its cases, the first of them always.
+    """
+    sampled: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("sample") and not item.get_closest_marker("nightly"):
+            sampled.setdefault(item.nodeid.split("[")[0], []).append(item)
+    for cases in sampled.values():
+        (count,) = cases[0].get_closest_marker("sample").args
+        kept = {k * len(cases) // count for k in range(count)}
+        for k, case in enumerate(cases):
+            if k not in kept:
+                case.add_marker(pytest.mark.nightly)

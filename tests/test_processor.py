@@ -41,6 +41,7 @@ def test_child_processes_inherit_the_processor_class() -> None:
     assert python_output("import pipeline; " + child) == "x86_64-X86_V3"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "variables",
@@ -67,6 +68,7 @@ def test_numpy_and_its_blas_use_the_common_units() -> None:
     assert "Haswell" in python_output("import pipeline, numpy", OPENBLAS_VERBOSE="2")
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "variables"),

@@ -39,6 +39,7 @@ def heard(step: Any, score_of: Any, **fields: Any) -> Note:
     return note
 
 
+@pytest.mark.sample(5)
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @given(size=st.floats(0.01, 2.0), strength=st.floats(0.15, 1.0))
@@ -94,6 +95,7 @@ STILL = {"robot_arm"}
 FEW = {"beetle"}
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     "figure",
     [

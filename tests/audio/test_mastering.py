@@ -17,6 +17,7 @@ def walk(level, steps=12, decay=3000):
     return mix * 10 ** (level / 20) / np.abs(mix).max()
 
 
+@pytest.mark.sample(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("level", [-36, -20, 0, 20, 60])
 @pytest.mark.parametrize("lufs", [-16.0, -23.0])

@@ -110,6 +110,7 @@ def test_quantised_onsets_satisfy_the_definition_of_the_grid(
         assert min(gaps) <= Fraction(1, 2) / rate
 
 
+@pytest.mark.sample(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", RATES, ids=str)
 def test_quantised_midi_is_on_frames_and_the_sound_follows(

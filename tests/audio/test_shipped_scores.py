@@ -52,6 +52,7 @@ def with_mido(data: bytes) -> Iterator[int]:
                 yield now
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_note_of_a_shipped_scene_is_on_its_frame(
     name: str, read_smf: Any, check_laws: Any, tmp_path: Path

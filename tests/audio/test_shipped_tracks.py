@@ -26,6 +26,7 @@ SCENES = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_tracks_of_shipped_scenes_have_their_onsets_and_loudness(

@@ -22,6 +22,7 @@ def db(level):
     return 20 * np.log10(level)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "material",

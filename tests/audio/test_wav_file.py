@@ -24,6 +24,7 @@ def db(level):
     return 20 * np.log10(level)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("rate", RATES, ids=str)
 def test_an_impact_starts_on_the_sample_of_its_frame(step, render, rate):
     frames = 2 * int(rate) + 3
@@ -148,7 +149,7 @@ write_midi(score, Path(sys.argv[1]) / "s.mid")
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_processes_write_the_same_bytes(tmp_path):
     digests = set()
     for run in ("1", "2"):

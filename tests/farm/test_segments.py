@@ -66,6 +66,7 @@ def objects(store: Store) -> list[Path]:
     return sorted(Path(store._root, "segments").glob("*.mp4"))
 
 
+@pytest.mark.nightly
 def test_a_film_of_workers_segments_is_the_one_of_one_process(
     farmed: Farmed, store: Store, there: Studio, encoded_here: list[int], tmp_path: Path
 ) -> None:

@@ -95,7 +95,7 @@ def test_damaged_pictures_are_rendered_again(
     assert contents_of(tmp_path / "out/tiny") == film.contents()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_damaged_take_is_told_and_made_again(
     farmed: Farmed, unmade: Studio, tmp_path: Path, pronk: Pronk
 ) -> None:

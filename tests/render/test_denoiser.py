@@ -90,7 +90,7 @@ def test_soft_shadows_are_denoised_and_the_sky_is_kept() -> None:
     assert ground[even].mean() / ground[~even].mean() > 3.0
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_sampled_sky_is_denoised(renderer: Renderer, make_shot: Callable[..., Shot]) -> None:
     """Few denoised samples of an overcast sky against many."""
     from render.mitsuba_scene import MitsubaScene

@@ -54,6 +54,7 @@ def furnace(config: Material, ground: bool) -> float:
     return float(image.max(axis=2).mean())
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "name",
     [

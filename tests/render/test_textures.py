@@ -21,6 +21,7 @@ def test_every_texture_has_a_pattern() -> None:
     assert {config.texture for config in MATERIALS.values()} <= {*PATTERNS, "none"}
 
 
+@pytest.mark.sample(5)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PATTERNS)
 def test_a_tile_has_no_seam(name: str) -> None:
@@ -35,6 +36,7 @@ def test_a_tile_has_no_seam(name: str) -> None:
             assert np.abs(first - last).mean() <= 1.1 * steps.max() + 1e-6
 
 
+@pytest.mark.sample(5)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PATTERNS)
 def test_a_tile_keeps_the_base_colour_on_average(name: str) -> None:

@@ -159,6 +159,7 @@ def test_any_texts_as_overrides_give_a_scene_or_problems(config):
     read_or_problems(SCENE, config)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "content",

@@ -119,7 +119,7 @@ def test_what_can_be_seen_has_no_fault(camera: str, others: str) -> None:
     assert faults(camera, others) == []
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "name",
     [

@@ -52,6 +52,7 @@ def ground(take: Take) -> HeightField:
     return HeightField(heights, (float(size[0]), float(size[1])))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("view", VIEW_ANGLES)
 @pytest.mark.parametrize("fov", [20.0, 60.0])

@@ -107,7 +107,7 @@ def _brought_together(folder: Path, *arguments: str) -> None:
     assert gap.min() < 1.8  # beetles of 1.45 m
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_drama_manager_brings_a_cast_together(folder: Path) -> None:
     _brought_together(folder, "two.yaml", "--pronk", f"'{PRONK[0]}' -c '{PRONK[2]}'")
 

@@ -17,8 +17,8 @@ from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 MOTION = Path(__file__).parents[2] / "goldens" / "motion"
 
-LONG, LONGEST = 100_000, 200_000
-"""Steps times nodes; more than that take some three seconds to simulate, and some six."""
+LONG, LONGEST = 30_000, 60_000
+"""Steps times nodes; more than that take about a second to simulate, and about two."""
 
 
 def _tier(name: str) -> list[pytest.MarkDecorator]:

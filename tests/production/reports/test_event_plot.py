@@ -191,7 +191,7 @@ def test_other_sound_files_are_refused_by_name(tmp_path: Path) -> None:
 # --- the command ---------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_event_plot_command_draws_rendered_frames_and_overwrites_none(studio, pronk) -> None:
     frames = {path.name: path.read_bytes() for path in (studio.made / "frames").iterdir()}
     code, _, message = pronk("plot", "events", "tiny", cwd=studio.folder)
@@ -205,7 +205,7 @@ def test_event_plot_command_draws_rendered_frames_and_overwrites_none(studio, pr
     assert not list(ET.parse(svg).getroot().iter(f"{SVG}image"))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_missing_frames_are_rendered_small_and_not_stored(unmade, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     svg, _ = plot_events(studio.order(), Reporter())

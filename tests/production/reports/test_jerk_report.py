@@ -60,7 +60,7 @@ def test_no_subtask_beats_its_floor_and_every_one_is_bounded(trials) -> None:
                 assert np.isfinite(one.jerk.integral)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_no_subtask_has_less_jerk_than_the_best_timing_of_its_path(trials) -> None:
     for trial in trials.values():
         for column in trial.columns.values():

@@ -54,7 +54,7 @@ def forces(hopping: HopSimulation) -> np.ndarray:
     return np.linalg.norm(legs.sum(axis=0)) / len(legs)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "name", ["roo", *(pytest.param(x, marks=pytest.mark.nightly) for x in ("tic", "tac"))]
 )
@@ -138,6 +138,7 @@ def test_walkers_are_omitted_and_scenes_without_jumps_refused() -> None:
         report_jumps(scene_of(walker))
 
 
+@pytest.mark.nightly
 def test_jumps_command_prints_tables_or_json(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

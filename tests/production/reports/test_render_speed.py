@@ -36,7 +36,7 @@ def test_bench_measures_and_overwrites_nothing(studio, pronk) -> None:
     assert studio.changes(before) <= {"manifest.json"}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_size_and_samples_are_settings_of_the_film(unmade, pronk, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     arguments = ("frame", "tiny", "1", "--size", "32x18", "--samples", "2", "--json")

@@ -133,6 +133,7 @@ def test_json_has_a_line_with_a_kind_for_each_note(pronk: Pronk, edge: Path) -> 
     ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [("render",), ("simulate",), ("midi",)], ids=lambda c: c[0])
 def test_strict_stops_after_the_simulation_and_leaves_earlier_outputs(

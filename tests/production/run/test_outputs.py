@@ -76,6 +76,7 @@ def _onsets(path: Path) -> list[Fraction]:
     return sorted(note.time * tick for track in score.tracks for note in track.notes)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "fps", ["30000/1001", *(pytest.param(f, marks=pytest.mark.slow) for f in ("24", "25", "60"))]
 )
@@ -160,7 +161,7 @@ def test_frames_in_exr_make_the_same_film_as_their_pictures(studio: Studio) -> N
     assert studio.changes(before) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_master_has_ten_bits_and_uncompressed_sound(studio: Studio) -> None:
     sets = ("film.preset=master", "film.size=[64,36]", "film.samples=1", "film.denoise=off")
     studio.render(*sets)
@@ -252,6 +253,7 @@ def test_a_sheet_shows_frames_of_the_film(studio: Studio, pronk: Pronk) -> None:
     np.testing.assert_array_equal(sheet[48:84, 76:140], read_png(studio.frame(8)))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["虫の歩み", "Käfer läuft", "a.b", "it's 100% [new]"])
 def test_any_name_in_any_folder_makes_a_film(

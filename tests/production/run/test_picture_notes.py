@@ -97,6 +97,7 @@ def test_a_note_names_the_runs_of_frames(studio: Studio) -> None:
 # --- runs -------------------------------------------------------------------------
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("exposure", "kind"), [(-12, "picture_black"), (0, ""), (9, "picture_blown_out")]
 )
@@ -121,7 +122,7 @@ def test_frames_without_levels_are_measured(studio: Studio) -> None:
     assert told(studio, sets) == [("picture_black", "picture", 1)]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_night_with_a_moon_is_not_black(studio: Studio) -> None:
     assert told(studio, "light=night", frames="1-3") == []
 

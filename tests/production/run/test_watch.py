@@ -127,7 +127,7 @@ def test_a_replaced_file_is_noticed(tmp_path: Path) -> None:
     assert {Path(name).name for _, name in seen} == {"play.yaml"}  # type: ignore[attr-defined]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_command_follows_a_scene_until_it_is_stopped(unmade, tmp_path, start) -> None:
     studio = unmade.copied(tmp_path / "studio")
     running = start("watch", "tiny.yaml", "--frame", "2", cwd=studio.folder)

@@ -61,6 +61,7 @@ def test_a_new_take_leaves_no_cues_of_the_one_before(studio: Studio) -> None:
     assert not {"tiny_labels.txt", "tiny.edl"} & left
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("word", "due"),
@@ -84,6 +85,7 @@ def test_a_changed_key_remakes_its_dependent_outputs(
     assert studio.changes(before) == due
 
 
+@pytest.mark.nightly
 @SLOW
 def test_reverted_changes_give_the_same_film(studio: Studio, film: Studio) -> None:
     studio.render("camera.distance=9")
@@ -92,7 +94,7 @@ def test_reverted_changes_give_the_same_film(studio: Studio, film: Studio) -> No
     assert studio.contents() == film.contents()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
     before = studio.state()
     studio.render("cast.bug.walk.cycle=0.4")
@@ -222,6 +224,7 @@ def _attributes(value: object) -> Callable[[Path], None]:
     return harm
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "harm",
     [
@@ -271,6 +274,7 @@ def _header(text: str) -> Callable[[Path], None]:
     return harm
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "harm",
     [

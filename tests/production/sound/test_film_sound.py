@@ -75,6 +75,7 @@ def lag(heard: NDArray[np.float64], sound: NDArray[np.float64], onset: int) -> i
     return int(np.argmax(np.correlate(around, pattern, "valid"))) - REACH
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [Fraction(24), Fraction(30000, 1001), Fraction(60)], ids=str)
 def test_sounds_in_the_film_are_within_a_millisecond_of_their_frames(

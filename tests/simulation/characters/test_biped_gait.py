@@ -125,6 +125,7 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
     return np.array(deep)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("kind", "speed", "turn_deg", "every"),
     [
@@ -147,6 +148,7 @@ def test_legs_do_not_collide_on_zigzag_routes(
     assert depths_in_corners(kind, speed, turn_deg, every).max() < 0.008
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("kind", "speed", "most"), [("adult", 1.3, 0.03), ("child", 1.2, 0.008)])
 def test_legs_do_not_collide_for_a_turn_at_any_gait_phase(
     kind: str, speed: float, most: float

@@ -60,6 +60,7 @@ def assert_stable(seed: int) -> None:
     assert (arrays.nodes["radius"] - arrays.p[:, 1]).max() < 0.005
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     "seeds",
     [

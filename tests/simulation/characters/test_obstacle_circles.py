@@ -108,6 +108,7 @@ THINGS = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", THINGS)
 def test_go_to_avoids_obstacles(thing: str) -> None:
@@ -123,6 +124,7 @@ def test_go_to_avoids_obstacles(thing: str) -> None:
     assert not touches(simulation)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", THINGS)
 def test_walk_does_not_avoid_obstacles(thing: str) -> None:
@@ -135,6 +137,7 @@ def test_walk_does_not_avoid_obstacles(thing: str) -> None:
     assert node_path(simulation, "ann")[-1, 0] < -0.2 or touches(simulation)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", ["wall", "crate", "dancer"])
 def test_a_person_with_a_mind_avoids_obstacles(thing: str) -> None:

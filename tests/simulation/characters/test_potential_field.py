@@ -132,6 +132,7 @@ COUNTS = [
 ]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seeds", COUNTS)
 def test_random_obstacle_courses_are_solved(seeds: range) -> None:
     failed = []

@@ -265,6 +265,7 @@ def test_a_person_struck_by_a_rigid_ball_staggers() -> None:
     assert node_path(struck, "rock")[:, 0].min() > 0.0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("density", "goes"), [(20, (1.0, 9.0)), (2500, (-0.01, 0.05))])
 def test_people_push_light_bodies_and_stop_at_heavy_ones(
     density: float, goes: tuple[float, float]
@@ -325,6 +326,7 @@ def test_links_sense_the_solids_they_touch() -> None:
 # --- stability and batches ---------------------------------------------------------------
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("seed", range(20))
 def test_characters_stay_stable_among_props_and_bodies(seed: int) -> None:
     rng = np.random.default_rng(seed)

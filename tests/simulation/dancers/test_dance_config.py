@@ -65,6 +65,7 @@ def test_controller_of_each_subtask_changes_at_rest() -> None:
         assert speed[change - 2 : change + 3].max() < 0.15
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("by", ["force-field", "joint-torque"])
 def test_child_dances_macarena(by: str) -> None:
@@ -120,6 +121,7 @@ def test_head_turns_to_moving_hand() -> None:
     assert abs(names[1]) < 0.02
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("by", ["force-field", "joint-torque"])
 def test_gaze_follows_hands(by: str) -> None:

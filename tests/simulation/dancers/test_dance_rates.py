@@ -31,6 +31,7 @@ HALVED = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("by", "tempo", "rate"), HALVED)
 def test_halving_step_moves_hands_less_than_two_millimetres(
@@ -53,6 +54,7 @@ SAMPLED = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("by", CONTROLLERS)
 @pytest.mark.parametrize(("rate", "steps"), SAMPLED)
 def test_every_goal_is_reached_at_any_rate(by: str, rate: int, steps: int) -> None:

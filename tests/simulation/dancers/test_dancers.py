@@ -34,6 +34,7 @@ def macarena(by: str, tempo: float) -> DanceRecording:
     return record_motion(config, 1.0 + 13.0 * 60.0 / tempo)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("by", "tempo"), CASES)
 def test_every_goal_is_reached_without_penetration(by: str, tempo: float) -> None:
     motion = macarena(by, tempo)

@@ -89,6 +89,7 @@ def test_quintic_is_lower_bound() -> None:
     assert minimum_jerk_between(t, p, 0.0, 2.0) == pytest.approx(quintic, rel=0.06)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("power", [1.0, 1.3, 2.0])
 def test_retimed_straight_path_is_minimum_jerk_reach(power: float) -> None:

@@ -36,7 +36,7 @@ def run_python(code: str, **environment: str) -> str:
     return done.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_compiled_code_matches_python() -> None:
     compiled, plain = (
         np.frombuffer(bytes.fromhex(run_python(DROP_BODIES, NUMBA_DISABLE_JIT=flag)))
@@ -123,6 +123,7 @@ print(progress.functions)
     assert functions == "0"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("cast", ["{figure: beetle, walk: {}}", "{prop: {shape: ball}}"])
 def test_scenes_without_bodies_load_no_compiler(cast: str) -> None:
     code = (

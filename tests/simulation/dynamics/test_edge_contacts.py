@@ -88,6 +88,7 @@ def _lengths(paths: Array) -> Array:
     return lengths
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("terrain", [*TERRAINS, "boulders"])
 @pytest.mark.parametrize(
@@ -106,6 +107,7 @@ def test_throws_along_a_plane_of_symmetry_stay_in_it(terrain: str, engine: str, 
     assert (paths[-1, :, 1] > -3.0).sum() > count / 3
 
 
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("terrain", ["stairs", "ramp", "ditches", "quads"])

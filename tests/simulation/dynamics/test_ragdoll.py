@@ -215,6 +215,7 @@ LIBRARY = [
 REST = [(name, terrain) for name in LIBRARY for terrain in ("flat", HILLS)]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "terrain"),
     [
@@ -240,6 +241,7 @@ def test_figures_fall_and_come_to_rest_on_the_ground(name, terrain):
     assert 0 < fallen.impact_count < 3 * len(fallen.figure.skeleton.links)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("scale", [0.02, 4.0])
 def test_falls_scale_with_size(scale):
     one, other = (drop_figure("hopper", "flat", 14.0 * max(s, 1.0), s) for s in (1.0, scale))
@@ -256,6 +258,7 @@ def toppling_step(take: Take) -> int:
     return next(note.step for note in take.notes if note.kind == "toppled")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["kangaroo", "antelope"])
 def test_motion_is_continuous_at_the_start_of_a_fall(name):
     hops = hop_through(scene_of(f"{{figure: {name}, pronk: {{balance: 0}}}}", duration=2))
@@ -289,6 +292,7 @@ def test_each_striking_link_makes_contacts_of_its_own_name():
     assert all(c.speed > 0.0 and c.energy > 0.0 for c in falls)
 
 
+@pytest.mark.nightly
 def test_a_fall_does_not_change_other_hoppers():
     """A ragdoll needs its poses earlier in the step than a rigid fall."""
     other = "{name: b, figure: hopper, at: [2, 3], pronk: {}}"
@@ -302,7 +306,7 @@ def test_a_fall_does_not_change_other_hoppers():
     assert found[0] == found[1]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_falls_need_no_compiler():
     lines = (
         "import sys",

@@ -128,6 +128,7 @@ def mujocos(q: Array, w: Array, step: float, seconds: float) -> tuple[Array, Arr
     return data.qpos[3:].copy(), data.qvel[3:].copy()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_free_rotation_agrees_with_mujoco(seed: int) -> None:
     rng = np.random.default_rng(seed)

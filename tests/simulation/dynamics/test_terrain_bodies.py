@@ -119,6 +119,7 @@ def build_random_drop(rng: np.random.Generator, count: int, terrain: str) -> Ter
     return falling
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("terrain", TERRAINS)
 @pytest.mark.parametrize(
     "count",
@@ -143,6 +144,7 @@ def test_energy_never_rises_and_no_body_sinks_into_the_ground(terrain: str, coun
     assert (p[:, 1] > falling.ground.height(p[:, 0], p[:, 2]))[inside].all()
 
 
+@pytest.mark.sample(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("terrain", TERRAINS)
 def test_no_body_tunnels_at_fifty_metres_a_second(terrain: str) -> None:

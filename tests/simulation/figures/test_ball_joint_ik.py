@@ -27,6 +27,7 @@ def _some(skeleton: Skeleton, count: int, kind: str = "") -> LimbBatch:
     return LimbBatch.of([(skeleton, limb) for limb in limbs for _ in range(count)])
 
 
+@pytest.mark.sample(4)
 @pytest.mark.slow
 def test_an_unlimited_ball_joint_reaches_every_goal(shipped: Figure) -> None:
     """Where a bend gives the distance, a turn that no limit clips gives the place.

@@ -213,6 +213,7 @@ def _energy(skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion, dt: f
     return result
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 def test_power_is_the_rate_of_energy(shipped: Figure) -> None:
     skeleton, masses = shipped.skeleton, _masses(shipped)

@@ -108,6 +108,7 @@ def test_restarts_are_reproducible(beetle: Figure) -> None:
         reach(legs, start, goals, restarts=1)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 def test_success_rate_with_orientation(shipped: Figure) -> None:
     limbs = [limb for limb in shipped.skeleton.limbs if len(limb.joints) >= 6]

@@ -54,6 +54,7 @@ def test_at_rest_all_joints_have_their_preferred_values(shipped: Figure) -> None
     assert np.abs(found.q[0] - legs.preferred).max() < 0.01
 
 
+@pytest.mark.sample(4)
 def test_bends_are_those_of_two_equal_links(shipped: Figure) -> None:
     """No joint bends faster than twice as fast as one of two equal links, and steps halve."""
     legs, owner = _legs([shipped])
@@ -171,6 +172,7 @@ def test_random_chains_match_limb_poses(
         assert np.allclose(p, pose.tips[0], atol=1e-12)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("block", [1, 7, 64, 100_000])
 def test_results_do_not_depend_on_other_limbs(
     library: Callable[[str], Figure], monkeypatch: pytest.MonkeyPatch, block: int

@@ -106,6 +106,7 @@ def angle(a: Array, b: Array) -> Array:
 PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
 
 
+@pytest.mark.sample(8)
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(
@@ -185,6 +186,7 @@ def test_impossible_look_targets_are_refused(member: str, message: str) -> None:
 # --- follow-through ------------------------------------------------------------------
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LIBRARY)
 def test_free_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
@@ -375,7 +377,7 @@ CAST = (
 )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_rows_do_not_depend_on_batch_size(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

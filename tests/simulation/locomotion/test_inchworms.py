@@ -231,6 +231,7 @@ def test_links_stay_connected(crawl: Crawl) -> None:
             assert np.allclose(end, recorder.positions[:, b], atol=1e-9)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.slow
 def test_feet_follow_the_slope_of_the_ground(crawl: Crawl) -> None:
     ground, gaps = crawl.simulation.world.ground, crawl.gaps

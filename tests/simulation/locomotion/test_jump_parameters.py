@@ -149,6 +149,7 @@ def test_suggested_values_are_the_nearest() -> None:
                 )
 
 
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", ["kangaroo", "hopper", "beetle", "tripod"])
 @pytest.mark.parametrize("crouch", [0.01, 5.0])

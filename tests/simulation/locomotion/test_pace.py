@@ -215,6 +215,7 @@ def test_mood_factors_scale_with_the_weight_as_powers() -> None:
         assert getattr(half, name) == pytest.approx(factor**0.5 * getattr(plain, name))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "figure",

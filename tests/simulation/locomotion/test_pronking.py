@@ -87,7 +87,7 @@ def test_four_legs_give_the_whole_moment():
 # --- on level ground -----------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_apex_and_distance_are_as_requested(level_hops):
     hopper, seen = level_hops.troupe.hoppers[0], level_hops.states[0]
     flights = level_hops.lifts
@@ -125,6 +125,7 @@ def test_tested_figures_are_all_legged_ones_of_the_library(library):
     assert legged == set(LIBRARY)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("figure", "config"), [(figure, "{}") for figure in LIBRARY] + list(HOPPERS.items())
@@ -258,6 +259,7 @@ def long_hops(request) -> HopRecording:
     return hop_through(scene, until=20)
 
 
+@pytest.mark.nightly
 def test_twenty_jumps_without_toppling(long_hops):
     assert long_hops.states[0][-1].jumps >= 20
     assert all(s.phase != "fallen" for s in long_hops.states[0])
@@ -305,14 +307,14 @@ def test_hopper_without_balance_topples():
     assert any(e.cause == "collision" for e in take.events)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_falls_are_reproducible():
     scene = scene_of(member("kangaroo", "{balance: 0}"), duration=4)
     one, two = (simulate(scene) for _ in range(2))
     assert one.digest == two.digest
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_tripping_scene_is_reproducible():
     scene = load_scene(find_scene("tripping"))
     one, two = (simulate(scene) for _ in range(2))
@@ -363,7 +365,7 @@ def test_sound_events_of_take_off_and_landing(level_hops):
         assert 0.35 < one.strength / np.linalg.norm(level_hops.lifts[0][1]) < 1.5
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_impacts_of_a_fall_are_few_and_decay():
     hops = hop_through(scene_of(member("kangaroo", "{balance: 0}"), duration=7))
     take = hops.take
@@ -380,6 +382,7 @@ def test_impacts_of_a_fall_are_few_and_decay():
 # --- aiming --------------------------------------------------------------------------------------
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("figure", ["hopper", "kangaroo", "antelope"])
 def test_jumps_land_on_their_targets(figure):
     spots = [(1.3, 0.2), (2.4, -0.3), (3.2, 0.6), (3.3, 1.7)]

@@ -127,6 +127,7 @@ def walking(figure: str, swing: str) -> str:
     return f"{{figure: {figure}, walk: {{swing: {swing}, {TEMPO}}}}}"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 def test_least_effort_needs_less_work_than_the_spline(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
@@ -145,6 +146,7 @@ def test_least_effort_needs_less_work_than_the_spline(
 UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 def test_free_leg_needs_less_work_than_a_led_one(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record

@@ -140,6 +140,7 @@ def test_stop_and_wait_pause_the_walk() -> None:
     assert speeds(stopped)[192:].max() == 0.0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("angle", [90, -60])
 def test_turn_order_turns_by_its_angle(angle: int) -> None:
     walking = walk_with_orders(
@@ -154,6 +155,7 @@ def test_turn_order_turns_by_its_angle(angle: int) -> None:
     assert np.linalg.norm(positions(standing)[-1] - positions(standing)[250]) < 1e-6
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "figure", [pytest.param("horse", marks=pytest.mark.nightly), "antelope", "person", "spider"]
 )
@@ -261,6 +263,7 @@ def test_inchworm_refuses_script_and_path() -> None:
         Simulation(scene_of(worm.replace("walk: {}", "walk: {path: [[1, 1]]}")))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("place", [(2, 0.3), (1, 2), (0.6, -2), (-2, 0.5), (1.2, 0.4), (-1, 0)])
 def test_feet_do_not_slip_on_the_way_to_any_place(place: tuple[float, float]) -> None:
     script = f"{{at: 1.2, who: b, do: {{go_to: {list(place)}}}}},"

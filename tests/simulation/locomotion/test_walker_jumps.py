@@ -220,6 +220,7 @@ def take_of(scene: Scene) -> Take:
     return simulation.take()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
 def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None:
     scene = hurdle_scene("antelope", *size, duration=3)
@@ -243,6 +244,7 @@ def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     assert "too near" in order.reason
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("way", ["walk", "pronk"])
 def test_jump_is_done_when_it_has_landed(way: str) -> None:
     more = "script: [{at: 0.2, who: a, do: {jump: {height: 0.2}}}]"
@@ -339,6 +341,7 @@ def test_stop_order_ends_and_hop_order_resumes_the_hops() -> None:
     assert hops.states[0][-1].jumps > max(jumps) + 1
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
 def test_stop_cancels_go_to_in_any_phase(at: float) -> None:
     script = f"{{at: 0.5, who: roo, do: {{go_to: [14, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
@@ -370,6 +373,7 @@ def test_wait_order_pauses_the_hops() -> None:
     assert hops.states[0][-1].jumps > 2
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("angle", [40, -160])
 def test_turn_order_turns_by_its_angle(angle: float) -> None:
     hops = hop_with_script(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 10)

@@ -24,13 +24,13 @@ demo: $(READY)
 	@$(BIN)/pronk render first_steps
 
 test: ready-to-test
-	$(BIN)/pytest -n $(WORKERS) -m "not nightly"
+	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m "not nightly"
 
 fast: $(TOOLS)
-	$(BIN)/pytest -n $(WORKERS) -m "not slow and not nightly"
+	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m "not slow and not nightly"
 
 test-all: ready-to-test $(FARM)
-	PRONK_FARM=1 $(BIN)/pytest -n $(WORKERS) --hypothesis-profile=random
+	PRONK_FARM=1 $(BIN)/pytest -n $(WORKERS) --dist loadfile --hypothesis-profile=random
 
 # Each of the two takes one processor.
 ready-to-test: $(TOOLS)

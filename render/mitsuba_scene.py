@@ -39,6 +39,7 @@ from render.tracing.haze import Air
 from render.tracing.path_tracer import PathTracer
 from render.tracing.scene_pair import ScenePair
 from render.tracing.tracer import Accumulator, Tracer
+from render.tracing.water import Water
 from render.tracing.wavefront import Wavefront
 
 MEASURED_WIDTH, MEASURED_DEPTH, MEASURED_PASSES = 160, 3, 4
@@ -99,11 +100,13 @@ class MitsubaScene:
                 # Mitsuba's own path tracer takes one scene.
                 self.scene = self._traced = self._traced.joined()
                 self._still_values = None
+        self._water_surface = shot.water
+        self._water = None if shot.water is None else Water.of(shot.water, around.downwelling)
         self.sensor = self.scene.sensors()[0]
         self.has_soft_lights = self.scene.environment().sampling_weight() > 0.0
         self.depth = self._film.depth + extra_bounces(shot.materials.values())
         self._tracer, self.path_tracer_reason = choose_tracer(
-            self._traced, self._film, self.depth, self.air
+            self._traced, self._film, self.depth, self.air, self._water
         )
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
@@ -135,6 +138,7 @@ class MitsubaScene:
             set_pixel_width(self._still_values, moment.camera.fov_deg, self._film.size[1])
             self._still_values.update()
         self._shade(self._tracer, moment.time)
+        self._flow(moment, self._film.size[1])
         self._tracer.scene_changed()
 
     def _shade(self, tracer: Tracer, time: float) -> None:
@@ -143,6 +147,12 @@ class MitsubaScene:
             return
         shadows = cloud_shadows(self._light, self._around.key.direction, time)
         tracer.shade = None if shadows is None else CloudShade.of(shadows, self._key)
+
+    def _flow(self, moment: Moment, height: int) -> None:
+        """Move the waves, as they are seen in a frame so many pixels high."""
+        if self._water is not None and self._water_surface is not None:
+            self._water.set_time(self._water_surface, moment.time)
+            self._water.set_pixel_width(moment.camera.fov_deg, height)
 
     def trace(self, seed: int, passes: range, total: int) -> LightLayers:
         """Return what the camera sees while nothing moves; see `Accumulator.add_passes`."""
@@ -160,10 +170,13 @@ class MitsubaScene:
         self.update(moment)
         set_pixel_width(self._values, moment.camera.fov_deg, size[1])
         self._values.update()
+        self._flow(moment, size[1])
         self._tracer.scene_changed()
         tracer: Tracer = self._tracer
         if isinstance(tracer, Wavefront):
-            tracer = Wavefront(self._traced, size, MEASURED_DEPTH, half=True, air=self.air)
+            tracer = Wavefront(
+                *(self._traced, size, MEASURED_DEPTH), half=True, air=self.air, water=self._water
+            )
             self._shade(tracer, moment.time)
         layers = tracer.trace(self.sensor, seed, range(MEASURED_PASSES), MEASURED_PASSES)
         # The next frame sets its own.
@@ -221,7 +234,7 @@ def _still_groups(shot: Shot) -> tuple[MeshGroup, ...]:
 
 
 def choose_tracer(
-    scene: Any, film: FullFilm, depth: int, air: Air | None = None
+    scene: Any, film: FullFilm, depth: int, air: Air | None = None, water: Water | None = None
 ) -> tuple[Tracer, str]:
     """Return the tracer for a scene, and why it is not the wavefront tracer, or empty.
 
@@ -230,12 +243,18 @@ def choose_tracer(
         film: size of the frame, and of its indirect light.
         depth: longest path, in segments.
         air: haze before the camera, None without any.
+        water: of the scene, None without any.
+
+    Raises:
+        ShotError: there is water, which Mitsuba's own path tracer knows nothing of.
     """
     reason = wavefront_limitation(scene)
+    if reason and water is not None:
+        raise ShotError(f"there is water, but {reason}; render with a variant of llvm or cuda")
     if reason:
         return PathTracer(scene, depth, film.rays, air), reason
     half = film.soft_light == "half"
-    return Wavefront(scene, film.size, depth, half=half, air=air), ""
+    return Wavefront(scene, film.size, depth, half=half, air=air, water=water), ""
 
 
 def wavefront_limitation(scene: Any) -> str:

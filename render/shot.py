@@ -23,6 +23,7 @@ from render.config import Film, Light, Material
 from render.development import Development, Tone
 from render.footprints import FootprintRaster
 from render.panorama_file import file_digest
+from render.water import WaterSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +165,7 @@ class Moment:
         meshes: surfaces in world coordinates, of one topology in all moments of a shot.
         camera: pose at this moment.
         lamps: places of the lamps of the shot's light; empty if they are fixed.
-        time: since the film began [s]; 0 if the light does not change with it.
+        time: since the film began [s]; 0 if neither light nor water change with it.
     """
 
     meshes: tuple[Mesh, ...]
@@ -190,7 +191,8 @@ class Shot:
             their own that is never rebuilt. Constant over a film; none of them glows.
         after: the moment when the next frame begins, for the pass of motion; None without it.
         tone: exposure and contrast as metered; as the light is set up by default.
-        time: since the film began [s]; 0 if the light does not change with it.
+        time: since the film began [s]; 0 if neither light nor water change with it.
+        water: that stands over the ground, or None. Constant over a film.
     """
 
     meshes: tuple[Mesh, ...]
@@ -205,6 +207,7 @@ class Shot:
     after: Moment | None = None
     tone: Tone = field(default_factory=Tone)
     time: float = 0.0
+    water: WaterSurface | None = None
 
     @property
     def development(self) -> Development:
@@ -227,11 +230,13 @@ class Shot:
             "pinhole" if self.camera.lens is None else "lens",
         )
         still = (b"scenery", *(mesh.digest for mesh in self.scenery)) if self.scenery else ()
+        water = (repr(self.water).encode(),) if self.water is not None else ()
         return _digest(
             (
                 *(mesh.topology for mesh in self.meshes),
                 *(value.encode() for value in values),
                 *still,
+                *water,
             )
         )
 

@@ -8,6 +8,7 @@ from render.config.film import Film, FullFilm
 from render.config.light import LIGHTS, Clouds, Hdr, Lamp, Light, Moon, Spot, Studio, Sun, light
 from render.config.look import Look
 from render.config.material import MATERIALS, Material, material
+from render.config.water import Water
 from render.config.weather import Weather
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "Studio",
     "Sun",
     "View",
+    "Water",
     "Weather",
     "cuts",
     "light",

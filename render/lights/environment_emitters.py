@@ -54,6 +54,7 @@ class Surroundings:
         key: the key light, or None.
         ambient: (3,) mean radiance from all directions, without the key light.
         drifting: the sky in time, where it changes, or None.
+        downwelling: (3,) irradiance of level ground by sky and key light.
     """
 
     emitters: dict[str, dict[str, Any]]
@@ -61,6 +62,7 @@ class Surroundings:
     key: KeyLight | None
     ambient: Vector
     drifting: DriftingSky | None
+    downwelling: Vector
 
 
 def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Surroundings:
@@ -103,7 +105,10 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
         found["key"] = key.emitter(scale)
     even = solid_angles() / (4 * np.pi)
     ambient = (resized(np.asarray(shown, np.float64)) * even[..., None]).sum(axis=(0, 1))
-    return Surroundings(found, haze, key.scaled(scale) if key.is_lit else None, ambient, drifting)
+    shown_key = key.scaled(scale) if key.is_lit else None
+    falling = key.irradiance * scale * max(float(key.direction[1]), 0.0)
+    downwelling = irradiance(image, UP) + falling
+    return Surroundings(found, haze, shown_key, ambient, drifting, downwelling)
 
 
 def _with_snow_light(sky: Map, key: KeyLight, snow: float) -> Map:

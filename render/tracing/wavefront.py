@@ -13,6 +13,8 @@ how the work is laid out, which decides the speed on a CPU:
   and both are returned apart; for a preview, indirect light is an image half as wide and high.
 - Haze lies between the camera and what it sees; reflections and light on its way do without.
 - Clouds dim the key light wherever it arrives.
+- Water is a surface of its own (`water`): rays from the camera go on from it in two directions,
+  and all other rays pass it straight.
 
 Sums are added up pass after pass and pixel by pixel, never by concurrent threads, so that the
 same seed gives the same bits.
@@ -34,6 +36,7 @@ import mitsuba as mi
 from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
 from render.tracing.cloud_shade import CloudShade, dimmed
+from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
 from render.tracing.stratification import (
@@ -46,6 +49,8 @@ from render.tracing.stratification import (
     stratum_grid,
 )
 from render.tracing.tracer import Accumulator, PixelLanes, Sums, Tracer
+from render.tracing.water import Water
+from render.tracing.water_light import add_water, beyond_water
 
 MAX_RECORDINGS = 8
 """Recordings that are kept of one stage."""
@@ -88,6 +93,7 @@ class Wavefront(Tracer):
         depth: longest path, in segments.
         half: whether indirect light is traced at half the size, with one direct sample per pixel.
         air: haze before the camera, None without any.
+        water: of the scene, None without any.
 
     Attributes:
         shade: of clouds on the key light, None without any; it may change with the scene.
@@ -104,8 +110,9 @@ class Wavefront(Tracer):
         *,
         half: bool = False,
         air: Air | None = None,
+        water: Water | None = None,
     ) -> None:
-        self._scene, self._depth, self._air = scene, depth, air
+        self._scene, self._depth, self._air, self._water = scene, depth, air, water
         self.shade: CloudShade | None = None
         self.direct_samples = 1 if half else RAYS_PER_PATH
         self.direct = PixelLanes(size)
@@ -115,12 +122,14 @@ class Wavefront(Tracer):
         self._total = 0
         # Each scene has recordings of its own, which are freed with it.
         self._add_direct = _recorded(_add_direct)
+        self._add_water = _recorded(add_water)
         self._start_paths = _recorded(_start_paths)
         self._bounce = _recorded(_bounce)
         self._hits_emitter = _recorded(_hits_emitter)
         self._add_emission = _recorded(_add_emission)
         self._stages: Mapping[str, Any] = {
             "direct light": self._add_direct,
+            "water": self._add_water,
             "path start": self._start_paths,
             "bounce": self._bounce,
             "emitter hit": self._hits_emitter,
@@ -155,9 +164,16 @@ class Wavefront(Tracer):
     def add_direct(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of direct light, albedo and air with a sample more of every pixel."""
         ray = camera_ray(sensor, pixels, self.direct.size, strata.step(0))
-        return self._add_direct(
-            self._scene, self._air, self.shade, pixels, ray, self._depth > 1, sums, strata.step(1)
-        )
+        around = self._scene, self._air, self.shade, self._water
+        has_lamps, step = self._depth > 1, strata.step(1)
+        *added, meets_water = self._add_direct(*around, pixels, ray, has_lamps, sums, step)
+        if self._water is None:
+            return tuple(added)
+        lanes = mi.UInt32(dr.compress(meets_water))
+        if dr.width(lanes) == 0:
+            return tuple(added)
+        rays = dr.gather(mi.UInt32, pixels, lanes), dr.gather(mi.Ray3f, ray, lanes)
+        return self._add_water(*around, lanes, *rays, has_lamps, added, strata.step(2))
 
     def add_indirect(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of indirect light and albedo with one more path of every pixel."""
@@ -167,7 +183,8 @@ class Wavefront(Tracer):
         # Full width, although all are equal, so that later steps share the kernel of the first.
         initial = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
         ray = camera_ray(sensor, pixels, self.indirect.size, strata.step(0))
-        paths = self._start_paths(self._scene, self._air, pixels, ray, initial)
+        around = self._scene, self._air, self._water
+        paths = self._start_paths(*around, pixels, ray, initial, strata.step(0))
         for step in range(1, self._depth):
             live = mi.UInt32(dr.compress(paths.hit.is_valid()))
             if dr.width(live) == 0:
@@ -175,7 +192,7 @@ class Wavefront(Tracer):
             paths = dr.gather(Paths, paths, live)
             is_first = dr.opaque(mi.Bool, step == 1)
             paths, *added = self._bounce(
-                *(self._scene, self.shade, paths, sums, strata.step(step)),
+                *(self._scene, self.shade, self._water, paths, sums, strata.step(step)),
                 *(is_first, self._samples_sky),
             )
             sums = added[0], added[1]
@@ -241,56 +258,65 @@ def _add_direct(
     scene: Any,
     air: Air | None,
     shade: CloudShade | None,
+    water: Water | None,
     pixels: Any,
     ray: Any,
     has_lamps: bool,
     sums: Sums,
     strata: StepStrata,
-) -> Sums:
-    """Add visible surfaces with direct light, their albedo, and auxiliary layers."""
-    si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
-    emitter = si.emitter(emitters_of(scene))
-    shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
-    shining *= dimmed(shade, emitter, ray.o)
-    sample, arriving = scene.sample_emitter_direction(
-        si, sample_2d(pixels, strata, EMITTER_PAIR), False, si.is_valid()
+) -> tuple[Any, ...]:
+    """Add visible surfaces with direct light, their albedo, and auxiliary layers.
+
+    Returns:
+        The sums, and whether rays meet water first; then they have what lies before it alone.
+    """
+    u = sample_2d(pixels, strata, EMITTER_PAIR)
+    light, albedo, shining, distance = surface_light(
+        scene, shade, water, ray, u, has_lamps, coherent=True
     )
-    arriving *= dimmed(shade, sample.emitter, si.p)
-
-    def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
-        # In one call, so that textures are read once.
-        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
-
-    value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
-    light = mi.Color3f(0.0)
-    if has_lamps:
-        light += _unoccluded(
-            scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=True
-        )
-    albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
+    meets = mi.Bool(False)
+    if water is not None:
+        surface = water.crossing(ray)
+        meets = surface < distance
+        distance = dr.minimum(distance, surface)
+        is_below = water.is_below(ray.o)
+        passed = dr.select(is_below, water.transmittance(distance), mi.Color3f(1.0))
+        passed = dr.select(meets, 0.0, passed)
+        light, albedo, shining = light * passed, albedo * passed, shining * passed
+        shining += dr.select(is_below, water.scattered(ray.o, ray.d, distance), 0.0)
+        # There is no haze under water.
+        distance = dr.select(is_below, dr.inf, distance)
     if air is not None:
-        passed = dr.select(si.is_valid(), air.transmittance(ray.o, ray.d, si.t), 1.0)
+        passed = passed_air(air, ray, distance)
         light, albedo = light * passed, albedo * passed
         shining = shining * passed + air.scattered(ray.d) * (1.0 - passed)
-    return sums[0] + light, sums[1] + albedo, sums[2] + shining
+    return sums[0] + light, sums[1] + albedo, sums[2] + shining, meets
 
 
 def _start_paths(
-    scene: Any, air: Air | None, pixels: Any, ray: Any, initial: tuple[Any, Any]
+    scene: Any,
+    air: Air | None,
+    water: Water | None,
+    pixels: Any,
+    ray: Any,
+    initial: tuple[Any, Any],
+    strata: StepStrata,
 ) -> Paths:
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
     hit = scene.ray_intersect_preliminary(ray, coherent=True)
     weight, pdf = initial
-    if air is not None:
-        weight = weight * dr.select(
-            hit.is_valid(), air.transmittance(ray.o, ray.d, hit.t), mi.Color3f(1.0)
-        )
+    if water is not None:
+        ray, hit, passed = beyond_water(scene, air, water, ray, hit, sample_1d(pixels, strata))
+        weight = weight * passed
+    elif air is not None:
+        weight = weight * passed_air(air, ray, dr.select(hit.is_valid(), hit.t, dr.inf))
     return Paths(lanes, pixels, ray.o, ray.d, hit, weight, pdf)
 
 
 def _bounce(
     scene: Any,
     shade: CloudShade | None,
+    water: Water | None,
     paths: Paths,
     sums: Sums,
     strata: StepStrata,
@@ -319,9 +345,13 @@ def _bounce(
         sample_1d(paths.pixel, strata),
         sample_2d(paths.pixel, strata, BSDF_PAIR),
     )
-    light = _unoccluded(scene, si, sample, bsdf_pdf, paths.weight * value * arriving, ~is_first)
-    light += dr.select(is_first, 0.0, _finite(paths.weight * _emission(scene, shade, si, paths)))
-    weight = _finite(paths.weight * share)
+    if water is not None:
+        wet = water.wetness(si.p, si.n)
+        albedo, value, share = albedo * wet, value * wet, share * wet
+        arriving = arriving * water.reaching(si.p, sample)
+    light = unoccluded(scene, si, sample, bsdf_pdf, paths.weight * value * arriving, ~is_first)
+    light += dr.select(is_first, 0.0, finite(paths.weight * _emission(scene, shade, si, paths)))
+    weight = finite(paths.weight * share)
     is_delta = mi.has_flag(scattered.sampled_type, mi.BSDFFlags.Delta)
     ray = si.spawn_ray(si.to_world(scattered.wo))
     extended = Paths(
@@ -333,6 +363,8 @@ def _bounce(
         mi.Color3f(weight),
         mi.Float(dr.select(is_delta, 0.0, scattered.pdf)),
     )
+    if water is not None:
+        extended.weight *= water.along(ray.o, ray.d, extended.hit.t)
     # Paths without throughput end here.
     extended.hit.t = dr.select(dr.max(weight) > 0.0, extended.hit.t, dr.inf)
     light += dr.select(
@@ -340,25 +372,7 @@ def _bounce(
     )
     # The first weight is what the haze lets through.
     first_albedo = dr.select(is_first, (albedo + ALBEDO_BIAS) * paths.weight, 0.0)
-    return extended, _add(sums[0], paths, _finite(light)), _add(sums[1], paths, first_albedo)
-
-
-def _unoccluded(
-    scene: Any,
-    si: Any,
-    sample: Any,
-    bsdf_pdf: Any,
-    light: Any,
-    active: Any,
-    *,
-    coherent: bool = False,
-) -> Any:
-    """Return the light of an emitter sample where nothing occludes it, with its MIS weight."""
-    mis = dr.select(sample.delta, 1.0, sample.pdf / (sample.pdf + bsdf_pdf))
-    light = _finite(light * mis)
-    active = active & (sample.pdf > 0.0) & (dr.max(light) > 0.0)
-    occluded = scene.ray_test(si.spawn_ray_to(sample.p), coherent, active)
-    return dr.select(active & ~occluded, light, 0.0)
+    return extended, _add(sums[0], paths, finite(light)), _add(sums[1], paths, first_albedo)
 
 
 def _sky(scene: Any, paths: Paths, origin: Any, is_sampled: bool) -> Any:
@@ -378,12 +392,7 @@ def _sky(scene: Any, paths: Paths, origin: Any, is_sampled: bool) -> Any:
 
 def _bsdf_mis(paths: Paths, emitter_pdf: Any) -> Any:
     """Return the MIS weight of a BSDF sample that meets an emitter."""
-    return _finite(dr.select(paths.pdf > 0.0, paths.pdf / (paths.pdf + emitter_pdf), 1.0))
-
-
-def _finite(values: Any) -> Any:
-    """Return values with those of failed samples set to 0."""
-    return dr.select(dr.isfinite(values), values, 0.0)
+    return finite(dr.select(paths.pdf > 0.0, paths.pdf / (paths.pdf + emitter_pdf), 1.0))
 
 
 def _hits_emitter(paths: Paths) -> Any:
@@ -393,7 +402,7 @@ def _hits_emitter(paths: Paths) -> Any:
 def _add_emission(scene: Any, shade: CloudShade | None, paths: Paths, light: Any) -> Any:
     """Return the sums with the emission of the surfaces at the ends of the paths."""
     si = paths.interaction()
-    return _add(light, paths, _finite(paths.weight * _emission(scene, shade, si, paths)))
+    return _add(light, paths, finite(paths.weight * _emission(scene, shade, si, paths)))
 
 
 def _add(sums: Any, paths: Paths, values: Any) -> Any:

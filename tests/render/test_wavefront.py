@@ -154,6 +154,7 @@ def test_passes_of_a_frame_replay_one_recording(renderer: Renderer, make_shot: M
         tracer.scene_changed()
         tracer.trace(scene.sensor, seed, range(4), 4)
         counts = dict(tracer.recordings)
+        assert counts.pop("water") == 0
         # Few paths end at a lamp, or none.
         assert counts.pop("emission") <= 1
         assert set(counts.values()) == {1}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_cover import Color
-from pipeline.production.surroundings.land_mesh import land_mesh, sea_mesh, wall_mesh
+from pipeline.production.surroundings.land_mesh import land_mesh, wall_mesh
 from pipeline.simulation.take import TerrainRecord
 from render.color import linear
 from render.config import Material
@@ -57,7 +57,7 @@ def terrain_mesh(
 def surrounding_meshes(
     terrain: TerrainRecord, around: Choice, materials: Mapping[str, Material], width: int
 ) -> tuple[Mesh, ...]:
-    """Return the land around the terrain, and its sea and walls where there are some.
+    """Return the land around the terrain, and the walls of a floor.
 
     Args:
         terrain: of the take.
@@ -77,10 +77,9 @@ def _surrounding_meshes(
     terrain: TerrainRecord, around: Choice, color: Color, detail: float
 ) -> tuple[Mesh, ...]:
     # Kept, because a take is often shot again with other cameras or lights.
-    land = Land(terrain, around.kind, around.joins, around.seed)
+    land = Land.of(terrain, around)
     made = (
         land_mesh(land, terrain, around.material, color, detail),
-        sea_mesh(land, "sea"),
         wall_mesh(land, terrain),
     )
     return tuple(mesh for mesh in made if mesh is not None)

@@ -27,9 +27,10 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
-from render.config import MATERIALS, Material
+from render.config import MATERIALS, Material, Water
 from render.development import Tone
 from render.shot import CameraPose, Mesh, Moment, Shot
+from render.water import WaterSurface
 
 
 class ShotBuilder:
@@ -54,7 +55,7 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        self._land = Land(take.terrain, around.kind, around.joins, around.seed)
+        self._land = Land.of(take.terrain, around)
         self.materials = _materials(scene, take, around)
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
@@ -75,6 +76,7 @@ class ShotBuilder:
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
         self._lamps = CarriedLamps.of(scene, take)
+        self._water = _water(scene, self._land)
 
     def set_tones(self, tones: tuple[Tone, ...]) -> None:
         """Expose each frame as metered."""
@@ -106,6 +108,7 @@ class ShotBuilder:
             after=self._moment(frame, 1.0) if "motion" in self.film.passes else None,
             tone=self.tracks.tones[frame - 1] if self.tracks.tones else Tone(),
             time=first.time,
+            water=self._water,
             scenery=self._surroundings,
         )
 
@@ -163,8 +166,9 @@ class ShotBuilder:
         )
 
     def _time(self, frame: int, part: float) -> float:
-        """Return the time since the film began [s], 0 in a light that does not change."""
-        return float((frame - 1 + part) / self.clock.rate) if self.light.changes else 0.0
+        """Return the time since the film began [s], 0 where neither light nor water change."""
+        changes = self.light.changes or (self._water is not None and self._water.waves)
+        return float((frame - 1 + part) / self.clock.rate) if changes else 0.0
 
     def _ground_at(self, row: float) -> tuple[Mesh, ...]:
         """Return the terrain with the footprints made until a row of the take."""
@@ -180,6 +184,14 @@ class ShotBuilder:
             self.take.terrain, self._around, self.materials, self.film.size[0]
         )
         return tuple(snowed_cover(mesh, self.light.weather) for mesh in land)
+
+
+def _water(scene: Scene, land: Land) -> WaterSurface | None:
+    """Return the author's water, or that of a sea around the terrain."""
+    water = scene.terrain.water
+    if water is None and land.sea_level is not None:
+        water = Water.model_validate({"preset": "sea", "level": land.sea_level})
+    return None if water is None else WaterSurface.of(water)
 
 
 def _materials(scene: Scene, take: Take, around: Choice) -> Mapping[str, Material]:

@@ -35,12 +35,14 @@ class Choice:
         joins: how the terrain meets the land; see `land.Land`.
         material: of the land near the terrain, by name.
         seed: of the land's shapes.
+        water_level: height of the author's water [m], None without any.
     """
 
     kind: str
     joins: str
     material: str
     seed: int
+    water_level: float | None = None
 
     @staticmethod
     def of(scene: Scene) -> Choice:
@@ -53,17 +55,19 @@ class Choice:
             # Indoors a floor goes on to the backdrop.
             if not is_natural and scene.light.studio is not None:
                 kind = "none"
+        level = None if terrain.water is None else terrain.water.level
         if kind == "none":
-            return Choice(kind, "drawn out", terrain.material, scene.seed)
+            return Choice(kind, "drawn out", terrain.material, scene.seed, level)
         if not is_natural:
-            return Choice(kind, "platform", LAND_MATERIALS.get(kind, "grass"), scene.seed)
+            land = LAND_MATERIALS.get(kind, "grass")
+            return Choice(kind, "platform", land, scene.seed, level)
         joins = "drawn out" if getattr(terrain, "kind", "") in DRAWN_OUT else "rough"
-        return Choice(kind, joins, terrain.material, scene.seed)
+        return Choice(kind, joins, terrain.material, scene.seed, level)
 
     @property
     def materials(self) -> tuple[str, ...]:
         """Names of the materials that the land needs."""
-        return (self.material, "sea") if self.kind == "sea" else (self.material,)
+        return (self.material,)
 
 
 def _ground(scene: Scene) -> Material:

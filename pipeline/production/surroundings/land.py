@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.landforms import LANDFORMS, SEA_DEPTH
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.production.surroundings.roughness import Roughness
@@ -32,6 +33,7 @@ class Land:
         joins: `rough` if the roughness of the terrain goes on, `drawn out` if its edge does, as
             that of a ditch, `platform` if the terrain stands on the ground with walls.
         seed: of its shapes.
+        water_level: height of water over it [m], None for that of a sea, where there is one.
 
     Attributes:
         kind: of surroundings.
@@ -42,14 +44,24 @@ class Land:
     """
 
     def __init__(
-        self, terrain: TerrainRecord, kind: str = "none", joins: str = "rough", seed: int = 0
+        self,
+        terrain: TerrainRecord,
+        kind: str = "none",
+        joins: str = "rough",
+        seed: int = 0,
+        water_level: float | None = None,
     ) -> None:
-        self.kind, self.seed, self._joins = kind, seed, joins
+        self.kind, self.seed, self._joins, self._water_level = kind, seed, joins, water_level
         self.is_platform = joins == "platform"
         self.field = surface_of_vertices(terrain.vertices, terrain.cells)
         self.half = np.array(self.field.size) / 2.0
         self._heights = self.field.heights
         self._rough = Roughness(self._heights, self.field.size, seed + 90)
+
+    @staticmethod
+    def of(terrain: TerrainRecord, around: Choice) -> Land:
+        """Return the land that a scene has around its terrain."""
+        return Land(terrain, around.kind, around.joins, around.seed, around.water_level)
 
     @cached_property
     def level(self) -> float:
@@ -63,7 +75,9 @@ class Land:
     @property
     def sea_level(self) -> float | None:
         """Height of the sea [m], None where there is none."""
-        return self.level + self._sea_shift if self.kind == "sea" else None
+        if self.kind != "sea":
+            return None
+        return self.level + self._sea_shift if self._water_level is None else self._water_level
 
     @property
     def _sea_shift(self) -> float:

@@ -1,4 +1,4 @@
-"""Land mesh: the land around a terrain, its sea, and the walls of a floor that stands on it."""
+"""Land mesh: the land around a terrain, and the walls of a floor that stands on it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_cover import Color, Site, cover
-from pipeline.production.surroundings.landforms import REACH
 from pipeline.production.surroundings.rings import (
     AROUND,
     LEAST_AROUND,
@@ -22,9 +21,6 @@ from pipeline.production.surroundings.rings import (
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
 from render.shot import Mesh
-
-SEA_AROUND = 180
-"""Vertices of a ring of the sea."""
 
 WALL_FOOT = 0.3
 """Depth to which walls go below the level of the land [m]."""
@@ -87,19 +83,6 @@ def _steepness(places: Array, height: Array, around: int) -> Array:
     # The first ring has none inside, the last one none outside.
     rises[0][[0, -1]] = 0.0
     return np.hypot(*rises).ravel()
-
-
-def sea_mesh(land: Land, material: str) -> Mesh | None:
-    """Return the surface of the sea, None where there is none."""
-    if land.sea_level is None:
-        return None
-    around = np.arange(SEA_AROUND) * (2.0 * np.pi / SEA_AROUND)
-    radii = np.geomspace(0.25 * float(land.half.min()), 1.2 * REACH, 24)
-    middle = np.array([land.field.at[0], land.sea_level, land.field.at[1]])
-    ring = np.stack([np.cos(around), np.zeros_like(around), np.sin(around)], axis=-1)
-    vertices = (middle + radii[:, None, None] * ring).reshape(-1, 3).astype(np.float32)
-    faces = ring_faces(len(radii), SEA_AROUND, 0).astype(np.uint32)
-    return Mesh("sea", vertices, faces, material, uv=vertices[:, [0, 2]])
 
 
 def wall_mesh(land: Land, terrain: TerrainRecord) -> Mesh | None:

@@ -28,6 +28,7 @@ from pipeline.spec.model_base import (
     fault_error,
 )
 from pipeline.spec.suggestions import hint
+from render.config import Water
 
 MAX_CELLS = 4000
 """Cells along one side of a grid."""
@@ -88,6 +89,11 @@ class TerrainConfig(ConfigModel):
         "`forest`, `sea`, `plain`, `dunes` or `none`. `auto`: dunes around sand, mountains around "
         "snow, rock, gravel and ice, a plain around mud, none around a floor in a studio, hills "
         "around all else.",
+    )
+    water: Water | None = Field(
+        None,
+        description="Water over the terrain and the land around it: a name or values. What "
+        "moves goes through it as through air.",
     )
 
     @classmethod

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import PLATFORM_HEIGHT, Land
-from pipeline.production.surroundings.land_mesh import land_mesh, sea_mesh, wall_mesh
+from pipeline.production.surroundings.land_mesh import land_mesh, wall_mesh
 from pipeline.production.surroundings.landforms import LANDFORMS, REACH
 from pipeline.production.surroundings.lattice_noise import noise, noise_with_slopes
 from pipeline.production.surroundings.rings import distances
@@ -102,13 +102,14 @@ def test_a_floor_stands_on_the_land_with_walls() -> None:
 
 
 def test_only_the_sea_has_water_and_it_lies_below_the_terrain(rough: TerrainRecord) -> None:
-    assert sea_mesh(Land(rough, "hills"), "sea") is None
+    assert Land(rough, "hills").sea_level is None
     land = Land(rough, "sea", "rough", 2)
-    sea = sea_mesh(land, "sea")
-    assert sea is not None
-    assert sea.vertices[:, 1].max() < rough.vertices[:, 1].min()
+    assert land.sea_level is not None
+    assert land.sea_level < rough.vertices[:, 1].min()
     bay = land.height_in_grid(ring(900.0))
     assert 0.4 < (bay < land.sea_level).mean() < 1.0
+    # The author's level replaces that of the sea.
+    assert Land(rough, "sea", "rough", 2, 0.25).sea_level == 0.25
 
 
 def test_the_edge_shows_the_material_and_the_distance_its_cover(rough: TerrainRecord) -> None:

@@ -1,0 +1,90 @@
+"""Direct light on the surfaces that rays meet, for Dr.Jit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from render.frame import ALBEDO_BIAS
+from render.tracing.cloud_shade import CloudShade, dimmed
+from render.tracing.haze import Air
+from render.tracing.scene_pair import emitters_of
+from render.tracing.water import Water
+
+
+def surface_light(
+    scene: Any,
+    shade: CloudShade | None,
+    water: Water | None,
+    ray: Any,
+    u: Any,
+    has_lamps: bool,
+    *,
+    coherent: bool = False,
+) -> tuple[Any, Any, Any, Any]:
+    """Return what rays meet: direct light, albedo, light that it sends out itself, and distance.
+
+    Args:
+        scene: of Mitsuba, or a `ScenePair`.
+        shade: of clouds, None without any.
+        water: of the scene, None without any.
+        ray: from camera or water.
+        u: pair of numbers for a point on an emitter.
+        has_lamps: whether surfaces are lit at all.
+        coherent: whether neighbouring rays are close to each other.
+    """
+    si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=coherent)
+    emitter = si.emitter(emitters_of(scene))
+    shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
+    shining *= dimmed(shade, emitter, ray.o)
+    sample, arriving = scene.sample_emitter_direction(si, u, False, si.is_valid())
+    arriving *= dimmed(shade, sample.emitter, si.p)
+
+    def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:
+        # In one call, so that textures are read once.
+        return *bsdf.eval_pdf(mi.BSDFContext(), si, wo), bsdf.eval_diffuse_reflectance(si)
+
+    value, bsdf_pdf, albedo = dr.dispatch(si.bsdf(), evaluate, si, si.to_local(sample.d))
+    albedo = dr.select(si.is_valid(), albedo + ALBEDO_BIAS, 0.0)
+    if water is not None:
+        wet = water.wetness(si.p, si.n)
+        albedo *= wet
+        arriving *= wet * water.reaching(si.p, sample)
+    light = mi.Color3f(0.0)
+    if has_lamps:
+        light += unoccluded(
+            scene, si, sample, bsdf_pdf, value * arriving, si.is_valid(), coherent=coherent
+        )
+    return light, albedo, shining, dr.select(si.is_valid(), si.t, dr.inf)
+
+
+def unoccluded(
+    scene: Any,
+    si: Any,
+    sample: Any,
+    bsdf_pdf: Any,
+    light: Any,
+    active: Any,
+    *,
+    coherent: bool = False,
+) -> Any:
+    """Return the light of an emitter sample where nothing occludes it, with its MIS weight."""
+    mis = dr.select(sample.delta, 1.0, sample.pdf / (sample.pdf + bsdf_pdf))
+    light = finite(light * mis)
+    active = active & (sample.pdf > 0.0) & (dr.max(light) > 0.0)
+    occluded = scene.ray_test(si.spawn_ray_to(sample.p), coherent, active)
+    return dr.select(active & ~occluded, light, 0.0)
+
+
+def passed_air(air: Air, ray: Any, distance: Any) -> Any:
+    """Return the share that haze lets through of light from a distance, 1 if that is infinite."""
+    is_near = dr.isfinite(distance)
+    passed = air.transmittance(ray.o, ray.d, dr.select(is_near, distance, 0.0))
+    return dr.select(is_near, passed, 1.0)
+
+
+def finite(values: Any) -> Any:
+    """Return values with those of failed samples set to 0."""
+    return dr.select(dr.isfinite(values), values, 0.0)

@@ -1,0 +1,317 @@
+"""Water for Dr.Jit: where rays meet it, what it reflects, and what light arrives below it.
+
+The surface is no mesh: rays are intersected with the level, then corrected for the height of
+the waves, and the waves bend the normal. Only rays from the camera are bent by it. All other
+rays and shadow rays pass it straight, dimmed by reflection and by what the water absorbs on the
+way; the light patterns on the ground come from the curvature of the surface above.
+
+Source: J. Tessendorf, Simulating Ocean Water, 2001; D. Zimmermann and A. Bunse, and M. Guardado,
+Rendering Water Caustics, GPU Gems, 2004, for light patterns from the surface above a point;
+C. Bruneton et al., Real-time Realistic Ocean Lighting, 2010, for waves below a pixel's width.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from render.water import REFRACTIVE_INDEX, WaterSurface
+
+_DEFOCUS_DEPTH = 1.6
+"""Depth from which light patterns grow no sharper [m]: rays of the sun's disc and of many
+wavelets mix."""
+
+_SUNK = 0.6
+"""Fall of the fog's light with depth, relative to the extinction along a ray."""
+
+_WET_SHARE = 0.52
+"""Brightness of wet ground relative to dry ground."""
+
+_WET_HEIGHT = 0.07
+"""Height to which water soaks the ground of a shore [m]."""
+
+_LEAST_ROUGHNESS = 6e-4
+"""Mean squared slope of the waves that are too short to be in the sum."""
+
+FAR = 1e4
+"""Distance that stands for no surface [m]."""
+
+KEY_LIGHT_FROM = 2000.0
+"""Distance from which an emitter with a place is the key light [m]."""
+
+
+@dataclass
+class Interface:
+    """The surface where rays meet it, with the two directions in which light goes on.
+
+    Attributes:
+        p: places, `mi.Point3f` [m].
+        normal: towards the side that the rays come from.
+        roughness: mean squared slope of waves below a pixel's width.
+        reflectance: share of light that is reflected.
+        reflected: direction, unit vector.
+        refracted: direction, unit vector.
+        is_above: whether the rays come from above.
+    """
+
+    p: Any
+    normal: Any
+    roughness: Any
+    reflectance: Any
+    reflected: Any
+    refracted: Any
+    is_above: Any
+
+
+@dataclass
+class Water:
+    """The water of a scene at one moment, opaque to recordings.
+
+    Attributes:
+        waves: amplitude [m], wave vector [rad/m] and length [m] of each; constant.
+        level: mean height of the surface [m].
+        phases: of the waves.
+        extinction: by colour [1/m].
+        glow: radiance of endless water at the surface.
+        pixel: width of a pixel at a distance of 1 m [m].
+        mean_focus: mean of the light pattern at some depths, by which it is divided.
+    """
+
+    waves: tuple[tuple[float, float, float, float], ...]
+    level: mi.Float
+    phases: list[mi.Float]
+    extinction: mi.Color3f
+    glow: mi.Color3f
+    pixel: mi.Float
+    mean_focus: tuple[float, ...]
+
+    @staticmethod
+    def of(surface: WaterSurface, downwelling: Any, time: float = 0.0) -> Water:
+        """Return the water of a surface.
+
+        Args:
+            surface: of a shot.
+            downwelling: (3,) irradiance of level ground by sun and sky.
+            time: of the film [s].
+        """
+        waves = tuple((w.amplitude, *w.k, w.length) for w in surface.waves)
+        glow = np.asarray(surface.albedo) * np.asarray(downwelling) / np.pi
+        made = Water(
+            waves,
+            mi.Float(surface.level),
+            [],
+            mi.Color3f(list(surface.extinction)),
+            mi.Color3f(glow.tolist()),
+            mi.Float(1e-3),
+            _mean_focus(waves),
+        )
+        dr.make_opaque(made.level, made.extinction, made.glow, made.pixel)
+        made.set_time(surface, time)
+        return made
+
+    def set_time(self, surface: WaterSurface, time: float) -> None:
+        """Move the waves to a time of the film [s]."""
+        self.phases = [dr.opaque(mi.Float, wave.phase_at(time)) for wave in surface.waves]
+
+    def set_pixel_width(self, fov_deg: float, height: int) -> None:
+        """Set how fine waves are seen: in a field of view this high, of so many pixels."""
+        width = 2.0 * math.tan(math.radians(fov_deg) / 2.0) / height
+        self.pixel = dr.opaque(mi.Float, width)
+
+    def crossing(self, ray: Any) -> Any:
+        """Return the distance at which rays meet the surface, infinity where they do not."""
+        rise = dr.select(dr.abs(ray.d.y) < 1e-6, 1e-6, ray.d.y)
+        t = (self.level - ray.o.y) / rise
+        if self.waves:
+            # A flat ray would slide along the crests; its normal alone shows the waves.
+            calm = dr.square(dr.clip(4.0 * dr.abs(ray.d.y), 0.0, 1.0))
+            for _ in range(2):
+                near = dr.clip(t, 0.0, 60.0)
+                height = calm * self._height(ray.o.x + near * ray.d.x, ray.o.z + near * ray.d.z)
+                t = (self.level + height - ray.o.y) / rise
+        return dr.select((t > 1e-4) & (dr.abs(ray.d.y) >= 1e-6), t, dr.inf)
+
+    def is_below(self, p: Any) -> Any:
+        """Return whether places are under water."""
+        return p.y < self.level
+
+    def interface(self, ray: Any, t: Any) -> Interface:
+        """Return the surface at the distances where rays meet it."""
+        p = ray.o + t * ray.d
+        # A pixel covers more of the water the flatter it is seen.
+        width = self.pixel * t * dr.rsqrt(dr.maximum(dr.abs(ray.d.y), 0.01))
+        slope_x, slope_z, lost = self._slopes(p.x, p.z, width)
+        is_above = ray.d.y < 0.0
+        # Of waves that are too far to be seen one by one, those that face the camera are seen.
+        flat = 1.0 - dr.minimum(dr.abs(ray.d.y), 1.0)
+        facing = 0.55 * dr.sqrt(lost) * flat
+        up = dr.normalize(
+            mi.Vector3f(-slope_x - facing * ray.d.x, 1.0, -slope_z - facing * ray.d.z)
+        )
+        normal = dr.select(is_above, up, -up)
+        cosine = -dr.dot(ray.d, normal)
+        # A wave that faces away is hidden by the one before it.
+        normal = dr.normalize(normal - ray.d * dr.maximum(0.02 - cosine, 0.0))
+        cosine = dr.clip(-dr.dot(ray.d, normal), 0.005, 1.0)
+        signed = dr.select(is_above, cosine, -cosine)
+        share, cosine_t, _, eta = _fresnel(signed)
+        reflected = ray.d + 2.0 * cosine * normal
+        side = dr.select(is_above, mi.Float(1.0), mi.Float(-1.0))
+        reflected = mi.Vector3f(
+            reflected.x, side * dr.maximum(dr.abs(reflected.y), 1e-3), reflected.z
+        )
+        refracted = eta * ray.d + (eta * cosine - dr.abs(cosine_t)) * normal
+        refracted = mi.Vector3f(
+            refracted.x, -side * dr.maximum(dr.abs(refracted.y), 1e-3), refracted.z
+        )
+        return Interface(
+            p, normal, lost, share, dr.normalize(reflected), dr.normalize(refracted), is_above
+        )
+
+    def transmittance(self, distance: Any) -> Any:
+        """Return the share of light that is left after distances under water [m]."""
+        return dr.exp(-self.extinction * dr.minimum(distance, FAR))
+
+    def scattered(self, origin: Any, direction: Any, distance: Any) -> Any:
+        """Return the light that water sends along rays below the surface, `mi.Color3f`.
+
+        The light in the water falls off with the depth, slower than along a ray because it comes
+        from many sides.
+        """
+        depth = dr.maximum(self.level - origin.y, 0.0)
+        along = 1.0 - _SUNK * direction.y
+        filled = 1.0 - dr.exp(-self.extinction * along * dr.minimum(distance, FAR))
+        return self.glow * dr.exp(-_SUNK * self.extinction * depth) * filled / along
+
+    def along(self, origin: Any, direction: Any, distance: Any) -> Any:
+        """Return the share of light that passes straight segments, partly under water."""
+        start = origin.y - self.level
+        length = dr.minimum(distance, FAR)
+        end = start + length * direction.y
+        wet = dr.maximum(-dr.minimum(start, end), 0.0) - dr.maximum(-dr.maximum(start, end), 0.0)
+        steep = dr.maximum(dr.abs(direction.y), 1e-4)
+        is_wet = (start < 0.0) & (end < 0.0)
+        under = dr.select(is_wet, length, dr.minimum(wet / steep, length))
+        passed = self.transmittance(under)
+        crosses = (start < 0.0) != (end < 0.0)
+        lost, *_ = _fresnel(dr.maximum(dr.abs(direction.y), 0.02))
+        return dr.select(crosses, passed * (1.0 - lost), passed)
+
+    def reaching(self, p: Any, sample: Any) -> Any:
+        """Return the share of an emitter's light that reaches places, with its pattern.
+
+        Args:
+            p: lit places.
+            sample: of the emitter, `mi.DirectionSample3f`.
+        """
+        depth = self.level - p.y
+        is_outside = (sample.d.y * sample.dist > depth) & (depth > 0.0)
+        cosine = dr.maximum(sample.d.y, 0.02)
+        lost, inside, _, _ = _fresnel(cosine)
+        inside = dr.maximum(dr.abs(inside), 0.3)
+        passed = self.transmittance(dr.maximum(depth, 0.0) / inside) * (1.0 - lost)
+        if self.waves:
+            # The light enters where the bent ray meets the surface.
+            shift = dr.maximum(depth, 0.0) / (inside * REFRACTIVE_INDEX)
+            passed *= self._focus(p.x + shift * sample.d.x, p.z + shift * sample.d.z, depth)
+        both_under = (depth > 0.0) & ~is_outside
+        passed = dr.select(both_under, self.transmittance(sample.dist), passed)
+        return dr.select(depth > 0.0, passed, self.along(p, sample.d, sample.dist))
+
+    def wetness(self, p: Any, normal: Any) -> Any:
+        """Return the brightness of surfaces relative to dry ones: wet ground is darker."""
+        height = p.y - self.level
+        if self.waves:
+            height -= 0.5 * self._height(p.x, p.z)
+        wet = 1.0 - dr.clip(height / _WET_HEIGHT, 0.0, 1.0)
+        wet = wet * wet * (3.0 - 2.0 * wet) * dr.clip(2.0 * normal.y - 0.2, 0.0, 1.0)
+        return 1.0 - (1.0 - _WET_SHARE) * wet
+
+    def glitter(self, interface: Interface, ray: Any, sample: Any, arriving: Any) -> Any:
+        """Return the light of an emitter sample that waves too short to be seen reflect."""
+        half = dr.normalize(sample.d - ray.d)
+        rise = dr.maximum(dr.abs(half.y), 0.05)
+        n = interface.normal
+        tilt = dr.maximum(dr.abs(n.y), 0.05)
+        off = dr.square(half.x / rise - n.x / tilt) + dr.square(half.z / rise - n.z / tilt)
+        spread = interface.roughness + _LEAST_ROUGHNESS
+        density = dr.exp(-off / spread) / (dr.pi * spread) / (rise * rise * rise * rise)
+        share, *_ = _fresnel(dr.maximum(dr.dot(half, sample.d), 0.02))
+        facing = dr.maximum(-dr.dot(ray.d, n), 0.12)
+        is_seen = interface.is_above & (sample.d.y > 0.0)
+        return dr.select(is_seen, arriving * share * density / (4.0 * facing), 0.0)
+
+    def _height(self, x: Any, z: Any) -> Any:
+        height = mi.Float(0.0)
+        for (amplitude, kx, kz, _), phase in zip(self.waves, self.phases, strict=True):
+            height += amplitude * dr.sin(dr.fma(kx, x, dr.fma(kz, z, phase)))
+        return height
+
+    def _slopes(self, x: Any, z: Any, width: Any) -> tuple[Any, Any, Any]:
+        """Return the slopes along x and z, and the mean square of those not seen one by one."""
+        slope_x, slope_z, lost = mi.Float(0.0), mi.Float(0.0), mi.Float(0.0)
+        for (amplitude, kx, kz, length), phase in zip(self.waves, self.phases, strict=True):
+            seen = dr.clip(2.0 - 4.0 * width / length, 0.0, 1.0)
+            rise = amplitude * dr.cos(dr.fma(kx, x, dr.fma(kz, z, phase))) * seen
+            slope_x, slope_z = dr.fma(kx, rise, slope_x), dr.fma(kz, rise, slope_z)
+            steepness = 0.5 * amplitude**2 * (kx**2 + kz**2)
+            lost += steepness * (1.0 - seen * seen)
+        return slope_x, slope_z, lost
+
+    def _focus(self, x: Any, z: Any, depth: Any) -> Any:
+        """Return how far the surface gathers or spreads light at a depth below its places."""
+        xx, xz, zz = mi.Float(0.0), mi.Float(0.0), mi.Float(0.0)
+        for (amplitude, kx, kz, _), phase in zip(self.waves, self.phases, strict=True):
+            bend = -amplitude * dr.sin(dr.fma(kx, x, dr.fma(kz, z, phase)))
+            xx, xz, zz = (
+                dr.fma(kx * kx, bend, xx),
+                dr.fma(kx * kz, bend, xz),
+                dr.fma(kz * kz, bend, zz),
+            )
+        reach = _FOCUS_PER_DEPTH * dr.clip(depth, 0.0, _DEFOCUS_DEPTH)
+        area = (1.0 + reach * xx) * (1.0 + reach * zz) - dr.square(reach * xz)
+        found = 1.0 / dr.maximum(dr.abs(area), _SHARPEST)
+        return found / self._mean(depth)
+
+    def _mean(self, depth: Any) -> Any:
+        place = dr.clip(depth / _DEFOCUS_DEPTH, 0.0, 1.0) * (len(self.mean_focus) - 1)
+        mean = mi.Float(self.mean_focus[0])
+        for i in range(len(self.mean_focus) - 1):
+            step = self.mean_focus[i + 1] - self.mean_focus[i]
+            mean += step * dr.clip(place - i, 0.0, 1.0)
+        return mean
+
+
+_FOCUS_PER_DEPTH = 1.0 - 1.0 / REFRACTIVE_INDEX
+"""Shift of light along the ground, for each metre of depth and unit of slope."""
+
+_SHARPEST = 0.22
+"""Smallest area that light of a unit of the surface is gathered on."""
+
+
+def _fresnel(cosine: Any) -> Any:
+    """Return `mi.fresnel` of water; a negative cosine is that of a ray from below."""
+    index: Any = REFRACTIVE_INDEX
+    return mi.fresnel(cosine, index)
+
+
+def _mean_focus(waves: tuple[tuple[float, float, float, float], ...]) -> tuple[float, ...]:
+    """Return the mean of the light pattern at some depths, so that it can be divided out."""
+    if not waves:
+        return (1.0,)
+    rng = np.random.default_rng(5)
+    phases = rng.uniform(0.0, 2.0 * np.pi, (4096, len(waves)))
+    amplitude, kx, kz, _ = np.array(waves).T
+    bend = -amplitude * np.sin(phases)
+    xx, xz, zz = bend @ (kx * kx), bend @ (kx * kz), bend @ (kz * kz)
+    means = []
+    for depth in np.linspace(0.0, _DEFOCUS_DEPTH, 9):
+        reach = _FOCUS_PER_DEPTH * depth
+        area = (1.0 + reach * xx) * (1.0 + reach * zz) - (reach * xz) ** 2
+        means.append(float((1.0 / np.maximum(np.abs(area), _SHARPEST)).mean()))
+    return tuple(means)

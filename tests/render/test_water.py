@@ -1,0 +1,122 @@
+"""Water: words, waves, absorption, reflection and light patterns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from render.config import Film, Water, material
+from render.renderer import Renderer
+from render.shot import CameraPose, Shot
+from render.water import GRAVITY, WaterSurface, travelling_waves
+
+Make = Callable[..., Shot]
+
+FILM = Film(size=(32, 24), depth=3, soft_light="full", denoise="off")
+NORTH = CameraPose((0.0, 1.5, 0.0), (0.0, 0.9, 3.0))
+"""A view over the water."""
+
+
+def surface(**values: object) -> WaterSurface:
+    return WaterSurface.of(Water.model_validate(values))
+
+
+def test_bad_words_are_refused_with_the_nearest_name() -> None:
+    with pytest.raises(ValidationError, match="no water is called 'lak', did you mean 'lake'"):
+        Water.model_validate("lak")
+    with pytest.raises(ValidationError, match="no waves is called 'rogh', did you mean 'rough'"):
+        Water.model_validate({"waves": "rogh"})
+    with pytest.raises(ValidationError, match="clarity"):
+        Water.model_validate({"preset": "pond", "clarity": 0})
+
+
+def test_waves_follow_the_dispersion_of_deep_water_and_grow_with_the_strength() -> None:
+    calm, rough = travelling_waves(0.15, 0.0), travelling_waves(0.85, 0.0)
+    assert travelling_waves(0.0, 0.0) == ()
+    for wave in (*calm, *rough):
+        assert wave.speed**2 == pytest.approx(GRAVITY * math.hypot(*wave.k))
+        assert wave.phase_at(3.0) == pytest.approx((wave.phase - 3.0 * wave.speed) % (2 * math.pi))
+    slopes = [sum((w.amplitude * math.hypot(*w.k)) ** 2 / 2 for w in ws) for ws in (calm, rough)]
+    assert slopes[1] > 30.0 * slopes[0]
+    # Long waves travel in their heading: 90 degrees is -Z.
+    assert min(w.k[1] for w in travelling_waves(0.5, 90.0)[-3:]) < 0.0
+
+
+def test_a_tenth_of_the_light_is_left_at_the_clarity_and_red_goes_first() -> None:
+    water = surface(preset="lagoon", clarity=4.0)
+    left = np.exp(-4.0 * np.array(water.extinction))
+    assert np.exp(np.log(left).mean()) == pytest.approx(0.1)
+    assert left[0] < left[1]
+    assert left[0] < left[2]
+
+
+def test_light_patterns_gather_no_more_light_than_there_is(renderer: Renderer) -> None:
+    import mitsuba as mi
+
+    from render.tracing.water import Water as Optics
+
+    optics = Optics.of(surface(preset="lake"), np.ones(3), 1.7)
+    x, z = (60.0 * a for a in np.random.default_rng(3).random((2, 40_000)))
+    for depth in (0.1, 0.5, 1.5):
+        found = np.array(optics._focus(mi.Float(x), mi.Float(z), mi.Float(depth)))
+        assert found.mean() == pytest.approx(1.0, rel=0.04)
+    assert found.max() > 2.0
+
+
+def test_straight_segments_are_dimmed_by_their_length_under_water(renderer: Renderer) -> None:
+    import mitsuba as mi
+
+    from render.tracing.water import Water as Optics
+
+    water = surface(level=1.0, waves=0.0)
+    optics = Optics.of(water, np.ones(3))
+    up = mi.Vector3f(0.0, 1.0, 0.0)
+    sunk = np.array(optics.along(mi.Point3f(0.0, -2.0, 0.0), up, mi.Float(1.5))).ravel()
+    np.testing.assert_allclose(sunk, np.exp(-1.5 * np.array(water.extinction)), rtol=1e-4)
+    # 2 % are reflected where light leaves the water upright.
+    out = np.array(optics.along(mi.Point3f(0.0, 0.0, 0.0), up, mi.Float(np.inf))).ravel()
+    np.testing.assert_allclose(out, 0.98 * np.exp(-np.array(water.extinction)), rtol=2e-3)
+    dry = np.array(optics.along(mi.Point3f(0.0, 1.1, 0.0), up, mi.Float(9.0))).ravel()
+    np.testing.assert_array_equal(dry, 1.0)
+
+
+@pytest.mark.nightly
+def test_a_mirror_reflects_what_path_sees_in_a_dielectric(
+    renderer: Renderer, make_shot: Make
+) -> None:
+    from render.mitsuba_scene import MitsubaScene
+    from render.tracing.path_tracer import PathTracer
+
+    shot = make_shot(film=FILM, camera=NORTH, lit="overcast")
+    black = {**shot.materials, "dry soil": material({"color": "#000000", "roughness": 1.0})}
+    ground = shot.meshes[0]
+    base = replace(shot, meshes=(ground,), materials=black)
+    water = replace(surface(level=0.5, waves=0.0), albedo=(0.0, 0.0, 0.0))
+    ours = MitsubaScene(replace(base, water=water)).trace(0, range(64), 64).light
+    clear = material({"color": "#ffffff", "transmission": 1.0, "ior": 1.333, "roughness": 0.0})
+    lifted = ground.vertices + np.array([0.0, 0.5, 0.0], np.float32)
+    pane = replace(ground, name="pane", vertices=lifted, material="clear", uv=None)
+    scene = MitsubaScene(replace(base, meshes=(ground, pane), materials={**black, "clear": clear}))
+    judge = PathTracer(scene.whole(), 3, air=scene.air)
+    theirs = judge.trace(scene.sensor, 7, range(8192), 8192).light
+    lower = slice(14, None)
+    assert ours[lower].mean() == pytest.approx(theirs[lower].mean(), rel=0.003)
+    assert theirs[lower].mean() > 0.01
+
+
+def test_water_is_refused_where_only_path_can_trace(
+    renderer: Renderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from render import mitsuba_scene
+    from render.errors import ShotError
+    from render.tracing.water import Water as Optics
+
+    monkeypatch.setattr(mitsuba_scene, "wavefront_limitation", lambda scene: "of a reason")
+    optics = Optics.of(surface(preset="pond"), np.ones(3))
+    with pytest.raises(ShotError, match="there is water, but of a reason; render with"):
+        mitsuba_scene.choose_tracer(None, FILM.resolved(), 3, None, optics)

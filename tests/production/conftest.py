@@ -34,7 +34,7 @@ title: Tiny
 fps: 24
 frames: {FRAMES}
 seed: 3
-terrain: {{kind: flat, size: [8, 8], cells: [8, 8], material: ground}}
+terrain: {{kind: flat, size: [8, 8], cells: [8, 8], material: ground, scatter: none}}
 cast:
   - name: bug
     figure: beetle

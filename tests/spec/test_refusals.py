@@ -48,7 +48,8 @@ ONE_MISTAKE = [
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
      "unknown key, known: at, cells, foot_radius, footprints, heading_deg, kind, material, "
-     "polygons, show_forbidden, size, surroundings, unsteppable_slope_deg"),
+     "polygons, scatter, show_forbidden, size, surroundings, unsteppable_slope_deg, "
+     "water"),
     ("[2, 0.5], radius", "[2, 0.5], §radios", "figures.bug.nodes.foot_l.radios",
      "unknown key, did you mean 'radius'?"),
     ("terrain: hills", "film: {§sise: [320, 180]}", "film.sise",
@@ -172,6 +173,14 @@ ONE_MISTAKE = [
     ("terrain: hills", "terrain: {kind: flat, surroundings: §hils}", "terrain.surroundings",
      "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
      "the text 'hils'; did you mean 'hills'?"),
+    ("terrain: hills", "terrain: {kind: flat, scatter: §medow}", "terrain.scatter",
+     "no scatter is called 'medow', did you mean 'meadow'?"),
+    ("terrain: hills", "terrain: {kind: flat, scatter: §fern}", "terrain.scatter",
+     "'fern' is one species; write it in a list: [fern]"),
+    ("terrain: hills", "terrain: {kind: flat, scatter: [oak, §burch]}",
+     "terrain.scatter[1]", "no species is called 'burch', did you mean 'birch'?"),
+    ("terrain: hills", "terrain: {kind: flat, scatter: {preset: meadow, §densty: 2}}",
+     "terrain.scatter.densty", "unknown key, did you mean 'density'?"),
     ("terrain: hills", "terrain: §{kind: sum}", "terrain.of", "is missing"),
     ("terrain: hills", "terrain: {kind: sum, of: §[]}", "terrain.of",
      "must hold at least 1 value, holds 0"),

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
+from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.shots.footprint_timeline import FootprintTimeline
 from render.development import Tone
 from render.footprints import FootprintRaster
@@ -27,17 +28,19 @@ _POSE_NUMBERS = 12
 
 @dataclass(frozen=True, eq=False)
 class FilmTracks:
-    """Camera poses, footprints and exposures of a film.
+    """Camera poses, footprints, exposures and clearings of a film.
 
     Attributes:
         poses: of the camera, one for each frame.
         footprints: of the film, None without any.
         tones: exposure and contrast of each frame; empty before they are metered.
+        clearings: where performers are, if anything is scattered over the ground.
     """
 
     poses: tuple[CameraPose, ...]
     footprints: FootprintTimeline | None
     tones: tuple[Tone, ...] = ()
+    clearings: Clearings | None = None
 
     def arrays(self) -> Arrays:
         """Return the tracks as arrays: `poses` (F, 12), a pinhole with a NaN for its lens.
@@ -57,6 +60,8 @@ class FilmTracks:
             arrays["footprint_grid"] = np.array([*raster.corner, raster.spacing])
             arrays["footprint_blocks"] = raster.blocks
             arrays["footprint_texels"] = raster.texels
+        if self.clearings is not None:
+            arrays.update(self.clearings.arrays())
         return arrays
 
     @staticmethod
@@ -75,9 +80,10 @@ class FilmTracks:
                 blocks, texels = arrays["footprint_blocks"], arrays["footprint_texels"]
                 raster = FootprintRaster((x, z), spacing, blocks, texels)
                 footprints = FootprintTimeline(raster, arrays["footprint_rows"])
+            clearings = Clearings.of_arrays(arrays)
         except (KeyError, ValueError, TypeError) as error:
             raise StoreError(f"the tracks of the film cannot be read ({error!r})") from error
-        return FilmTracks(poses, footprints, tones)
+        return FilmTracks(poses, footprints, tones, clearings)
 
 
 def _lens_numbers(lens: Lens | None) -> tuple[float, float]:

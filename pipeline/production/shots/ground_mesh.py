@@ -65,11 +65,20 @@ def surrounding_meshes(
         materials: by name.
         width: of the frame [pixels].
     """
-    near = materials[around.material]
-    second = near.color if near.color2 is None else near.color2
-    r, g, b = (0.5 * (linear(near.color) + linear(second))).tolist()
-    detail = min(max(width / FULL_DETAIL, LEAST_DETAIL), MAX_DETAIL)
-    return _surrounding_meshes(terrain, around, (r, g, b), detail)
+    color = mean_color(materials[around.material])
+    return _surrounding_meshes(terrain, around, color, land_detail(width))
+
+
+def land_detail(width: int) -> float:
+    """Return the detail of the land in frames of a width [pixels]."""
+    return min(max(width / FULL_DETAIL, LEAST_DETAIL), MAX_DETAIL)
+
+
+def mean_color(material: Material) -> Color:
+    """Return the mean linear colour of a ground material."""
+    second = material.color if material.color2 is None else material.color2
+    r, g, b = (0.5 * (linear(material.color) + linear(second))).tolist()
+    return r, g, b
 
 
 @lru_cache(maxsize=2)

@@ -8,21 +8,33 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.errors import Problem, SceneError
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, first_frames
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
+from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.scatter_choice import ScatterChoice
+from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
-from pipeline.production.shots.ground_mesh import surrounding_meshes, terrain_mesh
+from pipeline.production.shots.ground_mesh import (
+    land_detail,
+    mean_color,
+    surrounding_meshes,
+    terrain_mesh,
+)
 from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
+from pipeline.production.surroundings.land_mesh import vertices_around
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
@@ -45,7 +57,8 @@ class ShotBuilder:
         tracks: of the film.
 
     Raises:
-        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist.
+        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist; or, when
+            the first shot is made, more is scattered than memory holds.
     """
 
     def __init__(self, scene: Scene, take: Take, tracks: FilmTracks | None = None) -> None:
@@ -56,7 +69,8 @@ class ShotBuilder:
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
         self._land = Land.of(take.terrain, around)
-        self.materials = _materials(scene, take, around)
+        self._scatter = ScatterChoice.of(scene, around)
+        self.materials = _materials(scene, take, around, self._scatter)
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
@@ -130,6 +144,7 @@ class ShotBuilder:
         return FilmTracks(
             tuple(pose for cut in self._filmed for pose in cut.poses),
             footprint_timeline(self.take, texture) if has_footprints else None,
+            clearings=Clearings.of(self.take) if self._scatter.wanted else None,
         )
 
     def _filmed_cuts(self) -> list[FilmedCut]:
@@ -179,11 +194,30 @@ class ShotBuilder:
 
     @cached_property
     def _surroundings(self) -> tuple[Mesh, ...]:
-        """The land around the terrain, made when the first shot needs it."""
-        land = surrounding_meshes(
-            self.take.terrain, self._around, self.materials, self.film.size[0]
+        """The land around the terrain and what is scattered, made when the first shot needs it."""
+        width = self.film.size[0]
+        meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
+        land = tuple(snowed_cover(mesh, self.light.weather) for mesh in meshes)
+        return (*land, *self._scattered(land[0])) if self._scatter.wanted else land
+
+    def _scattered(self, horizon: Mesh) -> tuple[Mesh, ...]:
+        """Return the plants and stones over terrain and land."""
+        terrain, around = (
+            mean_color(self.materials[name])
+            for name in (self.take.terrain.material, self._around.material)
         )
-        return tuple(snowed_cover(mesh, self.light.weather) for mesh in land)
+        width = self.film.size[0]
+        columns = vertices_around(land_detail(width))
+        level = None if self._water is None else self._water.level
+        ground = GroundSurface(self._land, horizon, terrain, around, columns, level)
+        try:
+            return scenery_meshes(
+                *(ground, self.poses, self._aspect, self.tracks.clearings, self._scatter),
+                *(self._scene.seed, scenery_detail(width)),
+            )
+        except TooManyTriangles as error:
+            problem = Problem("terrain.scatter", str(error))
+            raise SceneError([self._scene.source_map.with_location(problem)]) from error
 
 
 def _water(scene: Scene, land: Land) -> WaterSurface | None:
@@ -194,11 +228,13 @@ def _water(scene: Scene, land: Land) -> WaterSurface | None:
     return None if water is None else WaterSurface.of(water)
 
 
-def _materials(scene: Scene, take: Take, around: Choice) -> Mapping[str, Material]:
-    """Return the materials of take and land; the author's own override the presets."""
+def _materials(
+    scene: Scene, take: Take, around: Choice, scatter: ScatterChoice
+) -> Mapping[str, Material]:
+    """Return the materials of take, land and scenery; the author's own override the presets."""
     names = {part.material for part in take.parts} | {take.terrain.material, *around.materials}
     own = scene.materials
     made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
     for name in {take.terrain.material, around.material}:
         made[name] = ground_in_weather(made[name], scene.light.weather)
-    return made
+    return {**made, **SCENERY_MATERIALS} if scatter.wanted else made

@@ -38,7 +38,7 @@ def land_mesh(
         color: linear mean colour of that.
         detail: factor on the number of vertices along each direction.
     """
-    around = max(LEAST_AROUND, round(AROUND * detail))
+    around = vertices_around(detail)
     numbers = border(land.field)
     edge = np.array(terrain.vertices[numbers], dtype=float)
     inner = np.stack(land.field.to_grid(edge[:, 0], edge[:, 2]), axis=-1)
@@ -70,6 +70,11 @@ def land_mesh(
     bare = np.zeros((len(edge), 4))
     covered = np.concatenate([bare, cover(site, land.kind)]).astype(np.float32)
     return replace(mesh, cover=covered)
+
+
+def vertices_around(detail: float) -> int:
+    """Return the number of vertices of a ring at a detail."""
+    return max(LEAST_AROUND, round(AROUND * detail))
 
 
 def _steepness(places: Array, height: Array, around: int) -> Array:

@@ -28,6 +28,7 @@ from pipeline.spec.model_base import (
     fault_error,
 )
 from pipeline.spec.suggestions import hint
+from pipeline.spec.terrain.scatter import Scatter, ScatterValue
 from render.config import Water
 
 MAX_CELLS = 4000
@@ -94,6 +95,11 @@ class TerrainConfig(ConfigModel):
         None,
         description="Water over the terrain and the land around it: a name or values. What "
         "moves goes through it as through air.",
+    )
+    scatter: ScatterValue = Field(
+        Scatter(preset="auto"),
+        description="Plants and stones: the name of a preset, a list of species, or `{preset, "
+        "density, species}`. `auto` is what suits the ground; `none` leaves it bare.",
     )
 
     @classmethod

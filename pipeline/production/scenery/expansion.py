@@ -1,0 +1,177 @@
+"""Expansion: placed things as meshes: one of foliage, one of stone and one of all else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.production.scenery.placement import WIDE_FROM, WIDEST, Placed
+from pipeline.production.scenery.prototype import Prototype
+from pipeline.production.scenery.species import KINDS, prototype
+from pipeline.simulation.spatial import Array
+from render.config import Material
+from render.shot import Mesh
+
+FOLIAGE = Material(color=(1.0, 1.0, 1.0), roughness=1.0, translucency=0.42)
+"""Of leaves and blades; their colours are those of the vertices."""
+
+SOLID = Material(color=(1.0, 1.0, 1.0), roughness=0.95)
+"""Of wood, mushrooms and the like."""
+
+STONE = Material(
+    color="#85796c",
+    color2="#9c9184",
+    roughness=0.9,
+    texture="rock",
+    texture_scale=0.8,
+    bump=1.0,
+    steep_deg=89.0,
+)
+"""Of stones; the colours of their vertices cover most of its own."""
+
+STONE_COVER = 0.72
+"""Share of the vertices' colours on stone."""
+
+MATERIALS = {"scenery foliage": FOLIAGE, "scenery solid": SOLID, "scenery stone": STONE}
+
+REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
+"""Linear colour of ground on which species have their own colours."""
+
+Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
+
+
+@dataclass(frozen=True, eq=False)
+class Copies:
+    """N copies of one shape.
+
+    Attributes:
+        shape: that is copied.
+        points: (N, 3) [m].
+        turns: (N, 3, 3) rotations.
+        scales: (N, 3) along the shape's own axes.
+        tints: (N, 3) factors on its colours.
+    """
+
+    shape: Prototype
+    points: Array
+    turns: Array
+    scales: Array
+    tints: Array
+
+    def arrays(self, *, thin: bool) -> Arrays | None:
+        """Return vertices, normals, colours and faces of the foliage, or of all else."""
+        faces = self.shape.foliage if thin else self.shape.solid
+        if not len(faces):
+            return None
+        used, inverse = np.unique(faces, return_inverse=True)
+        vertices = self.shape.vertices[used]
+        turns = self.turns.astype(np.float32)
+        moved = (vertices[None] * self.scales[:, None].astype(np.float32)) @ turns.transpose(
+            0, 2, 1
+        )
+        moved += self.points[:, None].astype(np.float32)
+        normals = self.shape.normals[used] @ turns.transpose(0, 2, 1)
+        colors = self.shape.colors[used] * self.tints[:, None].astype(np.float32)
+        numbers = inverse.reshape(1, -1, 3) + len(used) * np.arange(len(turns))[:, None, None]
+        return (
+            moved.reshape(-1, 3),
+            normals.reshape(-1, 3).astype(np.float32),
+            np.clip(colors, 0.002, 0.9).reshape(-1, 3).astype(np.float32),
+            numbers.reshape(-1, 3).astype(np.uint32),
+        )
+
+
+def triangle_counts(placed: Placed, detail: float) -> NDArray[np.int64]:
+    """Return the number of triangles of each thing (N,)."""
+    levels = _levels(placed, detail)
+    result = np.zeros(len(levels), np.int64)
+    for level in np.unique(levels):
+        result[levels == level] = prototype(placed.name, 0, int(level)).triangles
+    return result
+
+
+def _levels(placed: Placed, detail: float) -> NDArray[np.int64]:
+    """Return the level of detail of each thing: larger ones are finer."""
+    species = KINDS[placed.name]
+    apparent = placed.distances / (detail * np.maximum(_sizes(placed), 0.3))
+    if species.layer == "solid" and species.sizes[1] < 1.0:
+        apparent = placed.distances / (detail * _sizes(placed) / species.sizes[1])
+    return np.searchsorted(np.array(species.levels), apparent)
+
+
+def _sizes(placed: Placed) -> Array:
+    """Return the sizes (N,): many small, few large."""
+    low, high = KINDS[placed.name].sizes
+    part = placed.chance[:, 2]
+    return np.asarray(low * (high / low) ** (part**1.4)) * placed.size
+
+
+def copies(placed: Placed, detail: float) -> Iterator[Copies]:
+    """Yield the copies of each shape of a species."""
+    species = KINDS[placed.name]
+    sizes = _sizes(placed)
+    scales = np.repeat(sizes[:, None], 3, axis=1)
+    if species.widens:
+        wide = np.clip((placed.distances / (WIDE_FROM * detail)) ** 0.75, 1.0, WIDEST)
+        scales[:, [0, 2]] *= wide[:, None]
+    scales[:, 1] *= 0.85 + 0.3 * placed.chance[:, 3]
+    turns = _turns(placed, species.upright)
+    tints = _tints(placed, species.ground)
+    level = _levels(placed, detail)
+    variant = (placed.chance[:, 0] * species.variants).astype(int)
+    for k in range(len(species.levels) + 1):
+        for v in range(species.variants):
+            some = np.flatnonzero((level == k) & (variant == v))
+            if len(some):
+                shape = prototype(placed.name, v, k)
+                yield Copies(*(shape, placed.points[some], turns[some], scales[some], tints[some]))
+
+
+def _turns(placed: Placed, upright: float) -> Array:
+    """Return rotations (N, 3, 3) that turn things about the vertical and lay them on slopes."""
+    up = placed.normals * (1.0 - upright) + np.array([0.0, upright, 0.0])
+    up = up / np.linalg.norm(up, axis=-1, keepdims=True)
+    angle = 2.0 * np.pi * placed.chance[:, 1]
+    ahead = np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=-1)
+    ahead = ahead - (ahead * up).sum(axis=-1, keepdims=True) * up
+    ahead = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
+    return np.stack([ahead, up, np.cross(ahead, up)], axis=-1)
+
+
+def _tints(placed: Placed, share: float) -> Array:
+    """Return factors (N, 3) on colours: lightness at random, and a share of the ground's hue."""
+    light = 0.82 + 0.36 * placed.chance[:, 3:]
+    if not share:
+        return np.repeat(light, 3, axis=1)
+    ratio = placed.color / REFERENCE_GROUND
+    return np.asarray(light * np.clip(ratio, 0.2, 5.0) ** share)
+
+
+def meshes(every: Sequence[Placed], detail: float) -> tuple[Mesh, ...]:
+    """Return the meshes of all placed things."""
+    pieces: dict[str, list[Arrays]] = {name: [] for name in MATERIALS}
+    for placed in every:
+        solid = "scenery stone" if KINDS[placed.name].is_stone else "scenery solid"
+        for copy in copies(placed, detail):
+            for name, thin in (("scenery foliage", True), (solid, False)):
+                arrays = copy.arrays(thin=thin)
+                if arrays is not None:
+                    pieces[name].append(arrays)
+    return tuple(_mesh(name, found) for name, found in pieces.items() if found)
+
+
+def _mesh(name: str, pieces: list[Arrays]) -> Mesh:
+    """Return the mesh of one material."""
+    starts = np.cumsum([0, *(len(piece[0]) for piece in pieces)])
+    numbers = [piece[3] + np.uint32(k) for piece, k in zip(pieces, starts, strict=False)]
+    vertices, normals, colors = (np.concatenate([p[k] for p in pieces]) for k in range(3))
+    faces = np.concatenate(numbers)
+    if name != "scenery stone":
+        return Mesh(name, vertices, faces, name, normals=normals, colors=colors)
+    share = np.full((len(colors), 1), STONE_COVER, np.float32)
+    cover = np.concatenate([colors, share], axis=1)
+    flat = np.ascontiguousarray(vertices[:, [0, 2]])
+    return Mesh(name, vertices, faces, name, uv=flat, normals=normals, cover=cover)

@@ -1,0 +1,113 @@
+"""Film view: what the cameras of a film see, and from how near."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pipeline.simulation.spatial import Array
+from render.shot import CameraPose
+
+MAX_POSES = 120
+"""Poses of a film that are looked at."""
+
+MARGIN_DEG = 4.0
+"""Beyond the edge of the frame [degrees]: shutters and lenses see a little more."""
+
+AROUND = 7.0
+"""Distance within which all is kept, seen or not, because it casts shadows [m]."""
+
+SIGHT_RADIUS = 0.3
+"""Radius around the line of sight to the target that is kept free [m]."""
+
+CHUNK = 1 << 21
+"""Pairs of places and poses that are looked at together."""
+
+
+@dataclass(frozen=True, eq=False)
+class FilmView:
+    """Poses of the cameras of a film.
+
+    Attributes:
+        eyes: (P, 3) [m].
+        targets: (P, 3) [m].
+        ahead: (P, 3) unit vectors.
+        angles: (P,) from there to the corners of the frame [rad].
+    """
+
+    eyes: Array
+    targets: Array
+    ahead: Array
+    angles: Array
+
+    @staticmethod
+    def of(poses: Sequence[CameraPose], aspect: float) -> FilmView:
+        """Return the view of a film by its poses and the width of its frame by the height."""
+        some = poses[:: -(-len(poses) // MAX_POSES)]
+        eyes = np.array([pose.p_WC for pose in some], float)
+        targets = np.array([pose.p_WT for pose in some], float)
+        ahead = targets - eyes
+        ahead /= np.linalg.norm(ahead, axis=-1, keepdims=True)
+        half = np.tan(np.radians([pose.fov_deg for pose in some]) / 2.0)
+        corner = np.arctan(half * np.hypot(1.0, aspect))
+        return FilmView(eyes, targets, ahead, corner + np.radians(MARGIN_DEG))
+
+    def tile_distances(self, centers: Array, radii: Array) -> Array:
+        """Return how near (T,) tiles come to a camera that sees them; infinite where none does.
+
+        Args:
+            centers: (T, 3) [m].
+            radii: (T,) [m].
+        """
+        result = np.full(len(centers), np.inf)
+        step = max(CHUNK // len(self.eyes), 1)
+        for start in range(0, len(centers), step):
+            part = slice(start, start + step)
+            way = centers[part, None] - self.eyes[None]
+            distance = np.linalg.norm(way, axis=-1)
+            near = np.maximum(distance - radii[part, None], 0.0)
+            cosine = (way * self.ahead).sum(axis=-1) / np.maximum(distance, 1e-9)
+            apart = np.arccos(np.clip(cosine, -1.0, 1.0))
+            wide = np.arcsin(np.clip(radii[part, None] / np.maximum(distance, 1e-9), 0.0, 1.0))
+            seen = (apart < self.angles + wide) | (near < AROUND)
+            result[part] = np.where(seen, near, np.inf).min(axis=1)
+        return result
+
+    def distances(self, points: Array) -> Array:
+        """Return the distances (N,) of points (N, 3) from the nearest camera [m]."""
+        return np.asarray(cKDTree(self.eyes).query(points, workers=1)[0])
+
+    def in_the_way(self, points: Array, heights: Array, radii: Array) -> NDArray[np.bool_]:
+        """Return which things (N,) would stand before a camera's target.
+
+        Args:
+            points: (N, 3) feet of the things [m].
+            heights: (N,) [m].
+            radii: (N,) [m].
+        """
+        result = np.zeros(len(points), bool)
+        far = float(np.linalg.norm(self.targets - self.eyes, axis=-1).max())
+        close = np.flatnonzero(self.distances(points) < far + radii + heights)
+        lines = self.targets - self.eyes
+        flat = lines[:, [0, 2]]
+        squares = np.maximum((flat * flat).sum(axis=-1), 1e-9)
+        step = max(CHUNK // len(self.eyes), 1)
+        for start in range(0, len(close), step):
+            some = close[start : start + step]
+            way = points[some, None][..., [0, 2]] - self.eyes[None][..., [0, 2]]
+            t = np.clip((way * flat).sum(axis=-1) / squares, 0.0, 0.95)
+            apart = np.linalg.norm(way - t[..., None] * flat, axis=-1)
+            sight = self.eyes[:, 1] + t * lines[:, 1]
+            top = (points[some, 1] + heights[some])[:, None]
+            blocks = (apart < radii[some, None] + SIGHT_RADIUS) & (top > sight - 0.1)
+            # Nothing may touch the lens, from whichever side.
+            eye = np.abs(0.5 * (points[some, 1][:, None] + top) - self.eyes[:, 1])
+            lens = (np.hypot(np.linalg.norm(way, axis=-1), eye)) < 0.3 + np.hypot(
+                radii[some], 0.5 * heights[some]
+            )[:, None]
+            result[some] = (blocks | lens).any(axis=1)
+        return result

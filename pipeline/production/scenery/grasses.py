@@ -1,0 +1,141 @@
+"""Grasses, reeds and crops: clumps of blades."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.production.scenery.prototype import Color, Prototype, Shape, add_blades, add_leaves
+from pipeline.simulation.spatial import Array
+
+
+@dataclass(frozen=True)
+class Clump:
+    """A clump of blades.
+
+    Attributes:
+        blades: their number, nearby.
+        height: of the tallest blades [m].
+        width: of a blade [m].
+        spread: radius of the clump at its foot [m].
+        lean: by how much tips hang over, relative to the height.
+        root: linear colour of the foot.
+        tip: linear colour of the tips.
+        dry: share of dry blades.
+        straw: colour of dry tips.
+        outward: whether blades bend away from the middle of the clump.
+        ears: number of stalks with a head of seeds.
+        ear: colour of the heads.
+        ear_length: relative to the height.
+    """
+
+    blades: int
+    height: float
+    width: float
+    spread: float
+    lean: float
+    root: Color
+    tip: Color
+    dry: float = 0.1
+    straw: Color = (0.34, 0.27, 0.12)
+    outward: bool = False
+    ears: int = 0
+    ear: Color = (0.3, 0.24, 0.11)
+    ear_length: float = 0.2
+
+
+CLUMPS: dict[str, Clump] = {
+    "short grass": Clump(
+        30, 0.085, 0.0045, 0.095, 0.50, (0.055, 0.085, 0.018), (0.175, 0.255, 0.056), 0.10
+    ),
+    "meadow grass": Clump(
+        30, 0.21, 0.0052, 0.10, 0.60, (0.050, 0.080, 0.017), (0.185, 0.262, 0.058), 0.13, ears=1
+    ),
+    "tall grass": Clump(
+        24, 0.46, 0.0065, 0.09, 0.45, (0.058, 0.082, 0.020), (0.245, 0.275, 0.085), 0.25, ears=4
+    ),
+    "dry grass": Clump(
+        40, 0.26, 0.0042, 0.06, 0.65, (0.150, 0.112, 0.050), (0.48, 0.375, 0.185), 0.35,
+        outward=True, ears=2, ear=(0.45, 0.36, 0.20),
+    ),
+    "tussock": Clump(
+        80, 0.34, 0.0042, 0.07, 1.0, (0.072, 0.070, 0.026), (0.310, 0.270, 0.110), 0.35,
+        outward=True, ears=2,
+    ),
+    "beach grass": Clump(
+        30, 0.55, 0.0055, 0.09, 0.65, (0.085, 0.100, 0.042), (0.325, 0.335, 0.165), 0.25,
+        straw=(0.45, 0.37, 0.21), outward=True, ears=1, ear=(0.42, 0.34, 0.18),
+    ),
+    "sedge": Clump(
+        40, 0.13, 0.0040, 0.06, 0.85, (0.085, 0.066, 0.024), (0.270, 0.195, 0.075), 0.3,
+        straw=(0.33, 0.20, 0.085), outward=True,
+    ),
+    "reeds": Clump(
+        12, 1.5, 0.022, 0.18, 0.25, (0.075, 0.088, 0.028), (0.205, 0.240, 0.080), 0.2,
+        ears=3, ear=(0.100, 0.055, 0.025), ear_length=0.12,
+    ),
+    "wheat": Clump(
+        12, 0.72, 0.010, 0.08, 0.28, (0.20, 0.145, 0.055), (0.50, 0.370, 0.150), 0.3,
+        ears=10, ear=(0.55, 0.400, 0.165), ear_length=0.14,
+    ),
+}  # fmt: skip
+"""Kinds of grass."""
+
+LEVELS = ((1.0, 2, 1.0), (0.5, 2, 1.6), (0.24, 1, 2.6))
+"""Levels of detail: share of the blades, segments of a blade, factor on its width."""
+
+
+def clump(kind: str, seed: int, level: int) -> Prototype:
+    """Return a clump of grass at a level of detail."""
+    config = CLUMPS[kind]
+    rng = np.random.default_rng([seed, 17])
+    share, segments, wide = LEVELS[level]
+    n = max(round(config.blades * share), 3)
+    angle, out = rng.uniform(0, 2 * np.pi, n), config.spread * np.sqrt(rng.uniform(size=n))
+    roots = np.stack([out * np.cos(angle), np.full(n, -0.01), out * np.sin(angle)], axis=-1)
+    # Few blades are tall; outer ones are shorter and hang over more.
+    heights = config.height * rng.uniform(0.42, 1.0, n) * (1.0 - 0.25 * out / config.spread)
+    leans = heights * config.lean * rng.uniform(0.3, 1.25, n)
+    headings = angle + rng.normal(0.0, 0.45, n) if config.outward else None
+    widths = wide * config.width * rng.uniform(0.7, 1.3, n)
+    shape = Shape()
+    add_blades(
+        *(shape, rng, roots, heights, leans, widths, (config.root, config.tip)),
+        segments=segments,
+        headings=headings,
+        dry=(config.dry, config.straw),
+    )
+    if config.ears:
+        _add_ears(shape, rng, config, max(round(config.ears * share), 1), level)
+    return shape.prototype()
+
+
+def _add_ears(
+    shape: Shape, rng: np.random.Generator, config: Clump, count: int, level: int
+) -> None:
+    """Add stalks with heads of seeds."""
+    angle = rng.uniform(0, 2 * np.pi, count)
+    out = 0.6 * config.spread * rng.uniform(size=count)
+    roots = np.stack([out * np.cos(angle), np.zeros(count), out * np.sin(angle)], axis=-1)
+    heights = config.height * rng.uniform(1.15, 1.5, count)
+    straw = tuple(0.55 * np.add(config.tip, config.straw))
+    thin = config.width * (0.45, 0.7, 1.0)[level]
+    tips = add_blades(
+        *(shape, rng, roots, heights, 0.22 * heights, np.full(count, thin)),
+        (config.root, straw),
+        segments=2 if level < 2 else 1,
+        blunt=0.5,
+    )
+    length = config.ear_length * config.height
+    # A head is a bundle of scales around the stalk.
+    each = (5, 3, 1)[level]
+    around = rng.uniform(0, 2 * np.pi, (count, each))
+    way = np.stack([0.35 * np.cos(around), np.ones_like(around), 0.35 * np.sin(around)], axis=-1)
+    where = np.linspace(-0.75, 0.0, each)[None, :, None] * length * np.array([0.0, 1.0, 0.0])
+    base = (tips[:, None] + where).reshape(-1, 3)
+    way = way.reshape(-1, 3)
+    size = np.full(len(base), length * (0.55 if each > 1 else 1.1))
+    colors = np.asarray(config.ear) * rng.uniform(0.8, 1.2, (len(base), 1))
+    face: Array = rng.normal(size=(len(base), 3))
+    add_leaves(shape, base, way, face, size, 0.28 * size, colors, fold=0.3)

@@ -1,0 +1,296 @@
+"""Herbs and litter: flowers, ferns, mushrooms, maize, succulents, fallen leaves and twigs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.production.scenery.prototype import (
+    UP,
+    Color,
+    Prototype,
+    Shape,
+    across,
+    add_blades,
+    add_leaves,
+    add_tubes,
+    unit,
+)
+from pipeline.simulation.spatial import Array
+
+STEM: tuple[Color, Color] = ((0.040, 0.062, 0.016), (0.095, 0.155, 0.035))
+
+
+@dataclass(frozen=True)
+class Flower:
+    """A flower.
+
+    Attributes:
+        height: of the stems [m].
+        stems: their number.
+        petals: of a head.
+        petal: length of a petal [m].
+        wide: width of a petal relative to its length.
+        color: of the petals, linear.
+        heart: colour of the middle.
+        cup: how far petals stand up, 0 to 1.
+    """
+
+    height: float
+    stems: int
+    petals: int
+    petal: float
+    wide: float
+    color: Color
+    heart: Color
+    cup: float = 0.15
+
+
+FLOWERS: dict[str, Flower] = {
+    "daisy": Flower(0.15, 4, 11, 0.017, 0.42, (0.78, 0.77, 0.72), (0.66, 0.40, 0.02)),
+    "buttercup": Flower(0.25, 4, 5, 0.013, 0.95, (0.82, 0.56, 0.015), (0.50, 0.38, 0.02), 0.4),
+    "poppy": Flower(0.40, 3, 4, 0.040, 1.30, (0.68, 0.030, 0.012), (0.020, 0.015, 0.015), 0.55),
+    "cornflower": Flower(0.42, 3, 9, 0.021, 0.50, (0.085, 0.125, 0.68), (0.12, 0.05, 0.35), 0.35),
+}
+"""Kinds of flowers."""
+
+
+def flower(kind: str, seed: int, level: int) -> Prototype:
+    """Return a group of flowers at a level of detail."""
+    config, rng, shape = FLOWERS[kind], np.random.default_rng([seed, 29]), Shape()
+    n = config.stems if level < 2 else max(config.stems // 2, 1)
+    angle, out = rng.uniform(0, 2 * np.pi, n), 0.10 * np.sqrt(rng.uniform(size=n))
+    roots = np.stack([out * np.cos(angle), np.zeros(n), out * np.sin(angle)], axis=-1)
+    heights = config.height * rng.uniform(0.7, 1.1, n)
+    tips = add_blades(
+        *(shape, rng, roots, heights, 0.2 * heights, np.full(n, 0.004)), STEM, blunt=0.6
+    )
+    lean = unit(tips - roots + rng.normal(0, 0.25 * config.height, (n, 3)))
+    petals = config.petals if level == 0 else max(config.petals // 2, 3)
+    wide = config.wide * (1.0 if level == 0 else 1.8)
+    turn = 2 * np.pi * (np.arange(petals) + rng.uniform(size=(n, 1))) / petals
+    u, w = across(lean)
+    ray = np.cos(turn)[..., None] * u[:, None] + np.sin(turn)[..., None] * w[:, None]
+    way = (ray + config.cup * lean[:, None]).reshape(-1, 3)
+    size = np.full(len(way), config.petal) * rng.uniform(0.85, 1.1, len(way))
+    light = rng.uniform(0.85, 1.05, (len(way), 1))
+    face = np.repeat(lean, petals, axis=0)
+    add_leaves(
+        shape,
+        np.repeat(tips, petals, axis=0),
+        way,
+        face,
+        size,
+        wide * size,
+        np.asarray(config.color) * light,
+        normals=unit(face + 0.5 * way),
+    )
+    if level < 2:
+        # The heart: four small leaves that make a button.
+        quarter = 0.5 * np.pi * np.arange(4)[:, None]
+        ray = np.cos(quarter) * u[:, None] + np.sin(quarter) * w[:, None]
+        size = np.full(4 * n, 0.36 * config.petal)
+        above = np.repeat(tips + 0.05 * config.petal * lean, 4, axis=0)
+        heart = np.broadcast_to(config.heart, (4 * n, 3))
+        add_leaves(
+            *(shape, above, ray.reshape(-1, 3), np.repeat(lean, 4, axis=0), size, 1.2 * size, heart)
+        )
+    _add_foot(shape, rng, 0.35 * config.height, 7 if level == 0 else 3)
+    return shape.prototype()
+
+
+def _add_foot(shape: Shape, rng: np.random.Generator, length: float, count: int) -> None:
+    """Add leaves around the foot of a herb."""
+    angle = rng.uniform(0, 2 * np.pi, count)
+    way = np.stack([np.cos(angle), rng.uniform(0.4, 1.3, count), np.sin(angle)], axis=-1)
+    base = 0.05 * rng.normal(size=(count, 3)) * [1, 0, 1]
+    size = length * rng.uniform(0.5, 1.0, count)
+    color = np.array([0.065, 0.11, 0.025]) * rng.uniform(0.7, 1.2, (count, 1))
+    add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.3 * size, color)
+
+
+def fern(seed: int, level: int) -> Prototype:
+    """Return a fern: arching fronds with leaflets on both sides."""
+    rng, shape = np.random.default_rng([seed, 31]), Shape()
+    fronds, each = ((13, 15), (10, 8), (7, 3))[level]
+    for k in range(fronds):
+        heading = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / fronds
+        length = 0.55 * rng.uniform(0.7, 1.1)
+        ahead = np.array([np.cos(heading), 0.0, np.sin(heading)])
+        t = (np.arange(each) + 0.6) / each
+        rise = rng.uniform(0.75, 1.05)
+        rachis = length * (t[:, None] * ahead * 0.95 + (rise * t * (1.0 - 0.62 * t))[:, None] * UP)
+        along = unit(np.gradient(rachis, axis=0) if each > 1 else ahead[None])
+        side = unit(np.cross(along, UP))
+        face = np.cross(side, along)
+        size = 0.34 * length * np.sin(np.pi * (0.12 + 0.88 * t) ** 0.75)
+        green = np.array([0.095, 0.145, 0.034]) * rng.uniform(0.75, 1.2)
+        color = green * (0.65 + 0.6 * t)[:, None]
+        for sign in (-1.0, 1.0):
+            way = sign * side + 0.45 * along - 0.18 * UP
+            wide = (0.24 if level == 0 else 0.42 if level == 1 else 0.9) * size
+            add_leaves(shape, rachis, way, face, size, wide, color, unit(face + 0.4 * UP))
+        tip = rachis[-1:]
+        add_leaves(shape, tip, along[-1:], face[-1:], size[-1:], 0.5 * size[-1:], color[-1:])
+    return shape.prototype()
+
+
+def heather(seed: int, level: int) -> Prototype:
+    """Return a cushion of heather: twigs with tiny leaves and pale purple flowers."""
+    rng, shape = np.random.default_rng([seed, 37]), Shape()
+    n = (150, 60, 22)[level]
+    angle, out = rng.uniform(0, 2 * np.pi, n), np.sqrt(rng.uniform(size=n))
+    roots = 0.13 * np.stack([out * np.cos(angle), np.zeros(n), out * np.sin(angle)], axis=-1)
+    heights = 0.27 * rng.uniform(0.6, 1.0, n) * (1.0 - 0.35 * out**2)
+    width = np.full(n, (0.012, 0.02, 0.034)[level])
+    tips = add_blades(
+        *(shape, rng, roots, heights, 0.55 * heights * out, width),
+        ((0.035, 0.030, 0.014), (0.085, 0.092, 0.036)),
+        headings=angle,
+        segments=1,
+    )
+    blooming = rng.uniform(size=n) < 0.6
+    base = tips[blooming] - 0.25 * heights[blooming, None] * UP
+    m = len(base)
+    size = 0.3 * heights[blooming]
+    color = np.array([0.24, 0.10, 0.19]) * rng.uniform(0.6, 1.2, (m, 1))
+    way = UP + 0.4 * rng.normal(size=(m, 3))
+    add_leaves(
+        *(shape, base, way, rng.normal(size=(m, 3)), size, 0.16 * size * (1 + level), color),
+        normals=np.tile(UP, (m, 1)),
+    )
+    return shape.prototype()
+
+
+def succulent(seed: int, level: int) -> Prototype:
+    """Return a rosette of thick, pointed leaves, as of an agave."""
+    rng, shape = np.random.default_rng([seed, 41]), Shape()
+    n = (34, 24, 12)[level]
+    k = np.arange(n)
+    angle = 2.39996 * k
+    rise = np.linspace(0.25, 3.2, n)
+    way = unit(np.stack([np.cos(angle), rise, np.sin(angle)], axis=-1))
+    size = 0.42 * rng.uniform(0.85, 1.1, n) * (1.0 - 0.35 * k / n)
+    color = np.array([0.125, 0.165, 0.105]) * rng.uniform(0.8, 1.15, (n, 1))
+    base = 0.04 * way
+    add_leaves(shape, base, way, np.tile(UP, (n, 1)), size, 0.26 * size, color, fold=0.35)
+    return shape.prototype()
+
+
+def maize(seed: int, level: int) -> Prototype:
+    """Return a stalk of maize with long, hanging leaves and a tassel."""
+    rng, shape = np.random.default_rng([seed, 43]), Shape()
+    height = 1.9 * rng.uniform(0.85, 1.1)
+    sides = (6, 4, 3)[level]
+    stalk = np.array([[0.0, 0.0, 0.0], [0.02, 0.5 * height, 0.01], [0.03, height, -0.01]])
+    radii = np.array([0.017, 0.014, 0.006])
+    green = np.tile([0.13, 0.18, 0.05], (2, 1))
+    add_tubes(shape, stalk[:-1], stalk[1:], radii[:-1], radii[1:], green, sides)
+    n = (11, 9, 6)[level]
+    at = np.linspace(0.12, 0.92, n) * height
+    roots = np.stack([np.zeros(n), at, np.zeros(n)], axis=-1)
+    headings = np.pi * np.arange(n) + rng.normal(0, 0.45, n)
+    long = 1.05 * rng.uniform(0.75, 1.1, n) * np.sin(np.pi * np.linspace(0.3, 0.8, n))
+    add_blades(
+        *(shape, rng, roots, 0.5 * long, 0.95 * long, np.full(n, 0.075)),
+        ((0.075, 0.120, 0.026), (0.135, 0.195, 0.045)),
+        headings=headings,
+        segments=(4, 3, 2)[level],
+        variation=0.15,
+    )
+    tassel = np.tile(stalk[-1:], (6, 1))
+    add_blades(
+        *(shape, rng, tassel, np.full(6, 0.24), np.full(6, 0.1), np.full(6, 0.012)),
+        ((0.30, 0.24, 0.10), (0.46, 0.36, 0.17)),
+    )
+    return shape.prototype()
+
+
+def mushroom(seed: int, level: int) -> Prototype:
+    """Return two or three mushrooms with round caps."""
+    rng, shape = np.random.default_rng([seed, 47]), Shape()
+    sides, rings = ((12, 5), (8, 4), (5, 3))[level]
+    cap_color = np.array([[0.26, 0.125, 0.05], [0.42, 0.30, 0.17], [0.48, 0.045, 0.020]])[seed % 3]
+    for _ in range(rng.integers(2, 5)):
+        size = 0.035 * rng.uniform(0.6, 1.3)
+        at = rng.normal(0, 0.05, 3) * [1, 0, 1]
+        height = size * rng.uniform(1.2, 1.9)
+        pale = np.array([[0.55, 0.50, 0.40]])
+        top = at + height * UP
+        add_tubes(
+            *(shape, at[None], top[None], np.array([0.27 * size]), np.array([0.2 * size])),
+            pale,
+            sides,
+        )
+        t = np.linspace(0.0, 1.0, rings)
+        around = 2 * np.pi * np.arange(sides) / sides
+        radius = size * np.sin(0.5 * np.pi * (0.04 + 0.96 * t)) ** 0.8
+        drop = 0.75 * size * (1.0 - np.cos(0.5 * np.pi * t))
+        ray = np.stack([np.cos(around), np.zeros(sides), np.sin(around)], axis=-1)
+        cap = top + 0.5 * size * UP - drop[:, None, None] * UP + radius[:, None, None] * ray
+        normals = ray * t[:, None, None] + UP * (1.15 - t)[:, None, None]
+        shade = cap_color * (1.1 - 0.35 * t)[:, None, None] * np.ones((1, sides, 1))
+        # The gills: the rim drawn in to the stem.
+        gills = cap[-1:] * 0.25 + (top + 0.05 * size * UP) * 0.75
+        rim = np.concatenate([cap, cap[-1:], gills])
+        normals = np.concatenate([normals, np.broadcast_to(-UP, (2, sides, 3))])
+        shade = np.concatenate([shade, np.broadcast_to(0.8 * pale, (2, sides, 3))])
+        j, i = np.arange(sides), np.arange(rings + 1)[:, None] * sides
+        q = (j + 1) % sides
+        a, b = i + j, i + q
+        faces = np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1)
+        shape.add(rim, normals, shade, faces.reshape(-1, 3), thin=False)
+    return shape.prototype()
+
+
+def fallen_leaves(seed: int, level: int) -> Prototype:
+    """Return leaves of autumn that lie within 0.6 m."""
+    rng, shape = np.random.default_rng([seed, 53]), Shape()
+    n = (26, 15, 7)[level]
+    base = rng.normal(0, 0.22, (n, 3)) * [1, 0, 1] + [0, 0.008, 0]
+    way = rng.normal(size=(n, 3)) * [1, 0.22, 1]
+    face = UP + 0.35 * rng.normal(size=(n, 3))
+    palette = np.array(
+        [[0.26, 0.12, 0.035], [0.35, 0.20, 0.05], [0.17, 0.085, 0.035], [0.30, 0.085, 0.025]]
+    )
+    color = palette[rng.integers(0, 4, n)] * rng.uniform(0.6, 1.2, (n, 1))
+    size = 0.05 * rng.uniform(0.6, 1.25, n) * (1.0, 1.3, 1.9)[level]
+    add_leaves(shape, base, way, face, size, 0.6 * size, color, fold=0.22)
+    return shape.prototype()
+
+
+def twigs(seed: int, level: int) -> Prototype:
+    """Return fallen twigs that lie crosswise within 0.6 m."""
+    rng, shape = np.random.default_rng([seed, 59]), Shape()
+    n = (5, 4, 2)[level]
+    start = rng.normal(0, 0.16, (n, 3)) * [1, 0, 1] + [0, 0.012, 0]
+    way = rng.normal(size=(n, 3)) * [1, 0.07, 1]
+    middle = start + 0.2 * unit(way) * rng.uniform(0.5, 1.2, (n, 1))
+    bend = unit(way + 0.4 * rng.normal(size=(n, 3)) * [1, 0.2, 1])
+    end = middle + 0.2 * bend * rng.uniform(0.4, 1.1, (n, 1))
+    color = np.array([0.085, 0.062, 0.043]) * rng.uniform(0.7, 1.4, (n, 1))
+    r = 0.0035 * rng.uniform(0.5, 1.7, n)
+    sides = (5, 4, 3)[level]
+    add_tubes(shape, start, middle, r, 0.8 * r, color, sides)
+    add_tubes(shape, middle, end, 0.8 * r, 0.4 * r, color, sides)
+    return shape.prototype()
+
+
+def moss_cushion(seed: int, level: int) -> Prototype:
+    """Return a low cushion of moss, of many tiny upright leaves."""
+    rng, shape = np.random.default_rng([seed, 61]), Shape()
+    n = (340, 120, 30)[level]
+    angle, out = rng.uniform(0, 2 * np.pi, n), np.sqrt(rng.uniform(size=n))
+    dome = 0.035 * (1.0 - out**2)
+    roots: Array = np.stack(
+        [0.15 * out * np.cos(angle), dome - 0.012, 0.15 * out * np.sin(angle)], axis=-1
+    )
+    size = rng.uniform(0.008, 0.017, n) * (1.0, 1.5, 2.4)[level]
+    add_blades(
+        *(shape, rng, roots, size, 0.5 * size, np.full(n, (0.006, 0.012, 0.03)[level])),
+        ((0.050, 0.072, 0.014), (0.135, 0.175, 0.036)),
+        segments=1,
+        headings=angle,
+    )
+    return shape.prototype()

@@ -1,0 +1,100 @@
+"""Scatter choice: which species a scene's author wants, or what suits the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pipeline.production.scenery.placement import Wanted
+from pipeline.production.scenery.species import KINDS
+from pipeline.production.surroundings.choice import NATURAL, Choice
+from pipeline.spec.scene import Scene
+from pipeline.spec.terrain.scatter import SCATTER_PRESETS, ScatteredSpecies
+from render.config import MATERIALS
+
+BY_MATERIAL = {"moss": "moss", "dry soil": "steppe", "dark soil": "pasture"}
+"""Presets of ground materials by name."""
+
+BY_TEXTURE = {
+    "grass": "meadow",
+    "soil": "steppe",
+    "sand": "dunes",
+    "snow": "tundra",
+    "rock": "scree",
+    "gravel": "scree",
+    "mud": "wetland",
+    "ice": "none",
+}
+"""Presets of natural ground by its texture."""
+
+OF_FLOORS = frozenset({"pavement", "room"})
+"""Presets that lie on floors; all others lie on the land around a floor."""
+
+
+@dataclass(frozen=True)
+class ScatterChoice:
+    """What is scattered over a scene's ground.
+
+    Attributes:
+        fitted: species whose cover is thinned out to fit the budget.
+        asked: species with densities of the author's own, which is kept.
+        factor: on the budget, as the author's factor on densities.
+    """
+
+    fitted: tuple[Wanted, ...]
+    asked: tuple[Wanted, ...]
+    factor: float = 1.0
+
+    @staticmethod
+    def of(scene: Scene, around: Choice) -> ScatterChoice:
+        """Return the choice of a scene's author, or what suits the scene."""
+        scatter = scene.terrain.scatter
+        ground = scene.terrain.material
+        own = _suiting(scene, ground)
+        land = _suiting(scene, around.material)
+        if around.kind == "none" and scene.light.studio is not None:
+            own, land = "none", "none"
+        if around.kind == "sea":
+            own, land = (("beach" if name == "dunes" else name) for name in (own, land))
+        if scatter.preset != "auto":
+            is_of_floor = scatter.preset in OF_FLOORS
+            if scatter.preset == "none":
+                own, land = "none", "none"
+            elif around.joins == "platform":
+                own, land = (scatter.preset, land) if is_of_floor else (own, scatter.preset)
+            else:
+                own, land = scatter.preset, scatter.preset
+        fitted = _of_presets(own, land, scatter.density)
+        asked = tuple(_asked(one) for one in scatter.species)
+        return ScatterChoice(fitted, asked, max(scatter.density, 1.0))
+
+    @property
+    def wanted(self) -> tuple[Wanted, ...]:
+        """All species."""
+        return (*self.fitted, *self.asked)
+
+
+def _suiting(scene: Scene, name: str) -> str:
+    """Return the preset that suits a ground material; none suits a floor."""
+    texture = (scene.materials[name] if name in scene.materials else MATERIALS[name]).texture
+    if texture not in NATURAL:
+        return "none"
+    return BY_MATERIAL.get(name, BY_TEXTURE.get(texture, "none"))
+
+
+def _of_presets(own: str, land: str, density: float) -> tuple[Wanted, ...]:
+    """Return the species of the presets of terrain and land."""
+    if own == land:
+        return tuple(
+            Wanted(name, f * density) for name, f in SCATTER_PRESETS[own].items() if f * density > 0
+        )
+    return tuple(
+        Wanted(name, f * density, on_terrain=preset is own, on_land=preset is land)
+        for preset in (own, land)
+        for name, f in SCATTER_PRESETS[preset].items()
+        if f * density > 0
+    )
+
+
+def _asked(one: ScatteredSpecies) -> Wanted:
+    usual = KINDS[one.species].density
+    return Wanted(one.species, 1.0 if one.density is None else one.density / usual, one.size)

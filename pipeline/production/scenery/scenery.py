@@ -1,0 +1,116 @@
+"""Scenery: the plants and stones of a film, as meshes that stand still."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.expansion import meshes, triangle_counts
+from pipeline.production.scenery.film_view import FilmView
+from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.placement import Placed, Placement
+from pipeline.production.scenery.scatter_choice import ScatterChoice
+from pipeline.production.scenery.species import KINDS
+from render.shot import CameraPose, Mesh
+
+BUDGET = 1_250_000
+"""Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
+
+MAX_TRIANGLES = 6_000_000
+"""Triangles beyond which an author's own densities are refused."""
+
+TRIANGLE_BYTES = 190
+"""Memory that a triangle takes while frames are rendered, measured [bytes]."""
+
+
+class TooManyTriangles(Exception):
+    """An author's own densities take too much memory."""
+
+
+FULL_WIDTH = 1280
+"""Width of the frame for which scenery has all its density [pixels]."""
+
+
+def scenery_detail(width: int) -> float:
+    """Return the detail of scenery in frames of a width [pixels]."""
+    return float(min((width / FULL_WIDTH) ** 0.6, 1.5))
+
+
+def budget(detail: float) -> int:
+    """Return the number of triangles of scenery at a detail."""
+    return round(BUDGET * detail**1.5)
+
+
+def scenery_meshes(
+    ground: GroundSurface,
+    poses: Sequence[CameraPose],
+    aspect: float,
+    clearings: Clearings | None,
+    scatter: ScatterChoice,
+    seed: int,
+    detail: float,
+) -> tuple[Mesh, ...]:
+    """Return the plants and stones that the cameras of a film see.
+
+    Args:
+        ground: on which they stand.
+        poses: of the camera in all frames.
+        aspect: width of the frame by its height.
+        clearings: of the performers, None without any.
+        scatter: the species.
+        seed: of the scene.
+        detail: 1 for frames 1280 pixels wide.
+
+    Raises:
+        TooManyTriangles: the densities that the author asks for take too much memory.
+    """
+    if not scatter.wanted or not poses:
+        return ()
+    placement = Placement(ground, FilmView.of(poses, aspect), clearings, seed, detail)
+    fitted = [placement.placed(one) for one in scatter.fitted]
+    asked = [placement.placed(one) for one in scatter.asked]
+    most = round(scatter.factor * budget(detail))
+    every = [*thinned(fitted, most, detail), *asked]
+    _check_size(every, detail)
+    return meshes(every, detail)
+
+
+def _check_size(every: Sequence[Placed], detail: float) -> None:
+    counts = {placed.name: int(triangle_counts(placed, detail).sum()) for placed in every}
+    total = sum(counts.values())
+    if total <= MAX_TRIANGLES:
+        return
+    largest = max(counts, key=lambda name: counts[name])
+    memory = total * TRIANGLE_BYTES / 2**30
+    raise TooManyTriangles(
+        f"makes {total / 1e6:.1f} million triangles, which take {memory:.1f} GiB; at most "
+        f"{MAX_TRIANGLES / 1e6:g} million are allowed. '{largest}' has most of them, "
+        f"{counts[largest] / 1e6:.1f} million: lower its density, or the factor `density`"
+    )
+
+
+def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
+    """Return placed things within a number of triangles: of cover the highest ranks are left out.
+
+    Ranks are shares of the wanted density, so that all cover is thinned out alike.
+    """
+    counts = [triangle_counts(placed, detail) for placed in every]
+    is_cover = [KINDS[placed.name].layer == "cover" for placed in every]
+    fixed = sum(int(n.sum()) for n, cover in zip(counts, is_cover, strict=True) if not cover)
+    ranks = [p.rank for p, cover in zip(every, is_cover, strict=True) if cover]
+    if not ranks:
+        return list(every)
+    rank = np.concatenate(ranks)
+    weight = np.concatenate([n for n, cover in zip(counts, is_cover, strict=True) if cover])
+    order = np.argsort(rank, kind="stable")
+    total = fixed + np.cumsum(weight[order])
+    within = int(np.searchsorted(total, most, side="right"))
+    if within == len(order):
+        return list(every)
+    limit = float(rank[order[within]])
+    return [
+        placed.taken(placed.rank < limit) if cover else placed
+        for placed, cover in zip(every, is_cover, strict=True)
+    ]

@@ -1,0 +1,118 @@
+"""Stones: spheres that are cut by planes and roughened by noise."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.production.scenery.prototype import Color, Prototype, Shape, mixed, unit
+from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
+from pipeline.simulation.spatial import Array
+
+GREY: Color = (0.215, 0.2, 0.18)
+LICHEN: Color = (0.19, 0.2, 0.105)
+
+
+@cache
+def icosphere(halvings: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return vertices (V, 3) on the unit sphere and faces (F, 3), 20 times four to `halvings`."""
+    t = (1.0 + 5.0**0.5) / 2.0
+    corners = [(-1, t, 0), (1, t, 0), (-1, -t, 0), (1, -t, 0)]
+    corners += [(z, x, y) for x, y, z in corners[:4]] + [(y, z, x) for x, y, z in corners[:4]]
+    vertices = unit(np.array(corners, float))
+    # The faces are the triples of corners that lie nearest to one another.
+    near = np.linalg.norm(vertices[:, None] - vertices[None], axis=-1) < 1.1
+    faces = [
+        (a, b, c)
+        for a in range(12)
+        for b in range(a + 1, 12)
+        for c in range(b + 1, 12)
+        if near[a, b] and near[b, c] and near[a, c]
+    ]
+    triangles = np.array(faces)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    inward = (np.cross(b - a, c - a) * a).sum(axis=-1) < 0.0
+    triangles[inward] = triangles[inward][:, [0, 2, 1]]
+    for _ in range(halvings):
+        edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        unique, number = np.unique(edges, axis=0, return_inverse=True)
+        x, y, z = (number.reshape(-1, 3) + len(vertices)).T
+        p, q, r = triangles.T
+        vertices = np.concatenate([vertices, unit(vertices[unique].mean(axis=1))])
+        triangles = np.concatenate(
+            [np.stack(t, axis=-1) for t in ((p, x, z), (q, y, x), (r, z, y), (x, y, z))]
+        )
+    return vertices, triangles
+
+
+def surface_normals(vertices: Array, faces: NDArray[np.int64]) -> Array:
+    """Return the normals (V, 3) of a closed surface, weighted by area."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    n = np.cross(b - a, c - a)
+    total = np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(total, faces[:, k], n)
+    return unit(total)
+
+
+def rough(points: Array, seed: int, octaves: int = 4) -> Array:
+    """Return noise (N,) at points (N, 3) of a surface around the origin."""
+    x, y, z = points.T
+    planes = [np.stack(pair, axis=-1) for pair in ((x, y), (y, z), (z, x))]
+    return np.asarray(sum(fractal(p, seed + 7 * k, octaves) for k, p in enumerate(planes)) / 1.8)
+
+
+def stone(seed: int, halvings: int, *, edged: float = 1.0, flat: float = 0.62) -> Prototype:
+    """Return a stone about two metres long that lies a third in the ground.
+
+    Args:
+        seed: of its shape.
+        halvings: of the edges of its sphere: 320 triangles for 2.
+        edged: share of the sphere that its planes cut off.
+        flat: height relative to its length.
+    """
+    rng = np.random.default_rng(seed)
+    vertices, faces = icosphere(halvings)
+    for _ in range(11):
+        normal = unit(rng.normal(size=3))
+        beyond = vertices @ normal - rng.uniform(0.52, 0.88)
+        vertices = vertices - (edged * 0.92 * np.maximum(beyond, 0.0))[:, None] * normal
+    vertices = vertices * (1.0 + 0.10 * rough(1.4 * vertices, seed, 3))[:, None]
+    vertices = vertices * [1.0, flat * rng.uniform(0.85, 1.15), rng.uniform(0.66, 0.9)]
+    normals = surface_normals(vertices, faces)
+    vertices = vertices * (1.0 + 0.035 * rough(4.3 * vertices, seed + 3, 3))[:, None]
+    grain = rough(3.1 * vertices, seed + 5)
+    color = np.asarray(GREY) * (1.0 + 0.42 * grain)[:, None]
+    lichen = smoothstep(0.15, 0.5, rough(2.0 * vertices, seed + 9)) * smoothstep(
+        0.2, 0.8, normals[:, 1]
+    )
+    color = mixed(color, LICHEN, 0.6 * lichen)
+    # Soil clings to the foot, and little light reaches it.
+    color = color * (0.55 + 0.45 * smoothstep(-0.25, 0.15, vertices[:, 1]))[:, None]
+    shape = Shape()
+    lifted = vertices + np.array([0.0, 0.22 * flat, 0.0])
+    shape.add(lifted, normals, color, faces, thin=False)
+    return shape.prototype()
+
+
+def pebbles(seed: int, count: int, halvings: int) -> Prototype:
+    """Return pebbles, each about 5 cm long, strewn over 0.5 m."""
+    rng = np.random.default_rng(seed)
+    shape = Shape()
+    for k in range(count):
+        one = stone(1000 * seed + k, halvings, edged=0.45, flat=0.6)
+        angle, size = rng.uniform(0, 2 * np.pi), 0.011 * float(np.exp(rng.normal(0.25, 0.5)))
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+        at = rng.normal(0.0, 0.17, 3) * [1, 0, 1]
+        light = np.exp(rng.normal(0.1, 0.3)) * np.array([1.0, *rng.normal([1, 0.98], 0.03)])
+        shape.add(
+            one.vertices @ turn.T * size + at,
+            one.normals @ turn.T,
+            one.colors * light,
+            one.solid.astype(np.int64),
+            thin=False,
+        )
+    return shape.prototype()

@@ -1,0 +1,239 @@
+"""Trees and shrubs: skeletons with bark and leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from pipeline.production.scenery.branches import Skeleton, add_bark, grown
+from pipeline.production.scenery.prototype import (
+    UP,
+    Color,
+    Prototype,
+    Shape,
+    add_leaves,
+    add_tubes,
+    random_directions,
+    unit,
+)
+from pipeline.simulation.spatial import Array
+
+
+@dataclass(frozen=True)
+class Crown:
+    """A broad-leaved tree or shrub.
+
+    Attributes:
+        height: of the whole [m].
+        trunk: height of the lowest branches relative to the whole.
+        low: height of the foot of the crown relative to the whole.
+        width: of the crown relative to the height.
+        top: where the crown is widest: 0.5 in its middle, 0.8 near its top.
+        stems: their number.
+        foot: radius of the stem at the ground [m].
+        attractors: points of free space.
+        step: of growth [m].
+        leaf: length of a leaf [m].
+        leaf_wide: width of a leaf relative to its length.
+        leaves: their number, nearby.
+        color: of leaves, linear.
+        young: colour of leaves at the outside of the crown.
+        bark: its colour.
+        sag: by which twigs hang.
+        hollow: share of the crown, from its middle, that stays without twigs.
+    """
+
+    height: float
+    trunk: float
+    low: float
+    width: float
+    top: float
+    stems: int
+    foot: float
+    attractors: int
+    step: float
+    leaf: float
+    leaf_wide: float
+    leaves: int
+    color: Color
+    young: Color
+    bark: Color
+    sag: float = 0.0
+    hollow: float = 0.35
+
+
+CROWNS: dict[str, Crown] = {
+    "oak": Crown(
+        8.5, 0.17, 0.22, 1.0, 0.52, 1, 0.27, 900, 0.34, 0.19, 0.62, 9000,
+        (0.052, 0.088, 0.018), (0.150, 0.205, 0.046), (0.085, 0.066, 0.048),
+    ),
+    "birch": Crown(
+        9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.125, 0.72, 8200,
+        (0.075, 0.118, 0.022), (0.200, 0.255, 0.060), (0.55, 0.53, 0.49), sag=0.22, hollow=0.1,
+    ),
+    "acacia": Crown(
+        6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.12, 0.45, 9500,
+        (0.068, 0.092, 0.028), (0.160, 0.185, 0.065), (0.105, 0.080, 0.058), hollow=0.1,
+    ),
+    "bush": Crown(
+        1.5, 0.02, 0.08, 1.2, 0.55, 5, 0.016, 420, 0.11, 0.085, 0.58, 2600,
+        (0.052, 0.090, 0.020), (0.145, 0.200, 0.050), (0.090, 0.070, 0.050), hollow=0.2,
+    ),
+    "scrub": Crown(
+        0.7, 0.02, 0.06, 1.5, 0.6, 7, 0.0085, 300, 0.065, 0.042, 0.40, 1700,
+        (0.115, 0.118, 0.064), (0.245, 0.232, 0.140), (0.130, 0.105, 0.078), hollow=0.1,
+    ),
+    "willow scrub": Crown(
+        0.55, 0.02, 0.05, 1.8, 0.6, 7, 0.0075, 260, 0.06, 0.050, 0.36, 1500,
+        (0.072, 0.095, 0.034), (0.215, 0.215, 0.095), (0.090, 0.068, 0.050), hollow=0.05,
+    ),
+}  # fmt: skip
+"""Broad-leaved trees and shrubs."""
+
+LEVELS = ((1.0, 1.0, 7), (0.36, 1.65, 5), (0.09, 3.2, 4), (0.016, 7.0, 3))
+"""Levels of detail: share of the leaves, factor on their length, sides of branches."""
+
+
+def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
+    """Return points (count, 3) in the crown, more of them near its surface [m]."""
+    low, high = config.low * config.height, config.height
+    points = random_directions(rng, 4 * count)
+    radius = rng.uniform(config.hollow**3, 1.0, 4 * count) ** (1.0 / 3.0)
+    # Bulges make boughs with air between them.
+    lobes = random_directions(rng, 9)
+    bulge = (points @ lobes.T).max(axis=1) ** 3
+    points = points * (radius * (0.62 + 0.38 * bulge))[:, None]
+    y = 0.5 * (points[:, 1] + 1.0)
+    # The height at which the crown is widest is moved up or down.
+    y = y ** (np.log(config.top) / np.log(0.5))
+    half = 0.5 * config.width * config.height
+    crown = np.stack([half * points[:, 0], low + (high - low) * y, half * points[:, 2]], axis=-1)
+    return np.asarray(crown[crown[:, 1] > low + 0.03][:count])
+
+
+@lru_cache(maxsize=64)
+def crown_skeleton(kind: str, seed: int) -> Skeleton:
+    """Return the skeleton of a broad-leaved tree or shrub."""
+    config = CROWNS[kind]
+    rng = np.random.default_rng([seed, 71])
+    attractors = _envelope(config, rng, config.attractors)
+    top = config.trunk * config.height
+    stems = []
+    for k in range(config.stems):
+        angle = 2 * np.pi * (k + rng.uniform()) / config.stems
+        out = np.array([np.cos(angle), 0.0, np.sin(angle)])
+        spread = 0.0 if config.stems == 1 else 0.16 * config.width * config.height
+        end = 0.75 * top * UP + spread * out + 0.07 * top * rng.normal(size=3) * [1, 0, 1]
+        if config.stems > 1:
+            end = end + 0.25 * config.height * UP
+        n = max(int(np.linalg.norm(end) / config.step), 2)
+        t = np.linspace(0.0, 1.0, n)[:, None]
+        sway = 0.04 * config.height * np.sin(2.5 * t + rng.uniform(0, 6)) * rng.normal(size=3)
+        stems.append(end * t + sway * t * (1 - t) * [1, 0, 1] - 0.05 * (1 - t) * UP)
+    return grown(stems, attractors, config.step, config.foot, sag=config.sag)
+
+
+def crown_tree(kind: str, seed: int, level: int) -> Prototype:
+    """Return a broad-leaved tree or shrub at a level of detail."""
+    config, skeleton = CROWNS[kind], crown_skeleton(kind, seed)
+    share, long, sides = LEVELS[level]
+    rng = np.random.default_rng([seed, 73, level])
+    shape = Shape()
+    light = 1.0 + 0.25 * rng.uniform(-1.0, 1.0, (len(skeleton.nodes), 1))
+    bark = np.asarray(config.bark) * light
+    if kind == "birch":
+        # Dark bands on white bark, and dark twigs.
+        dark = (rng.uniform(size=len(bark)) < 0.3) | (skeleton.radii < 0.16 * config.foot)
+        bark = np.where(dark[:, None], [0.09, 0.07, 0.06], bark)
+    tall, low = (0.03, 0.08, 0.2, 0.42), (0.1, 0.4, 0.8, 2.0)
+    least = config.foot * (tall if config.stems == 1 else low)[level]
+    add_bark(shape, skeleton, bark, least, sides)
+    # Leaves grow on thin twigs only.
+    thin = np.flatnonzero(skeleton.radii < (0.2 if config.stems == 1 else 0.6) * config.foot)
+    count = max(round(config.leaves * share), 24)
+    at = thin[rng.integers(0, len(thin), count)]
+    size = config.leaf * long * rng.uniform(0.65, 1.2, count)
+    back = rng.uniform(0.0, config.step, (count, 1)) * skeleton.ways[at]
+    loose = 0.7 * config.step * rng.normal(size=(count, 3))
+    base = skeleton.nodes[at] - back + loose
+    middle = np.array([0.0, 0.5 * (config.low + 0.9) * config.height, 0.0])
+    if config.stems > 1:
+        middle = middle * [1, 0.5, 1]
+    half = np.array([0.5 * config.width, 0.5 * (1 - config.low), 0.5 * config.width])
+    out = (base - middle) / (half * config.height)
+    depth = np.clip(np.linalg.norm(out, axis=-1), 0.0, 1.2)
+    way = 0.6 * unit(out) + 0.8 * random_directions(rng, count) + [0.0, -0.25 - config.sag, 0.0]
+    face = 0.6 * UP + random_directions(rng, count)
+    lit = np.clip((depth - 0.25) / 0.75, 0.0, 1.0) * (0.75 + 0.25 * unit(out)[:, 1])
+    color = np.asarray(config.color) + lit[:, None] * (
+        np.asarray(config.young) - np.asarray(config.color)
+    )
+    color = color * rng.uniform(0.72, 1.22, (count, 1))
+    normals = unit(0.9 * unit(out) + 0.5 * unit(face) + 0.25 * UP)
+    wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0)
+    add_leaves(shape, base, way, face, size, wide * size, color, normals)
+    return shape.prototype()
+
+
+def spruce(seed: int, level: int) -> Prototype:
+    """Return a spruce: whorls of drooping branches with sprays of needles."""
+    rng, shape = np.random.default_rng([seed, 79]), Shape()
+    height = 10.0 * rng.uniform(0.9, 1.1)
+    whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (8, 5, 1))[level]
+    t = (np.arange(whorls) + 0.5) / whorls
+    at = height * (0.07 + 0.92 * t**0.92)
+    length = 0.235 * height * (1.0 - t) ** 0.82 * (1.0 - 0.25 * np.exp(-t / 0.05)) + 0.06
+    around = 2 * np.pi * (np.arange(each) / each + 0.618 * np.arange(whorls)[:, None])
+    around = around + rng.normal(0, 0.18, around.shape)
+    length = length[:, None] * rng.uniform(0.72, 1.12, around.shape)
+    root = np.stack([np.zeros_like(around), at[:, None] + 0 * around, np.zeros_like(around)], -1)
+    root = root + [0, 1, 0] * rng.normal(0, 0.35 * height / whorls, (*around.shape, 1))
+    out = np.stack([np.cos(around), np.zeros_like(around), np.sin(around)], axis=-1)
+    n = whorls * each
+    root, out, length = root.reshape(n, 3), out.reshape(n, 3), length.reshape(n)
+    droop = np.repeat(0.42 - 0.75 * t, each)
+    along = np.linspace(0.12, 1.0, sprays + 1)[1:]
+    sway = along - 0.75 * along**2
+    place = (
+        root[:, None]
+        + (length[:, None] * along)[..., None] * out[:, None]
+        - (length[:, None] * (droop[:, None] * along - 0.22 * sway))[..., None] * UP
+    )
+    green, tip = np.array([0.032, 0.060, 0.020]), np.array([0.090, 0.132, 0.042])
+    color = green + along[None, :, None] ** 2 * (tip - green)
+    color = color * rng.uniform(0.75, 1.2, (n, 1, 1))
+    side = np.cross(out, UP)
+    spread = 1.15 * length[:, None] * (1.1 - 0.72 * along) * (1.0 if sprays > 1 else 0.6)
+    wide = (0.30, 0.42, 0.62, 1.0)[level]
+    normals = unit(out + 0.75 * UP)
+    for sign in (-1.0, 1.0):
+        way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.3, 0.0]
+        way = way + 0.18 * rng.normal(size=place.shape)
+        _add_sprays(shape, place, way, 0.62 * spread, wide, color, normals)
+    # The end of each branch.
+    _add_sprays(
+        shape, place[:, -1:], out[:, None], 0.3 * length[:, None], 0.5, color[:, -1:], normals
+    )
+    sides = (8, 6, 4, 3)[level]
+    trunk = height * np.linspace(-0.01, 0.96, 6)
+    points = np.stack([0.012 * height * np.sin(trunk), trunk, 0 * trunk], axis=-1)
+    radii = 0.016 * height * (1.03 - np.linspace(0.0, 1.0, 6))
+    bark = np.tile([0.085, 0.062, 0.047], (5, 1))
+    ways = np.tile(UP, (5, 1))
+    add_tubes(shape, points[:-1], points[1:], radii[:-1], radii[1:], bark, sides, (ways, ways))
+    return shape.prototype()
+
+
+def _add_sprays(
+    shape: Shape, place: Array, way: Array, size: Array, wide: float, color: Array, normals: Array
+) -> None:
+    """Add sprays (N, S) of needles that grow from places (N, S, 3)."""
+    n, s = place.shape[:2]
+    lengths = np.broadcast_to(size, (n, s)).ravel()
+    colors = np.broadcast_to(color, (n, s, 3)).reshape(-1, 3)
+    shade = np.repeat(normals, s, axis=0)
+    face = np.tile(UP, (n * s, 1))
+    ways = np.broadcast_to(way, (n, s, 3)).reshape(-1, 3)
+    add_leaves(shape, place.reshape(-1, 3), ways, face, lengths, wide * lengths, colors, shade)

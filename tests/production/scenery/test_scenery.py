@@ -1,0 +1,184 @@
+"""Scenery: stands on the ground, out of the way, and in the same places every time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.expansion import MATERIALS, meshes
+from pipeline.production.scenery.film_view import FilmView
+from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.placement import MARGIN, Placement, Wanted
+from pipeline.production.scenery.scatter_choice import ScatterChoice
+from pipeline.production.scenery.scenery import TooManyTriangles, scenery_meshes, thinned
+from pipeline.production.scenery.species import KINDS, prototype
+from pipeline.production.shots.film_tracks import FilmTracks
+from pipeline.production.surroundings.choice import Choice
+from pipeline.production.surroundings.land import Land
+from pipeline.production.surroundings.land_mesh import land_mesh, vertices_around
+from pipeline.simulation.take import TerrainRecord
+from pipeline.simulation.terrain import build_ground
+from pipeline.spec.scene_loader import read_scene
+from pipeline.spec.terrain.kinds import HillsTerrain
+from pipeline.spec.terrain.scatter import SPECIES
+from render.shot import CameraPose, Mesh
+
+DETAIL = 0.3
+GREEN = (0.15, 0.15, 0.06)
+POSES = tuple(CameraPose((6.0 + 0.1 * k, 1.5, 4.0), (0.0, 0.4, 0.0)) for k in range(5))
+VIEW = FilmView.of(POSES, 1.6)
+
+
+@pytest.fixture(scope="module")
+def record() -> TerrainRecord:
+    ground = build_ground(HillsTerrain(size=(20, 16), cells=(60, 48), height=0.6), seed=5)
+    field = ground.field
+    return TerrainRecord(field.vertices, field.faces, field.cells, ground.forbidden, "grass")
+
+
+@pytest.fixture(scope="module")
+def land(record: TerrainRecord) -> Land:
+    return Land(record, "hills", "rough", 2)
+
+
+@pytest.fixture(scope="module")
+def horizon(land: Land, record: TerrainRecord) -> Mesh:
+    return land_mesh(land, record, "grass", GREEN, DETAIL)
+
+
+@pytest.fixture(scope="module")
+def ground(land: Land, horizon: Mesh) -> GroundSurface:
+    return GroundSurface(land, horizon, GREEN, GREEN, vertices_around(DETAIL))
+
+
+def clearings() -> Clearings:
+    """A performer walked along x through the middle, and a box stands at (2, 2)."""
+    x, z = np.meshgrid(np.arange(-12, 12, 0.1), np.arange(-12, 12, 0.1))
+    distance = np.minimum(np.abs(z), np.hypot(x - 2, z - 2)) / Clearings.UNIT
+    return Clearings(
+        (-12.0, -12.0), 0.1, np.minimum(distance, 255).astype(np.uint8), np.hypot(x - 2, z - 2) < 1
+    )
+
+
+@pytest.mark.slow
+def test_every_species_has_a_shape_and_its_levels_of_detail_get_simpler() -> None:
+    assert set(SPECIES) == set(KINDS)
+    for name, species in KINDS.items():
+        counts = [prototype(name, 1, k).triangles for k in range(len(species.levels) + 1)]
+        assert counts == sorted(counts, reverse=True), name
+        shape = prototype(name, 1, 0)
+        assert np.isfinite(shape.vertices).all()
+        assert np.isfinite(shape.colors).all()
+        np.testing.assert_allclose(np.linalg.norm(shape.normals, axis=1), 1.0, atol=1e-5)
+        assert shape.vertices[:, 1].max() * species.sizes[1] < 1.5 * species.height + 0.03, name
+
+
+def test_places_lie_on_the_triangles_of_the_land(ground: GroundSurface, horizon: Mesh) -> None:
+    # The middles of its triangles, which no vertex shares.
+    faces = horizon.faces[5000:60000:211].astype(int)
+    corners = horizon.vertices[faces].astype(float)
+    middle = corners.mean(axis=1)
+    near = np.hypot(middle[:, 0], middle[:, 2]) < 300.0
+    found = ground.at(middle[near, 0], middle[near, 2]).height
+    spread = np.ptp(corners[near, :, 1], axis=1)
+    assert np.abs(found - middle[near, 1]).max() < 0.02 + 0.05 * spread.max()
+
+
+def test_a_lower_density_leaves_things_out_and_moves_none(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, DETAIL)
+    many, few = (placement.placed(Wanted("dry grass", d)).points for d in (1.0, 0.3))
+    assert 0.15 * len(many) < len(few) < 0.6 * len(many)
+    assert {tuple(p) for p in few.round(6)} <= {tuple(p) for p in many.round(6)}
+    assert not {
+        tuple(p)
+        for p in Placement(ground, VIEW, None, 4, DETAIL)
+        .placed(Wanted("dry grass", 1.0))
+        .points.round(6)
+    } & {tuple(p) for p in many.round(6)}
+
+
+def test_nothing_solid_stands_in_the_way_of_performers(ground: GroundSurface) -> None:
+    where = clearings()
+    placement = Placement(ground, VIEW, where, 3, 1.0)
+    stones = placement.placed(Wanted("stone", 3.0)).points
+    assert len(stones) > 50
+    least = KINDS["stone"].radius + MARGIN["solid"]
+    assert where.distance(stones[:, 0], stones[:, 2]).min() >= least - 1e-6
+    grass = placement.placed(Wanted("short grass", 1.0)).points
+    assert (where.distance(grass[:, 0], grass[:, 2]) < 0.1).any()
+    assert not where.is_covered(grass[:, 0], grass[:, 2]).any()
+
+
+def test_nothing_hides_the_target_of_a_camera(ground: GroundSurface) -> None:
+    bushes = Placement(ground, VIEW, None, 3, 1.0).placed(Wanted("bush", 20.0)).points
+    assert len(bushes) > 20
+    for pose in POSES:
+        a, b = (np.array([p[0], p[2]]) for p in (pose.p_WC, pose.p_WT))
+        t = np.clip(((bushes[:, [0, 2]] - a) @ (b - a)) / ((b - a) @ (b - a)), 0, 1)
+        apart = np.hypot(*(bushes[:, [0, 2]] - a - t[:, None] * (b - a)).T)
+        assert apart.min() > 0.8
+
+
+def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, DETAIL)
+    placed = [placement.placed(Wanted(name, 1.0)) for name in ("dry grass", "sedge", "boulder")]
+    made = [meshes(every, DETAIL) for every in (placed, thinned(placed, 30_000, DETAIL))]
+    full, less = (sum(len(mesh.faces) for mesh in some) for some in made)
+    assert full > 40_000
+    assert 28_000 < less <= 30_000
+    assert {mesh.name for mesh in made[0]} <= set(MATERIALS)
+
+
+def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:
+    choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
+    first, again = (
+        scenery_meshes(ground, POSES, 1.6, clearings(), choice, 9, DETAIL) for _ in range(2)
+    )
+    assert [mesh.digest for mesh in first] == [mesh.digest for mesh in again]
+
+
+def test_too_many_triangles_are_refused_with_their_memory(
+    ground: GroundSurface, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pipeline.production.scenery.scenery.MAX_TRIANGLES", 10_000)
+    choice = ScatterChoice((), (Wanted("dry grass", 1.0),))
+    with pytest.raises(TooManyTriangles, match=r"GiB; at most 0.01 million .* 'dry grass'"):
+        scenery_meshes(ground, POSES, 1.6, None, choice, 9, DETAIL)
+
+
+def test_tracks_keep_clearings() -> None:
+    where = clearings()
+    again = FilmTracks.of_arrays(FilmTracks(POSES, None, (), where).arrays()).clearings
+    assert again is not None
+    assert (again.corner, again.cell) == (where.corner, where.cell)
+    np.testing.assert_array_equal(again.distances, where.distances)
+    np.testing.assert_array_equal(again.covered, where.covered)
+
+
+@pytest.mark.parametrize(
+    ("terrain", "on_terrain", "on_land"),
+    [
+        ("{kind: flat, material: grass}", "oak", "oak"),
+        ("{kind: flat, material: sand}", "beach grass", "beach grass"),
+        ("{kind: flat, material: concrete}", None, "oak"),
+        ("{kind: flat, material: concrete, scatter: pavement}", "leaves", "oak"),
+        ("{kind: flat, material: grass, scatter: none}", None, None),
+        ("{kind: flat, material: grass, scatter: [fern]}", "fern", "fern"),
+        (
+            "{kind: flat, material: snow, scatter: {preset: tundra, density: 0.5}}",
+            "tussock",
+            "stone",
+        ),
+    ],
+)
+def test_scatter_suits_the_ground(
+    terrain: str, on_terrain: str | None, on_land: str | None
+) -> None:
+    scene = read_scene(f"pronk: 1\nframes: 1\nterrain: {terrain}\ncast: [{{figure: beetle}}]\n")
+    wanted = ScatterChoice.of(scene, Choice.of(scene)).wanted
+    for names, name in (
+        ({one.name for one in wanted if one.on_terrain}, on_terrain),
+        ({one.name for one in wanted if one.on_land}, on_land),
+    ):
+        assert (name in names) if name else not names

@@ -36,6 +36,11 @@ STRAIGHT_LIMIT_DEG = 8.0
 REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
 """Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
 
+HIP_PITCH_DEG = 125.0
+"""How far a mammal's hip or shoulder swings forward and back, as a person's thigh that comes up to
+the belly. A folded leg needs it where its foot is far ahead or behind: a hip at its limit would
+turn aside instead, all at once."""
+
 MAX_BEND_DEG = {LEG: 160.0, ARM: 150.0}
 """Greatest bend of knees and elbows from straight: calf on thigh, forearm on upper arm."""
 
@@ -218,7 +223,8 @@ def mammal_joint_ranges(
             inner[-1] = _ankle_range(inner[-1])
         # The foot of a leg drawn back over its own hip cannot come under it.
         under = math.degrees(_hip_pitch(steps, angles, inner))
-        base = {"pitch": range_in_degrees(-85, 85, min(max(under, -85.0), 85.0))}
+        most = HIP_PITCH_DEG
+        base = {"pitch": range_in_degrees(-most, most, min(max(under, -most), most))}
         roll = _splay_deg(side, splay, steps) if splay else 0.0
         base |= {"roll": range_in_degrees(-40, 40, roll), "yaw": range_in_degrees(-45, 45, 0)}
     return [base, *({"bend": stance} for stance in inner)]

@@ -132,3 +132,36 @@ def test_legs_that_cannot_make_their_steps_are_refused(
 ) -> None:
     with pytest.raises(SceneError, match=expected):
         Simulation(read_scene(SLIDER % (style, *[joint] * 4)))
+
+
+BIPED = """
+pronk: 1
+duration: 2
+terrain:
+  {preset: stairs, size: [12, 3], cells: [600, 30], start: -2, steps: 5, step_height: 0.14,
+   step_depth: 0.34}
+figures:
+  biped:
+    style: mammal
+    pitch_deg: 90
+    nodes:
+      pelvis: {at: [0, 0.02], radius: 0.115}
+      chest: {at: [0, -0.40], radius: 0.13}
+      hip_l: {at: [-0.095, 0.06], radius: 0.092}
+      knee_l: {at: [-0.11, 0.5], radius: 0.06}
+      ankle_l: {at: [-0.095, 0.91], radius: 0.042}
+      toe_l: {at: [-0.2, 0.97], radius: 0.04}
+    chains: [[pelvis, chest], [pelvis, hip_l, chest], [hip_l, knee_l, ankle_l, toe_l]]
+    then: [{mirror: x}]
+    parts: {toe_l: leg, toe_r: leg}
+cast: [{figure: biped, at: [-4, 0], walk: {}}]
+"""
+
+
+@pytest.mark.slow
+def test_thighs_come_up_on_stairs_without_pops() -> None:
+    walk = walk_through(read_scene(BIPED))
+    assert not _pops(walk)
+    pitch = [walk.walkers.herd.legs.upper[0, 0], float(walk.q[..., 0].max())]
+    # Farther than level, and not as far as hips go: there they would turn aside at once.
+    assert np.radians(86.0) < pitch[1] < pitch[0]

@@ -12,7 +12,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from render.airborne.airborne_pass import AirborneExposure, AirbornePass
+from render.airborne.airborne_pass import (
+    PLUME_RAYS,
+    AirborneExposure,
+    AirbornePass,
+    volumes_of,
+)
+from render.airborne.plumes import PlumeLight
 from render.airborne.precipitation import Precipitation
 from render.color import linear
 from render.config import FullFilm, Material
@@ -111,7 +117,7 @@ class MitsubaScene:
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
         self._meshes: tuple[Mesh, ...] = shot.meshes
-        self._airborne = self._airborne_pass()
+        self._airborne = self._airborne_pass(shot)
         keys = [shape for shape in self.scene.shapes() if shape.id() == "key"]
         self._key = keys[0].emitter() if keys else None
         self.update(shot.moments[0])
@@ -198,11 +204,20 @@ class MitsubaScene:
     def add_airborne(self, exposure: AirborneExposure, moment: Moment, k: int, count: int) -> None:
         """Add what is in the air at the k-th of `count` moments of an exposure."""
         key = np.zeros(3) if self._around.key is None else self._around.key.irradiance
-        falling = Precipitation.of(self._light.weather, self._around.ambient, key, moment.time)
-        exposure.add(self.sensor, moment.camera.fov_deg, falling, k, count)
+        weather, ambient = self._light.weather, self._around.ambient
+        falling = None
+        if weather.falls:
+            falling = Precipitation.of(weather, ambient, key, moment.time)
+        way = np.array([0.0, 1.0, 0.0]) if self._around.key is None else self._around.key.direction
+        plumes = volumes_of(moment, PlumeLight(way, key, ambient))
+        # Rain is sharp by itself; the edges of what is before flames are not.
+        rays = -(-PLUME_RAYS // count) if plumes else 1
+        for ray in range(k * rays, (k + 1) * rays):
+            exposure.add(*(self.sensor, moment.camera.fov_deg, falling, plumes, ray, count * rays))
 
-    def _airborne_pass(self) -> AirbornePass | None:
-        if not self._light.weather.falls or not dr.is_jit_v(mi.Float):
+    def _airborne_pass(self, shot: Shot) -> AirbornePass | None:
+        is_empty = not self._light.weather.falls and not shot.plumes
+        if is_empty or not dr.is_jit_v(mi.Float):
             return None
         return AirbornePass(self._traced, self._film.size, self.air)
 

@@ -23,6 +23,7 @@ from render.config import Film, Light, Material
 from render.development import Development, Tone
 from render.footprints import FootprintRaster
 from render.panorama_file import file_digest
+from render.plume import Plume
 from render.water import WaterSurface
 
 
@@ -151,10 +152,12 @@ class LampPlace:
     Attributes:
         p_WL: position in the world [m].
         p_WS: target of a spotlight, None for a lamp that shines all around.
+        gain: factor on its brightness, for invisible lamps.
     """
 
     p_WL: tuple[float, float, float]
     p_WS: tuple[float, float, float] | None = None
+    gain: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,13 +168,15 @@ class Moment:
         meshes: surfaces in world coordinates, of one topology in all moments of a shot.
         camera: pose at this moment.
         lamps: places of the lamps of the shot's light; empty if they are fixed.
-        time: since the film began [s]; 0 if neither light nor water change with it.
+        time: since the film began [s]; 0 if light, water and air stand still.
+        plumes: flames and smoke.
     """
 
     meshes: tuple[Mesh, ...]
     camera: CameraPose
     lamps: tuple[LampPlace, ...] = ()
     time: float = 0.0
+    plumes: tuple[Plume, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,8 +196,9 @@ class Shot:
             their own that is never rebuilt. Constant over a film; none of them glows.
         after: the moment when the next frame begins, for the pass of motion; None without it.
         tone: exposure and contrast as metered; as the light is set up by default.
-        time: since the film began [s]; 0 if neither light nor water change with it.
+        time: since the film began [s]; 0 if light, water and air stand still.
         water: that stands over the ground, or None. Constant over a film.
+        plumes: flames and smoke.
     """
 
     meshes: tuple[Mesh, ...]
@@ -208,6 +214,7 @@ class Shot:
     tone: Tone = field(default_factory=Tone)
     time: float = 0.0
     water: WaterSurface | None = None
+    plumes: tuple[Plume, ...] = ()
 
     @property
     def development(self) -> Development:
@@ -218,7 +225,10 @@ class Shot:
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments of the exposure."""
-        return Moment(self.meshes, self.camera, self.lamps, self.time), *self.later
+        return (
+            Moment(self.meshes, self.camera, self.lamps, self.time, self.plumes),
+            *self.later,
+        )
 
     @cached_property
     def build(self) -> str:
@@ -228,6 +238,7 @@ class Shot:
             *_light_values(self.light),
             self.film.model_dump_json(exclude=_NOT_TRACED),
             "pinhole" if self.camera.lens is None else "lens",
+            *(["plumes"] if self.plumes else []),
         )
         still = (b"scenery", *(mesh.digest for mesh in self.scenery)) if self.scenery else ()
         water = (repr(self.water).encode(),) if self.water is not None else ()
@@ -250,6 +261,8 @@ class Shot:
             pieces.append(repr(self.lamps).encode())
         if any(moment.time for moment in self.moments):
             pieces.append(repr([moment.time for moment in self.moments]).encode())
+        if self.plumes:
+            pieces.append(repr([moment.plumes for moment in self.moments]).encode())
         for moment in (*self.later, *((self.after,) if self.after else ())):
             placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
             pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]

@@ -8,6 +8,7 @@ business of the surfaces behind. Reflections lack it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,12 +16,19 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
 from render.airborne.precipitation import Precipitation
 from render.frame import Image, LightLayers
+from render.shot import Moment
 from render.tracing.haze import Air
 from render.tracing.stratification import PassStrata, stratum_grid
 from render.tracing.tracer import PixelLanes
 from render.tracing.wavefront import camera_ray
+
+PLUME_RAYS = 4
+"""Rays through each pixel of a frame, at least, where there are flames or smoke."""
+MAX_FLAMES = 4
+"""Fires that light smoke."""
 
 
 class AirbornePass:
@@ -41,36 +49,74 @@ class AirbornePass:
         return AirborneExposure(self)
 
     def traced(
-        self, sensor: Any, fov_deg: float, falling: Precipitation, k: int, total: int
+        self,
+        sensor: Any,
+        fov_deg: float,
+        falling: Precipitation | None,
+        plumes: Sequence[PlumeVolume],
+        k: int,
+        total: int,
     ) -> Image:
         """Return the share of light that passes, and the light added, (H, W, 4).
 
         Args:
             sensor: of the scene.
             fov_deg: vertical angle of view [degrees].
-            falling: rain and snow at this moment.
+            falling: rain and snow at this moment, or None.
+            plumes: flames and smoke at this moment, from near to far.
             k: number of the ray through each pixel.
             total: rays through each pixel of the frame.
         """
         width, height = self._lanes.size
         angle = dr.opaque(mi.Float, 2 * math.tan(math.radians(fov_deg) / 2) / height)
+        number = dr.opaque(mi.UInt32, k)
         strata = PassStrata(0, k, stratum_grid(total))
         values = dr.empty(mi.Float, 4 * width * height)
         for pixels in self._lanes.chunks:
             ray = camera_ray(sensor, pixels, self._lanes.size, strata.step(0))
             hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
             distance = dr.select(hit.is_valid(), hit.t, 1e6)
-            passed, light = falling.seen(ray, distance, angle)
-            if falling.has_rain:
-                si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, hit.is_valid())
-                splashed = falling.splashes(si.p, si.n, distance, angle)
-                splashed = dr.select(hit.is_valid(), splashed, 0.0)
-                light += passed * splashed * falling.rain_light
-                passed *= 1.0 - splashed
+            passed, light = mi.Float(1.0), mi.Color3f(0.0)
+            if falling is not None:
+                passed, light = self._through_rain(falling, ray, hit, distance, angle)
+            for plume in plumes:
+                # A kernel for each: one of all would be compiled anew when they change places.
+                dr.eval(ray, distance, passed, light)
+                share, added = plume.seen(ray, distance, ray_jitter(pixels, number))
+                light += passed * self._in_haze(ray, plume, share, added)
+                passed = passed * share
             for channel, value in enumerate((passed, *light)):
                 dr.scatter(values, value, 4 * pixels + channel)
             dr.eval(values)
         return np.array(values, np.float32).reshape(height, width, 4)
+
+    def _through_rain(
+        self, falling: Precipitation, ray: Any, hit: Any, distance: Any, angle: Any
+    ) -> tuple[Any, Any]:
+        passed, light = falling.seen(ray, distance, angle)
+        if falling.has_rain:
+            si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, hit.is_valid())
+            splashed = falling.splashes(si.p, si.n, distance, angle)
+            splashed = dr.select(hit.is_valid(), splashed, 0.0)
+            light += passed * splashed * falling.rain_light
+            passed = passed * (1.0 - splashed)
+        return passed, light
+
+    def _in_haze(self, ray: Any, plume: PlumeVolume, share: Any, light: Any) -> Any:
+        """Return the light of a plume behind the haze before it."""
+        if self._air is None:
+            return light
+        away = dr.norm(plume.middle() - ray.o)
+        clear = self._air.transmittance(ray.o, ray.d, away)
+        return light * clear + self._air.scattered(ray.d) * ((1.0 - clear) * (1.0 - share))
+
+
+def volumes_of(moment: Moment, light: PlumeLight) -> list[PlumeVolume]:
+    """Return the plumes of a moment, from near to far."""
+    camera = np.array(moment.camera.p_WC)
+    flames = [plume for plume in moment.plumes if plume.kind == "flame"]
+    near = sorted(moment.plumes, key=lambda p: float(np.linalg.norm(np.array(p.p_WP) - camera)))
+    return [PlumeVolume(plume, light, flames[:MAX_FLAMES], moment.time) for plume in near]
 
 
 class AirborneExposure:

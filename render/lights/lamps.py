@@ -52,13 +52,14 @@ def lamp_emitters(lamps: Sequence[Lamp], places: Sequence[LampPlace]) -> dict[st
                 },
             }
         else:
+            intensity = place.gain * intensity
             emitter["intensity"] = {"type": "rgb", "value": intensity.tolist()}
         found[f"lamp{i}"] = emitter
     return found
 
 
 def move_lamps(values: Any, lamps: Sequence[Lamp], places: Sequence[LampPlace]) -> None:
-    """Move lamps in the parameters of a scene.
+    """Move lamps in the parameters of a scene, and make invisible ones as bright as they are.
 
     Raises:
         ShotError: a position is not finite.
@@ -69,6 +70,9 @@ def move_lamps(values: Any, lamps: Sequence[Lamp], places: Sequence[LampPlace]) 
         else:
             name, value = f"lamp{i}.to_world", _pose(lamp, place)
         values[name] = type(values[name])(value)
+        if lamp.visible_radius == 0:
+            name = f"lamp{i}.intensity.value"
+            values[name] = type(values[name])((place.gain * radiant_intensity(lamp)).tolist())
 
 
 def fixed_places(lamps: Sequence[Lamp]) -> tuple[LampPlace, ...]:

@@ -31,6 +31,7 @@ from pipeline.production.shots.ground_mesh import (
 )
 from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
+from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
@@ -91,6 +92,9 @@ class ShotBuilder:
         self._rests = pattern_coordinates(take, self.materials)
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
+        self._plumes = PlumeTracks.of(scene, take)
+        lamps = (*scene.light.lamps, *self._plumes.lamps)
+        self.light = scene.light.model_copy(update={"lamps": lamps})
 
     def set_tones(self, tones: tuple[Tone, ...]) -> None:
         """Expose each frame as metered."""
@@ -123,6 +127,7 @@ class ShotBuilder:
             tone=self.tracks.tones[frame - 1] if self.tracks.tones else Tone(),
             time=first.time,
             water=self._water,
+            plumes=first.plumes,
             scenery=self._surroundings,
         )
 
@@ -164,6 +169,8 @@ class ShotBuilder:
         for i, piece in enumerate(self._parts):
             mesh = self.take.meshes[piece.seen]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
+            if piece.performer in self._plumes.performers:
+                continue
             if not piece.life[0] <= row < piece.life[1]:
                 # Hidden by collapsing, because the topology of a build is constant.
                 placed = np.zeros_like(placed)
@@ -175,14 +182,14 @@ class ShotBuilder:
                     owner=piece.performer,
                 )
             )
-        return Moment(
-            *(tuple(meshes), self._interpolator.at(frame, part)),
-            *(self._lamps.placed(self.take, at), self._time(frame, part)),
-        )
+        time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
+        lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
+        return Moment(tuple(meshes), self._interpolator.at(frame, part), lamps, time, plumes)
 
     def _time(self, frame: int, part: float) -> float:
-        """Return the time since the film began [s], 0 where neither light nor water change."""
-        changes = self.light.changes or (self._water is not None and self._water.waves)
+        """Return the time since the film began [s], 0 where light, water and air stand still."""
+        waves = self._water is not None and self._water.waves
+        changes = self.light.changes or waves or self._plumes.sources
         return float((frame - 1 + part) / self.clock.rate) if changes else 0.0
 
     def _ground_at(self, row: float) -> tuple[Mesh, ...]:

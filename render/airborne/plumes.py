@@ -1,0 +1,262 @@
+"""Plumes for Dr.Jit: flames that glow and smoke that scatters, marched along rays.
+
+The density is a body of revolution, bent by the wind and eroded by noise that rises with the gas.
+Flames give off the light of glowing soot, hotter inside, and hide little. Smoke scatters the key
+light, which it dims itself on its way, the light of all directions, and that of the flames near it;
+light scattered more than once and shadows of surfaces in the smoke are left out.
+
+Sources: R. Bridson, Fluid Simulation for Computer Graphics, 2015, ch. 9, for the look of flames;
+    M. Wrenninge, Production Volume Rendering, 2012, ch. 3 and 5, for noise carried by a flow and
+    marches with a short one towards the light at each sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from render.lights.environment_map import Vector
+from render.lights.lattice_noise import lattice, noise3
+from render.plume import Plume
+
+STEPS = {"flame": 26, "smoke": 22}
+"""Samples along a ray through a plume."""
+
+_LIGHT_STEPS = (0.25, 0.6, 1.1)
+"""Places of the samples towards the key light, in radii of the smoke there."""
+_SMOKE_DEPTH = 4.5
+"""Optical depth across the foot of smoke."""
+_FLAME_DEPTH = 0.35
+"""Optical depth across flames."""
+_WIDENING = 2.4
+"""Growth of smoke on its way, in radii of its foot."""
+_FLAME_LIGHT = 1.0
+"""Radiant intensity of flames for each unit of glow and square metre of their outline."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlumeLight:
+    """What lights smoke.
+
+    Attributes:
+        direction: unit vector to the key light.
+        key: (3,) its irradiance on a plane that faces it.
+        ambient: (3,) mean radiance from all directions.
+    """
+
+    direction: Vector
+    key: Vector
+    ambient: Vector
+
+
+class PlumeVolume:
+    """One plume at one moment.
+
+    Numbers that change are opaque, so that all plumes of a kind share one kernel.
+
+    Args:
+        plume: flames or smoke.
+        light: on smoke.
+        flames: that light it besides.
+        time: since the film began [s].
+    """
+
+    def __init__(
+        self, plume: Plume, light: PlumeLight, flames: Sequence[Plume], time: float
+    ) -> None:
+        def opaque(value: float) -> Any:
+            return dr.opaque(mi.Float, float(value))
+
+        def vector(values: Any) -> Any:
+            return mi.Vector3f(*(opaque(v) for v in values))
+
+        self.kind = plume.kind
+        self._steps = STEPS[plume.kind]
+        self._foot = vector(plume.p_WP)
+        self._radius, self._height = opaque(plume.radius), opaque(plume.height)
+        # Gas that rises for longer is carried farther.
+        rise = max(plume.speed, 0.05)
+        self._bend = opaque(plume.wind[0] / rise), opaque(plume.wind[1] / rise)
+        self._risen = opaque(rise * time)
+        self._seed = opaque(17.3 * (plume.seed % 101)), opaque(9.1 * (plume.seed % 89))
+        self._glow = opaque(plume.glow)
+        self._color: Any = mi.Color3f(*(opaque(v) for v in plume.color))
+        self._sun = vector(light.direction)
+        self._key: Any = mi.Color3f(*(opaque(v) for v in light.key / (4 * np.pi)))
+        self._ambient: Any = mi.Color3f(*(opaque(v) for v in light.ambient))
+        self._flames = [_Glow.of(flame) for flame in flames] if plume.kind == "smoke" else []
+        self.low, self.high = self._bounds(plume)
+
+    def seen(self, ray: Any, distance: Any, jitter: Any) -> tuple[Any, Any]:
+        """Return the share of light that passes, `mi.Float`, and the light added, `mi.Color3f`.
+
+        Args:
+            ray: from the camera.
+            distance: to the surface [m].
+            jitter: 0 to 1, of each ray its own.
+        """
+        inverse = 1.0 / dr.select(dr.abs(ray.d) < 1e-6, 1e-6, ray.d)
+        near, far = (self.low - ray.o) * inverse, (self.high - ray.o) * inverse
+        start = dr.maximum(dr.max(dr.minimum(near, far)), 0.0)
+        end = dr.minimum(dr.min(dr.maximum(near, far)), distance)
+        step = dr.maximum(end - start, 0.0) / self._steps
+        is_inside = end > start
+
+        def body(i: Any, passed: Any, light: Any) -> Any:
+            p = ray(start + (mi.Float(i) + jitter) * step)
+            density, heat, wide = self._density(p, 3)
+
+            def lit(passed: Any, light: Any) -> Any:
+                dims = dr.exp(-density * step)
+                source = self._source(p, density, heat, wide)
+                return passed * dims, light + passed * (1.0 - dims) * source
+
+            passed, light = dr.if_stmt(
+                (passed, light),
+                density > 1e-4,
+                lit,
+                lambda passed, light: (passed, light),
+                rv_labels=("passed", "light"),
+            )
+            return i + 1, passed, light
+
+        n = dr.width(distance)
+        _, passed, light = dr.while_loop(
+            (dr.zeros(mi.UInt32, n), dr.ones(mi.Float, n), dr.zeros(mi.Color3f, n)),
+            lambda i, passed, light: is_inside & (i < self._steps) & (passed > 0.01),
+            body,
+            labels=("i", "passed", "light"),
+        )
+        return passed, light
+
+    def middle(self) -> Any:
+        """Return the middle of the plume's bounds [m]."""
+        return 0.5 * (self.low + self.high)
+
+    def _bounds(self, plume: Plume) -> tuple[Any, Any]:
+        wide = plume.radius * (1.8 if plume.kind == "flame" else 1.8 * (1.0 + _WIDENING))
+        foot = np.array(plume.p_WP)
+        rise = max(plume.speed, 0.05)
+        drift = np.array([plume.wind[0], 0.0, plume.wind[1]]) * (plume.height / rise)
+        top = foot + drift + [0.0, plume.height, 0.0]
+        ends = np.stack([foot - [wide, 0.1 * wide, wide], foot + wide, top - wide, top + wide])
+        ends[3, 1], ends[1, 1] = top[1], foot[1]
+        low, high = ends.min(axis=0), ends.max(axis=0)
+        return (
+            mi.Point3f(*(dr.opaque(mi.Float, float(v)) for v in low)),
+            mi.Point3f(*(dr.opaque(mi.Float, float(v)) for v in high)),
+        )
+
+    def _density(self, p: Any, octaves: int) -> tuple[Any, Any, Any]:
+        """Return extinction [1/m], heat from 0 to 1, and radius of the plume there [m]."""
+        q = p - self._foot
+        s = dr.clip(q.y / self._height, 0.0, 1.0)
+        x = q.x - self._bend[0] * q.y * (0.35 + 0.65 * s)
+        z = q.z - self._bend[1] * q.y * (0.35 + 0.65 * s)
+        if self.kind == "flame":
+            return self._flame(x, q.y, z, s, octaves)
+        return self._smoke(x, q.y, z, s, octaves)
+
+    def _flame(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
+        size = 1.0 / self._radius
+        up = (y - self._risen) * size
+        # Tongues sway more the higher they are.
+        sway = 0.55 * self._radius * s
+        wave = 0.8 * up + self._seed[0]
+        x = x + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 2.5) - 1.0)
+        z = z + sway * (2.0 * noise3(wave, self._seed[1] + 0.0 * wave, 0.0 * wave + 8.5) - 1.0)
+        # Narrow at the foot, widest low, and drawn out to a point.
+        wide = self._radius * (0.72 + 1.5 * s * (1.0 - s)) * dr.sqrt(dr.maximum(1.0 - s, 0.0))
+        wide = dr.maximum(wide, 0.02 * self._radius)
+        out = (x * x + z * z) / (wide * wide)
+        noise = self._noise(2.1 * x * size, 0.8 * up, 2.1 * z * size, octaves)
+        body = 0.95 - out - 0.3 * s + (3.2 + 2.6 * s) * (noise - 0.54)
+        is_inside = (y > 0.0) & (y < self._height) & (out < 2.5)
+        share = dr.clip(2.6 * body, 0.0, 1.0) * dr.clip(12.0 * s, 0.0, 1.0)
+        share = dr.select(is_inside, share, 0.0)
+        heat = dr.clip(0.85 * body + 0.12 - 0.3 * s, 0.0, 1.0)
+        return share * (_FLAME_DEPTH / (2.0 * self._radius)), heat, wide
+
+    def _smoke(self, x: Any, y: Any, z: Any, s: Any, octaves: int) -> tuple[Any, Any, Any]:
+        wide = self._radius * (1.0 + _WIDENING * s)
+        size = 1.0 / (self._radius * (1.0 + 0.5 * _WIDENING))
+        up = (y - self._risen) * size
+        wave = 0.55 * up + self._seed[1]
+        sway = 0.7 * wide * s
+        x = x + sway * (2.0 * noise3(wave, self._seed[0] + 0.0 * wave, 0.0 * wave + 1.5) - 1.0)
+        z = z + sway * (2.0 * noise3(wave, self._seed[0] + 0.0 * wave, 0.0 * wave + 5.5) - 1.0)
+        out = (x * x + z * z) / (wide * wide)
+        noise = self._noise(1.9 * x * size, 1.5 * up, 1.9 * z * size, octaves)
+        body = 0.55 - 0.75 * out + 4.6 * (noise - 0.5)
+        is_inside = (y > 0.0) & (y < self._height) & (out < 2.2)
+        share = dr.clip(1.1 * body, 0.0, 1.0) * dr.clip(2.2 - out, 0.0, 1.0)
+        # It begins thin, and is spent where it ends.
+        share *= dr.clip(7.0 * s, 0.0, 1.0) * dr.square(1.0 - s) * self._radius / wide
+        extinction = _SMOKE_DEPTH / (2.0 * self._radius)
+        return dr.select(is_inside, share * extinction, 0.0), s, wide
+
+    def _noise(self, x: Any, y: Any, z: Any, octaves: int) -> Any:
+        total, weight, sum_ = mi.Float(0.0), 0.5, 0.0
+        x, z = x + self._seed[0], z + self._seed[1]
+        for _ in range(octaves):
+            total += weight * noise3(x, y, z)
+            sum_ += weight
+            weight *= 0.5
+            x, y, z = 1.7 * x + 1.1 * z + 3.1, 2.05 * y + 1.9, -1.1 * x + 1.7 * z + 7.7
+        return total / sum_
+
+    def _source(self, p: Any, density: Any, heat: Any, wide: Any) -> Any:
+        """Return the radiance of the plume at a place if it hid all behind it."""
+        if self.kind == "flame":
+            # Soot at 1200 to 2000 K: the cooler the redder, and by far the darker.
+            tone = self._color * mi.Color3f(1.0, 0.5 + 1.1 * heat, 0.2 + 1.6 * heat * heat)
+            return tone * (self._glow / _FLAME_DEPTH * (0.06 + 2.4 * heat * heat))
+        depth = mi.Float(0.0)
+        before = 0.0
+        for place in _LIGHT_STEPS:
+            there, _, _ = self._density(p + self._sun * (place * wide), 2)
+            depth += there * wide * (place - before)
+            before = place
+        # Light that was scattered more than once reaches deeper.
+        arriving = 0.75 * dr.exp(-depth) + 0.25 * dr.exp(-0.25 * depth)
+        light: Any = self._key * arriving + self._ambient
+        for flame in self._flames:
+            light = light + flame.radiance(p)
+        return self._color * light
+
+
+@dataclass
+class _Glow:
+    """Flames as smoke sees them: a soft point of light."""
+
+    place: Any
+    softness: Any
+    intensity: Any
+
+    @staticmethod
+    def of(flame: Plume) -> _Glow:
+        """Return the light of flames."""
+        x, y, z = flame.p_WP
+        strength = _FLAME_LIGHT * flame.glow * flame.radius * flame.height / (4 * np.pi)
+        color = np.array(flame.color) * [1.0, 1.6, 2.4] * strength
+        middle = (x, y + 0.35 * flame.height, z)
+        return _Glow(
+            mi.Point3f(*(dr.opaque(mi.Float, float(v)) for v in middle)),
+            dr.opaque(mi.Float, flame.radius**2 + 0.02 * flame.height**2),
+            mi.Color3f(*(dr.opaque(mi.Float, float(v)) for v in color)),
+        )
+
+    def radiance(self, p: Any) -> Any:
+        """Return the light that a place scatters of it."""
+        way = p - self.place
+        return self.intensity / (dr.dot(way, way) + self.softness)
+
+
+def ray_jitter(pixels: Any, k: Any) -> Any:
+    """Return a number from 0 to 1 of each pixel and ray, which hides the steps of a march."""
+    return lattice(pixels, k, mi.UInt32(77))

@@ -65,6 +65,7 @@ class Animal:
 
 NONE = Measured()
 WITTE, HUDSON = "Witte et al. 2006", "Hudson et al. 2012"
+SPAGNA = "Spagna et al. 2011"
 MICE, HUTCHINSON = "Bellardita and Kiehn 2015", "Hutchinson et al. 2006"
 HORSE = {
     1.6: Measured(duty=0.65, source="Hildebrand 1976"),
@@ -78,7 +79,7 @@ CHEETAH = {
     3.0: NONE,
     9.0: Measured(3.75, 0.417, None, HUDSON),
     17.0: Measured(5.31, 0.3125, None, HUDSON),
-    20.0: NONE,
+    21.8: NONE,
 }
 ELEPHANT = {
     0.8: NONE,
@@ -125,6 +126,14 @@ ANIMALS = (
     Animal("Blaberus", "cockroach", 0.02, 0.0026, BLABERUS),
     Animal("Periplaneta", "cockroach", 0.02, 0.00083, dict.fromkeys((0.1, 0.44, 0.7), NONE)),
     Animal("spider", "spider", 0.04, 0.003, dict.fromkeys((0.05, 0.1, 0.15, 0.2, 0.3), NONE)),
+    # Hololena of 7 mm: flights begin at 54 body lengths a second. Legs and mass are assumed.
+    Animal(
+        "Hololena",
+        "spider",
+        0.01,
+        3e-5,
+        {0.05: NONE, 0.2: NONE, 0.38: Measured(duty=0.5, source=SPAGNA)},
+    ),
 )
 
 

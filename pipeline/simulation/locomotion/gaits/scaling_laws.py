@@ -60,10 +60,12 @@ class PowerLaw:
 
 # --- strides ------------------------------------------------------------------------
 
-# Relative stride s / h of cursorial mammals (Alexander and Jayes 1983 (?)). Trotting horses of 86
-# to 714 kg have 1.43, 1.49 and 1.66 at Fr 0.5, 0.75 and 1 (Bullimore and Burn 2006), up to 14 %
-# less.
-WALKING_STRIDE, RUNNING_STRIDE = PowerLaw(2.4, 0.34), PowerLaw(1.9, 0.40)
+# Relative stride s / h of cursorial mammals: 2.4 Fr^0.34 walking and 1.9 Fr^0.40 running (Alexander
+# and Jayes 1983 (?)). Running horses have less: trotting ones of 86 to 714 kg 1.43, 1.49 and 1.66
+# at Fr 0.5, 0.75 and 1 (Bullimore and Burn 2006), galloping ones 3.43 and 5.48 at Fr 6.4 and 23
+# (Witte et al. 2006, hips 1.3 m high); cheetahs have 5.36 at Fr 12 (Hudson et al. 2012, 0.7 m).
+# The law for running lies between them.
+WALKING_STRIDE, RUNNING_STRIDE = PowerLaw(2.4, 0.34), PowerLaw(1.84, 0.39)
 
 # Of mammals that crouch, most of those below 5 kg: s / h = 1.13, 2.27 and 3.03 of mice with hips
 # 0.03 m high at 0.09, 0.40 and 0.91 m/s (walk, trot and gallop of Bellardita and Kiehn 2015:

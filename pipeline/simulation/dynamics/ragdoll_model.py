@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,10 @@ STIFFNESS_RATIO = 0.12
 
 DAMPING_RATIO = 0.4
 """Damping of a joint, relative to the critical damping of the pendulum beyond it."""
+
+SINEW_RATIO = 0.45
+"""Least damping of a joint, relative to that of the joint before it, whose muscles its sinews come
+from: a toe that weighs next to nothing does not flap."""
 
 ARMATURE_RATIO = 0.1
 """Extra inertia of a joint, relative to that beyond it: a body that lies on a thin tail would
@@ -104,7 +108,14 @@ def flesh_of(bones: Sequence[Bone]) -> list[JointFlesh]:
     beyond: list[list[MassProperties]] = [[bone.mass] for bone in bones]
     for i in reversed(range(1, len(bones))):
         beyond[bones[i].parent] += beyond[i]
-    return [_flesh(joined(masses), bone.place) for bone, masses in zip(bones, beyond, strict=True)]
+    found = list[JointFlesh]()
+    for bone, masses in zip(bones, beyond, strict=True):
+        flesh = _flesh(joined(masses), bone.place)
+        if bone.parent > 0:
+            before = SINEW_RATIO * found[bone.parent].damping
+            flesh = replace(flesh, damping=max(flesh.damping, before))
+        found.append(flesh)
+    return found
 
 
 def _flesh(hangs: MassProperties, place: Array) -> JointFlesh:

@@ -14,7 +14,14 @@ import pytest
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.dynamics.ragdoll import DEPENETRATION_SPEED, Ragdoll
-from pipeline.simulation.dynamics.ragdoll_model import FRICTION, WORLD, Bone, RagdollState
+from pipeline.simulation.dynamics.ragdoll_model import (
+    FRICTION,
+    SINEW_RATIO,
+    WORLD,
+    Bone,
+    RagdollState,
+    flesh_of,
+)
 from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass, build_bones
@@ -248,6 +255,19 @@ def test_falls_scale_with_size(scale):
     assert other.ragdoll.is_at_rest
     assert other.seconds / math.sqrt(scale) == pytest.approx(one.seconds, rel=0.5)
     assert limit_excess(other.figure, other.q) < math.radians(2.0)
+
+
+def test_a_light_link_is_damped_by_the_sinews_of_the_joint_before_it():
+    mass = MassProperties(1.0, np.zeros(3), 0.1 * np.eye(3))
+    toe = MassProperties(1e-3, np.array([0.5, -1.0, 0.0]), 1e-5 * np.eye(3))
+    bones = [
+        Bone(WORLD, np.zeros(3), (), mass, CORNERS),
+        Bone(0, np.array([0.5, 0.0, 0.0]), (), mass, CORNERS),
+        Bone(1, np.array([0.5, -0.9, 0.0]), (), toe, CORNERS),
+    ]
+    *_, leg, foot = flesh_of(bones)
+    assert foot.damping == pytest.approx(SINEW_RATIO * leg.damping)
+    assert foot.inertia < 0.01 * leg.inertia
 
 
 # --- in scenes -----------------------------------------------------------------------------

@@ -27,6 +27,9 @@ WALKERS = (
 SIZE = 14.0
 """Edge length of a terrain, in leg lengths."""
 
+LEAST_GAP = 0.11
+"""Least gap between stones, in leg lengths: three quarters of it are two cells or more."""
+
 SEED, HELD_OUT = 1987, 1998
 """Seeds of the scenes, and of scenes that no constant was tuned on."""
 
@@ -170,7 +173,10 @@ def _ditches(draw: Draw, leg: float) -> Config:
 
 
 def _stones(draw: Draw, leg: float) -> Config:
-    config: Config = {"diameter": draw(0.3, 0.9) * leg, "gap": draw(0.08, 0.9) * leg}
+    config: Config = {
+        "diameter": draw(0.3, 0.9) * leg,
+        "gap": max(draw(0.08, 0.9), LEAST_GAP) * leg,
+    }
     config |= {"depth": draw(0.2, 1.5) * leg, "height_variation": draw(0.0, 0.25) * leg}
     return config | {"start": draw(0.0, 1.0) * leg, "length": draw(2.0, 5.0) * leg}
 

@@ -15,6 +15,7 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from tests.simulation.conftest import SHIPPED, scene_of
 from tests.simulation.locomotion.hop_recorder import HopRecording, hop_through
+from tests.simulation.locomotion.joint_pops import joint_pops
 
 G = np.array([0.0, -GRAVITY, 0.0])
 
@@ -27,6 +28,9 @@ HOPPERS = {
     "spider": "{}",
     "person": "{}",
 }
+
+FASTEST_FOOT = 15.0
+"""Greatest speed of a foot of a kangaroo that trips [m/s]."""
 
 HILLS = "{preset: hills, size: [80, 80], cells: [320, 320]}"
 
@@ -323,6 +327,22 @@ def test_tripping_scene_is_reproducible():
     assert steps["tripped"]
     assert len(steps["toppled"]) == 1
     assert steps["tripped"][0] <= steps["toppled"][0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "duration"), [("dropped", 1.25), ("tripping", 3.25)])
+def test_legs_that_land_hard_or_meet_a_wall_do_not_pop(name, duration):
+    scene = load_scene(find_scene(name))
+    hops = hop_through(scene.model_copy(update={"duration": duration}))
+    recorder, herd = hops.simulation.recorder, hops.troupe.herd
+    q = np.zeros((len(recorder.values), *herd.legs.is_joint.shape))
+    q[:, herd.legs.is_joint] = recorder.values[:, 2 : 2 + int(herd.legs.is_joint.sum())]
+    bodies = recorder.rotations[:, 0], recorder.positions[:, 0]
+    dt = hops.simulation.world.clock.dt
+    assert joint_pops(herd, q, hops.tips(), bodies, dt) == []
+    # A foot that a wall catches comes up along it, and does not appear on top.
+    jumps = np.linalg.norm(np.diff(hops.tips(), axis=0), axis=-1) / dt
+    assert jumps.max() < FASTEST_FOOT
 
 
 def test_weak_legs_let_the_body_strike_the_ground():

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.ball_aim import ball_joints
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
@@ -39,6 +40,12 @@ PLANNED_REACH = 0.98 * MAX_REACH
 
 # Height of a swing that a leg lifts its foot to without a check, in step heights.
 EASY_SWING_HEIGHT = 1.5
+
+# Room of a hip to its limits to which a leg may fold [rad].
+HIP_ROOM = 0.05
+
+# Joints of a hip, the first ones of a leg.
+BALL = 3
 
 # Hip-to-foot distances at which folding is tested, as fractions of the leg's length.
 FOLD_DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
@@ -172,14 +179,18 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     direction /= np.maximum(at_rest, 1e-9)[:, None]
     goals = herd.hips[own] + (FOLD_DISTANCES[:, None] * legs.lengths)[..., None] * direction
     chains = group_chains(legs, herd.owner[own])
-    residual = solve_tips(legs, chains, goals).residual
+    solution = solve_tips(legs, chains, goals)
+    residual = solution.residual
     # The neutral position is reached by definition, whatever limits stretched legs meet.
     asked = FOLD_DISTANCES[:, None] * legs.lengths
     folded = np.zeros(len(own))
     for chain in chains:
         folded[chain.rows] = chain.path.shortest[chain.on_path[:, 0]]
     near = asked < folded
-    missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | near)
+    # A hip at its limit leaves all of the fold to the ankle, which would turn in a blink.
+    held = (solution.q - legs.lower < HIP_ROOM) | (legs.upper - solution.q < HIP_ROOM)
+    held = (held & legs.is_joint)[..., :BALL].any(axis=-1) & ball_joints(legs)
+    missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | near | held)
     # The last distance before the first miss; legs without a miss fold up completely.
     first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(FOLD_DISTANCES))
     result = FOLD_DISTANCES[np.maximum(first - 1, 0)] * legs.lengths

@@ -36,6 +36,12 @@ TRAIL_SPEED = 0.35
 WALL_HEIGHT = 0.06
 """Sudden lift of a foot that counts as hitting a wall, in leg lengths."""
 
+WALL_BOUNCE = 0.2
+"""Speed with which a wall throws a foot back, in that with which it came."""
+
+LEAST_SWING = 0.1
+"""Shortest time in which a foot that a wall caught reaches its landing place [s]."""
+
 SETTLE_DISTANCE = 0.16
 """How far a body sinks after the first touch until its legs carry, in leg lengths."""
 
@@ -188,6 +194,33 @@ def trip_on_wall(
     """Trip on a wall with feet (n, 3) that move with the body."""
     v = np.broadcast_to(state.v, tips.shape)
     _catch_feet(hopper, state, legs, tips, v, events)
+
+
+def swing_from_wall(
+    swing: SwingPath,
+    caught: NDArray[np.bool_],
+    bodies: tuple[BodyState, BodyState],
+    tips: tuple[Array, Array],
+) -> SwingPath:
+    """Return the paths of feet of which some go on from the wall that caught them.
+
+    A caught foot comes up along the wall, thrown back a little, and then goes on to its landing.
+
+    Args:
+        swing: paths so far.
+        caught: (n,) feet.
+        bodies: before the wall was met, and now.
+        tips: (n, 3) feet before the wall was met, and now if there were none [m].
+    """
+    (before, now), (outside, inside) = bodies, tips
+    moved = (inside - outside) / max(now.time - before.time, 1e-9)
+    start = np.stack([outside[:, 0], inside[:, 1], outside[:, 2]], axis=-1)
+    velocity = moved * [-WALL_BOUNCE, 1.0, -WALL_BOUNCE]
+    arm = start - now.p
+    seen = velocity - now.v - np.cross(now.attitude[1], arm)
+    left = max(float((swing.begin + swing.time)[caught].min()) - now.time, LEAST_SWING)
+    own = (start - now.origin) @ now.R
+    return swing.restarted(caught, now.time, own, left, (swing.middle, seen @ now.R))
 
 
 def _catch_feet(

@@ -23,6 +23,7 @@ from pipeline.simulation.locomotion.pronking.hop_events import (
     body_clearance,
     event_margins,
     lift_above_ground,
+    swing_from_wall,
     touch,
     trip_on_wall,
 )
@@ -168,6 +169,7 @@ class HopSimulation:
             known: margins at its start.
         """
         state, hopper = self.state, self.hopper
+        before = state.body(hopper)
         remaining = state.phase_end - state.time
         if state.phase == "flight" and state.v[1] > RISING_SPEED:
             remaining = state.v[1] / GRAVITY
@@ -202,7 +204,7 @@ class HopSimulation:
             finish_phase(hopper, self.ground, state, self.events)
             self._lifted[:] = 0.0
         elif state.phase == "flight" and state.v[1] > RISING_SPEED:
-            self._trip_while_rising(next_body)
+            self._trip_while_rising(before, next_body)
         self._rearm_body()
 
     def _release_missed_feet(self) -> None:
@@ -217,15 +219,24 @@ class HopSimulation:
             self._next_margins = None
             release_feet(hopper, self.ground, state, missed, self.events)
 
-    def _trip_while_rising(self, body: BodyState) -> None:
-        """Trip feet that meet a wall while the body rises; they are then lifted over it."""
+    def _trip_while_rising(self, before: BodyState, body: BodyState) -> None:
+        """Trip feet that meet a wall while the body rises; they come up along it.
+
+        Args:
+            before: the body at the start of the sub-step.
+            body: the body now.
+        """
         state, hopper = self.state, self.hopper
         tips = body.to_world(state.swing.tips(body.time))
         lift = lift_above_ground(hopper, self.ground, tips, self.highest)[:, 1] - tips[:, 1]
-        walls = np.flatnonzero(lift - self._lifted > WALL_HEIGHT * hopper.leg_length)
+        caught = lift - self._lifted > WALL_HEIGHT * hopper.leg_length
+        if caught.any():
+            trip_on_wall(hopper, state, np.flatnonzero(caught), tips, self.events)
+            outside = before.to_world(state.swing.tips(before.time))
+            outside = lift_above_ground(hopper, self.ground, outside, self.highest)
+            state.swing = swing_from_wall(state.swing, caught, (before, body), (outside, tips))
+            lift = np.where(caught, 0.0, lift)
         self._lifted = lift
-        if len(walls):
-            trip_on_wall(hopper, state, walls, tips, self.events)
 
     def _rearm_body(self) -> None:
         state = self.state

@@ -239,18 +239,32 @@ class SwingPath:
         return _hermite(u, a, b, m_a, m_b)
 
     def restarted(
-        self, restarting: NDArray[np.bool_], time: float, start: Array, duration: float
+        self,
+        restarting: NDArray[np.bool_],
+        time: float,
+        start: Array,
+        duration: float,
+        way: tuple[Array, Array] | None = None,
     ) -> SwingPath:
-        """Return paths in which some feet start again, straight to their ends."""
+        """Return paths in which some feet start again.
+
+        Args:
+            restarting: (n,) these feet.
+            time: at which they do [s].
+            start: (n, 3) where, in the frame of the body [m].
+            duration: of their way to their ends [s].
+            way: middle points (n, 3) [m] and initial velocities (n, 3) [m/s]; None for straight on,
+                from rest.
+        """
         mask = restarting[:, None]
-        middle = 0.5 * (start + self.end)
+        middle, trail = way or (0.5 * (start + self.end), np.zeros_like(start))
         return replace(
             self,
             begin=np.where(restarting, time, self.begin),
             time=np.where(restarting, duration, self.time),
             start=np.where(mask, start, self.start),
             middle=np.where(mask, middle, self.middle),
-            trail=np.where(mask, 0.0, self.trail),
+            trail=np.where(mask, trail, self.trail),
         )
 
 

@@ -16,10 +16,8 @@ from render.airborne.airborne_pass import (
     PLUME_RAYS,
     AirborneExposure,
     AirbornePass,
-    volumes_of,
+    airborne_contents,
 )
-from render.airborne.plumes import PlumeLight
-from render.airborne.precipitation import Precipitation
 from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
@@ -117,7 +115,6 @@ class MitsubaScene:
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
         self._meshes: tuple[Mesh, ...] = shot.meshes
-        self._airborne = self._airborne_pass(shot)
         keys = [shape for shape in self.scene.shapes() if shape.id() == "key"]
         self._key = keys[0].emitter() if keys else None
         self.update(shot.moments[0])
@@ -197,29 +194,22 @@ class MitsubaScene:
         """Return the passes of a shot before its first moment, None if the film asks for none."""
         return self._passes.begin(shot) if self._passes else None
 
-    def airborne_exposure(self) -> AirborneExposure | None:
-        """Return what is in the air before the first moment of a frame, None where it is empty."""
-        return self._airborne.begin() if self._airborne else None
+    def airborne_exposure(self, shot: Shot) -> AirborneExposure | None:
+        """Return what is in the air before the first moment of a shot, None where it is empty."""
+        is_empty = not any(moment.plumes or moment.puffs for moment in shot.moments)
+        if (is_empty and not self._light.weather.falls) or not dr.is_jit_v(mi.Float):
+            return None
+        return AirbornePass(self._traced, self._film.size, self.air).begin()
 
     def add_airborne(self, exposure: AirborneExposure, moment: Moment, k: int, count: int) -> None:
         """Add what is in the air at the k-th of `count` moments of an exposure."""
-        key = np.zeros(3) if self._around.key is None else self._around.key.irradiance
-        weather, ambient = self._light.weather, self._around.ambient
-        falling = None
-        if weather.falls:
-            falling = Precipitation.of(weather, ambient, key, moment.time)
-        way = np.array([0.0, 1.0, 0.0]) if self._around.key is None else self._around.key.direction
-        plumes = volumes_of(moment, PlumeLight(way, key, ambient))
+        around = self._around
+        contents = airborne_contents(moment, self._light.weather, around.key, around.ambient)
         # Rain is sharp by itself; the edges of what is before flames are not.
-        rays = -(-PLUME_RAYS // count) if plumes else 1
+        rays = 1 if contents.falling else -(-PLUME_RAYS // count)
+        rays = -(-PLUME_RAYS // count) if contents.plumes else rays
         for ray in range(k * rays, (k + 1) * rays):
-            exposure.add(*(self.sensor, moment.camera.fov_deg, falling, plumes, ray, count * rays))
-
-    def _airborne_pass(self, shot: Shot) -> AirbornePass | None:
-        is_empty = not self._light.weather.falls and not shot.plumes
-        if is_empty or not dr.is_jit_v(mi.Float):
-            return None
-        return AirbornePass(self._traced, self._film.size, self.air)
+            exposure.add(self.sensor, moment.camera.fov_deg, contents, ray, count * rays)
 
     def _pass_tracer(self, shot: Shot, still: tuple[MeshGroup, ...]) -> PassTracer:
         variant = str(mi.variant())

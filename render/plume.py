@@ -1,4 +1,4 @@
-"""Plume: flames or smoke that rise from a place, as the renderer is given them."""
+"""Plumes of flames or smoke, and puffs of dust, as the renderer is given them."""
 
 from __future__ import annotations
 
@@ -32,4 +32,23 @@ class Plume:
     wind: tuple[float, float]
     color: tuple[float, float, float]
     glow: float
+    seed: int
+
+
+@dataclass(frozen=True)
+class Puff:
+    """A short-lived cloud of dust or spray at one moment.
+
+    Attributes:
+        p_WP: its middle, in the world [m].
+        radius: at which its density has fallen to 1/e [m].
+        depth: optical depth through its middle.
+        color: linear, of the light that it scatters.
+        seed: of its noise.
+    """
+
+    p_WP: tuple[float, float, float]
+    radius: float
+    depth: float
+    color: tuple[float, float, float]
     seed: int

@@ -124,7 +124,7 @@ class Renderer:
         count = len(shot.moments)
         each = max(round(film.rounds / count), 1)
         accumulator, exposure = scene.accumulator(), scene.pass_exposure(shot)
-        airborne = scene.airborne_exposure()
+        airborne = scene.airborne_exposure(shot)
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.timings.timed("update"):

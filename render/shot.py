@@ -23,7 +23,7 @@ from render.config import Film, Light, Material
 from render.development import Development, Tone
 from render.footprints import FootprintRaster
 from render.panorama_file import file_digest
-from render.plume import Plume
+from render.plume import Plume, Puff
 from render.water import WaterSurface
 
 
@@ -170,6 +170,7 @@ class Moment:
         lamps: places of the lamps of the shot's light; empty if they are fixed.
         time: since the film began [s]; 0 if light, water and air stand still.
         plumes: flames and smoke.
+        puffs: dust and spray.
     """
 
     meshes: tuple[Mesh, ...]
@@ -177,6 +178,7 @@ class Moment:
     lamps: tuple[LampPlace, ...] = ()
     time: float = 0.0
     plumes: tuple[Plume, ...] = ()
+    puffs: tuple[Puff, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,6 +201,7 @@ class Shot:
         time: since the film began [s]; 0 if light, water and air stand still.
         water: that stands over the ground, or None. Constant over a film.
         plumes: flames and smoke.
+        puffs: dust and spray.
     """
 
     meshes: tuple[Mesh, ...]
@@ -215,6 +218,7 @@ class Shot:
     time: float = 0.0
     water: WaterSurface | None = None
     plumes: tuple[Plume, ...] = ()
+    puffs: tuple[Puff, ...] = ()
 
     @property
     def development(self) -> Development:
@@ -226,7 +230,7 @@ class Shot:
     def moments(self) -> tuple[Moment, ...]:
         """All moments of the exposure."""
         return (
-            Moment(self.meshes, self.camera, self.lamps, self.time, self.plumes),
+            Moment(self.meshes, self.camera, self.lamps, self.time, self.plumes, self.puffs),
             *self.later,
         )
 
@@ -238,7 +242,6 @@ class Shot:
             *_light_values(self.light),
             self.film.model_dump_json(exclude=_NOT_TRACED),
             "pinhole" if self.camera.lens is None else "lens",
-            *(["plumes"] if self.plumes else []),
         )
         still = (b"scenery", *(mesh.digest for mesh in self.scenery)) if self.scenery else ()
         water = (repr(self.water).encode(),) if self.water is not None else ()
@@ -261,8 +264,9 @@ class Shot:
             pieces.append(repr(self.lamps).encode())
         if any(moment.time for moment in self.moments):
             pieces.append(repr([moment.time for moment in self.moments]).encode())
-        if self.plumes:
-            pieces.append(repr([moment.plumes for moment in self.moments]).encode())
+        if any(moment.plumes or moment.puffs for moment in self.moments):
+            airborne = [(moment.plumes, moment.puffs) for moment in self.moments]
+            pieces.append(repr(airborne).encode())
         for moment in (*self.later, *((self.after,) if self.after else ())):
             placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
             pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]

@@ -8,8 +8,7 @@ business of the surfaces behind. Reflections lack it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import drjit as dr
@@ -18,7 +17,11 @@ import numpy as np
 
 from render.airborne.plumes import PlumeLight, PlumeVolume, ray_jitter
 from render.airborne.precipitation import Precipitation
+from render.airborne.puffs import Puffs
+from render.config import Weather
 from render.frame import Image, LightLayers
+from render.lights.environment_map import Vector
+from render.lights.key_light import KeyLight
 from render.shot import Moment
 from render.tracing.haze import Air
 from render.tracing.stratification import PassStrata, stratum_grid
@@ -29,6 +32,21 @@ PLUME_RAYS = 4
 """Rays through each pixel of a frame, at least, where there are flames or smoke."""
 MAX_FLAMES = 4
 """Fires that light smoke."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What is in the air at one moment.
+
+    Attributes:
+        falling: rain and snow, or None.
+        plumes: flames and smoke, from near to far.
+        puffs: dust and spray, or None.
+    """
+
+    falling: Precipitation | None
+    plumes: tuple[PlumeVolume, ...]
+    puffs: Puffs | None
 
 
 class AirbornePass:
@@ -52,8 +70,7 @@ class AirbornePass:
         self,
         sensor: Any,
         fov_deg: float,
-        falling: Precipitation | None,
-        plumes: Sequence[PlumeVolume],
+        contents: Contents,
         k: int,
         total: int,
     ) -> Image:
@@ -62,8 +79,7 @@ class AirbornePass:
         Args:
             sensor: of the scene.
             fov_deg: vertical angle of view [degrees].
-            falling: rain and snow at this moment, or None.
-            plumes: flames and smoke at this moment, from near to far.
+            contents: of the air at this moment.
             k: number of the ray through each pixel.
             total: rays through each pixel of the frame.
         """
@@ -77,9 +93,14 @@ class AirbornePass:
             hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
             distance = dr.select(hit.is_valid(), hit.t, 1e6)
             passed, light = mi.Float(1.0), mi.Color3f(0.0)
-            if falling is not None:
-                passed, light = self._through_rain(falling, ray, hit, distance, angle)
-            for plume in plumes:
+            if contents.falling is not None:
+                passed, light = self._through_rain(contents.falling, ray, hit, distance, angle)
+            if contents.puffs is not None:
+                dr.eval(ray, distance, passed, light)
+                share, added = contents.puffs.seen(ray, distance)
+                light += passed * added
+                passed = passed * share
+            for plume in contents.plumes:
                 # A kernel for each: one of all would be compiled anew when they change places.
                 dr.eval(ray, distance, passed, light)
                 share, added = plume.seen(ray, distance, ray_jitter(pixels, number))
@@ -111,12 +132,27 @@ class AirbornePass:
         return light * clear + self._air.scattered(ray.d) * ((1.0 - clear) * (1.0 - share))
 
 
-def volumes_of(moment: Moment, light: PlumeLight) -> list[PlumeVolume]:
-    """Return the plumes of a moment, from near to far."""
+def airborne_contents(
+    moment: Moment, weather: Weather, key: KeyLight | None, ambient: Vector
+) -> Contents:
+    """Return what is in the air at a moment.
+
+    Args:
+        moment: of a shot.
+        weather: of its scene.
+        key: the key light, or None.
+        ambient: (3,) mean radiance from all directions.
+    """
+    way = np.array([0.0, 1.0, 0.0]) if key is None else key.direction
+    lit = PlumeLight(way, np.zeros(3) if key is None else key.irradiance, ambient)
     camera = np.array(moment.camera.p_WC)
-    flames = [plume for plume in moment.plumes if plume.kind == "flame"]
+    flames = [plume for plume in moment.plumes if plume.kind == "flame"][:MAX_FLAMES]
     near = sorted(moment.plumes, key=lambda p: float(np.linalg.norm(np.array(p.p_WP) - camera)))
-    return [PlumeVolume(plume, light, flames[:MAX_FLAMES], moment.time) for plume in near]
+    return Contents(
+        Precipitation.of(weather, ambient, lit.key, moment.time) if weather.falls else None,
+        tuple(PlumeVolume(plume, lit, flames, moment.time) for plume in near),
+        Puffs.of(moment.puffs, lit) if moment.puffs else None,
+    )
 
 
 class AirborneExposure:

@@ -27,9 +27,6 @@ from render.config import Weather
 from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice
 
-WIND_SHARE = 1 / 3
-"""Wind near the ground, as a share of that at the clouds."""
-
 SEEN = 1 / 60
 """Time over which one sees a drop at once [s]."""
 
@@ -130,8 +127,6 @@ class Precipitation:
             key: (3,) irradiance of the key light on a plane that faces it.
             time: since the film began [s].
         """
-        heading = math.radians(weather.wind_heading_deg)
-        speed = WIND_SHARE * weather.wind
         # Drops show the bright sky behind and above; flakes are white spheres.
         rain = 1.35 * ambient + 0.02 * key
         snow = 1.8 * ambient + key / (4 * math.pi)
@@ -140,7 +135,7 @@ class Precipitation:
             mi.Float(weather.snow),
             mi.Color3f(rain.tolist()),
             mi.Color3f(snow.tolist()),
-            mi.Vector2f(speed * math.cos(heading), -speed * math.sin(heading)),
+            mi.Vector2f(*weather.ground_wind),
             mi.Float(time),
             weather.rain > 0.0,
             weather.snow > 0.0,

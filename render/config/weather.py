@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from pydantic import Field
 
 from render.config.base import PresetModel, Unit
+
+GROUND_SHARE = 1 / 3
+"""Wind near the ground, as a share of that at the clouds."""
 
 _WEATHER: dict[str, dict[str, Any]] = {
     "calm": {"wind": 0.0},
@@ -37,6 +41,13 @@ class Weather(PresetModel):
     wind_heading_deg: float = Field(
         25.0, ge=-360, le=360, description="Heading that the wind blows to; 0 is +X."
     )
+
+    @property
+    def ground_wind(self) -> tuple[float, float]:
+        """Velocity of the wind near the ground, along x and z [m/s]."""
+        heading = math.radians(self.wind_heading_deg)
+        speed = GROUND_SHARE * self.wind
+        return speed * math.cos(heading), -speed * math.sin(heading)
 
     @property
     def falls(self) -> bool:

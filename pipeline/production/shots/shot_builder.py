@@ -32,6 +32,7 @@ from pipeline.production.shots.ground_mesh import (
 from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
+from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
@@ -93,6 +94,8 @@ class ShotBuilder:
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
         self._plumes = PlumeTracks.of(scene, take)
+        ground = self.materials[take.terrain.material]
+        self._puffs = PuffTracks.of(take, ground, scene.light.weather, self._water)
         lamps = (*scene.light.lamps, *self._plumes.lamps)
         self.light = scene.light.model_copy(update={"lamps": lamps})
 
@@ -128,6 +131,7 @@ class ShotBuilder:
             time=first.time,
             water=self._water,
             plumes=first.plumes,
+            puffs=first.puffs,
             scenery=self._surroundings,
         )
 
@@ -184,7 +188,10 @@ class ShotBuilder:
             )
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
         lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
-        return Moment(tuple(meshes), self._interpolator.at(frame, part), lamps, time, plumes)
+        puffs = self._puffs.at(float((frame - 1 + part) / self.clock.rate))
+        return Moment(
+            *(tuple(meshes), self._interpolator.at(frame, part)), lamps, time, plumes, puffs
+        )
 
     def _time(self, frame: int, part: float) -> float:
         """Return the time since the film began [s], 0 where light, water and air stand still."""

@@ -18,7 +18,8 @@ from render.plume import Plume
 
 @pytest.fixture(scope="module")
 def campfire() -> tuple[Scene, Take]:
-    scene = load_scene(find_scene("campfire"), ["duration=0.5", "light.sun.hour=22"])
+    changes = ["duration=0.5", "light.sun.hour=22", "terrain.scatter=none"]
+    scene = load_scene(find_scene("campfire"), [*changes, "terrain.surroundings=none"])
     return scene, simulate(scene)
 
 

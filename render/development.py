@@ -27,8 +27,8 @@ BAND_ROWS = 128
 _SHOULDER = 0.8
 """Value above which highlights roll off, where white is below the end of the curve."""
 
-LOWEST_WHITE = 0.84
-"""Lowest `Tone.white`; below it the shoulder would turn down."""
+LOWEST_WHITE = 0.68
+"""Lowest `Tone.white`; below it even light would look glaring."""
 
 _PALER = 0.6
 """Power of the contrast by which the saturation falls: contrast of each channel adds to it."""
@@ -149,9 +149,9 @@ def _graded_curves(look: Look, white: float) -> list[Image]:
     """Return the curve of each channel with slope, offset and power, sampled as `curve` is."""
     found = []
     bent = curve().astype(np.float64) / white
-    # Highlights roll off to 1 where the curve ends.
+    # Highlights roll off to 1 where the curve ends, along a hyperbola that rises all the way.
     above, most = np.maximum(bent - _SHOULDER, 0.0), 1.0 / white - _SHOULDER
-    bent = bent - above**2 * (most - 1.0 + _SHOULDER) / most**2
+    bent = bent - above + above / (1.0 + above * (1.0 / (1.0 - _SHOULDER) - 1.0 / most))
     for slope, offset, power in zip(look.slope, look.offset, look.power, strict=True):
         value = np.clip(slope * bent + offset, 0.0, 1.0) ** power
         found.append(np.asarray(value, np.float32))

@@ -22,7 +22,7 @@ from pipeline.production.run.frame_ranges import parse_frames
 from pipeline.production.run.frame_stage import note_levels
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs
-from pipeline.production.run.picture_notes import camera_notes
+from pipeline.production.run.picture_notes import shooting_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.scene_run import SceneRun, working
 from pipeline.production.run.score_stage import write_score
@@ -60,7 +60,7 @@ def assemble(
         with take_required(store):
             take = adopt_take(run, film.take, partial(fetch_take, store, film.take))
         shooting = ShotBuilder(order.scene, take)
-        run.notes += camera_notes(order.scene, shooting)
+        run.notes += shooting_notes(order.scene, shooting)
         run.refuse_notes()
         if order.sound:
             write_score(run, take, shooting)

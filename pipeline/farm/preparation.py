@@ -15,7 +15,7 @@ from pipeline.production.run.compile_progress import compile_progress
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.notes import Note, clock_of, read_notes, take_notes
-from pipeline.production.run.picture_notes import camera_notes
+from pipeline.production.run.picture_notes import shooting_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.run.scene_run import translated_errors
 from pipeline.production.run.take_stage import take_key
@@ -113,7 +113,7 @@ def prepare(
             notes = (
                 *notes_after_end(scene),
                 *take_notes(take, clock_of(scene)),
-                *camera_notes(scene, shooting),
+                *shooting_notes(scene, shooting),
             )
             shooting.set_tones(_metered(shooting))
         store_film(store, film, files)

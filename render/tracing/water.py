@@ -38,6 +38,9 @@ _WET_HEIGHT = 0.07
 _LEAST_ROUGHNESS = 6e-4
 """Mean squared slope of the waves that are too short to be in the sum."""
 
+_OPAQUE = 12.0
+"""Optical depth from which water lets nothing more be seen."""
+
 FAR = 1e4
 """Distance that stands for no surface [m]."""
 
@@ -175,7 +178,8 @@ class Water:
 
     def transmittance(self, distance: Any) -> Any:
         """Return the share of light that is left after distances under water [m]."""
-        return dr.exp(-self.extinction * dr.minimum(distance, FAR))
+        # A little is left, by which the denoiser can divide.
+        return dr.exp(-dr.minimum(self.extinction * dr.minimum(distance, FAR), _OPAQUE))
 
     def scattered(self, origin: Any, direction: Any, distance: Any) -> Any:
         """Return the light that water sends along rays below the surface, `mi.Color3f`.

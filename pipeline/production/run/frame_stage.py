@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pipeline.production.run.exposure_stage import expose
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.picture_notes import camera_notes, level_notes
+from pipeline.production.run.picture_notes import level_notes, shooting_notes
 from pipeline.production.run.progress import Stage, stage
 from pipeline.production.run.scene_run import SceneRun
 from pipeline.production.run.take_stage import take_of
@@ -30,7 +30,7 @@ def shooting_of(run: SceneRun) -> ShotBuilder:
         SimulationError: the scene cannot be simulated.
     """
     shooting = ShotBuilder(run.order.scene, take_of(run))
-    run.notes += camera_notes(run.order.scene, shooting)
+    run.notes += shooting_notes(run.order.scene, shooting)
     run.refuse_notes()
     return shooting
 

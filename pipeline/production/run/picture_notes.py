@@ -23,8 +23,12 @@ MAX_RUNS = 4
 """Runs of frames that a note lists."""
 
 
-def camera_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
-    """Return notes on what cameras do not show, before anything is rendered."""
+def shooting_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
+    """Return notes on what cameras do not show and on who wades, before anything is rendered."""
+    return [*_camera_notes(scene, shooting), *_wading_notes(scene, shooting)]
+
+
+def _camera_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
     return [
         Note(
             fault.kind,
@@ -36,6 +40,20 @@ def camera_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
             place_of(scene, cut_path(scene, fault.cut)),
         )
         for fault in shooting.camera_faults()
+    ]
+
+
+def _wading_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
+    return [
+        Note(
+            "wades",
+            "picture",
+            wading.performer,
+            _seconds(scene, wading.frame),
+            wading.frame,
+            f"is {wading.depth:g} m deep in the water, which neither carries nor slows it",
+        )
+        for wading in shooting.waders()
     ]
 
 

@@ -13,7 +13,7 @@ from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.notes import clock_of, foreseen_notes, refuse_notes, take_notes
-from pipeline.production.run.picture_notes import camera_notes
+from pipeline.production.run.picture_notes import shooting_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
@@ -61,7 +61,7 @@ def check_scene(
         take = _take_of(simulation, scene.n_frames, reporter)
         # What the renderer needs of a take can be wrong too.
         shooting = ShotBuilder(scene, take)
-        notes += take_notes(take, clock_of(scene)) + camera_notes(scene, shooting)
+        notes += take_notes(take, clock_of(scene)) + shooting_notes(scene, shooting)
     else:
         notes += foreseen_notes(simulation.foreseen_notes(), clock_of(scene))
     if strict:

@@ -34,6 +34,7 @@ from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_mesh import vertices_around
@@ -140,6 +141,12 @@ class ShotBuilder:
         visibility = Visibility(self.take, VisibleGround(self._land), self._clear)
         filmed = self._filmed if self._filmed is not None else self._filmed_cuts()
         return camera_faults(visibility, self._scene.camera, filmed, self._aspect)
+
+    def waders(self) -> list[Wading]:
+        """Return who goes through the surface of the water."""
+        if self._water is None:
+            return []
+        return waders(self.take, self._skin, self.clock, self._water.level)
 
     @property
     def _aspect(self) -> float:

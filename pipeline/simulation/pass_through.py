@@ -20,7 +20,9 @@ from pipeline.simulation.solid_overlaps import (
     PlacedSolid,
     assemblies,
     bent_parts,
+    boxes_of,
     deepest_overlap,
+    skin_solids,
     solids_of,
 )
 from pipeline.simulation.spatial import Array
@@ -96,7 +98,8 @@ def _pairs(cast: Sequence[Member], meeting: Collection[str]) -> list[tuple[Membe
     pairs: list[tuple[Member, Member]] = [(one, body) for one in people for body in bodies]
     for k, creature in enumerate(going):
         # Of two creatures that go, the first is told.
-        others = [other for other in creatures if other not in going[: k + 1]]
+        told = {one.name for one in going[: k + 1]}
+        others = [other for other in creatures if other.name not in told]
         pairs += [(creature, other) for other in (*things, *dancers, *others)]
     return [(one, other) for one, other in pairs if assembly[one.name] != assembly[other.name]]
 
@@ -121,7 +124,10 @@ class _Passages:
         self._members, self._recorder, self._rows = members, recorder, rows
         self._is_bent = bent_parts(recorder)
         self._boxes: dict[str, tuple[Array, Array]] = {}
-        self._solids: dict[tuple[int, str], list[PlacedSolid]] = {}
+        self._balls: dict[str, tuple[Array, Array]] = {}
+        self._skins: dict[str, list[PlacedSolid]] = {}
+        self._solids: dict[tuple[int, str], tuple[list[PlacedSolid], Array]] = {}
+        self._least: dict[str, float] = {}
 
     def first(self, mover: str, other: str, interval: float) -> tuple[int, float] | None:
         """Returns row and depth [m] of the first passage; None without, or if they begin so.
@@ -132,7 +138,9 @@ class _Passages:
             interval: between the rows [s].
         """
         (low, high), (other_low, other_high) = self._box(mover), self._box(other)
-        near = ((low < other_high) & (other_low < high)).all(axis=-1)
+        near = np.asarray(((low < other_high) & (other_low < high)).all(axis=-1), dtype=bool)
+        if near.any():
+            near[near] = self._balls_meet(mover, other, near)
         if not near.any():
             return None
         place = 0.5 * (low + high)[:, [0, 2]]
@@ -140,35 +148,59 @@ class _Passages:
         least = self._least_depth(mover)
         for sample in np.flatnonzero(near & ((speed > LIMITS.speed) | (self._rows == 0))).tolist():
             row = int(self._rows[sample])
-            depth = deepest_overlap(
-                self._solids_at(row, mover), self._solids_at(row, other), self._is_bent
-            )
+            own, own_boxes = self._solids_at(row, mover)
+            others, other_boxes = self._solids_at(row, other)
+            depth = deepest_overlap(own, others, self._is_bent, (own_boxes, other_boxes))
             if depth > least:
                 return None if row == 0 else (row, depth)
         return None
 
     def _least_depth(self, name: str) -> float:
-        self._members.update(0)
-        state = self._members.state(name)
-        height = float(state.high[1] - state.low[1])
-        return min(max(LIMITS.depth * height, LIMITS.least_depth), LIMITS.most_depth)
+        if name not in self._least:
+            self._members.update(0)
+            state = self._members.state(name)
+            height = float(state.high[1] - state.low[1])
+            least = max(LIMITS.depth * height, LIMITS.least_depth)
+            self._least[name] = min(least, LIMITS.most_depth)
+        return self._least[name]
 
-    def _solids_at(self, row: int, name: str) -> list[PlacedSolid]:
+    def _solids_at(self, row: int, name: str) -> tuple[list[PlacedSolid], Array]:
+        """Returns the solids of a performer in a row, and their boxes (n, 2, 3) [m]."""
         if (row, name) not in self._solids:
+            if name not in self._skins:
+                self._skins[name] = skin_solids(name, self._recorder)
             self._members.update(row)
-            self._solids[row, name] = solids_of(name, self._members, self._recorder)
+            solids = solids_of(name, self._members, self._recorder, self._skins[name])
+            self._solids[row, name] = solids, boxes_of([solid.corners for solid in solids])
         return self._solids[row, name]
+
+    def _balls_of(self, name: str) -> tuple[Array, Array]:
+        """Returns centres (S, n, 3) and radii (n,) of balls around a performer's solids [m]."""
+        if name not in self._balls:
+            recorder, radii = self._recorder, dict[int, float]()
+            for solid in self._solids_at(0, name)[0]:
+                radii[solid.node] = max(radii.get(solid.node, 0.0), _reach(solid, recorder))
+            nodes = sorted(radii)
+            reach = np.array([radii[node] for node in nodes])
+            reach *= float(recorder.scales.max(initial=1.0))
+            self._balls[name] = recorder.positions[self._rows][:, nodes], reach
+        return self._balls[name]
+
+    def _balls_meet(self, mover: str, other: str, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Returns whether balls around solids of two performers meet in chosen rows (S,)."""
+        (p, r), (p_other, r_other) = self._balls_of(mover), self._balls_of(other)
+        apart = p[chosen][:, :, None] - p_other[chosen][:, None]
+        reach = r[:, None] + r_other
+        meets: NDArray[np.bool_] = ((apart * apart).sum(axis=-1) < reach * reach).any(axis=(1, 2))
+        return meets
 
     def _box(self, name: str) -> tuple[Array, Array]:
         """Returns lowest and highest corners (S, 3) around a performer in each row [m]."""
         if name not in self._boxes:
-            recorder = self._recorder
-            solids = self._solids_at(0, name)
-            nodes = [*recorder.nodes_by_performer.get(name, ())]
-            reach = max((_reach(solid, recorder) for solid in solids), default=0.0)
-            reach *= float(recorder.scales.max(initial=1.0))
-            places = recorder.positions[self._rows][:, nodes]
-            self._boxes[name] = places.min(axis=1) - reach, places.max(axis=1) + reach
+            centres, radii = self._balls_of(name)
+            reach = radii[:, None]
+            low, high = (centres - reach).min(axis=1), (centres + reach).max(axis=1)
+            self._boxes[name] = low, high
         return self._boxes[name]
 
 

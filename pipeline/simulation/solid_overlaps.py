@@ -46,10 +46,28 @@ class PlacedSolid(NamedTuple):
     corners: Array
 
 
-def solids_of(name: str, members: Members, recorder: Recorder) -> list[PlacedSolid]:
-    """Returns the solids of a performer; a skin has one for each node that it follows."""
+def solids_of(
+    name: str, members: Members, recorder: Recorder, skins: Sequence[PlacedSolid] | None = None
+) -> list[PlacedSolid]:
+    """Returns the solids of a performer; a skin has one for each node that it follows.
+
+    Args:
+        name: of the performer.
+        members: of the cast, at the row.
+        recorder: the take.
+        skins: the result of `skin_solids`, if it is known.
+    """
     row = members.row
     solids = [PlacedSolid(s.name, s.node, corners) for s, corners in members.solids(name)]
+    for part, node, rest in skin_solids(name, recorder) if skins is None else skins:
+        R = matrix(recorder.quaternions[row, node])
+        solids.append(PlacedSolid(part, node, recorder.positions[row, node] + rest @ R.T))
+    return solids
+
+
+def skin_solids(name: str, recorder: Recorder) -> list[PlacedSolid]:
+    """Returns the solids of a performer's skins, relative to the nodes that they follow."""
+    solids = []
     for part in recorder.parts_by_performer.get(name, ()):
         mesh = recorder.meshes[part.mesh]
         if _is_rigid(mesh):
@@ -57,9 +75,7 @@ def solids_of(name: str, members: Members, recorder: Recorder) -> list[PlacedSol
         nearest = np.take_along_axis(mesh.nodes, mesh.weights.argmax(axis=1)[:, None], axis=1)
         for node in np.unique(nearest).tolist():
             rest = mesh.vertices[nearest[:, 0] == node].astype(float) - recorder.nodes[node].rest
-            R = matrix(recorder.quaternions[row, node])
-            corners = recorder.positions[row, node] + outermost(rest) @ R.T
-            solids.append(PlacedSolid(part.name, node, corners))
+            solids.append(PlacedSolid(part.name, node, outermost(rest)))
     return solids
 
 
@@ -90,10 +106,22 @@ def bent_parts(recorder: Recorder) -> Callable[[str], bool]:
 
 
 def deepest_overlap(
-    one: Sequence[PlacedSolid], other: Sequence[PlacedSolid], is_bent: Callable[[str], bool]
+    one: Sequence[PlacedSolid],
+    other: Sequence[PlacedSolid],
+    is_bent: Callable[[str], bool],
+    boxes: tuple[Array, Array] | None = None,
 ) -> float:
-    """Returns the largest depth of the solids of two performers, 0 if they only touch [m]."""
-    own, others = (boxes_of([solid.corners for solid in solids]) for solids in (one, other))
+    """Returns the largest depth of the solids of two performers, 0 if they only touch [m].
+
+    Args:
+        one: solids of the first.
+        other: solids of the second.
+        is_bent: whether a part is not convex.
+        boxes: of the solids of both, see `boxes_of`, if they are known.
+    """
+    if boxes is None:
+        boxes = boxes_of([s.corners for s in one]), boxes_of([s.corners for s in other])
+    own, others = boxes
     return _deepest(((one[i], other[j]) for i, j in overlapping(own, others)), is_bent)
 
 

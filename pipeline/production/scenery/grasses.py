@@ -82,7 +82,7 @@ CLUMPS: dict[str, Clump] = {
 }  # fmt: skip
 """Kinds of grass."""
 
-LEVELS = ((1.0, 2, 1.0), (0.5, 2, 1.6), (0.24, 1, 2.6))
+LEVELS = ((1.0, 2, 1.0), (0.6, 1, 1.5), (0.25, 1, 2.7))
 """Levels of detail: share of the blades, segments of a blade, factor on its width."""
 
 

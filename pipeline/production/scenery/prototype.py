@@ -183,8 +183,9 @@ def add_leaves(
     colors: Array,
     normals: Array | None = None,
     fold: float = 0.18,
+    triangles: int = 2,
 ) -> None:
-    """Add N leaves of two triangles that are folded along their middle.
+    """Add N leaves of two triangles that are folded along their middle, or of one.
 
     Args:
         shape: to which they are added.
@@ -196,6 +197,7 @@ def add_leaves(
         colors: (N, 3) linear.
         normals: (N, 3) to shade with; across the leaf by default.
         fold: depth of the fold relative to the width.
+        triangles: of each leaf, 2 or 1.
     """
     axes = unit(axes)
     side = unit(np.cross(axes, faces_to) + 1e-6)
@@ -207,9 +209,13 @@ def add_leaves(
     shade = face if normals is None else normals
     bent = shade[:, None] + np.array([0.0, -0.25, 0.0, 0.25])[:, None] * side[:, None]
     light = np.array([0.9, 1.0, 1.08, 1.0])[None, :, None]
+    shades = colors[:, None] * light
     numbers = np.array([[0, 3, 2], [0, 2, 1]])
-    triangles = numbers[None] + 4 * np.arange(len(bases))[:, None, None]
-    shape.add(corners, bent, colors[:, None] * light, triangles)
+    if triangles == 1:
+        corners, bent, shades = corners[:, 1:], bent[:, 1:], shades[:, 1:]
+        numbers = np.array([[0, 2, 1]])
+    faces = numbers[None] + corners.shape[1] * np.arange(len(bases))[:, None, None]
+    shape.add(corners, bent, shades, faces)
 
 
 def add_tubes(

@@ -86,7 +86,7 @@ def _tree(make: Make, density: float, height: float, radius: float, **others: fl
     return Species(
         *(make, density, "tree", height, radius),
         sizes=(0.6, 1.2),
-        levels=(16.0, 45.0, 130.0),
+        levels=(14.0, 40.0, 120.0),
         near=70.0,
         reach=700.0,
         steepest=0.8,
@@ -118,7 +118,7 @@ def _stone(seed: int, level: int) -> Prototype:
 
 
 def _pebbles(seed: int, level: int) -> Prototype:
-    return stones.pebbles(seed, (12, 8, 5)[level], (1, 1, 0)[level])
+    return stones.pebbles(seed, (10, 9, 6)[level], (1, 0, 0)[level])
 
 
 KINDS: dict[str, Species] = {
@@ -132,7 +132,7 @@ KINDS: dict[str, Species] = {
         "tussock", 12.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
     ),
     "beach grass": _grass(
-        "beach grass", 12.0, 0.7, near=10.0, reach=110.0, cover=0.3, patch=6.0, ground=0.15
+        "beach grass", 12.0, 0.7, near=10.0, reach=110.0, cover=0.3, patch=6.0, ground=0.35
     ),
     "sedge": _grass("sedge", 40.0, 0.15, cover=0.5, patch=2.2, near=6.0, ground=0.25),
     "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=8.0, ground=0.1, reach=90.0),

@@ -92,8 +92,9 @@ CROWNS: dict[str, Crown] = {
 }  # fmt: skip
 """Broad-leaved trees and shrubs."""
 
-LEVELS = ((1.0, 1.0, 7), (0.36, 1.65, 5), (0.09, 3.2, 4), (0.016, 7.0, 3))
-"""Levels of detail: share of the leaves, factor on their length, sides of branches."""
+LEVELS = ((1.0, 1.0, 7, 2), (0.75, 1.2, 5, 1), (0.22, 2.1, 4, 1), (0.03, 5.2, 3, 1))
+"""Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
+leaf."""
 
 
 def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
@@ -138,7 +139,7 @@ def crown_skeleton(kind: str, seed: int) -> Skeleton:
 def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     """Return a broad-leaved tree or shrub at a level of detail."""
     config, skeleton = CROWNS[kind], crown_skeleton(kind, seed)
-    share, long, sides = LEVELS[level]
+    share, long, sides, triangles = LEVELS[level]
     rng = np.random.default_rng([seed, 73, level])
     shape = Shape()
     light = 1.0 + 0.25 * rng.uniform(-1.0, 1.0, (len(skeleton.nodes), 1))
@@ -173,7 +174,7 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     color = color * rng.uniform(0.72, 1.22, (count, 1))
     normals = unit(0.9 * unit(out) + 0.5 * unit(face) + 0.25 * UP)
     wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0)
-    add_leaves(shape, base, way, face, size, wide * size, color, normals)
+    add_leaves(shape, base, way, face, size, wide * size, color, normals, triangles=triangles)
     return shape.prototype()
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
@@ -69,7 +68,7 @@ def test_a_slow_camera_makes_nothing_flicker(scene: Scene, take: Take) -> None:
     shot = ShotBuilder(scene, take).shot(1)
     film = Film.model_validate({"preset": "final", "size": [320, 180]})
     shot = replace(shot, film=film, later=())
-    eye = np.array(shot.camera.p_WC)
-    moved = replace(shot.camera, p_WC=tuple((eye + [0.0005, 0.0, 0.0]).tolist()))
+    x, y, z = shot.camera.p_WC
+    moved = replace(shot.camera, p_WC=(x + 0.0005, y, z))
     first, second = (renderer.render(one).srgb8 for one in (shot, replace(shot, camera=moved)))
     assert flip(first, second).mean() < 0.02

@@ -16,6 +16,9 @@ import numpy as np
 
 from render.lights.haze import COLUMNS, ROWS, TOP, Haze
 
+_OPAQUE = 12.0
+"""Optical depth from which nothing more is seen."""
+
 _MAX_FALL = 20.0
 """Heights of the haze that a ray may fall: below, its density is taken to grow no more."""
 
@@ -63,7 +66,8 @@ class Air:
         safe = dr.select(is_level, 1.0, rise)
         mean = dr.select(is_level, 1.0 - 0.5 * rise, (1.0 - dr.exp(-safe)) / safe)
         depth = distance * mean * dr.exp(dr.clip(-origin.y / self.height, -_MAX_FALL, _MAX_FALL))
-        return dr.exp(-self.extinction * depth)
+        # A little is left, by which the denoiser can divide.
+        return dr.exp(-dr.minimum(self.extinction * depth, _OPAQUE))
 
     def scattered(self, direction: Any) -> Any:
         """Return the light of endless haze in a direction, `mi.Color3f`."""

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.shots.wall_rims import rounded_walls
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_cover import Color
@@ -44,7 +45,7 @@ def terrain_mesh(
     """
     return Mesh(
         name="terrain",
-        vertices=terrain.vertices.astype(np.float32),
+        vertices=rounded_walls(terrain.vertices, terrain.cells).astype(np.float32),
         faces=terrain.faces,
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),

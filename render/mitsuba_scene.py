@@ -39,6 +39,7 @@ from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.surfaces.material_bsdf import extra_bounces
 from render.surfaces.texture_mapping import set_pixel_width
 from render.tracing.cloud_shade import CloudShade
+from render.tracing.emitter_choice import CANDIDATES
 from render.tracing.haze import Air
 from render.tracing.path_tracer import PathTracer
 from render.tracing.scene_pair import ScenePair
@@ -63,7 +64,7 @@ class MitsubaScene:
         air: the haze, None without any.
         depth: longest light path, in segments; glass takes more than the film asks for.
         path_tracer_reason: why Mitsuba's own path tracer is in use, or empty.
-        has_soft_lights: whether sampled lights are so wide that their shadows are soft.
+        has_soft_lights: whether sampled lights are so wide or many that their shadows are noisy.
     """
 
     def __init__(self, shot: Shot) -> None:
@@ -108,6 +109,8 @@ class MitsubaScene:
         self._water = None if shot.water is None else Water.of(shot.water, around.downwelling)
         self.sensor = self.scene.sensors()[0]
         self.has_soft_lights = self.scene.environment().sampling_weight() > 0.0
+        # What is left of the noise of many lamps is denoised as that of wide ones is.
+        self.has_soft_lights |= len(self._lamps) > CANDIDATES
         self.depth = self._film.depth + extra_bounces(shot.materials.values())
         self._tracer, self.path_tracer_reason = choose_tracer(
             self._traced, self._film, self.depth, self.air, self._water

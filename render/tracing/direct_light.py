@@ -9,6 +9,7 @@ import mitsuba as mi
 
 from render.frame import ALBEDO_BIAS
 from render.tracing.cloud_shade import CloudShade, dimmed
+from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
 from render.tracing.water import Water
@@ -19,7 +20,7 @@ def surface_light(
     shade: CloudShade | None,
     water: Water | None,
     ray: Any,
-    u: Any,
+    u: tuple[Any, Any],
     has_lamps: bool,
     *,
     coherent: bool = False,
@@ -31,7 +32,7 @@ def surface_light(
         shade: of clouds, None without any.
         water: of the scene, None without any.
         ray: from camera or water.
-        u: pair of numbers for a point on an emitter.
+        u: pair of numbers for a point on an emitter, and one that chooses between emitters.
         has_lamps: whether surfaces are lit at all.
         coherent: whether neighbouring rays are close to each other.
     """
@@ -39,7 +40,7 @@ def surface_light(
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     shining *= dimmed(shade, emitter, ray.o)
-    sample, arriving = scene.sample_emitter_direction(si, u, False, si.is_valid())
+    sample, arriving = emitter_sample(scene, si, *u, si.is_valid())
     arriving *= dimmed(shade, sample.emitter, si.p)
 
     def evaluate(bsdf: Any, si: Any, wo: Any) -> Any:

@@ -15,7 +15,7 @@ from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
-from render.tracing.stratification import BSDF_PAIR, EMITTER_PAIR, StepStrata, sample_2d
+from render.tracing.stratification import BSDF_PAIR, EMITTER_PAIR, StepStrata, sample_1d, sample_2d
 from render.tracing.tracer import Sums
 from render.tracing.water import KEY_LIGHT_FROM, Interface, Water
 
@@ -62,7 +62,7 @@ def add_water(
     )
     for share, direction, is_under, pair in ways:
         way = mi.Ray3f(face.p + _CLEARANCE * direction, direction)
-        u = sample_2d(pixels, strata, pair)
+        u = sample_2d(pixels, strata, pair), sample_1d(pixels, strata)
         light, albedo, shining, distance = surface_light(scene, shade, water, way, u, has_lamps)
         # The disc of the key light is in the glitter, which spreads it over the waves.
         is_key = (distance > KEY_LIGHT_FROM) & dr.isfinite(distance) & (face.is_above != is_under)

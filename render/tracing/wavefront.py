@@ -37,6 +37,7 @@ from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
 from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
+from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
 from render.tracing.stratification import (
@@ -270,7 +271,7 @@ def _add_direct(
     Returns:
         The sums, and whether rays meet water first; then they have what lies before it alone.
     """
-    u = sample_2d(pixels, strata, EMITTER_PAIR)
+    u = sample_2d(pixels, strata, EMITTER_PAIR), sample_1d(pixels, strata)
     light, albedo, shining, distance = surface_light(
         scene, shade, water, ray, u, has_lamps, coherent=True
     )
@@ -328,8 +329,9 @@ def _bounce(
     Direct light on the first surface has samples of its own and is left out here.
     """
     si = paths.interaction()
-    sample, arriving = scene.sample_emitter_direction(
-        si, sample_2d(paths.pixel, strata, EMITTER_PAIR), False
+    choice = sample_1d(paths.pixel, strata)
+    sample, arriving = emitter_sample(
+        scene, si, sample_2d(paths.pixel, strata, EMITTER_PAIR), choice
     )
     arriving *= dimmed(shade, sample.emitter, si.p)
 
@@ -342,7 +344,7 @@ def _bounce(
         evaluate,
         si,
         si.to_local(sample.d),
-        sample_1d(paths.pixel, strata),
+        choice,
         sample_2d(paths.pixel, strata, BSDF_PAIR),
     )
     if water is not None:

@@ -18,6 +18,11 @@ from render.shot import Mesh, Shot
 Make = Callable[..., Shot]
 
 LAMPS = light({"preset": "night", "lamps": [{"at": [0.8, 1.2, 0.6], "radius": 0.2}]})
+MANY = [
+    {"at": [3 * math.cos(i), 0.5 + 0.2 * (i % 5), 3 * math.sin(i)], "radius": 0.05 * (i % 3)}
+    for i in range(20)
+]
+MANY_LAMPS = light({"preset": "night", "lamps": MANY})
 CASES: dict[str, tuple[str | Light, str | Material]] = {
     "sun and sky": ("day", "bone"),
     "a sky without sun": ("overcast", "clay"),
@@ -25,6 +30,7 @@ CASES: dict[str, tuple[str | Light, str | Material]] = {
     "bare metal": ("studio", "brass"),
     "a body that gives off light": ("golden hour", material({"preset": "flame", "glow": 3})),
     "lamps by night": (LAMPS, "green chitin"),
+    "many lamps": (MANY_LAMPS, "clay"),
     "fog": (light({"preset": "golden hour", "haze": "fog"}), "bone"),
 }
 DAILY = ("a large light and a glossy body",)

@@ -5,10 +5,12 @@ What the author leaves open follows the laws of animals, as far as the legs reac
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Container
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +44,8 @@ from pipeline.simulation.locomotion.gaits.stride_plan import (
 )
 from pipeline.spec.walk import AUTO, Manner, Walk
 
-# Heights of the body that are tried.
-HEIGHTS = 33
+# Heights of the body that are tried, and the least that is advised: lower, feet find no place.
+HEIGHTS, LEAST_CROUCH = 33, 0.75
 
 # Duration of a cycle of one that stands, in periods of a pendulum of its size, over 2π.
 PERIOD = 3.0
@@ -253,13 +255,28 @@ class PaceChoice:
         for change in changes:
             keys = self.walk.model_dump(exclude_unset=True)
             keys |= {key: float(text) for key, text in change.items()}
-            try:
-                walk = type(self.walk).model_validate(keys)
-                replace(self, walk=walk, is_trial=True).walking()
-            except (SceneError, ValidationError):
+            if not self._works(keys):
                 continue
             choices.append(" with ".join(f"{key}: {text}" for key, text in change.items()))
-        return f"take {join_choices(choices)}" if choices else "take another gait or scale"
+        return f"take {join_choices(choices)}" if choices else self._omission()
+
+    def _omission(self) -> str:
+        """Return as text what to leave out of a config that no other value of one key mends."""
+        given = [key for key in ("cycle", "stride", "speed") if getattr(self.walk, key) is not None]
+        for count in range(1, len(given) + 1):
+            for left_out in itertools.combinations(given, count):
+                if self._works(self.walk.model_dump(exclude_unset=True, exclude=set(left_out))):
+                    return f"leave out {' and '.join(f'`{key}`' for key in left_out)}"
+        return "take another gait or scale"
+
+    def _works(self, keys: dict[str, Any]) -> bool:
+        """Return whether a creature can walk with these keys of its config."""
+        try:
+            walk = type(self.walk).model_validate(keys)
+            replace(self, walk=walk, is_trial=True).walking()
+        except (SceneError, ValidationError):
+            return False
+        return True
 
     def _too_fast(self, name: str, speed: float, plan: Plan) -> Problem:
         most = self.planner.greatest_frequency
@@ -294,7 +311,7 @@ class PaceChoice:
         duties = [{"duty": rounded_down(shorter_stance)}]
         if shorter_stance < scaling_laws.MIN_DUTY:
             duties = []
-        heights = np.linspace(height, 0.5 * height, HEIGHTS)[1:].tolist()
+        heights = np.linspace(height, LEAST_CROUCH * height, HEIGHTS)[1:].tolist()
         lower = (h for h in heights if self.legs.longest_stride(gait, h) >= stride)
         postures = [{"body_height": rounded_down(h)} for h in list(lower)[:1]]
         message = (

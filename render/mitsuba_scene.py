@@ -275,7 +275,15 @@ def wavefront_limitation(scene: Any) -> str:
     scenes = [scene.moving, scene.still] if isinstance(scene, ScenePair) else [scene]
     if any(shape.is_medium_transition() for part in scenes for shape in part.shapes()):
         return "a surface encloses a medium"
+    if any(_lets_rays_pass(shape.bsdf()) for part in scenes for shape in part.shapes()):
+        # Its shadow rays would take a leaf cut out of a square for the square.
+        return "a surface has an opacity mask"
     return ""
+
+
+def _lets_rays_pass(bsdf: Any) -> bool:
+    """Return whether rays go straight through parts of a surface, as with an opacity mask."""
+    return bsdf is not None and mi.has_flag(bsdf.flags(), mi.BSDFFlags.Null)
 
 
 def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:

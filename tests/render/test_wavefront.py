@@ -218,6 +218,20 @@ def test_a_medium_is_left_to_the_path_tracer(renderer: Renderer) -> None:
     assert "medium" in why
 
 
+def test_an_opacity_mask_is_left_to_the_path_tracer(renderer: Renderer) -> None:
+    import mitsuba as mi
+
+    from render.mitsuba_scene import wavefront_limitation
+
+    def reason(bsdf: dict[str, object]) -> str:
+        leaf = {"type": "rectangle", "bsdf": bsdf}
+        return wavefront_limitation(mi.load_dict({"type": "scene", "leaf": leaf}))
+
+    dull = {"type": "diffuse"}
+    assert "mask" in reason({"type": "mask", "opacity": 0.5, "nested": dull})
+    assert reason(dull) == reason({"type": "dielectric"}) == ""
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 16, 30, 64])
 def test_the_grid_has_one_stratum_per_pass(count: int) -> None:
     from render.tracing.stratification import stratum_grid

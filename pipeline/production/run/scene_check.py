@@ -68,7 +68,7 @@ def check_scene(
         refuse_notes(notes)
     if notes:
         reporter.notes(name, notes, None)
-    return _summary(scene, simulation)
+    return _summary(scene, simulation) + ("" if simulated else _unchecked_poses(scene))
 
 
 def _take_of(simulation: Simulation, frames: int, reporter: Reporter) -> Take:
@@ -99,6 +99,18 @@ def _summary(scene: Scene, simulation: Simulation) -> str:
     }
     cast = ", ".join(f"{member.name} ({_kind_text(member, sizes)})" for member in scene.cast)
     return f"right: {length}; {cast}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
+
+
+def _unchecked_poses(scene: Scene) -> str:
+    """Return whose pose keys depend on where they walk to, and are found by simulation alone."""
+    names = [
+        f"'{member.name}'"
+        for _, member in scene.creatures
+        if member.pose and (member.walk is not None or member.pronk is not None)
+    ]
+    if not names:
+        return ""
+    return f"; --simulate also checks the pose keys of {', '.join(names)} on the way"
 
 
 def _kind_text(member: Member, sizes: Mapping[str, FigureSize]) -> str:

@@ -57,3 +57,15 @@ def test_check_tells_the_size_of_creatures_at_their_scale() -> None:
 def test_every_figure_of_the_library_is_listed_with_a_size() -> None:
     listed = list(listed_names("figures", library()))
     assert all(one.size is not None and one.size.height > 0.05 for one in listed)
+
+
+def test_check_names_walkers_whose_poses_need_simulation() -> None:
+    pose = "pose: [{at: 0.2, limb: l1, frame: body, reach: [1, 0, -1]}]"
+    texts = [
+        check_scene(
+            read_scene(f"pronk: 1\nduration: 0.3\ncast: [{{name: bug, figure: beetle, {keys}}}]\n")
+        )
+        for keys in (f"{pose}, walk: {{}}", pose, "walk: {}")
+    ]
+    told = "--simulate also checks the pose keys of 'bug'"
+    assert [told in text for text in texts] == [True, False, False]

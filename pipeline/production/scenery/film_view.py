@@ -24,6 +24,9 @@ AROUND = 7.0
 SIGHT_RADIUS = 0.3
 """Radius around the line of sight to the target that is kept free [m]."""
 
+MAX_STEP = 15.0
+"""Longest step between two poses that adds to the way; longer ones are cuts [m]."""
+
 CHUNK = 1 << 21
 """Pairs of places and poses that are looked at together."""
 
@@ -55,6 +58,12 @@ class FilmView:
         half = np.tan(np.radians([pose.fov_deg for pose in some]) / 2.0)
         corner = np.arctan(half * np.hypot(1.0, aspect))
         return FilmView(eyes, targets, ahead, corner + np.radians(MARGIN_DEG))
+
+    @property
+    def path_length(self) -> float:
+        """Length of the way of the cameras over the ground, cuts left out [m]."""
+        steps = np.linalg.norm(np.diff(self.eyes[:, [0, 2]], axis=0), axis=-1)
+        return float(steps[steps < MAX_STEP].sum())
 
     def tile_distances(self, centers: Array, radii: Array) -> Array:
         """Return how near (T,) tiles come to a camera that sees them; infinite where none does.

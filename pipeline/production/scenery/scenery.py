@@ -18,6 +18,9 @@ from render.shot import CameraPose, Mesh
 BUDGET = 1_250_000
 """Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
 
+FULL_PATH, MAX_PATH_FACTOR = 20.0, 2.0
+"""Length of a camera's path for which the budget doubles [m], and its greatest factor."""
+
 MAX_TRIANGLES = 6_000_000
 """Triangles beyond which an author's own densities are refused."""
 
@@ -38,9 +41,15 @@ def scenery_detail(width: int) -> float:
     return float(min((width / FULL_WIDTH) ** 0.6, 1.5))
 
 
-def budget(detail: float) -> int:
-    """Return the number of triangles of scenery at a detail."""
-    return round(BUDGET * detail**1.5)
+def budget(detail: float, path_length: float = 0.0) -> int:
+    """Return the number of triangles of scenery.
+
+    Args:
+        detail: see `scenery_detail`.
+        path_length: of the camera [m]; along a long one more is seen, less of it at a time.
+    """
+    longer = min(1.0 + path_length / FULL_PATH, MAX_PATH_FACTOR)
+    return round(BUDGET * detail**1.5 * longer)
 
 
 def scenery_meshes(
@@ -68,10 +77,11 @@ def scenery_meshes(
     """
     if not scatter.wanted or not poses:
         return ()
-    placement = Placement(ground, FilmView.of(poses, aspect), clearings, seed, detail)
+    view = FilmView.of(poses, aspect)
+    placement = Placement(ground, view, clearings, seed, detail)
     fitted = [placement.placed(one) for one in scatter.fitted]
     asked = [placement.placed(one) for one in scatter.asked]
-    most = round(scatter.factor * budget(detail))
+    most = round(scatter.factor * budget(detail, view.path_length))
     every = [*thinned(fitted, most, detail), *asked]
     _check_size(every, detail)
     return meshes(every, detail)

@@ -24,6 +24,9 @@ from render.backend import choose
 from render.renderer import Renderer
 from render.shot import Shot
 
+WARM_UP = 2
+"""Frames of each renderer that are not counted: kernels are compiled for them."""
+
 
 def main(name: str, width: int, count: int) -> None:
     """Measure and print."""
@@ -40,11 +43,8 @@ def main(name: str, width: int, count: int) -> None:
     made = time.process_time() - start
     renderers = {"bare": Renderer(choose()), "scattered": Renderer(choose())}
     seconds: dict[str, list[float]] = {key: [] for key in renderers}
-    memory = {}
-    for key, renderer in renderers.items():
-        before = _memory()
-        renderer.render(_chosen(shots[0], key))
-        memory[key] = _memory() - before
+    for key in WARM_UP * tuple(renderers):
+        renderers[key].render(_chosen(shots[0], key))
     for shot in shots:
         for key, renderer in renderers.items():
             start = time.process_time()
@@ -53,8 +53,7 @@ def main(name: str, width: int, count: int) -> None:
     triangles = sum(len(m.faces) for m in shots[0].scenery if m.name in MATERIALS)
     bare, scattered = (float(np.median(values)) for values in seconds.values())
     print(f"{name}, {size[0]}x{size[1]}, {count} frames, {triangles} triangles scattered")
-    print(f"  made in {made:.1f} s; memory of its scene {memory['scattered']:.0f} MiB more than")
-    print(f"  before, of the bare one {memory['bare']:.0f} MiB")
+    print(f"  made in {made:.1f} s; largest memory of both together {_memory():.0f} MiB")
     print(f"  bare {bare:.2f} s, scattered {scattered:.2f} s of processor a frame", end="")
     print(f": x{scattered / bare:.2f}")
 

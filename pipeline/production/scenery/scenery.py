@@ -24,7 +24,7 @@ FULL_PATH, MAX_PATH_FACTOR = 20.0, 2.0
 MAX_TRIANGLES = 6_000_000
 """Triangles beyond which an author's own densities are refused."""
 
-TRIANGLE_BYTES = 190
+TRIANGLE_BYTES = 215
 """Memory that a triangle takes while frames are rendered, measured [bytes]."""
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.simulate import Simulation
-from pipeline.spec import read_scene
+from pipeline.simulation.spatial import Array
+from pipeline.spec import Scene, read_scene
 from tests.simulation.conftest import Walk, walk_through
 from tests.simulation.locomotion.joint_pops import Pop, joint_pops
 from tests.simulation.locomotion.random_figures import random_figure_walk
@@ -27,6 +28,20 @@ HARMLESS = {"stopped", "drawn"}
 
 FLAT = 7, 12, 17, 18, 25
 """Numbers of figures that stand evenly, and are simulated quickly."""
+
+
+HALVED = range(0, 300, 15)
+"""Numbers of the figures whose motion is compared at two steps."""
+
+STEPS = 2, 4
+"""Steps of the two simulations, per step of the scene: their ratio is that of the law."""
+
+MOST_LEFT = 0.6
+"""Part of the greatest change within a step that may be left in half of the step; a jump leaves
+all of it, and the peak of an acceleration that falls between two rows a little more than half."""
+
+LEAST_SPEED = np.radians(100.0)
+"""Speed of joints below which their changes are not compared [rad/s]."""
 
 
 def _pops(walk: Walk) -> list[Pop]:
@@ -60,6 +75,38 @@ def test_random_figures_walk_on_level_ground(number: int, tmp_path: Path) -> Non
     assert_feet_on_the_ground(walk)
     assert_joint_limits(walk)
     assert_smooth_body_motion(walk)
+
+
+def _changes(scene: Scene, factor: int) -> tuple[Array, Array, float]:
+    """Return greatest changes of joints (L, n) [rad] and of the body [m] in a step, and it [s]."""
+    fine = {"steps": scene.steps * factor, "rows_per_frame": scene.steps * factor}
+    walk = walk_through(scene.model_copy(update=fine))
+    turned = np.abs(np.diff(walk.q, axis=0)).max(axis=0)
+    moved = np.linalg.norm(np.diff(walk.simulation.recorder.positions[:, 0], axis=0), axis=-1)
+    return turned, moved.max(), walk.simulation.world.clock.dt
+
+
+def _assert_changes_halve(scene: Scene) -> None:
+    (coarse, far, dt), (fine, near, _) = (_changes(scene, factor) for factor in STEPS)
+    quick = coarse > LEAST_SPEED * dt
+    assert (fine[quick] < MOST_LEFT * coarse[quick]).all()
+    assert near < MOST_LEFT * far
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("number", HALVED)
+def test_changes_of_a_pose_halve_with_the_step(number: int, tmp_path: Path) -> None:
+    scene = random_figure_walk(number, tmp_path, SEED, duration=1.5)
+    if scene is None:
+        pytest.skip("no place on this terrain")
+    _assert_changes_halve(scene)
+
+
+@pytest.mark.slow
+def test_changes_of_a_pose_halve_with_the_step_on_level_ground(tmp_path: Path) -> None:
+    scene = random_figure_walk(FLAT[0], tmp_path, SEED, kind="flat", duration=0.3)
+    assert scene is not None
+    _assert_changes_halve(scene)
 
 
 def test_a_foot_that_turns_its_knee_without_moving_pops() -> None:

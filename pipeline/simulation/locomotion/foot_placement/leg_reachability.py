@@ -6,12 +6,14 @@ decides, but runs only for positions outside the box that each leg covers on lev
 
 from __future__ import annotations
 
+import itertools
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.ball_aim import ball_joints
+from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
@@ -41,11 +43,16 @@ PLANNED_REACH = 0.98 * MAX_REACH
 # Height of a swing that a leg lifts its foot to without a check, in step heights.
 EASY_SWING_HEIGHT = 1.5
 
-# Room of a hip to its limits to which a leg may fold [rad].
+# Room that a hip keeps to its limits [rad]. One at its limit leaves the rest of the way to knee and
+# ankle, which would turn in a blink.
 HIP_ROOM = 0.05
 
 # Joints of a hip, the first ones of a leg.
 BALL = 3
+
+# Heights of places on level ground and around it that a leg must reach with its hip free, in
+# `NEUTRAL_MARGIN`.
+BOX_HEIGHTS = -1.0, 0.0, 1.0
 
 # Hip-to-foot distances at which folding is tested, as fractions of the leg's length.
 FOLD_DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
@@ -66,32 +73,53 @@ class LegReachability:
         floor = herd.foot_radius - herd.body_height[herd.owner]
         self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - margin
         self._high = np.stack([x + half, floor, z], axis=-1) + margin
+        self._boxed = self._box_is_free(floor, margin[:, 1])
+
+    def _box_is_free(self, floor: Array, margin: Array) -> NDArray[np.bool_]:
+        """Return which legs (L,) have their hips free all around their level-ground places."""
+        herd, result = self.herd, np.ones(len(self.herd.owner), dtype=bool)
+        legs = np.arange(len(result))
+        if not len(legs):
+            return result
+        for x, y, z in itertools.product((0, 1), BOX_HEIGHTS, (0, 1)):
+            ends = (self._low, self._high)
+            goals = np.stack([ends[x][:, 0], floor + y * margin, ends[z][:, 2]], axis=-1)
+            near = np.linalg.norm(goals - herd.hips, axis=-1) < MAX_REACH * herd.legs.lengths
+            q, _ = solve_each_tip(herd.legs, herd.chains, legs, goals)
+            result &= ~near | free_hips(herd.legs, legs, q)
+        return result
 
     def near_neutral(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
         """Return which goals (N, 3) lie near the tip positions of legs (N,) on level ground."""
         inside: NDArray[np.bool_] = (goals >= self._low[legs]) & (goals <= self._high[legs])
-        return np.asarray(inside.all(axis=-1))
+        return np.asarray(inside.all(axis=-1) & self._boxed[legs])
 
-    def reaches(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
-        """Return which goals (N, m, 3) the legs (N,) reach, (N, m)."""
+    def reaches(
+        self, legs: NDArray[np.int64], goals: Array, room: float = HIP_ROOM
+    ) -> NDArray[np.bool_]:
+        """Return which goals (N, m, 3) the legs (N,) reach with free hips, see `free_hips`."""
         reached = self.near_neutral(legs[:, None], goals)
         row, sample = np.nonzero(~reached)
         if len(row):
             herd, asked = self.herd, legs[row]
-            _, residual = solve_each_tip(herd.legs, herd.chains, asked, goals[row, sample])
-            reached[row, sample] = residual <= REACHED_DISTANCE * herd.legs.lengths[asked]
+            q, residual = solve_each_tip(herd.legs, herd.chains, asked, goals[row, sample])
+            there = residual <= REACHED_DISTANCE * herd.legs.lengths[asked]
+            reached[row, sample] = there & free_hips(herd.legs, asked, q, room)
         return reached
 
-    def follows(self, legs: NDArray[np.int64], paths: Array) -> NDArray[np.bool_]:
+    def follows(
+        self, legs: NDArray[np.int64], paths: Array, room: float = HIP_ROOM
+    ) -> NDArray[np.bool_]:
         """Return which legs (N,) can move their tips along `paths` (N, m, 3).
 
-        Near its limits a leg may reach neighbouring goals by different branches of the inverse
-        kinematics; so no joint may jump between samples.
+        At its limits a leg may reach neighbouring goals by different branches of the inverse
+        kinematics; so hips stay free, and no joint may jump between samples.
         """
         herd, shape = self.herd, paths.shape[:2]
         rows = np.repeat(legs, shape[1])
         q, residual = solve_each_tip(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
         within = residual <= REACHED_DISTANCE * herd.legs.lengths[rows]
+        within &= free_hips(herd.legs, rows, q, room)
         joint_steps = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
         return np.asarray(
             within.reshape(shape).all(axis=1) & (joint_steps < MAX_JOINT_STEP).all(axis=(1, 2))
@@ -158,6 +186,29 @@ class LegReachability:
         return np.asarray(self.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))
 
 
+def free_hips(
+    batch: LimbBatch, rows: NDArray[np.int64], q: Array, room: float = HIP_ROOM
+) -> NDArray[np.bool_]:
+    """Return which hips (...) are away from their limits; all of those that are no ball joints.
+
+    Then a leg goes along its bends alone, and follows its foot as calmly as two equal links.
+
+    Args:
+        batch: legs.
+        rows: (...) their numbers.
+        q: (..., n) joint values [rad or m].
+        room: to their limits [rad].
+    """
+    lower, upper, rest = (
+        bound[rows, :BALL] for bound in (batch.lower, batch.upper, batch.preferred)
+    )
+    # An author may let a joint rest at its limit, or hold it.
+    below = (q[..., :BALL] - lower < room) & (rest - lower > HIP_ROOM)
+    above = (upper - q[..., :BALL] < room) & (upper - rest > HIP_ROOM)
+    result: NDArray[np.bool_] = ~(below | above).any(axis=-1) | ~ball_joints(batch)[rows]
+    return result
+
+
 def shortest_reaches(herd: Herd) -> Array:
     """Return the hip-to-foot distances (L,) [m] beyond which each leg reaches every foot position.
 
@@ -187,9 +238,7 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     for chain in chains:
         folded[chain.rows] = chain.path.shortest[chain.on_path[:, 0]]
     near = asked < folded
-    # A hip at its limit leaves all of the fold to the ankle, which would turn in a blink.
-    held = (solution.q - legs.lower < HIP_ROOM) | (legs.upper - solution.q < HIP_ROOM)
-    held = (held & legs.is_joint)[..., :BALL].any(axis=-1) & ball_joints(legs)
+    held = ~free_hips(legs, np.arange(len(own)), solution.q)
     missed = (asked < at_rest) & ((residual > REACHED_DISTANCE * legs.lengths) | near | held)
     # The last distance before the first miss; legs without a miss fold up completely.
     first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(FOLD_DISTANCES))

@@ -14,7 +14,6 @@ Source: Sims 1987, 10.2, steps 1 and 2.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -25,7 +24,6 @@ from numpy.typing import NDArray
 from pipeline.simulation.curves import ease
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import (
     EASY_SWING_HEIGHT,
-    HIP_ROOM,
     LegReachability,
 )
 from pipeline.simulation.locomotion.foot_placement.step_batch import (
@@ -70,10 +68,6 @@ MAX_SWING_HEIGHT = 0.4
 
 # Step heights tried in turn where a leg cannot lift its foot higher, as fractions of the usual one.
 STEP_HEIGHT_FRACTIONS = 1.0, 0.6, 0.3
-
-# Room of the hip to its limits in the holds tried in turn [rad]: better a hip just within them
-# than a foot that stays behind.
-HIP_ROOMS = HIP_ROOM, 1e-6
 
 # Length of swings that need no check, in strides.
 EASY_LENGTH = 1.25
@@ -124,19 +118,16 @@ class FootholdSearch:
 
         # On level ground a leg that folds too far on a long swing stays above the ground anyway.
         is_level = self.trajectory.surface.of(int(self.herd.owner[request.leg])).is_level
-        limits = (EASY_LENGTH, np.inf) if is_level else (EASY_LENGTH,)
-        for room, limit in itertools.product(HIP_ROOMS, limits):
+        for limit in (EASY_LENGTH, np.inf) if is_level else (EASY_LENGTH,):
 
-            def with_swing(
-                hold: Foothold, room: float = room, limit: float = limit
-            ) -> Foothold | None:
+            def with_swing(hold: Foothold, limit: float = limit) -> Foothold | None:
                 landing = turn_inverse(R[:1], hold.tip - p[:1])
                 near = starts_near and bool(self.reachability.near_neutral(leg, landing).all())
                 easy = limit if near or limit == np.inf else 0.0
-                return self._with_swing(request, hold, swing_bodies, easy, room)
+                return self._with_swing(request, hold, swing_bodies, easy)
 
             candidates = self._candidates(request.leg, stance.neutral[0], present[[0, 2]])
-            best = self._best(request.leg, candidates, R, p, with_swing, room)
+            best = self._best(request.leg, candidates, R, p, with_swing)
             if best is not None:
                 return best
         return None
@@ -144,12 +135,8 @@ class FootholdSearch:
     def find_initial(self, request: StepRequest) -> Foothold | None:
         """Return where a foot stands at the start: the good place nearest to its neutral one."""
         _, stance = self._stance(request)
-        for room in HIP_ROOMS:
-            candidates = self._candidates(request.leg, stance.neutral[0])
-            best = self._best(request.leg, candidates, stance.R[0], stance.p[0], room=room)
-            if best is not None:
-                return best
-        return None
+        candidates = self._candidates(request.leg, stance.neutral[0])
+        return self._best(request.leg, candidates, stance.R[0], stance.p[0])
 
     def find_ahead(self, request: StepRequest) -> Foothold | None:
         """Return where a foot of a body farther ahead can come down, wherever it lifts."""
@@ -223,7 +210,6 @@ class FootholdSearch:
         R: Array,
         p: Array,
         with_swing: Callable[[Foothold], Foothold | None] = lambda hold: hold,
-        room: float = HIP_ROOM,
     ) -> Foothold | None:
         """Return the first good foothold; any without lowering comes before one with it.
 
@@ -233,7 +219,6 @@ class FootholdSearch:
             R: (m, 3, 3) and
             p: (m, 3), poses of the body during the stance [m].
             with_swing: adds the swing to a foothold, None where the leg cannot swing there.
-            room: of the hip to its limits [rad].
         """
         legs, owner, seen = np.array([leg]), int(self.herd.owner[leg]), []
         for xz in candidates:
@@ -242,7 +227,7 @@ class FootholdSearch:
             owners = np.full(len(xz), owner)
             allowed = self.trajectory.surface.is_allowed(owners, xz[:, 0], xz[:, 1])
             lowering = np.where(allowed, lowering, np.inf)
-            for i in self._reached(leg, tips[0], lowering, lowering == 0.0, (R, p), room):
+            for i in self._reached(leg, tips[0], lowering, lowering == 0.0, R, p):
                 hold = with_swing(self._foothold(leg, xz[i], 0.0))
                 if hold is not None:
                     return hold
@@ -251,7 +236,7 @@ class FootholdSearch:
         most = min(clearance, MAX_LOWERING_OF_LEG * float(self.herd.legs.lengths[leg]))
         for xz, tips, lowering in seen:
             usable = (lowering > 0.0) & (lowering <= most)
-            for i in self._reached(leg, tips, lowering, usable, (R, p), room):
+            for i in self._reached(leg, tips, lowering, usable, R, p):
                 hold = with_swing(self._foothold(leg, xz[i], float(lowering[i])))
                 if hold is not None:
                     return hold
@@ -263,16 +248,9 @@ class FootholdSearch:
         return max(float(max(self.herd.body_height[c], above) - self.herd.belly[c]), 0.0)
 
     def _reached(
-        self,
-        leg: int,
-        tips: Array,
-        lowering: Array,
-        usable: NDArray[np.bool_],
-        bodies: tuple[Array, Array],
-        room: float,
+        self, leg: int, tips: Array, lowering: Array, usable: NDArray[np.bool_], R: Array, p: Array
     ) -> Iterator[int]:
         """Yield the usable tips (n, 3) that the joints reach; of many, a regular sample."""
-        R, p = bodies
         numbers = np.flatnonzero(usable)
         if len(numbers) > MAX_IK_CANDIDATES:
             sample = np.linspace(0, len(numbers) - 1, MAX_IK_CANDIDATES).astype(np.int64)
@@ -281,7 +259,7 @@ class FootholdSearch:
             if len(chunk):
                 lowered = p - np.multiply.outer(lowering[chunk], UP)[:, None]
                 goals = turn_inverse(R, tips[chunk, None] - lowered)
-                reached = self.reachability.reaches(np.full(len(chunk), leg), goals, room)
+                reached = self.reachability.reaches(np.full(len(chunk), leg), goals)
                 yield from chunk[reached.all(axis=-1)].tolist()
 
     def _foothold(self, leg: int, xz: Array, lowering: float) -> Foothold:
@@ -304,7 +282,6 @@ class FootholdSearch:
         hold: Foothold,
         bodies: Callable[[], tuple[Array, Array]],
         easy_length: float,
-        room: float,
     ) -> Foothold | None:
         """Return a foothold with the height of the swing to it, None if the leg cannot swing there.
 
@@ -313,7 +290,6 @@ class FootholdSearch:
             hold: where it ends.
             bodies: returns R_WB (n, 3, 3) and p_WB (n, 3) during the swing [m].
             easy_length: of swings that need no check, in strides.
-            room: of the hip to its limits [rad].
         """
         leg, present = request.leg, request.present
         assert present is not None
@@ -346,7 +322,7 @@ class FootholdSearch:
             legs = np.full(len(paths), leg)
             if quickness(np.array(request.timing.swing)) > 0.0:
                 paths = self.reachability.within_reach(legs, paths)
-            if self.reachability.follows(legs, paths, room).all():
+            if self.reachability.follows(legs, paths).all():
                 return replace(hold, swing_height=swing_height)
         return replace(hold, swing_height=swing_height) if easy_length == np.inf else None
 

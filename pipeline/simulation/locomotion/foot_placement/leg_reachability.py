@@ -94,22 +94,18 @@ class LegReachability:
         inside: NDArray[np.bool_] = (goals >= self._low[legs]) & (goals <= self._high[legs])
         return np.asarray(inside.all(axis=-1) & self._boxed[legs])
 
-    def reaches(
-        self, legs: NDArray[np.int64], goals: Array, room: float = HIP_ROOM
-    ) -> NDArray[np.bool_]:
-        """Return which goals (N, m, 3) the legs (N,) reach with free hips, see `free_hips`."""
+    def reaches(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
+        """Return which goals (N, m, 3) the legs (N,) reach with their hips free."""
         reached = self.near_neutral(legs[:, None], goals)
         row, sample = np.nonzero(~reached)
         if len(row):
             herd, asked = self.herd, legs[row]
             q, residual = solve_each_tip(herd.legs, herd.chains, asked, goals[row, sample])
             there = residual <= REACHED_DISTANCE * herd.legs.lengths[asked]
-            reached[row, sample] = there & free_hips(herd.legs, asked, q, room)
+            reached[row, sample] = there & free_hips(herd.legs, asked, q)
         return reached
 
-    def follows(
-        self, legs: NDArray[np.int64], paths: Array, room: float = HIP_ROOM
-    ) -> NDArray[np.bool_]:
+    def follows(self, legs: NDArray[np.int64], paths: Array) -> NDArray[np.bool_]:
         """Return which legs (N,) can move their tips along `paths` (N, m, 3).
 
         At its limits a leg may reach neighbouring goals by different branches of the inverse
@@ -119,7 +115,7 @@ class LegReachability:
         rows = np.repeat(legs, shape[1])
         q, residual = solve_each_tip(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
         within = residual <= REACHED_DISTANCE * herd.legs.lengths[rows]
-        within &= free_hips(herd.legs, rows, q, room)
+        within &= free_hips(herd.legs, rows, q)
         joint_steps = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
         return np.asarray(
             within.reshape(shape).all(axis=1) & (joint_steps < MAX_JOINT_STEP).all(axis=(1, 2))
@@ -186,9 +182,7 @@ class LegReachability:
         return np.asarray(self.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))
 
 
-def free_hips(
-    batch: LimbBatch, rows: NDArray[np.int64], q: Array, room: float = HIP_ROOM
-) -> NDArray[np.bool_]:
+def free_hips(batch: LimbBatch, rows: NDArray[np.int64], q: Array) -> NDArray[np.bool_]:
     """Return which hips (...) are away from their limits; all of those that are no ball joints.
 
     Then a leg goes along its bends alone, and follows its foot as calmly as two equal links.
@@ -197,14 +191,13 @@ def free_hips(
         batch: legs.
         rows: (...) their numbers.
         q: (..., n) joint values [rad or m].
-        room: to their limits [rad].
     """
     lower, upper, rest = (
         bound[rows, :BALL] for bound in (batch.lower, batch.upper, batch.preferred)
     )
     # An author may let a joint rest at its limit, or hold it.
-    below = (q[..., :BALL] - lower < room) & (rest - lower > HIP_ROOM)
-    above = (upper - q[..., :BALL] < room) & (upper - rest > HIP_ROOM)
+    below = (q[..., :BALL] - lower < HIP_ROOM) & (rest - lower > HIP_ROOM)
+    above = (upper - q[..., :BALL] < HIP_ROOM) & (upper - rest > HIP_ROOM)
     result: NDArray[np.bool_] = ~(below | above).any(axis=-1) | ~ball_joints(batch)[rows]
     return result
 

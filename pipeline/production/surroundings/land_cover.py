@@ -28,6 +28,9 @@ PALE_ROCK: Color = (0.42, 0.265, 0.16)
 BEACH: Color = (0.34, 0.275, 0.185)
 WET: Color = (0.13, 0.105, 0.075)
 
+WOODS_FROM = (170.0, 380.0)
+"""Distances between which woods rise to the height of trees [m]; nearer ones are plants."""
+
 NEAR, FAR = 14.0, 120.0
 """Distances between which the cover takes over from the material of the ground [m]."""
 
@@ -86,6 +89,19 @@ def woods(site: Site, kind: str) -> Array:
     ragged = site.height + 70.0 * site.fractal(200.0, 3)
     share = share * (1.0 - smoothstep(line, 1.5 * line, ragged))
     return np.asarray(share * smoothstep(0.3, 2.5, site.height + (3.0 if kind != "sea" else 0.0)))
+
+
+def canopy(site: Site, kind: str) -> Array:
+    """Return the height (N,) of far woods over the ground [m]: ragged lines of trees."""
+    trees = woods(site, kind) * smoothstep(*WOODS_FROM, site.out)
+    return np.asarray(
+        trees
+        * (
+            6.5
+            + 3.5 * noise(site.places / 13.0, site.seed + 71)
+            + 2.5 * noise(site.places / 5.0, site.seed + 72)
+        )
+    )
 
 
 def _mixed(first: Array | Color, second: Color | Array, share: Array) -> Array:

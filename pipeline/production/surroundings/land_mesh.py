@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.production.surroundings.land import Land
-from pipeline.production.surroundings.land_cover import Color, Site, cover
+from pipeline.production.surroundings.land_cover import Color, Site, canopy, cover
 from pipeline.production.surroundings.rings import (
     AROUND,
     LEAST_AROUND,
@@ -48,6 +48,13 @@ def land_mesh(
     out = distances(first, detail)
     places = (rim + out[:, None, None] * way).reshape(-1, 2)
     height = land.height_in_grid(places)
+    sea = land.sea_level
+    above = height - (land.level if sea is None else sea)
+    site = Site(
+        places, land.beyond(places), above, _steepness(places, height, around), land.seed, color
+    )
+    # Steepness and cover are those of the ground below the trees.
+    height = height + canopy(site, land.kind)
     x, z = land.field.to_world(*places.T)
     if land.is_platform:
         edge[:, 1] = land.level
@@ -61,11 +68,6 @@ def land_mesh(
     mesh = Mesh("horizon", vertices, faces, material, uv=vertices[:, [0, 2]])
     if land.kind == "none":
         return mesh
-    sea = land.sea_level
-    above = height - (land.level if sea is None else sea)
-    site = Site(
-        places, land.beyond(places), above, _steepness(places, height, around), land.seed, color
-    )
     # The edge shows the material alone, as the terrain does.
     bare = np.zeros((len(edge), 4))
     covered = np.concatenate([bare, cover(site, land.kind)]).astype(np.float32)

@@ -78,7 +78,7 @@ def _mountains(places: Array, out: Array, seed: int) -> Array:
     def chain(p: Array) -> Array:
         ridge = ridged(_bent(p, seed, 1500.0, 320.0) / 2100.0, seed + 20)
         out = np.hypot(*p.T)
-        high = 330.0 + 900.0 * smoothstep(2400.0, 4600.0, out) * ridge**0.2
+        high = 330.0 + 560.0 * smoothstep(2400.0, 4600.0, out) * ridge**0.2
         return high * ridge * _uneven(p, seed + 40)
 
     return (

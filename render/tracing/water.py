@@ -146,9 +146,7 @@ class Water:
     def interface(self, ray: Any, t: Any) -> Interface:
         """Return the surface at the distances where rays meet it."""
         p = ray.o + t * ray.d
-        # A pixel covers more of the water the flatter it is seen.
-        width = self.pixel * t * dr.rsqrt(dr.maximum(dr.abs(ray.d.y), 0.01))
-        slope_x, slope_z, lost = self._slopes(p.x, p.z, width)
+        slope_x, slope_z, lost = self._slopes(p, ray.d, self.pixel * t)
         is_above = ray.d.y < 0.0
         # Of waves that are too far to be seen one by one, those that face the camera are seen.
         flat = 1.0 - dr.minimum(dr.abs(ray.d.y), 1.0)
@@ -256,12 +254,24 @@ class Water:
             height += amplitude * dr.sin(dr.fma(kx, x, dr.fma(kz, z, phase)))
         return height
 
-    def _slopes(self, x: Any, z: Any, width: Any) -> tuple[Any, Any, Any]:
-        """Return the slopes along x and z, and the mean square of those not seen one by one."""
+    def _slopes(self, p: Any, d: Any, width: Any) -> tuple[Any, Any, Any]:
+        """Return the slopes along x and z, and the mean square of those not seen one by one.
+
+        Args:
+            p: places on the surface [m].
+            d: directions from which they are seen.
+            width: of a pixel there, across the direction [m].
+        """
+        # A pixel covers more of the water along the view the flatter that is.
+        flat = dr.rsqrt(dr.maximum(dr.square(d.x) + dr.square(d.z), 1e-6))
+        view_x, view_z = d.x * flat, d.z * flat
+        drawn_out = dr.square(dr.rcp(dr.maximum(dr.abs(d.y), 2e-3))) - 1.0
         slope_x, slope_z, lost = mi.Float(0.0), mi.Float(0.0), mi.Float(0.0)
         for (amplitude, kx, kz, length), phase in zip(self.waves, self.phases, strict=True):
-            seen = dr.clip(2.0 - 4.0 * width / length, 0.0, 1.0)
-            rise = amplitude * dr.cos(dr.fma(kx, x, dr.fma(kz, z, phase))) * seen
+            along = dr.square((kx * view_x + kz * view_z) * (length / (2.0 * math.pi)))
+            covered = width * dr.sqrt(1.0 + along * drawn_out)
+            seen = dr.clip(2.0 - 4.0 * covered / length, 0.0, 1.0)
+            rise = amplitude * dr.cos(dr.fma(kx, p.x, dr.fma(kz, p.z, phase))) * seen
             slope_x, slope_z = dr.fma(kx, rise, slope_x), dr.fma(kz, rise, slope_z)
             steepness = 0.5 * amplitude**2 * (kx**2 + kz**2)
             lost += steepness * (1.0 - seen * seen)

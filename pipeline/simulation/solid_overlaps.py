@@ -102,7 +102,20 @@ def assemblies(cast: Sequence[Member]) -> dict[str, str]:
 def bent_parts(recorder: Recorder) -> Callable[[str], bool]:
     """Returns a function that tells whether a part, by its name, is not convex."""
     meshes = {part.name: recorder.meshes[part.mesh] for part in recorder.parts}
-    return cache(lambda name: name in meshes and _is_bent(meshes[name]))
+    # Herds have many parts of one shape.
+    shapes: dict[tuple[bytes, bytes, bool], bool] = {}
+
+    @cache
+    def is_bent(name: str) -> bool:
+        if name not in meshes:
+            return False
+        mesh = meshes[name]
+        shape = mesh.vertices.tobytes(), mesh.faces.tobytes(), _is_rigid(mesh)
+        if shape not in shapes:
+            shapes[shape] = _is_bent(mesh)
+        return shapes[shape]
+
+    return is_bent
 
 
 def deepest_overlap(

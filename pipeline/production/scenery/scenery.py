@@ -18,7 +18,7 @@ from render.shot import CameraPose, Mesh
 BUDGET = 1_250_000
 """Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
 
-FULL_PATH, MAX_PATH_FACTOR = 20.0, 2.0
+FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.6
 """Length of a camera's path for which the budget doubles [m], and its greatest factor."""
 
 MAX_TRIANGLES = 6_000_000

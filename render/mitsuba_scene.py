@@ -14,6 +14,7 @@ import numpy as np
 
 from render.airborne.airborne_pass import (
     PLUME_RAYS,
+    PUFF_RAYS,
     AirborneExposure,
     AirbornePass,
     airborne_contents,
@@ -209,8 +210,8 @@ class MitsubaScene:
         around = self._around
         contents = airborne_contents(moment, self._light.weather, around.key, around.ambient)
         # Rain is sharp by itself; the edges of what is before flames are not.
-        rays = 1 if contents.falling else -(-PLUME_RAYS // count)
-        rays = -(-PLUME_RAYS // count) if contents.plumes else rays
+        rays = PLUME_RAYS if contents.plumes else PUFF_RAYS if contents.puffs else 1
+        rays = -(-rays // count)
         for ray in range(k * rays, (k + 1) * rays):
             exposure.add(self.sensor, moment.camera.fov_deg, contents, ray, count * rays)
 

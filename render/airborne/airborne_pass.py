@@ -30,6 +30,8 @@ from render.tracing.wavefront import camera_ray
 
 PLUME_RAYS = 4
 """Rays through each pixel of a frame, at least, where there are flames or smoke."""
+PUFF_RAYS = 2
+"""The same where there is dust, which is fainter."""
 MAX_FLAMES = 4
 """Fires that light smoke."""
 

@@ -24,6 +24,8 @@ _REACH = 2.2
 """Radii beyond which nothing is left."""
 _FORWARD = 1.6
 """Light that dust scatters of the key light, relative to what it would scatter to all sides."""
+_AROUND = 1.25
+"""Light from all sides, with what is scattered more than once, relative to that scattered once."""
 
 
 @dataclass
@@ -49,7 +51,7 @@ class Puffs:
     @staticmethod
     def of(puffs: Sequence[Puff], light: PlumeLight) -> Puffs:
         """Return puffs for Dr.Jit, at least one."""
-        lit = light.key * (_FORWARD / (4 * np.pi)) + light.ambient
+        lit = light.key * (_FORWARD / (4 * np.pi)) + _AROUND * light.ambient
         colors = np.array([puff.color for puff in puffs]) * lit
         made = Puffs(
             mi.Point3f(np.array([puff.p_WP for puff in puffs], np.float32).T.copy()),

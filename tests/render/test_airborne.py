@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
+from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
 from pipeline.production.surroundings.land_cover import SNOW
 from render.backend import Backend
 from render.color import linear, luminance
@@ -107,6 +109,14 @@ def test_snow_lies_where_land_is_level() -> None:
     np.testing.assert_allclose(cover[:3, :3], np.tile(SNOW, (3, 1)), rtol=1e-5)
     np.testing.assert_allclose(cover[3:, :3], 0.1)
     assert snowed_cover(mesh, Weather()) is mesh
+    grass = np.full((6, 3), 0.1, np.float32)
+    plant = replace(
+        mesh, colors=grass, normals=np.tile(np.float32([[0, 1, 0], [0, -1, 0]]), (3, 1))
+    )
+    white = frosted(plant, Weather(snow=1.0)).colors
+    assert white is not None
+    assert white[0].min() > 0.6
+    assert 0.1 < white[1].max() < 0.25
 
 
 def test_rain_needs_a_sky_and_thickens_the_haze() -> None:

@@ -24,6 +24,8 @@ _COVERED = 0.6
 _SLOPES = 0.62, 0.86
 """Cosines of slopes at which snow begins to lie, and lies fully."""
 _STEEP_DEG = 40.0
+_FROST = 0.8
+"""Share of what faces up of plants and stones that is white in full snow."""
 
 _COLORS = ("color", "color2", "steep_color", "crest_color", "hollow_color")
 
@@ -72,6 +74,15 @@ def snowed_cover(mesh: Mesh, weather: Weather) -> Mesh:
     color = mesh.cover[:, :3] * (1 - share) + np.array(SNOW) * share
     cover = np.concatenate([color, mesh.cover[:, 3:]], axis=1).astype(np.float32)
     return replace(mesh, cover=cover)
+
+
+def frosted(mesh: Mesh, weather: Weather) -> Mesh:
+    """Return plants or stones with snow on what faces up."""
+    if weather.snow == 0.0 or mesh.colors is None or mesh.normals is None:
+        return mesh
+    share = _FROST * min(weather.snow / _COVERED, 1.0) * mesh.normals[:, 1:2].clip(0.15, 1.0)
+    colors = mesh.colors + share * (np.array(SNOW, np.float32) - mesh.colors)
+    return replace(mesh, colors=colors.astype(np.float32))
 
 
 def _up(mesh: Mesh) -> np.ndarray[Any, np.dtype[np.float64]]:

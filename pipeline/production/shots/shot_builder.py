@@ -29,7 +29,7 @@ from pipeline.production.shots.ground_mesh import (
     surrounding_meshes,
     terrain_mesh,
 )
-from pipeline.production.shots.ground_weather import ground_in_weather, snowed_cover
+from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
@@ -219,7 +219,10 @@ class ShotBuilder:
         width = self.film.size[0]
         meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
         land = tuple(snowed_cover(mesh, self.light.weather) for mesh in meshes)
-        return (*land, *self._scattered(land[0])) if self._scatter.wanted else land
+        if not self._scatter.wanted:
+            return land
+        scattered = self._scattered(land[0])
+        return (*land, *(frosted(mesh, self.light.weather) for mesh in scattered))
 
     def _scattered(self, horizon: Mesh) -> tuple[Mesh, ...]:
         """Return the plants and stones over terrain and land."""

@@ -83,6 +83,6 @@ def test_puffs_hide_what_is_behind_them() -> None:
     assert 0.3 < (1 - passed).max() < 0.99
     assert (1 - passed)[abs(x) > 0.7].max() == 0
     # What it hides it replaces with its own light.
-    np.testing.assert_allclose(added[1], 0.3 * (1 - passed), atol=1e-5)
+    np.testing.assert_allclose(added[1], 1.25 * 0.3 * (1 - passed), atol=1e-5)
     assert (1 - seen(3.0)[0]).max() < 0.8 * (1 - passed).max()
     assert (1 - seen(2.0)[0]).max() < 0.01

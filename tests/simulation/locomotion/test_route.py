@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pipeline.simulation.locomotion.routes.route import (
     Route,
     heading_vector,
+    plan_route,
     sharp_corners,
     spline_route,
     standing_route,
@@ -17,6 +18,7 @@ from pipeline.simulation.locomotion.routes.route import (
     turn_in_place,
 )
 from pipeline.simulation.spatial import Array
+from pipeline.spec import read_scene
 
 WAYPOINTS = st.lists(
     st.tuples(st.integers(-8, 8), st.integers(-8, 8)), min_size=2, max_size=6, unique=True
@@ -50,6 +52,19 @@ def test_spline_starts_with_the_given_heading() -> None:
     xz, headings = route.at(np.array([0.0, 0.05]))
     assert headings[0] == pytest.approx(0.7, abs=0.05)
     np.testing.assert_allclose((xz[1] - xz[0]) / 0.05, heading_vector(0.7), atol=0.06)
+
+
+@pytest.mark.parametrize(("heading", "turns"), [(100.0, False), (150.0, True), (-150.0, True)])
+def test_a_path_that_leads_back_begins_with_a_turn_in_place(heading: float, turns: bool) -> None:
+    walk = f"walk: {{path: [[2, 0], [4, 1]]}}, heading_deg: {heading}"
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: horse, {walk}}}]\n")
+    ((_, member),) = scene.creatures
+    route = plan_route(member, np.array([0.6, 0.3]), 10.0)
+    assert route.turns_at(0.01) == turns
+    assert route.heading[0] == pytest.approx(np.radians(heading), abs=0.05)
+    np.testing.assert_allclose(route.xz[-1], [4.0, 1.0], atol=1e-9)
+    # No hairpin: it never turns within less than a decimetre.
+    assert np.abs(route.curvature(fine(route))).max() < 10.0
 
 
 def test_straight_and_standing_routes_keep_their_heading() -> None:

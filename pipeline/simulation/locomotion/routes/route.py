@@ -292,11 +292,21 @@ def _through_waypoints(points: Sequence[Array], heading: float | None, radius: f
         heading: at the first [rad]; that of the spline if None.
         radius: of the feet, for turns in place [m].
     """
+    if heading is not None and _is_behind(points[1] - points[0], heading):
+        after = _through_waypoints(points, None, radius)
+        angle = math.remainder(float(after.heading[0]) - heading, 2.0 * math.pi)
+        return turn_in_place(points[0], heading, angle, radius).then(after)
     cuts = [0, *sharp_corners(points), len(points) - 1]
     route = spline_route(points[: cuts[1] + 1], heading)
     for a, b in itertools.pairwise(cuts[1:]):
         route = route.then(_after_turn(route, spline_route(points[a : b + 1], None), radius))
     return route
+
+
+def _is_behind(way: Array, heading: float) -> bool:
+    """Return whether a way (2,) leads so far back from a heading [rad] that it needs a turn."""
+    x, z = way.tolist()
+    return abs(math.remainder(math.atan2(-z, x) - heading, 2.0 * math.pi)) > SHARP_CORNER
 
 
 def sharp_corners(points: Sequence[Array]) -> list[int]:

@@ -28,6 +28,10 @@ ENTRIES = 48
 # to a point.
 SHARP_CORNER = math.radians(120.0)
 
+# Angle from the heading at the start to the path from which on a creature first turns in place: a
+# spline would bend within a fraction of a leg, at full speed.
+SHARP_START = math.radians(75.0)
+
 # Greatest number of laps of a repeated path; no film is longer.
 MAX_LAPS = 200
 
@@ -306,7 +310,7 @@ def _through_waypoints(points: Sequence[Array], heading: float | None, radius: f
 def _is_behind(way: Array, heading: float) -> bool:
     """Return whether a way (2,) leads so far back from a heading [rad] that it needs a turn."""
     x, z = way.tolist()
-    return abs(math.remainder(math.atan2(-z, x) - heading, 2.0 * math.pi)) > SHARP_CORNER
+    return abs(math.remainder(math.atan2(-z, x) - heading, 2.0 * math.pi)) > SHARP_START
 
 
 def sharp_corners(points: Sequence[Array]) -> list[int]:

@@ -41,7 +41,9 @@ def shot_of(name: str) -> Shot:
     scene = load_scene(find_scene(name), ["duration=1"])
     shot = ShotBuilder(scene, simulate(scene)).shot(scene.n_frames // 2)
     lit = shot.light.without_cloud_shadows()
-    return replace(shot, film=Film(size=SIZE, depth=DEPTH, denoise="off"), light=lit, later=())
+    film = Film(size=SIZE, depth=DEPTH, denoise="off")
+    # The other tracer knows nothing of water.
+    return replace(shot, film=film, light=lit, later=(), water=None)
 
 
 @pytest.mark.nightly

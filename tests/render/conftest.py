@@ -15,9 +15,12 @@ from render.shot import CameraPose, Mesh, Shot
 SMALL = Film(size=(64, 48), samples=2, depth=3, denoise="off")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="session", autouse=True)
 def backend() -> Backend:
-    return choose()
+    """Return the backend, active before any test of the renderer can import Dr.Jit."""
+    found = choose()
+    found.activate()
+    return found
 
 
 @pytest.fixture(scope="session")

@@ -19,15 +19,10 @@ from render.shot import Mesh
 RAYS = 4096
 
 
-@pytest.fixture(scope="module")
-def backend() -> Backend:
-    from render.backend import choose
-
-    found = choose()
-    if found.variant == "scalar_rgb":
+@pytest.fixture(autouse=True)
+def _vectorised(backend: Backend) -> None:
+    if backend.variant == "scalar_rgb":
         pytest.skip("the scalar variant shows nothing in the air")
-    found.activate()
-    return found
 
 
 def passed(weather: Weather, time: float, lowered: float = 0.0) -> np.ndarray:

@@ -78,7 +78,6 @@ def test_direct_light_is_dimmed_by_what_the_clouds_let_pass(
 def test_the_sky_drifts_smoothly(backend: Backend) -> None:
     if backend.variant == "scalar_rgb":
         pytest.skip("the scalar variant paints no clouds")
-    backend.activate()
     from render.lights.environment_emitters import surroundings
 
     sky = surroundings(under(), (0.3, 0.26, 0.21), 256).drifting

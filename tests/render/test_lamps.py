@@ -21,11 +21,6 @@ Make = Callable[..., Shot]
 FILM = Film(size=(48, 36), samples=64, depth=2, denoise="off")
 
 
-@pytest.fixture(autouse=True)
-def _mitsuba(backend: Backend) -> None:
-    backend.activate()
-
-
 def card(lamps: list[dict[str, object]], distance: float = 1.0) -> Shot:
     """Return a grey card with a lamp above its middle, seen from above, and no other light."""
     corners = np.array([[-5, 0, -5], [5, 0, -5], [5, 0, 5], [-5, 0, 5]], np.float32)

@@ -13,11 +13,6 @@ from render.lights.sun_position import sun_direction, sun_elevation_deg
 GROUND = (0.3, 0.26, 0.21)
 
 
-@pytest.fixture(autouse=True)
-def _mitsuba(backend: Backend) -> None:
-    backend.activate()
-
-
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     """Return what sky and key light send on level ground and on a wall to the south."""
     from render.lights.environment_emitters import surroundings

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from render.backend import Backend
 from render.color import luminance
 from render.config import Film, Light, light
 from render.errors import ShotError
@@ -17,11 +16,6 @@ from render.renderer import Renderer
 from render.shot import Shot
 
 Make = Callable[..., Shot]
-
-
-@pytest.fixture(autouse=True)
-def _mitsuba(backend: Backend) -> None:
-    backend.activate()
 
 
 def sky(sun: float = 0.0, width: int = 256) -> np.ndarray:

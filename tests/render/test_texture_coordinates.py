@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import pytest
 import trimesh
 
 from render.backend import Backend
@@ -15,11 +14,6 @@ from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
 
 Make = Callable[..., Shot]
-
-
-@pytest.fixture(autouse=True)
-def _mitsuba(backend: Backend) -> None:
-    backend.activate()
 
 
 def ball() -> trimesh.Trimesh:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Pronk = Callable[..., tuple[int, str, str]]
 
 NO_FOOTHOLD = "{kind: fractal, height: 40, unsteppable_slope_deg: 1, size: [8, 8], cells: [8, 8]}"
-FLAT = "{kind: flat, size: [8, 8], cells: [8, 8], material: ground}"
+FLAT = "{kind: flat, size: [8, 8], cells: [8, 8], material: ground, scatter: none}"
 
 
 @pytest.fixture

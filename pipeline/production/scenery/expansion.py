@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.scenery.bending import bent, wind_bends
 from pipeline.production.scenery.placement import WIDE_FROM, WIDEST, Placed
 from pipeline.production.scenery.prototype import Prototype
 from pipeline.production.scenery.species import KINDS, prototype
@@ -53,6 +54,7 @@ class Copies:
         turns: (N, 3, 3) rotations.
         scales: (N, 3) along the shape's own axes.
         tints: (N, 3) factors on its colours.
+        bends: (N, 2) see `bending` [rad].
     """
 
     shape: Prototype
@@ -60,6 +62,18 @@ class Copies:
     turns: Array
     scales: Array
     tints: Array
+    bends: Array | None = None
+
+    @property
+    def tall(self) -> Array:
+        """Heights (N,) [m]."""
+        return np.asarray(self.shape.vertices[:, 1].max() * self.scales[:, 1])
+
+    @property
+    def radii(self) -> Array:
+        """Radii (N,) [m]."""
+        widest = np.hypot(self.shape.vertices[:, 0], self.shape.vertices[:, 2]).max()
+        return np.asarray(widest * self.scales[:, 0])
 
     def arrays(self, *, thin: bool) -> Arrays | None:
         """Return vertices, normals, colours and faces of the foliage, or of all else."""
@@ -72,6 +86,9 @@ class Copies:
         moved = (vertices[None] * self.scales[:, None].astype(np.float32)) @ turns.transpose(
             0, 2, 1
         )
+        if self.bends is not None:
+            tall, bends = self.tall.astype(np.float32), self.bends.astype(np.float32)
+            moved = bent(moved, tall[:, None], bends[:, None])
         moved += self.points[:, None].astype(np.float32)
         normals = self.shape.normals[used] @ turns.transpose(0, 2, 1)
         colors = self.shape.colors[used] * self.tints[:, None].astype(np.float32)
@@ -109,8 +126,16 @@ def _sizes(placed: Placed) -> Array:
     return np.asarray(low * (high / low) ** (part**1.4)) * placed.size
 
 
-def copies(placed: Placed, detail: float) -> Iterator[Copies]:
-    """Yield the copies of each shape of a species."""
+def copies(
+    placed: Placed, detail: float, wind: tuple[float, float] = (0.0, 0.0)
+) -> Iterator[Copies]:
+    """Yield the copies of each shape of a species.
+
+    Args:
+        placed: things of the species.
+        detail: 1 for frames 1280 pixels wide.
+        wind: near the ground, along x and z, in which they lean [m/s].
+    """
     species = KINDS[placed.name]
     sizes = _sizes(placed)
     scales = np.repeat(sizes[:, None], 3, axis=1)
@@ -120,6 +145,9 @@ def copies(placed: Placed, detail: float) -> Iterator[Copies]:
     scales[:, 1] *= 0.85 + 0.3 * placed.chance[:, 3]
     turns = _turns(placed, species.upright)
     tints = _tints(placed, species.ground)
+    bends = None
+    if species.bends and any(wind):
+        bends = wind_bends(placed.points[:, [0, 2]], wind)
     level = _levels(placed, detail)
     variant = (placed.chance[:, 0] * species.variants).astype(int)
     for k in range(len(species.levels) + 1):
@@ -127,7 +155,10 @@ def copies(placed: Placed, detail: float) -> Iterator[Copies]:
             some = np.flatnonzero((level == k) & (variant == v))
             if len(some):
                 shape = prototype(placed.name, v, k)
-                yield Copies(*(shape, placed.points[some], turns[some], scales[some], tints[some]))
+                yield Copies(
+                    *(shape, placed.points[some], turns[some], scales[some], tints[some]),
+                    None if bends is None else bends[some],
+                )
 
 
 def _turns(placed: Placed, upright: float) -> Array:
@@ -150,17 +181,44 @@ def _tints(placed: Placed, share: float) -> Array:
     return np.asarray(light * np.clip(ratio, 0.2, 5.0) ** share)
 
 
-def meshes(every: Sequence[Placed], detail: float) -> tuple[Mesh, ...]:
-    """Return the meshes of all placed things."""
+def meshes(
+    every: Sequence[Placed], detail: float, wind: tuple[float, float] = (0.0, 0.0)
+) -> tuple[Mesh, ...]:
+    """Return the meshes of all placed things; see `copies`."""
+    pieces = [
+        (copy, "scenery stone" if KINDS[placed.name].is_stone else "scenery solid")
+        for placed in every
+        for copy in copies(placed, detail, wind)
+    ]
+    return gathered_meshes(pieces)[0]
+
+
+def gathered_meshes(
+    every: Sequence[tuple[Copies, str]],
+) -> tuple[tuple[Mesh, ...], list[NDArray[np.int64]]]:
+    """Return one mesh for each material of copies, and the copies (V,) of their vertices.
+
+    Args:
+        every: copies, with the material of what is not foliage. The vertices of a mesh are
+            numbered by copy, through all copies of all shapes.
+    """
     pieces: dict[str, list[Arrays]] = {name: [] for name in MATERIALS}
-    for placed in every:
-        solid = "scenery stone" if KINDS[placed.name].is_stone else "scenery solid"
-        for copy in copies(placed, detail):
-            for name, thin in (("scenery foliage", True), (solid, False)):
-                arrays = copy.arrays(thin=thin)
-                if arrays is not None:
-                    pieces[name].append(arrays)
-    return tuple(_mesh(name, found) for name, found in pieces.items() if found)
+    owners: dict[str, list[NDArray[np.int64]]] = {name: [] for name in MATERIALS}
+    first = 0
+    for copy, solid in every:
+        count = len(copy.points)
+        for name, thin in (("scenery foliage", True), (solid, False)):
+            arrays = copy.arrays(thin=thin)
+            if arrays is not None:
+                pieces[name].append(arrays)
+                each = len(arrays[0]) // count
+                owners[name].append(first + np.repeat(np.arange(count), each))
+        first += count
+    found = [name for name, some in pieces.items() if some]
+    return (
+        tuple(_mesh(name, pieces[name]) for name in found),
+        [np.concatenate(owners[name]) for name in found],
+    )
 
 
 def _mesh(name: str, pieces: list[Arrays]) -> Mesh:

@@ -1,4 +1,4 @@
-"""Scenery: the plants and stones of a film, as meshes that stand still."""
+"""Scenery: the plants and stones of a film: what stands still, and what bends under feet."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.placement import Placed, Placement
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.species import KINDS
+from pipeline.production.scenery.treads import Treads
+from pipeline.production.scenery.trodden_cover import TroddenCover, split_trodden
 from render.shot import CameraPose, Mesh
 
 BUDGET = 1_250_000
@@ -58,10 +60,12 @@ def scenery_meshes(
     aspect: float,
     clearings: Clearings | None,
     scatter: ScatterChoice,
+    treads: Treads,
+    wind: tuple[float, float],
     seed: int,
     detail: float,
-) -> tuple[Mesh, ...]:
-    """Return the plants and stones that the cameras of a film see.
+) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+    """Return the plants and stones that the cameras of a film see, still and trodden ones.
 
     Args:
         ground: on which they stand.
@@ -69,6 +73,8 @@ def scenery_meshes(
         aspect: width of the frame by its height.
         clearings: of the performers, None without any.
         scatter: the species.
+        treads: of the performers.
+        wind: near the ground, along x and z [m/s].
         seed: of the scene.
         detail: 1 for frames 1280 pixels wide.
 
@@ -76,7 +82,7 @@ def scenery_meshes(
         TooManyTriangles: the densities that the author asks for take too much memory.
     """
     if not scatter.wanted or not poses:
-        return ()
+        return (), None
     view = FilmView.of(poses, aspect)
     placement = Placement(ground, view, clearings, seed, detail)
     fitted = [placement.placed(one) for one in scatter.fitted]
@@ -84,7 +90,8 @@ def scenery_meshes(
     most = round(scatter.factor * budget(detail, view.path_length))
     every = [*thinned(fitted, most, detail), *asked]
     _check_size(every, detail)
-    return meshes(every, detail)
+    still, trodden = split_trodden(every, treads, detail)
+    return meshes(still, detail, wind), TroddenCover.of(trodden, treads, wind, detail)
 
 
 def _check_size(every: Sequence[Placed], detail: float) -> None:

@@ -58,6 +58,11 @@ class Species:
     is_stone: bool = False
     variants: int = 5
 
+    @property
+    def bends(self) -> bool:
+        """Whether it gives way to feet and to the wind."""
+        return self.layer == "cover" and not self.is_stone
+
 
 def _grass(kind: str, density: float, height: float, **others: float) -> Species:
     values: dict[str, float] = {"ground": 0.35, **others}

@@ -96,18 +96,19 @@ def footprint_timeline(take: Take, texture: str) -> FootprintTimeline | None:
     contacts = contacts[:MAX_FOOTPRINTS]
     if not contacts or texture not in SOFT_GROUNDS:
         return None
-    radii = _radii(take)
+    radii = foot_radii(take)
     feet = [_foot(take, contact, radii) for contact in contacts]
-    rows = [_row(take, contact) for contact in contacts]
+    rows = [contact_row(take, contact) for contact in contacts]
     return FootprintTimeline(_raster(feet, *SOFT_GROUNDS[texture]), np.array(rows))
 
 
-def _row(take: Take, contact: Contact) -> float:
+def contact_row(take: Take, contact: Contact) -> float:
+    """Return the row of a take, with fraction, at which a contact starts."""
     header = take.header
     return (contact.step + contact.fraction) / header.steps * header.samples
 
 
-def _radii(take: Take) -> dict[str, float]:
+def foot_radii(take: Take) -> dict[str, float]:
     """Return the radius of the last link of each limb, by the limb's name [m]."""
     radii: dict[str, float] = {}
     # The links of a limb are in order, so the last one wins.
@@ -125,7 +126,7 @@ def _foot(take: Take, contact: Contact, radii: Mapping[str, float]) -> _Foot:
     if radius is None:
         radius = 0.1 * contact.size
     body = next(i for i, node in enumerate(take.nodes) if node.performer == contact.performer)
-    row = int(_row(take, contact))
+    row = int(contact_row(take, contact))
     span = take.header.samples * 4
     path = take.positions[max(row - span, 0) : row + span + 1, body]
     way = path[-1] - path[0]

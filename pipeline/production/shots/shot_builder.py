@@ -20,6 +20,8 @@ from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
+from pipeline.production.scenery.treads import Treads
+from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
@@ -176,7 +178,7 @@ class ShotBuilder:
         # The last frame of a take has no next one.
         at = min(row + part * self.clock.samples, len(self.take.positions) - 1)
         vertices = self._skin.posed(self.take, at)
-        meshes = list(self._ground_at(at))
+        meshes = [*self._ground_at(at), *self._trodden_at(at)]
         for i, piece in enumerate(self._parts):
             mesh = self.take.meshes[piece.seen]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
@@ -213,18 +215,30 @@ class ShotBuilder:
             self._terrain = replace(self._terrain, footprint_count=made)
         return (self._terrain,)
 
-    @cached_property
-    def _surroundings(self) -> tuple[Mesh, ...]:
-        """The land around the terrain and what is scattered, made when the first shot needs it."""
-        width = self.film.size[0]
-        meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
-        land = tuple(snowed_cover(mesh, self.light.weather) for mesh in meshes)
-        if not self._scatter.wanted:
-            return land
-        scattered = self._scattered(land[0])
-        return (*land, *(frosted(mesh, self.light.weather) for mesh in scattered))
+    def _trodden_at(self, row: float) -> tuple[Mesh, ...]:
+        """Return the plants that performers tread on, as they are bent at a row of the take."""
+        _, trodden = self._scattered
+        return trodden.at(row) if trodden else ()
 
-    def _scattered(self, horizon: Mesh) -> tuple[Mesh, ...]:
+    @property
+    def _surroundings(self) -> tuple[Mesh, ...]:
+        """The land around the terrain and what stands still on it, one object for all shots."""
+        return self._scattered[0]
+
+    @cached_property
+    def _scattered(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+        """Land, plants and stones, made when the first shot needs them: still and trodden ones."""
+        width, weather = self.film.size[0], self.light.weather
+        meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
+        land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
+        if not self._scatter.wanted:
+            return land, None
+        still, trodden = self._scenery(land[0])
+        if trodden:
+            trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
+        return (*land, *(frosted(mesh, weather) for mesh in still)), trodden
+
+    def _scenery(self, horizon: Mesh) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         """Return the plants and stones over terrain and land."""
         terrain, around = (
             mean_color(self.materials[name])
@@ -237,6 +251,7 @@ class ShotBuilder:
         try:
             return scenery_meshes(
                 *(ground, self.poses, self._aspect, self.tracks.clearings, self._scatter),
+                *(Treads.of(self.take), self.light.weather.ground_wind),
                 *(self._scene.seed, scenery_detail(width)),
             )
         except TooManyTriangles as error:

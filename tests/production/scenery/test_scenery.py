@@ -13,6 +13,7 @@ from pipeline.production.scenery.placement import MARGIN, Placement, Wanted
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_meshes, thinned
 from pipeline.production.scenery.species import KINDS, prototype
+from pipeline.production.scenery.treads import Treads
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
@@ -25,6 +26,7 @@ from pipeline.spec.terrain.scatter import SPECIES
 from render.shot import CameraPose, Mesh
 
 DETAIL = 0.3
+UNTRODDEN = Treads(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0), 96.0)
 GREEN = (0.15, 0.15, 0.06)
 POSES = tuple(CameraPose((6.0 + 0.1 * k, 1.5, 4.0), (0.0, 0.4, 0.0)) for k in range(5))
 VIEW = FilmView.of(POSES, 1.6)
@@ -133,9 +135,10 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
 def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:
     choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
     first, again = (
-        scenery_meshes(ground, POSES, 1.6, clearings(), choice, 9, DETAIL) for _ in range(2)
+        scenery_meshes(ground, POSES, 1.6, clearings(), choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        for _ in range(2)
     )
-    assert [mesh.digest for mesh in first] == [mesh.digest for mesh in again]
+    assert [mesh.digest for mesh in first[0]] == [mesh.digest for mesh in again[0]]
 
 
 def test_too_many_triangles_are_refused_with_their_memory(
@@ -144,7 +147,7 @@ def test_too_many_triangles_are_refused_with_their_memory(
     monkeypatch.setattr("pipeline.production.scenery.scenery.MAX_TRIANGLES", 10_000)
     choice = ScatterChoice((), (Wanted("dry grass", 1.0),))
     with pytest.raises(TooManyTriangles, match=r"GiB; at most 0.01 million .* 'dry grass'"):
-        scenery_meshes(ground, POSES, 1.6, None, choice, 9, DETAIL)
+        scenery_meshes(ground, POSES, 1.6, None, choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
 
 
 def test_tracks_keep_clearings() -> None:

@@ -50,7 +50,9 @@ def main(name: str, width: int, count: int) -> None:
             start = time.process_time()
             renderer.render(_chosen(shot, key))
             seconds[key].append(time.process_time() - start)
-    triangles = sum(len(m.faces) for m in shots[0].scenery if m.name in MATERIALS)
+    triangles = sum(
+        len(m.faces) for m in (*shots[0].meshes, *shots[0].scenery) if m.material in MATERIALS
+    )
     bare, scattered = (float(np.median(values)) for values in seconds.values())
     print(f"{name}, {size[0]}x{size[1]}, {count} frames, {triangles} triangles scattered")
     print(f"  made in {made:.1f} s; largest memory of both together {_memory():.0f} MiB")
@@ -62,7 +64,11 @@ def _chosen(shot: Shot, key: str) -> Shot:
     """Return a shot with what is scattered, or without."""
     if key == "scattered":
         return shot
-    return replace(shot, scenery=tuple(m for m in shot.scenery if m.name not in MATERIALS))
+    meshes, scenery = (
+        tuple(m for m in some if m.material not in MATERIALS)
+        for some in (shot.meshes, shot.scenery)
+    )
+    return replace(shot, meshes=meshes, scenery=scenery)
 
 
 def _memory() -> float:

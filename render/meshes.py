@@ -293,11 +293,10 @@ def update_vertices(values: Any, prefix: str, group: MeshGroup, meshes: Sequence
                 _write(values, prefix + name, share[source])
 
 
-def update_footprints(values: Any, prefix: str, group: MeshGroup, meshes: Sequence[Mesh]) -> None:
+def update_footprints(values: Any, prefix: str, group: MeshGroup, count: int) -> None:
     """Write the number of footprints made so far to Mitsuba's parameters."""
     name = f"{prefix}bsdf.{FOOTPRINT_COUNT}"
     if group.footprints is not None and name in values:
-        count = meshes[group.members[0]].footprint_count
         values[name] = dr.opaque(type(values[name]), count)
 
 

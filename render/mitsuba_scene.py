@@ -92,7 +92,7 @@ class MitsubaScene:
                 "camera": _camera(self._film, shot.camera),
             }
         )
-        still_groups = _still_groups(shot)
+        self._still_groups = still_groups = _still_groups(shot)
         still = {
             f"still{i}": build_mesh(group, shot.scenery, shot.materials[group.material])
             for i, group in enumerate(still_groups)
@@ -128,7 +128,7 @@ class MitsubaScene:
         for i, group in enumerate(self._groups):
             if has_moved(group, self._meshes, moment.meshes):
                 update_vertices(self._values, f"mesh{i}.", group, moment.meshes)
-            update_footprints(self._values, f"mesh{i}.", group, moment.meshes)
+            update_footprints(self._values, f"mesh{i}.", group, moment.footprint_count)
         self._meshes = moment.meshes
         places = moment.lamps or fixed_places(self._lamps)
         if places != self._lamp_places:
@@ -143,6 +143,9 @@ class MitsubaScene:
         if self._still_values is not None:
             # No vertices: the acceleration structure stays.
             set_pixel_width(self._still_values, moment.camera.fov_deg, self._film.size[1])
+            for i, group in enumerate(self._still_groups):
+                count = moment.footprint_count
+                update_footprints(self._still_values, f"still{i}.", group, count)
             self._still_values.update()
         self._shade(self._tracer, moment.time)
         self._flow(moment, self._film.size[1])
@@ -334,7 +337,7 @@ def _update_camera(values: Any, pose: CameraPose, film: FullFilm) -> None:
 
 def _ground_color(shot: Shot) -> tuple[float, float, float]:
     """Return the linear colour of the ground: that of the first patterned ground material."""
-    for mesh in shot.meshes:
+    for mesh in (*shot.meshes, *shot.scenery):
         material: Material = shot.materials[mesh.material]
         if mesh.uv is None or material.texture == "none" or material.color2 is None:
             continue

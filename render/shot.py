@@ -45,7 +45,6 @@ class Mesh:
         rest: (V, 3) float32 vertices of a body in its own frame, longest along the first axis
             [m], on which patterns lie; or None. Constant.
         footprints: all footprints of the film in this ground, or None. Constant.
-        footprint_count: number of these made so far.
         colors: (V, 3) float32 linear colours, or None. Constant over a film.
         normals: (V, 3) float32 unit normals to shade with, None to have them computed.
         owner: name of the performer that it is a part of, or empty. Constant.
@@ -62,7 +61,6 @@ class Mesh:
     warned: NDArray[np.bool_] | None = None
     rest: NDArray[np.float32] | None = None
     footprints: FootprintRaster | None = None
-    footprint_count: int = 0
     colors: NDArray[np.float32] | None = None
     normals: NDArray[np.float32] | None = None
     owner: str = ""
@@ -88,7 +86,6 @@ class Mesh:
         """Digest of the whole mesh."""
         content = self.topology + self.vertices.tobytes()
         content += b"" if self.normals is None else self.normals.tobytes()
-        content += f"printed {self.footprint_count}".encode() if self.footprint_count else b""
         return hashlib.blake2b(content, digest_size=16).digest()
 
 
@@ -171,6 +168,7 @@ class Moment:
         time: since the film began [s]; 0 if light, water and air stand still.
         plumes: flames and smoke.
         puffs: dust and spray.
+        footprint_count: number of the ground's footprints made so far.
     """
 
     meshes: tuple[Mesh, ...]
@@ -179,6 +177,7 @@ class Moment:
     time: float = 0.0
     plumes: tuple[Plume, ...] = ()
     puffs: tuple[Puff, ...] = ()
+    footprint_count: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,6 +201,7 @@ class Shot:
         water: that stands over the ground, or None. Constant over a film.
         plumes: flames and smoke.
         puffs: dust and spray.
+        footprint_count: number of the ground's footprints made so far.
     """
 
     meshes: tuple[Mesh, ...]
@@ -219,6 +219,7 @@ class Shot:
     water: WaterSurface | None = None
     plumes: tuple[Plume, ...] = ()
     puffs: tuple[Puff, ...] = ()
+    footprint_count: int = 0
 
     @property
     def development(self) -> Development:
@@ -229,10 +230,11 @@ class Shot:
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments of the exposure."""
-        return (
-            Moment(self.meshes, self.camera, self.lamps, self.time, self.plumes, self.puffs),
-            *self.later,
+        first = Moment(
+            *(self.meshes, self.camera, self.lamps, self.time, self.plumes, self.puffs),
+            self.footprint_count,
         )
+        return (first, *self.later)
 
     @cached_property
     def build(self) -> str:
@@ -267,6 +269,8 @@ class Shot:
         if any(moment.plumes or moment.puffs for moment in self.moments):
             airborne = [(moment.plumes, moment.puffs) for moment in self.moments]
             pieces.append(repr(airborne).encode())
+        if any(moment.footprint_count for moment in self.moments):
+            pieces.append(repr([moment.footprint_count for moment in self.moments]).encode())
         for moment in (*self.later, *((self.after,) if self.after else ())):
             placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
             pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]

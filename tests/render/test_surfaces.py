@@ -240,19 +240,25 @@ def one_print() -> FootprintRaster:
     return FootprintRaster((-0.5, -0.5), 1.0 / BLOCK, np.array([[1]], np.uint32), texels)
 
 
-def test_a_footprint_is_visible_in_its_place_once_made(renderer: Renderer, make_shot: Make) -> None:
+@pytest.mark.parametrize("still", [False, True])
+def test_a_footprint_is_visible_in_its_place_once_made(
+    renderer: Renderer, make_shot: Make, still: bool
+) -> None:
     if renderer.backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant shows no prints")
     shot = make_shot(camera=ABOVE, film=FILM)
-    bare = replace(shot.meshes[0], footprints=one_print())
+    bare, thing = replace(shot.meshes[0], footprints=one_print()), shot.meshes[1]
+    far = replace(thing, vertices=thing.vertices + np.float32(50.0))
+    ground = replace(shot, meshes=(bare,))
+    if still:
+        ground = replace(shot, meshes=(far,), scenery=(bare,))
 
     def seen(printed: int) -> np.ndarray:
-        mesh = replace(bare, footprint_count=printed)
-        return renderer.render(replace(shot, meshes=(mesh,))).light
+        return renderer.render(replace(ground, footprint_count=printed)).light
 
     before, after = seen(0), seen(1)
-    assert replace(bare, footprint_count=1).digest != bare.digest
-    assert replace(bare, footprint_count=1).topology == bare.topology
+    assert replace(ground, footprint_count=1).digest != ground.digest
+    assert replace(ground, footprint_count=1).build == ground.build
     assert seen(0).tobytes() == before.tobytes()
     changed = np.abs(after - before).max(axis=2) > 0
     row, column = np.nonzero(changed)

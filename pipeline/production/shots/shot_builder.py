@@ -135,7 +135,8 @@ class ShotBuilder:
             water=self._water,
             plumes=first.plumes,
             puffs=first.puffs,
-            scenery=self._surroundings,
+            scenery=self._scattered[0],
+            footprint_count=first.footprint_count,
         )
 
     def camera_faults(self) -> list[CameraFault]:
@@ -178,7 +179,7 @@ class ShotBuilder:
         # The last frame of a take has no next one.
         at = min(row + part * self.clock.samples, len(self.take.positions) - 1)
         vertices = self._skin.posed(self.take, at)
-        meshes = [*self._ground_at(at), *self._trodden_at(at)]
+        meshes = list(self._trodden_at(at))
         for i, piece in enumerate(self._parts):
             mesh = self.take.meshes[piece.seen]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
@@ -198,9 +199,9 @@ class ShotBuilder:
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
         lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
         puffs = self._puffs.at(float((frame - 1 + part) / self.clock.rate))
-        return Moment(
-            *(tuple(meshes), self._interpolator.at(frame, part)), lamps, time, plumes, puffs
-        )
+        made = self._footprints.count(at) if self._footprints else 0
+        camera = self._interpolator.at(frame, part)
+        return Moment(tuple(meshes), camera, lamps, time, plumes, puffs, made)
 
     def _time(self, frame: int, part: float) -> float:
         """Return the time since the film began [s], 0 where light, water and air stand still."""
@@ -208,35 +209,27 @@ class ShotBuilder:
         changes = self.light.changes or waves or self._plumes.sources
         return float((frame - 1 + part) / self.clock.rate) if changes else 0.0
 
-    def _ground_at(self, row: float) -> tuple[Mesh, ...]:
-        """Return the terrain with the footprints made until a row of the take."""
-        made = self._footprints.count(row) if self._footprints else 0
-        if self._terrain.footprint_count != made:
-            self._terrain = replace(self._terrain, footprint_count=made)
-        return (self._terrain,)
-
     def _trodden_at(self, row: float) -> tuple[Mesh, ...]:
         """Return the plants that performers tread on, as they are bent at a row of the take."""
         _, trodden = self._scattered
         return trodden.at(row) if trodden else ()
 
-    @property
-    def _surroundings(self) -> tuple[Mesh, ...]:
-        """The land around the terrain and what stands still on it, one object for all shots."""
-        return self._scattered[0]
-
     @cached_property
     def _scattered(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
-        """Land, plants and stones, made when the first shot needs them: still and trodden ones."""
+        """Terrain, land, plants and stones, made when the first shot needs them.
+
+        What stands still, as one object for all shots, and what performers tread on.
+        """
         width, weather = self.film.size[0], self.light.weather
         meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
         land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
+        ground = (self._terrain, *land)
         if not self._scatter.wanted:
-            return land, None
+            return ground, None
         still, trodden = self._scenery(land[0])
         if trodden:
             trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
-        return (*land, *(frosted(mesh, weather) for mesh in still)), trodden
+        return (*ground, *(frosted(mesh, weather) for mesh in still)), trodden
 
     def _scenery(self, horizon: Mesh) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         """Return the plants and stones over terrain and land."""

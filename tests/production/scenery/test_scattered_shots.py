@@ -44,7 +44,7 @@ def test_all_frames_and_all_machines_have_one_scenery(scene: Scene, take: Take) 
     here = ShotBuilder(scene, take)
     assert here.shot(1).scenery is here.shot(3).scenery
     names = {mesh.name for mesh in here.shot(1).scenery}
-    assert {"scenery foliage", "scenery stone"} <= names <= {"horizon", *MATERIALS}
+    assert {"scenery foliage", "scenery stone"} <= names <= {"terrain", "horizon", *MATERIALS}
     # Another machine has the tracks of the film, not the whole take.
     there = ShotBuilder(scene, take, FilmTracks.of_arrays(here.tracks.arrays()))
     assert there.shot(2).digest == here.shot(2).digest

@@ -140,8 +140,8 @@ def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
     skin = Skin.of(take)
     for frame in (1, 8):
         shot = shooting.shot(frame)
-        ground, *bodies = shot.meshes
-        assert ground.name == "terrain"
+        bodies = shot.meshes
+        assert shot.scenery[0].name == "terrain"
         assert shot.scenery is shooting.shot(1).scenery
         assert [mesh.name for mesh in bodies] == [part.name for part in visible_parts(take)]
         posed = skin.posed(take, (frame - 1) * take.header.samples)
@@ -149,7 +149,7 @@ def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
         assert shot.camera == shooting.poses[frame - 1]
         assert {mesh.material for mesh in shot.meshes} <= shot.materials.keys()
     # A mesh at rest is one object in all moments, digested once.
-    assert shooting.shot(1).meshes[0] is shooting.shot(2).meshes[0]
+    assert shooting.shot(1).scenery[0] is shooting.shot(2).scenery[0]
 
 
 def test_a_part_is_visible_only_in_its_life(tiny: Scene, take: Take) -> None:
@@ -157,7 +157,7 @@ def test_a_part_is_visible_only_in_its_life(tiny: Scene, take: Take) -> None:
     samples = take.header.samples
     short = replace(first, life=(2 * samples, 4 * samples))
     shooting = ShotBuilder(tiny, replace(take, parts=(short, *others)))
-    seen = [float(np.ptp(shooting.shot(f).meshes[1].vertices, axis=0).max()) for f in range(1, 9)]
+    seen = [float(np.ptp(shooting.shot(f).meshes[0].vertices, axis=0).max()) for f in range(1, 9)]
     assert [extent > 0 for extent in seen] == [f in (3, 4) for f in range(1, 9)]
 
 

@@ -100,8 +100,8 @@ def hills(surface: Any) -> Any:
     """Return hilly ground of 60 m as a mesh of Mitsuba."""
     import mitsuba as mi
 
-    from render.meshes import vertex_normals
     from render.surfaces.mitsuba_bsdf import STEEP
+    from render.vertex_normals import vertex_normals
 
     n = 200
     c = np.linspace(-30, 30, n)

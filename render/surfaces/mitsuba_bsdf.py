@@ -17,24 +17,26 @@ from render.color import linear
 from render.config import Material
 from render.config.material import DIFFUSE_ROUGHNESS
 from render.surfaces.patterns import (
-    BODY_PATCHES,
     COVER_COLOR,
     COVER_SHARE,
-    FIRST_LAYER,
     HATCHING,
     LINED_PATTERNS,
     MAX_REFLECTANCE,
     MIN_REFLECTANCE,
-    PATCHES,
-    ROCK_LAYER,
-    SECOND_LAYER,
     SOFT_HEIGHT,
     SOFT_SLOPE_DEG,
     WARMTH,
     WARNED,
-    Layer,
 )
 from render.textures import patches, tile
+from render.textures.layers import (
+    BODY_PATCHES,
+    FIRST_LAYER,
+    PATCHES,
+    ROCK_LAYER,
+    SECOND_LAYER,
+    Layer,
+)
 
 Plugin = dict[str, Any]
 

@@ -31,39 +31,25 @@ from render.surfaces.texture_mapping import (
     pattern_mipmap,
     ragged_wave,
 )
+from render.textures.layers import (
+    BODY_PATCHES,
+    LARGE_PATCHES,
+    PATCH_CONTRAST,
+    PATCHES,
+    ROCK_LAYER,
+    SECOND_LAYER,
+    Layer,
+)
 
 Shader = Callable[[Any], tuple[Any, Any]]
 """From `mi.SurfaceInteraction3f` the colour, `mi.Color3f`, and the normal in the world."""
 
-
-@dataclass(frozen=True)
-class Layer:
-    """How a layer lies relative to the first one.
-
-    Attributes:
-        scale: factor on the size of a tile.
-        turn_deg: rotation [degrees].
-    """
-
-    scale: float
-    turn_deg: float
-
-
-FIRST_LAYER = Layer(1.0, 0.0)
-SECOND_LAYER = Layer(1.37, 37.0)
-ROCK_LAYER = Layer(1.13, 11.0)
-PATCHES = Layer(9.0, 19.0)
-LARGE_PATCHES = Layer(61.0, 52.0)
-BODY_PATCHES = Layer(1.7, 19.0)
 
 COVER_LAYERS = (Layer(29.0, 23.0), Layer(173.0, 61.0), Layer(911.0, 8.0))
 """Uneven tones and lumps of the cover of land; their scales are metres."""
 
 COVER_CONTRAST, COVER_RELIEF = 0.6, 0.16
 """How uneven the tones and the slopes of the cover of land are."""
-
-PATCH_CONTRAST = 0.8
-"""Weight of patches of each size."""
 
 WARMTH = (0.13, 0.0, -0.16)
 """Share of a texel's warmth added to red, green and blue."""

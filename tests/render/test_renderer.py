@@ -113,7 +113,7 @@ def test_a_grey_card_is_middle_grey_by_day(renderer: Renderer) -> None:
 
 
 def test_normals_of_a_sphere_point_outward() -> None:
-    from render.meshes import vertex_normals
+    from render.vertex_normals import vertex_normals
 
     corners = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
     faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]

@@ -65,12 +65,13 @@ class FilmView:
         steps = np.linalg.norm(np.diff(self.eyes[:, [0, 2]], axis=0), axis=-1)
         return float(steps[steps < MAX_STEP].sum())
 
-    def tile_distances(self, centers: Array, radii: Array) -> Array:
+    def tile_distances(self, centers: Array, radii: Array, around: float = AROUND) -> Array:
         """Return how near (T,) tiles come to a camera that sees them; infinite where none does.
 
         Args:
             centers: (T, 3) [m].
             radii: (T,) [m].
+            around: distance within which tiles count as seen [m].
         """
         result = np.full(len(centers), np.inf)
         step = max(CHUNK // len(self.eyes), 1)
@@ -82,7 +83,7 @@ class FilmView:
             cosine = (way * self.ahead).sum(axis=-1) / np.maximum(distance, 1e-9)
             apart = np.arccos(np.clip(cosine, -1.0, 1.0))
             wide = np.arcsin(np.clip(radii[part, None] / np.maximum(distance, 1e-9), 0.0, 1.0))
-            seen = (apart < self.angles + wide) | (near < AROUND)
+            seen = (apart < self.angles + wide) | (near < around)
             result[part] = np.where(seen, near, np.inf).min(axis=1)
         return result
 

@@ -15,7 +15,7 @@ from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.species import KINDS
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.scenery.trodden_cover import TroddenCover, split_trodden
-from render.shot import CameraPose, Mesh
+from render.shot import Mesh
 
 BUDGET = 1_250_000
 """Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
@@ -56,8 +56,7 @@ def budget(detail: float, path_length: float = 0.0) -> int:
 
 def scenery_meshes(
     ground: GroundSurface,
-    poses: Sequence[CameraPose],
-    aspect: float,
+    view: FilmView,
     clearings: Clearings | None,
     scatter: ScatterChoice,
     treads: Treads,
@@ -69,8 +68,7 @@ def scenery_meshes(
 
     Args:
         ground: on which they stand.
-        poses: of the camera in all frames.
-        aspect: width of the frame by its height.
+        view: of the film.
         clearings: of the performers, None without any.
         scatter: the species.
         treads: of the performers.
@@ -81,9 +79,6 @@ def scenery_meshes(
     Raises:
         TooManyTriangles: the densities that the author asks for take too much memory.
     """
-    if not scatter.wanted or not poses:
-        return (), None
-    view = FilmView.of(poses, aspect)
     placement = Placement(ground, view, clearings, seed, detail)
     fitted = [placement.placed(one) for one in scatter.fitted]
     asked = [placement.placed(one) for one in scatter.asked]

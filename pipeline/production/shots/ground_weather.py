@@ -13,6 +13,7 @@ import numpy as np
 from pipeline.production.surroundings.land_cover import SNOW
 from render.config import MATERIALS, Material, Weather
 from render.shot import Mesh
+from render.vertex_normals import vertex_normals
 
 WET_SHARE = 0.52
 """Brightness of soaked ground, as a share of dry ground, in sRGB values."""
@@ -69,7 +70,9 @@ def snowed_cover(mesh: Mesh, weather: Weather) -> Mesh:
     if weather.snow == 0.0 or mesh.cover is None:
         return mesh
     low, high = _SLOPES
-    t = ((_up(mesh) - low) / (high - low)).clip(0.0, 1.0)
+    t = ((np.abs(vertex_normals(mesh.vertices, mesh.faces)[:, 1]) - low) / (high - low)).clip(
+        0.0, 1.0
+    )
     share = (t * t * (3 - 2 * t) * min(weather.snow / _COVERED, 1.0))[:, None]
     color = mesh.cover[:, :3] * (1 - share) + np.array(SNOW) * share
     cover = np.concatenate([color, mesh.cover[:, 3:]], axis=1).astype(np.float32)
@@ -83,14 +86,3 @@ def frosted(mesh: Mesh, weather: Weather) -> Mesh:
     share = _FROST * min(weather.snow / _COVERED, 1.0) * mesh.normals[:, 1:2].clip(0.15, 1.0)
     colors = mesh.colors + share * (np.array(SNOW, np.float32) - mesh.colors)
     return replace(mesh, colors=colors.astype(np.float32))
-
-
-def _up(mesh: Mesh) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return the vertical component (V,) of the normals of the vertices."""
-    a, b, c = (mesh.vertices[mesh.faces[:, i]].astype(float) for i in range(3))
-    normals = np.zeros((len(mesh.vertices), 3))
-    across = np.cross(b - a, c - a)
-    for i in range(3):
-        np.add.at(normals, mesh.faces[:, i], across)
-    length = np.linalg.norm(normals, axis=1)
-    return np.asarray(np.abs(normals[:, 1]) / np.maximum(length, 1e-12))

@@ -17,6 +17,7 @@ from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
+from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
@@ -32,6 +33,7 @@ from pipeline.production.shots.ground_mesh import (
     terrain_mesh,
 )
 from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
+from pipeline.production.shots.near_relief import with_relief
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
@@ -223,15 +225,20 @@ class ShotBuilder:
         width, weather = self.film.size[0], self.light.weather
         meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
         land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
-        ground = (self._terrain, *land)
+        view, treads = FilmView.of(self.poses, self._aspect), Treads.of(self.take)
+        material = self.materials[self.take.terrain.material]
+        near = with_relief(self._terrain, material, view, treads, scenery_detail(width))
+        ground = (near, *land)
         if not self._scatter.wanted:
             return ground, None
-        still, trodden = self._scenery(land[0])
+        still, trodden = self._scenery(land[0], view, treads)
         if trodden:
             trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
         return (*ground, *(frosted(mesh, weather) for mesh in still)), trodden
 
-    def _scenery(self, horizon: Mesh) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
+    def _scenery(
+        self, horizon: Mesh, view: FilmView, treads: Treads
+    ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         """Return the plants and stones over terrain and land."""
         terrain, around = (
             mean_color(self.materials[name])
@@ -243,8 +250,8 @@ class ShotBuilder:
         ground = GroundSurface(self._land, horizon, terrain, around, columns, level)
         try:
             return scenery_meshes(
-                *(ground, self.poses, self._aspect, self.tracks.clearings, self._scatter),
-                *(Treads.of(self.take), self.light.weather.ground_wind),
+                *(ground, view, self.tracks.clearings, self._scatter),
+                *(treads, self.light.weather.ground_wind),
                 *(self._scene.seed, scenery_detail(width)),
             )
         except TooManyTriangles as error:

@@ -135,7 +135,7 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
 def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:
     choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
     first, again = (
-        scenery_meshes(ground, POSES, 1.6, clearings(), choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        scenery_meshes(ground, VIEW, clearings(), choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
         for _ in range(2)
     )
     assert [mesh.digest for mesh in first[0]] == [mesh.digest for mesh in again[0]]
@@ -147,7 +147,7 @@ def test_too_many_triangles_are_refused_with_their_memory(
     monkeypatch.setattr("pipeline.production.scenery.scenery.MAX_TRIANGLES", 10_000)
     choice = ScatterChoice((), (Wanted("dry grass", 1.0),))
     with pytest.raises(TooManyTriangles, match=r"GiB; at most 0.01 million .* 'dry grass'"):
-        scenery_meshes(ground, POSES, 1.6, None, choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
 
 
 def test_tracks_keep_clearings() -> None:

@@ -1,0 +1,29 @@
+"""Layers: how the patterns of ground lie on one another, so that no tile is seen to repeat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Layer:
+    """How a layer lies relative to the first one.
+
+    Attributes:
+        scale: factor on the size of a tile.
+        turn_deg: rotation [degrees].
+    """
+
+    scale: float
+    turn_deg: float
+
+
+FIRST_LAYER = Layer(1.0, 0.0)
+SECOND_LAYER = Layer(1.37, 37.0)
+ROCK_LAYER = Layer(1.13, 11.0)
+PATCHES = Layer(9.0, 19.0)
+LARGE_PATCHES = Layer(61.0, 52.0)
+BODY_PATCHES = Layer(1.7, 19.0)
+
+PATCH_CONTRAST = 0.8
+"""Weight of patches of each size."""

@@ -30,10 +30,14 @@ from pipeline.spec.script import flow_text, order_keys
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
 from pipeline.spec.terrain.base import TERRAIN_KINDS, TERRAIN_PRESETS
+from pipeline.spec.terrain.scatter import NAMES, SCATTER_PRESETS, SPECIES
 from pipeline.spec.verbs import PERFORMERS, VERBS
 from pipeline.spec.walk import LEG_REQUIREMENTS, GaitName
-from render.config import LIGHTS, MATERIALS, Film, Light
+from render.config import LIGHTS, MATERIALS, Clouds, Film, Light, Look, Water, Weather
+from render.config.base import PresetModel
 from render.config.film import Preset
+from render.config.light import HAZES
+from render.config.water import WAVES
 
 OWN_GROUP = "this folder"
 LIBRARY_GROUP = "library"
@@ -169,6 +173,34 @@ def _lights(_: Path) -> Iterator[NameEntry]:
     return (NameEntry(name, _values(Light.presets[name])) for name in LIGHTS)
 
 
+def _preset_models(model: type[PresetModel]) -> Callable[[Path], Iterator[NameEntry]]:
+    """Return the lister of a model's presets with their values."""
+
+    def entries(_: Path) -> Iterator[NameEntry]:
+        for name, values in model.presets.items():
+            yield NameEntry(name, _values(values) or "the defaults")
+
+    return entries
+
+
+def _strengths(words: Mapping[str, float]) -> Callable[[Path], Iterator[NameEntry]]:
+    """Return the lister of words that stand for a number from 0 to 1."""
+    return lambda _: (NameEntry(name, f"{value:g}") for name, value in words.items())
+
+
+def _scatter(_: Path) -> Iterator[NameEntry]:
+    for name in NAMES:
+        species = SCATTER_PRESETS.get(name, {})
+        text = ", ".join(species) or ("what suits the ground" if name == "auto" else "nothing")
+        yield NameEntry(name, text)
+
+
+def _species(_: Path) -> Iterator[NameEntry]:
+    for name in SPECIES:
+        users = [preset for preset, values in SCATTER_PRESETS.items() if name in values]
+        yield NameEntry(name, f"in {', '.join(users)}" if users else "in no preset")
+
+
 def _presets(_: Path) -> Iterator[NameEntry]:
     for name in get_args(Preset):
         film = Film(preset=name).resolved()
@@ -297,6 +329,14 @@ NAME_KINDS: Mapping[str, NameKind] = {
     "materials": NameKind("`material:`, by what they sound like", _materials),
     "terrains": NameKind("`terrain:`", _terrains),
     "lights": NameKind("`light:`", _lights),
+    "weather": NameKind("`light.weather`", _preset_models(Weather)),
+    "clouds": NameKind("`light.sun.clouds`", _preset_models(Clouds)),
+    "haze": NameKind("`light.haze`, and the strengths they stand for", _strengths(HAZES)),
+    "scatter": NameKind("`terrain.scatter`: presets, with their species", _scatter),
+    "species": NameKind("lists of `terrain.scatter`, with the presets that have them", _species),
+    "water": NameKind("`terrain.water`", _preset_models(Water)),
+    "waves": NameKind("`terrain.water.waves`, and the strengths they stand for", _strengths(WAVES)),
+    "looks": NameKind("`film.look`", _preset_models(Look)),
     "presets": NameKind("`film.preset`, and `--preset`", _presets),
     "gaits": NameKind("`gait:` of walks and orders", _gaits),
     "moods": NameKind("`mood:` of creatures and orders", _moods),

@@ -57,6 +57,15 @@ def _has_word(text: str, start: str) -> bool:
     return re.search(rf"(?<![^\W_]){re.escape(start)}", text) is not None
 
 
+_UNCOUNTED = frozenset({"weather", "water", "haze", "scatter"})
+"""Nouns of which the list bears the name as it is."""
+
+
+def listed_as(noun: str) -> str:
+    """Return what `pronk list` calls the names of a noun such as "material"."""
+    return noun if noun in _UNCOUNTED or noun.endswith("s") else f"{noun}s"
+
+
 def hint(name: str, known: Iterable[str], kind: str = "", own: Iterable[str] = ()) -> str:
     """Return the end of a message about an unknown name: the close names, or all of them.
 

@@ -15,7 +15,7 @@ from pydantic_core import ErrorDetails
 import audio.names
 from pipeline.errors import Problem
 from pipeline.spec.model_base import FAULTS, Fault, PathSegment
-from pipeline.spec.suggestions import close_names, hint, known_keys
+from pipeline.spec.suggestions import close_names, hint, known_keys, listed_as
 from pipeline.spec.yaml_tree import (
     REFUSED,
     FoundNode,
@@ -308,7 +308,7 @@ def _special_message(error: ErrorDetails, value: object) -> str:
             return f"should be a name or a mapping, is {described(value)}"
         case "value_error" if isinstance(context["error"], audio.names.UnknownName | UnknownName):
             unknown: audio.names.UnknownName | UnknownName = context["error"]
-            close = hint(unknown.name, unknown.known, f"{unknown.kind}s")
+            close = hint(unknown.name, unknown.known, listed_as(unknown.kind))
             return f"no {unknown.kind} is called '{unknown.name}', {close}"
         case "value_error" | "assertion_error":
             return error["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")

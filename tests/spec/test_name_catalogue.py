@@ -206,3 +206,29 @@ def test_a_mapping_without_a_deciding_key_is_refused_once(
         )
     (problem,) = caught.value.problems
     assert message in problem.message
+
+
+@pytest.mark.parametrize(
+    ("block", "name", "kind"),
+    [
+        ("film: {look: wram}", "warm", "looks"),
+        ("light: {weather: rian}", "rain", "weather"),
+        ("light: {haze: mit}", "mist", "haze"),
+        ("light: {sun: {clouds: cumulos}}", "cumulus", "clouds"),
+        ("terrain: {preset: hills, water: lak}", "lake", "water"),
+        ("terrain: {preset: hills, water: {waves: rogh}}", "rough", "waves"),
+        ("terrain: {preset: hills, scatter: medow}", "meadow", "scatter"),
+        ("terrain: {preset: hills, scatter: [oka]}", "oak", "species"),
+        ("terrain: {preset: hills, material: gras}", "grass", "materials"),
+        ("light: dusc", "dusk", "lights"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_a_list_that_has_it(
+    block: str, name: str, kind: str
+) -> None:
+    with pytest.raises(SceneError) as error:
+        read_scene(f"pronk: 1\nframes: 2\n{block}\ncast: [{{figure: beetle}}]\n")
+    message = error.value.problems[0].message
+    assert f"did you mean '{name}'" in message
+    assert f"`pronk list {kind}` has all" in message
+    assert name in [entry.name for entry in names_of(kind, Path())]

@@ -174,11 +174,11 @@ ONE_MISTAKE = [
      "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
      "the text 'hils'; did you mean 'hills'?"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §medow}", "terrain.scatter",
-     "no scatter is called 'medow', did you mean 'meadow'?"),
+     "no scatter is called 'medow', did you mean 'meadow'? `pronk list scatter` has all 20"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §fern}", "terrain.scatter",
      "'fern' is one species; write it in a list: [fern]"),
     ("terrain: hills", "terrain: {kind: flat, scatter: [oak, §burch]}",
-     "terrain.scatter[1]", "no species is called 'burch', did you mean 'birch'?"),
+     "terrain.scatter[1]", "no species is called 'burch', did you mean 'birch'? `pronk list species` has all 31"),
     ("terrain: hills", "terrain: {kind: flat, scatter: {preset: meadow, §densty: 2}}",
      "terrain.scatter.densty", "unknown key, did you mean 'density'?"),
     ("terrain: hills", "terrain: §{kind: sum}", "terrain.of", "is missing"),

@@ -153,7 +153,8 @@ NAMES = ("auto", *SCATTER_PRESETS)
 
 def _preset(name: Any) -> Any:
     if isinstance(name, str) and name not in NAMES:
-        message = f"no scatter is called '{name}', {hint(name, NAMES)}"
+        close = hint(name, NAMES, "scatter")
+        message = f"no scatter is called '{name}', {close}"
         if name in SPECIES:
             message = f"'{name}' is one species; write it in a list: [{name}]"
         raise fault_error(message)
@@ -173,7 +174,8 @@ class ScatteredSpecies(ConfigModel):
     @classmethod
     def _is_known(cls, name: str) -> str:
         if name not in SPECIES:
-            raise fault_error(f"no species is called '{name}', {hint(name, SPECIES)}")
+            close = hint(name, SPECIES, "species")
+            raise fault_error(f"no species is called '{name}', {close}")
         return name
 
 

@@ -136,7 +136,7 @@ def _ended() -> str | int | None:
     try:
         _require_output()
         require_memory()
-        app()
+        app(prog_name="pronk")
     except SystemExit as end:
         # Typer turns Ctrl-C into a code of its own and says nothing.
         return end.code

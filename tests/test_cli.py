@@ -144,7 +144,7 @@ def test_every_command_has_help(pronk: Pronk, command: str) -> None:
 def test_errors_after_ctrl_c_end_as_an_interrupt(
     error: Exception, pronk: Pronk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def app() -> None:
+    def app(prog_name: str) -> None:
         raise error
 
     monkeypatch.setattr(cli, "app", app)

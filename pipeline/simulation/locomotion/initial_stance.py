@@ -17,6 +17,7 @@ from pipeline.simulation.locomotion.step_sequencer import (
     end_route_before,
     lift_foot,
     predict_footholds,
+    with_forecast,
 )
 
 ELSEWHERE = (
@@ -45,8 +46,11 @@ def place_feet(sequencer: StepSequencer, numbers: Sequence[int]) -> None:
     down = np.where(
         walks, -into + herd.swings - np.where(in_air, 1.0, 0.0), -0.5 * (1.0 - herd.swings)
     )
-    requests = [_initial_request(herd, leg, float(at)) for leg, at in enumerate(down)]
-    sequencer.planner.predict(requests)
+    requests = [
+        with_forecast(sequencer, _initial_request(herd, leg, float(at)))
+        for leg, at in enumerate(down)
+    ]
+    sequencer.planner.predict([request for request in requests if request.forecast is None])
     lost: dict[int, int] = {}  # first leg without a foothold, by creature
     for leg, request in enumerate(requests):
         hold = sequencer.planner.predicted(leg) or sequencer.planner.search.find_initial(request)
@@ -72,13 +76,17 @@ def place_feet(sequencer: StepSequencer, numbers: Sequence[int]) -> None:
 
 
 def _look_ahead_from_start(sequencer: StepSequencer, legs: Sequence[int]) -> None:
-    """End routes before barriers, and slow creatures down that start near one."""
+    """End routes before barriers, and slow creatures down that start near one or turn at once."""
     progress = sequencer.progress
     sequencer.lookahead.predict_initial(legs)
     for leg in legs:
         end_route_before(sequencer, 0, leg, sequencer.lookahead.initial_barrier(leg))
     braking = np.maximum(progress.braking_distance, 1e-9)
-    set_initial_speed(progress, np.fmin(np.sqrt(progress.blocked_at / braking), 1.0))
+    rest = [route.distance_to_rest(0.0) for route in progress.trajectory.routes]
+    fraction = np.sqrt(np.maximum(np.fmin(progress.blocked_at, rest), 0.0) / braking)
+    for c, curve in progress.limits.curves.items():
+        fraction[c] = min(fraction[c], curve.at(0.0)[1])
+    set_initial_speed(progress, np.minimum(fraction, 1.0))
 
 
 def _initial_request(herd: Herd, leg: int, down: float, speed_fraction: float = 1.0) -> StepRequest:

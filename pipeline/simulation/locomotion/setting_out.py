@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.locomotion.foot_placement.step_batch import neutral_positions
-from pipeline.simulation.locomotion.routes.speed_control import START_RAMP_CYCLES
+from pipeline.simulation.locomotion.routes.route_progress import START_RAMP_CYCLES
 from pipeline.simulation.locomotion.step_sequencer import StepSequencer
 from pipeline.simulation.spatial import Array
 

@@ -35,6 +35,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
     stopping_range,
 )
 from pipeline.simulation.locomotion.routes.speed_control import predicted
+from pipeline.simulation.locomotion.routes.speed_forecast import speed_forecast
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.locomotion.swing.swing_trajectory import QUICKNESS, quickness
@@ -44,6 +45,9 @@ from pipeline.simulation.troupe import World
 
 # Strides in which a foot has done its step and stood.
 STEP_STRIDES = 2.5
+
+# Change of the speed fraction that counts as none.
+EVEN_SPEED = 0.1
 
 # Distance of a foot from its neutral place that is closed up, as a fraction of its leg.
 CLOSING_DISTANCE = 0.08
@@ -268,13 +272,25 @@ def _swings_at(sequencer: StepSequencer, leg: int, phase: float) -> bool:
 
 
 def _is_steady(sequencer: StepSequencer, request: StepRequest) -> bool:
-    """Return whether a body is not lowered and cannot have to brake while a foot steps."""
-    herd, progress, c = sequencer.herd, sequencer.progress, int(sequencer.herd.owner[request.leg])
+    """Return whether a body is not lowered and keeps its speed while a foot steps."""
+    herd, c = sequencer.herd, int(sequencer.herd.owner[request.leg])
     first = int(herd.first_leg[c])
     own = slice(first, first + len(herd.paces[c].held))
-    left = progress.trajectory.routes[c].length - request.distance
+    lowered = sequencer.feet.lowering[:, own].any()
+    return not lowered and _keeps_speed(sequencer, request)
+
+
+def _keeps_speed(sequencer: StepSequencer, request: StepRequest) -> bool:
+    """Return whether a body keeps its speed, but for slopes, while a foot steps."""
+    progress, c = sequencer.progress, int(sequencer.herd.owner[request.leg])
+    if float(progress.limits.target[c]) - request.speed_fraction > EVEN_SPEED:
+        return False
     needed = progress.braking_room(c) + STEP_STRIDES * float(progress.stride[c])
-    return left > needed and not sequencer.feet.lowering[:, own].any()
+    if progress.trajectory.routes[c].distance_to_rest(request.distance) <= needed:
+        return False
+    curve = progress.limits.curves.get(c)
+    here = request.distance - float(progress.stride[c])
+    return curve is None or not curve.bind(here, request.distance + needed)
 
 
 def _request_at(
@@ -290,15 +306,24 @@ def _request_at(
 
 
 def _request(sequencer: StepSequencer, leg: int, phase: float) -> StepRequest:
-    """Return the request of a foot that lifts in this step, with braking and lowering."""
+    """Return the request of a foot that lifts in this step, with changes of speed and lowering."""
     progress, feet, owner = sequencer.progress, sequencer.feet, int(sequencer.herd.owner[leg])
     request = _request_at(sequencer, leg, phase, progress.sample)
+    request = with_forecast(sequencer, request)
     others: NDArray[np.bool_] = sequencer.herd.owner == owner
     others[leg] = False
-    fraction = request.speed_fraction
-    braking = float(progress.braking_distance[owner]) * fraction * fraction
     lowering = float(feet.lowering[1, leg]), float(feet.lowering[:, others].max(initial=0.0))
-    return replace(request, braking_distance=braking, lowering=lowering)
+    return replace(request, lowering=lowering)
+
+
+def with_forecast(sequencer: StepSequencer, request: StepRequest) -> StepRequest:
+    """Return a request of this step, with a forecast if the speed of its body changes."""
+    if _keeps_speed(sequencer, request):
+        return request
+    owner = int(sequencer.herd.owner[request.leg])
+    forecast = speed_forecast(sequencer.progress, owner)
+    distance = float(forecast.distance(np.array(request.phase)))
+    return replace(request, distance=distance, forecast=forecast)
 
 
 # --- rest ---------------------------------------------------------------------------

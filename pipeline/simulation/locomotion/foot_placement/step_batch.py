@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
-from pipeline.simulation.locomotion.routes.speed_control import braked_distance
+from pipeline.simulation.locomotion.routes.speed_forecast import SpeedForecast
 from pipeline.simulation.locomotion.swing.swing_trajectory import quickness
 from pipeline.simulation.spatial import Array, turn
 
@@ -37,7 +36,7 @@ class StepRequest:
         timing: of the swing and the stance.
         speed_fraction: of the body.
         present: (3,) its tip; None for a foot that is placed at the start [m].
-        braking_distance: on which its body comes to rest, if it has to [m].
+        forecast: where its body will be if its speed changes; None if it hardly does.
         lowering: of the body for the foot's present place, and for the other feet [m].
     """
 
@@ -47,12 +46,12 @@ class StepRequest:
     timing: StepTiming
     speed_fraction: float = 1.0
     present: Array | None = None
-    braking_distance: float = 0.0
+    forecast: SpeedForecast | None = None
     lowering: tuple[float, float] = (0.0, 0.0)
 
     @property
     def key(self) -> tuple[float, ...]:
-        """All that decides where a step without braking or lowering comes down."""
+        """All that decides where a step at an even speed, without lowering, comes down."""
         present = () if self.present is None else self.present.tolist()
         timing = self.timing.swing, self.timing.stance
         return (self.distance, self.phase, self.speed_fraction, *timing, *present)
@@ -86,7 +85,7 @@ class StepBatch:
     distance: Array
     phase: Array
     speed_fraction: Array
-    braking_distance: Array
+    forecast: NDArray[np.object_]
     up: Array
     swing: Array
     stance: Array
@@ -96,10 +95,13 @@ class StepBatch:
         """Collect requests of legs of a herd."""
         legs = np.array([r.leg for r in requests])
         rows = [
-            (r.distance, r.phase, r.speed_fraction, r.braking_distance, t.up, t.swing, t.stance)
+            (r.distance, r.phase, r.speed_fraction, t.up, t.swing, t.stance)
             for r, t in ((r, r.timing) for r in requests)
         ]
-        return StepBatch(legs, herd.owner[legs], *np.array(rows).T)
+        distance, phase, fraction, *timing = np.array(rows).T
+        forecast = np.empty(len(rows), dtype=object)
+        forecast[:] = [request.forecast for request in requests]
+        return StepBatch(legs, herd.owner[legs], distance, phase, fraction, forecast, *timing)
 
     def rows(self, rows: NDArray[np.int64]) -> StepBatch:
         """Return the steps in some rows."""
@@ -109,13 +111,13 @@ class StepBatch:
         """Return R_WB (N, m, 3, 3) and p_WB (N, m, 3) [m] at later phases (N, m)."""
         gone = trajectory.paces.distances(self.owner, self.phase, phases)
         gone = gone * np.sqrt(self.speed_fraction)[:, None]
-        for i in np.flatnonzero(self.braking_distance).tolist():
-            left = trajectory.routes[self.owner[i]].length - float(self.distance[i])
-            if left < math.inf:
-                gone[i] = braked_distance(gone[i], left, float(self.braking_distance[i]))
-        distances = self.distance[:, None] + gone
+        distances, fractions = self.distance[:, None] + gone, np.ones(phases.shape)
+        for i, forecast in enumerate(self.forecast):
+            if forecast is not None:
+                distances[i] = forecast.distance(phases[i])
+                fractions[i] = forecast.fraction(phases[i])
         creature = np.repeat(self.owner, phases.shape[1])
-        R, p = trajectory.pose(creature, distances.ravel(), phases.ravel())
+        R, p = trajectory.pose(creature, distances.ravel(), phases.ravel(), fractions.ravel())
         return R.reshape(*phases.shape, 3, 3), p.reshape(*phases.shape, 3)
 
     def stances(self, trajectory: BodyTrajectory) -> Stances:

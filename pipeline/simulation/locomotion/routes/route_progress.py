@@ -10,7 +10,8 @@ Source: Sims 1987, 3.2.3 and 10.1; Alexander 1989 for how stride and cadence gro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from pipeline.simulation.locomotion.gaits.pace import is_same_pace
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.curve_limits import CurveLimits
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.spatial import Array
 
@@ -43,6 +45,10 @@ LEAST_PART, MOST_PART = 0.7, 1.2
 # Distance within which a creature is at the end of its route [m].
 ARRIVAL_DISTANCE = 1e-9
 
+# Speed fraction at the start from rest, and cycles until full speed: the feet start from their
+# rest positions, not from those of a walk.
+START_SPEED_FRACTION, START_RAMP_CYCLES = 0.1, 2.0
+
 
 class ProgressSample(NamedTuple):
     """Distance gone [m], phase of the gait, and speed fraction of all creatures, (C,) each."""
@@ -62,6 +68,7 @@ class SpeedLimits:
         braking_distance: (C,) from full speed to rest [m].
         curved: creatures whose routes turn or end.
         route_ends: (C,) lengths of the routes [m]; None while nobody can come to rest.
+        curves: limits on narrow curves, by creature.
     """
 
     target: Array
@@ -70,6 +77,7 @@ class SpeedLimits:
     braking_distance: Array
     curved: list[int]
     route_ends: Array | None
+    curves: Mapping[int, CurveLimits]
 
 
 @dataclass(slots=True, eq=False)
@@ -102,6 +110,7 @@ class RouteProgress:
         next_slope_sample: number of the sample.
         limits: bounds on the speed.
         steady_step: distance and phase of a step while nothing changes.
+        known_curves: what limits on curves depend on, and they, by creature.
     """
 
     herd: Herd
@@ -131,6 +140,9 @@ class RouteProgress:
     steps: int = 0
     next_slope_sample: int = 0
     steady_step: tuple[Array, Array] | None = None
+    known_curves: dict[int, tuple[tuple[float, ...], Route, CurveLimits | None]] = field(
+        default_factory=dict
+    )
 
     @property
     def paces(self) -> PaceSchedule:
@@ -161,6 +173,10 @@ class RouteProgress:
     def arrived(self) -> NDArray[np.bool_]:
         """(C,) whether it has come to the end of its route."""
         return np.isfinite(self.closing_phase)
+
+    def ramped(self, target: float, phase: float, restart: float) -> float:
+        """Return a target speed fraction at a phase, less while a creature sets out from rest."""
+        return min(target, START_SPEED_FRACTION + (phase - restart) / START_RAMP_CYCLES)
 
     @property
     def sample(self) -> ProgressSample:
@@ -202,7 +218,7 @@ def start_progress(
         transition_ends={},
         stopping_distances={},
         look_targets=look_targets,
-        limits=SpeedLimits(none, none, none, none, [], None),
+        limits=SpeedLimits(none, none, none, none, [], None, {}),
     )
     update_limits(progress)
     return progress
@@ -323,4 +339,24 @@ def update_limits(progress: RouteProgress) -> None:
         braking_distance=braking,
         curved=[c for c, route in enumerate(routes) if not route.goes_straight],
         route_ends=length if can_rest else None,
+        curves=_curves(progress, braking),
     )
+
+
+def _curves(progress: RouteProgress, braking: Array) -> dict[int, CurveLimits]:
+    """Return the limits on curves, by creature; `braking` (C,) distances from full speed [m]."""
+    herd, found = progress.herd, dict[int, CurveLimits]()
+    for c, route in enumerate(progress.trajectory.routes):
+        if route.goes_straight or not herd.walks[c]:
+            continue
+        pace, stride = progress.paces.last(c), max(float(progress.stride[c]), 1e-9)
+        key = id(route), pace.longest, stride, float(braking[c])
+        known = progress.known_curves.get(c)
+        if known is None or known[0] != key:
+            feet = herd.rest[herd.owner == c] + [0.0, pace.lateral_offset]
+            stance = float(pace.gait.duty.max()) * stride
+            limits = CurveLimits.of(route, feet, pace.longest / stride, stance, key[-1])
+            known = progress.known_curves[c] = key, route, limits
+        if known[2] is not None:
+            found[c] = known[2]
+    return found

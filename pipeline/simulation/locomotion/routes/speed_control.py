@@ -19,15 +19,13 @@ from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.locomotion.routes.route_progress import (
     ARRIVAL_DISTANCE,
     MIN_SPEED_FRACTION,
+    START_RAMP_CYCLES,
+    START_SPEED_FRACTION,
     ProgressSample,
     RouteProgress,
     update_limits,
 )
 from pipeline.simulation.spatial import Array
-
-# Speed fraction at the start from rest, and cycles until full speed: the feet start from their
-# rest positions, not from those of a walk.
-START_SPEED_FRACTION, START_RAMP_CYCLES = 0.1, 2.0
 
 # Lag of the speed fraction that bodies show, applied twice, in cycles; and difference that does not
 # show.
@@ -74,6 +72,7 @@ def advance(
     if limits.route_ends is not None:
         target = np.minimum(target, _braking_fraction(progress))
     target = _ramped(progress, target, progress.phase)
+    target, most = _in_curves(progress, target, most)
     progress.speed_fraction, step, rate = _next_speed(progress, before, target, most)
     over = progress.phase >= progress.restart_phase + START_RAMP_CYCLES
     progress.restart_phase[over] = -np.inf
@@ -84,7 +83,8 @@ def advance(
     progress.distance, progress.phase = progress.distance + step, progress.phase + turn
     is_steady = (before == progress.limits.target).all()
     is_steady &= (progress.smoothed_fraction == progress.speed_fraction).all()
-    if progress.limits.route_ends is None and not progress.transition_ends and is_steady:
+    changes = progress.transition_ends or progress.limits.curves
+    if progress.limits.route_ends is None and not changes and is_steady:
         progress.steady_step = step, turn
 
 
@@ -121,6 +121,20 @@ def _ramped(progress: RouteProgress, target: Array, phase: Array) -> Array:
         return target
     since = phase - progress.restart_phase
     return np.minimum(target, START_SPEED_FRACTION + since / START_RAMP_CYCLES)
+
+
+def _in_curves(
+    progress: RouteProgress, target: Array, most: Array | None
+) -> tuple[Array, Array | None]:
+    """Return target speed fractions and greatest parts of a stride (C,), less in curves."""
+    for c, limits in progress.limits.curves.items():
+        part, fraction = limits.at(float(progress.distance[c]))
+        if fraction == np.inf:
+            continue
+        most = np.full(len(target), np.inf) if most is None else most
+        target, most = target.copy(), most.copy()
+        target[c], most[c] = min(target[c], fraction), min(most[c], part)
+    return target, most
 
 
 def _next_speed(
@@ -199,25 +213,3 @@ def _slope_fraction(progress: RouteProgress) -> Array:
     cost = UPHILL_COST * np.maximum(slope, 0.0) + DOWNHILL_COST * np.maximum(-slope, 0.0)
     result[creatures] = 1.0 / (1.0 + cost)
     return result
-
-
-def braked_distance(distance: Array, left: float, braking: float) -> Array:
-    """Return the distances (n,) of a body that brakes, from those of a steady body (n,) [m].
-
-    The speed fraction is the root of the distance left over the braking distance, and a cycle's
-    length grows with the root of the speed fraction; so with w the steady distance since braking
-    began and b the braking distance,
-
-        d left / dw = -(left / b)^(1/4),  left = b (1 - 3 w / 4 b)^(4/3).
-
-    Args:
-        distance: at the present speed fraction [m].
-        left: until it has to rest [m].
-        braking: distance on which it comes to rest from its present speed [m].
-    """
-    b = min(braking, left)
-    if b <= 0.0:
-        return np.minimum(distance, max(left, 0.0))
-    since = np.maximum(distance - (left - b), 0.0)
-    rest = np.maximum(1.0 - 0.75 * since / b, 0.0)
-    return np.where(since > 0.0, left - b * np.cbrt(rest) ** 4, distance)

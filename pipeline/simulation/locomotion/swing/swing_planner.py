@@ -201,7 +201,11 @@ class SwingPlanner:
         phases, creature = timing.up + FRACTIONS * timing.swing, np.full(len(FRACTIONS), owner)
         up, fraction = np.array([timing.up]), request.speed_fraction
         ahead = progress.paces.distances(creature[:1], up, phases[None])[0] * math.sqrt(fraction)
-        R, p = progress.trajectory.pose(creature, request.distance + ahead, phases, fraction)
+        distance, fractions = request.distance + ahead, np.full(len(phases), fraction)
+        if request.forecast is not None:
+            distance = request.forecast.distance(phases)
+            fractions = request.forecast.fraction(phases)
+        R, p = progress.trajectory.pose(creature, distance, phases, fractions)
         p[:, 1] -= lowering
         # A creature that has come to rest brings its feet down at full pace.
         rate = math.sqrt(fraction) if fraction > 0.0 else 1.0

@@ -1,0 +1,80 @@
+"""Curve limits: how fast creatures go round curves.
+
+The feet on the outside of a curve go farther than the body, and so do those of a long body far
+before its middle and behind it. Where their legs cannot make such strides, a creature takes shorter
+steps, as often as before, and it slows down before the curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.locomotion.routes.route import Route
+from pipeline.simulation.spatial import Array
+
+LEAST_PART = 0.05
+"""Least part of a stride, in the narrowest curves."""
+
+AVERAGED = 0.5
+"""Way over which the curvature is averaged, in the ways that feet stand through."""
+
+SAMPLES = 9
+"""Samples of that way."""
+
+
+@dataclass(frozen=True, eq=False)
+class CurveLimits:
+    """The limits on one route.
+
+    Attributes:
+        s: (n,) distances along it [m].
+        parts: (n,) greatest parts of a stride in a cycle.
+        fractions: (n,) greatest speed fractions from which it slows down in time.
+    """
+
+    s: Array
+    parts: Array
+    fractions: Array
+
+    @staticmethod
+    def of(
+        route: Route, feet: Array, reach: float, stance: float, braking: float
+    ) -> CurveLimits | None:
+        """Return the limits of a creature, None if it needs none.
+
+        Args:
+            route: that it goes.
+            feet: (n, 2) x and z of its feet at rest, relative to the body [m].
+            reach: longest stride that they can do, in strides.
+            stance: way that they stand through [m].
+            braking: distance from full speed to rest [m].
+        """
+        if len(route.s) < 2:
+            return None
+        around = 0.5 * AVERAGED * stance * np.linspace(-1.0, 1.0, SAMPLES)
+        bend = route.curvature((route.s[:, None] + around).ravel()).reshape(-1, SAMPLES)
+        turn = bend.mean(axis=1)[:, None]
+        x, z = feet.T
+        way = np.hypot(1.0 + turn * z, turn * x).max(axis=1)
+        parts = np.maximum(reach / way, LEAST_PART)
+        if (parts >= 1.0).all():
+            return None
+        fractions = np.minimum(parts, 1.0)
+        for k in range(len(fractions) - 2, -1, -1):
+            faster = fractions[k + 1] ** 2 + (route.s[k + 1] - route.s[k]) / max(braking, 1e-9)
+            fractions[k] = min(fractions[k], np.sqrt(faster))
+        return CurveLimits(route.s, parts, fractions)
+
+    def at(self, s: float) -> tuple[float, float]:
+        """Return the greatest part of a stride and speed fraction at a distance [m]."""
+        part, fraction = (float(np.interp(s, self.s, row)) for row in (self.parts, self.fractions))
+        return (part if part < 1.0 else np.inf), (fraction if fraction < 1.0 else np.inf)
+
+    def bind(self, first: float, last: float) -> bool:
+        """Return whether a creature slows down between two distances [m]."""
+        here = np.linspace(first, last, 2 * SAMPLES)
+        inside = (self.s > first) & (self.s < last)
+        found = np.append(np.interp(here, self.s, self.fractions), self.fractions[inside])
+        return bool((found < 1.0).any())

@@ -1,0 +1,98 @@
+"""Speed forecast: where a creature will be that speeds up, slows down or has to come to rest.
+
+It follows the law of `speed_control` over the next cycle and a half, in steps of phase, so that a
+foot is placed for the body that will be above it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.locomotion.routes.route_progress import (
+    ARRIVAL_DISTANCE,
+    FALL_CYCLES,
+    MIN_SPEED_FRACTION,
+    RISE_CYCLES,
+    RouteProgress,
+)
+from pipeline.simulation.spatial import Array
+
+HORIZON = 1.6
+"""Cycles ahead: a swing, the stance after it, and the start of the next swing."""
+
+STEP, LONGEST_STEP = 0.02, 0.04
+"""Phase of one step at the present speed, and longest step, in cycles at full speed."""
+
+MOST_STEPS = 400
+"""Bound on the steps, of creatures that hardly move."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedForecast:
+    """The way of one creature.
+
+    Attributes:
+        phases: (n,) ascending, from now on.
+        distances: (n,) gone since the start [m].
+        fractions: (n,) of its speed.
+        before: distance of a cycle just now [m].
+    """
+
+    phases: Array
+    distances: Array
+    fractions: Array
+    before: float
+
+    def distance(self, phases: Array) -> Array:
+        """Return the distances (...) at phases (...) [m]."""
+        since = np.minimum(phases - self.phases[0], 0.0)
+        result: Array = np.interp(phases, self.phases, self.distances) + since * self.before
+        return result
+
+    def fraction(self, phases: Array) -> Array:
+        """Return the speed fractions (...) at phases (...)."""
+        result: Array = np.interp(phases, self.phases, self.fractions)
+        return result
+
+
+def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
+    """Return the forecast of creature `c` if it gets no orders."""
+    limits, route = progress.limits, progress.trajectory.routes[c]
+    distance, phase, fraction = (float(values[c]) for values in progress.sample)
+    grid = phase + HORIZON * np.linspace(0.0, 1.0, 33)
+    strides = progress.paces.number("stride", c, grid).tolist()
+    target, braking = float(limits.target[c]), max(float(limits.braking_distance[c]), 1e-9)
+    halted = bool(progress.halted[c])
+    curve, restart = limits.curves.get(c), float(progress.restart_phase[c])
+    end, last, rests = route.length, phase + HORIZON, bool(progress.arrived[c])
+    rows = [(phase, distance, fraction)]
+    for _ in range(MOST_STEPS):
+        if phase >= last:
+            break
+        part, wanted = math.inf, progress.ramped(target, phase, restart)
+        if curve is not None:
+            part, most = curve.at(distance)
+            wanted = min(wanted, most)
+        left = route.distance_to_rest(distance)
+        if left < math.inf:
+            wanted = min(wanted, max(math.sqrt(max(left, 0.0) / braking), MIN_SPEED_FRACTION))
+        wanted = 0.0 if rests else wanted
+        step = min(STEP / math.sqrt(max(fraction, STEP * STEP)), LONGEST_STEP)
+        fall = 1.0 if halted else step / FALL_CYCLES
+        after = min(max(wanted, fraction - fall), fraction + step / RISE_CYCLES)
+        mean, rate = 0.5 * (fraction + after), 0.5 * (math.sqrt(fraction) + math.sqrt(after))
+        rate = max(rate, min(mean / part, 1.0)) if after > 0.0 else 1.0
+        at = int(32.0 * (phase - rows[0][0]) / HORIZON)
+        distance = min(distance + mean * step * strides[at], max(end, distance))
+        phase, fraction = phase + rate * step, after
+        rests = rests or end - distance <= ARRIVAL_DISTANCE
+        rows.append((phase, distance, fraction))
+    columns = np.array(rows).T
+    present = rows[0][2]
+    rate = max(math.sqrt(present), 1e-3)
+    if curve is not None:
+        rate = max(rate, min(present / curve.at(rows[0][1])[0], 1.0))
+    return SpeedForecast(*columns, before=strides[0] * present / rate)

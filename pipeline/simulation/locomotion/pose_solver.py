@@ -65,7 +65,8 @@ class HerdSnapshot:
     Attributes:
         step: number of the step.
         progress: on the routes.
-        smoothed_fraction: (C,) speed fraction that bodies show.
+        stride_part, smoothed_fraction: (C,) distance of a cycle in strides, and speed fraction
+            that bodies show.
         feet: (L,) where they are.
         style: (C,) of the motion.
         route_set: routes of the creatures.
@@ -76,6 +77,7 @@ class HerdSnapshot:
 
     step: int
     progress: ProgressSample
+    stride_part: Array
     smoothed_fraction: Array
     feet: FootState
     style: MotionStyle
@@ -139,7 +141,9 @@ class PoseSolver:
         feet = FootState.stacked([moment.feet for moment in moments])
         s = _swing_fractions(herd, phase, feet)
         R_WB, p_WB = self._planned_bodies(distance, phase, smoothed, style)
-        motion = PlannedMotion(progress, smoothed, style.body_pitch, p_WB[..., 1].copy())
+        planned = R_WB.copy(), p_WB[..., 1].copy()
+        part = np.stack([moment.stride_part for moment in moments])
+        motion = PlannedMotion(progress, part, smoothed, style.body_pitch, *planned)
         p_WB[..., 1] -= total_lowering(herd, feet.lowering, s)
         tall = self._pace_values("body_height", phase)
         jumps = JumpHandover(herd, [moment.aloft for moment in moments])
@@ -153,7 +157,8 @@ class PoseSolver:
         bodies = R_WB, p_WB
         directions = self.foot_roll.directions(feet, s, tips, bodies, jumps.walking_weights())
         legs = self._solve_legs(goals, directions, R_WB, p_WB, jumps)
-        residual = np.where(jumps.down, legs.residual, 0.0)
+        # A foot in the air has no foothold to miss: its leg follows it as far as it can.
+        residual = np.where(jumps.down & ~feet.swinging, legs.residual, 0.0)
         routes, targets = [m.routes for m in moments], [m.look_targets for m in moments]
         q_free = self.free_limbs.values(
             BodyMotion(times, distance, phase, speed_fraction, style, routes, targets, R_WB, p_WB)

@@ -21,6 +21,7 @@ from pipeline.simulation.locomotion.foot_placement.barrier_lookahead import (
     BarrierLookahead,
 )
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import FootholdPlanner
+from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.step_batch import StepRequest
 from pipeline.simulation.locomotion.foot_state import FootState, hold_up, start_swing
 from pipeline.simulation.locomotion.gaits.gait import Gait
@@ -203,16 +204,15 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
         return
     request = _request(sequencer, leg, phase)
     hold = sequencer.planner.next_foothold(leg, lambda: request)
+    if hold is None and not progress.arrived[owner]:
+        request, hold = _last_step(sequencer, step, request)
     if hold is None:
         # A blocked creature rests as soon as it can, and has been noted already.
         noted = is_blocked(progress, owner)
         if not noted or not progress.arrived[owner]:
             _halt(sequencer, owner)
         if not noted:
-            name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
-            x, _, z = feet.start[leg] if request.present is None else request.present
-            text = f"no foothold within reach, at [{x:.2f}, {z:.2f}]"
-            sequencer.notes.append(TakeNote("stopped", step, name, text))
+            _note_missing(sequencer, step, request)
         return
     timing = request.timing
     start_swing(feet, leg, hold)
@@ -228,6 +228,42 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
     )
     barrier = sequencer.lookahead.next_barrier(leg, request.distance, phase)
     end_route_before(sequencer, step, leg, barrier)
+
+
+def _last_step(
+    sequencer: StepSequencer, step: int, request: StepRequest
+) -> tuple[StepRequest, Foothold | None]:
+    """Let a creature brake whose foot has no foothold, and return how the foot steps until then.
+
+    A slow creature comes to rest above its feet at once, and the foot stays where it is: None.
+    """
+    progress, leg = sequencer.progress, request.leg
+    c = int(sequencer.herd.owner[leg])
+    own = sequencer.herd.owner == c
+    if _least_beyond(sequencer, c, _halting_rooms(progress, c), own)[1] <= 0.0:
+        return request, None
+    if not is_blocked(progress, c):
+        route, fraction = progress.trajectory.routes[c], float(progress.speed_fraction[c])
+        braking = float(progress.braking_distance[c]) * fraction * fraction
+        rooms = braking + float(progress.stride[c]) * np.linspace(0.0, 1.0, STOP_CANDIDATES)
+        # Feet in the air come down where they were to.
+        room, _ = _least_beyond(sequencer, c, rooms, own & sequencer.feet.swinging)
+        end = min(float(progress.distance[c]) + room, route.length)
+        progress.blocked_at[c] = end
+        redirect(progress, c, route.upto(end))
+        _note_missing(sequencer, step, request)
+        sequencer.planner.forget_searches()
+    request = _request(sequencer, leg, request.phase)
+    return request, sequencer.planner.search.find(request, any_swing=True)
+
+
+def _note_missing(sequencer: StepSequencer, step: int, request: StepRequest) -> None:
+    """Note that a foot has no foothold."""
+    herd, feet, leg = sequencer.herd, sequencer.feet, request.leg
+    name = f"{herd.names[int(herd.owner[leg])]}.{herd.leg_names[leg]}"
+    x, _, z = feet.start[leg] if request.present is None else request.present
+    text = f"no foothold within reach, at [{x:.2f}, {z:.2f}]"
+    sequencer.notes.append(TakeNote("stopped", step, name, text))
 
 
 # --- requests for footholds -----------------------------------------------------------
@@ -361,17 +397,36 @@ def _halt(sequencer: StepSequencer, c: int) -> None:
 
     Where they cannot, at the distance at which they are the least out of reach.
     """
+    progress = sequencer.progress
+    own, rooms = sequencer.herd.owner == c, _halting_rooms(progress, c)
+    halt(progress, c, _least_beyond(sequencer, c, rooms, own)[0])
+
+
+def _halting_rooms(progress: RouteProgress, c: int) -> Array:
+    """Return distances in which a creature comes to rest that lifts no foot any more [m]."""
+    nearest, farthest = stopping_range(progress, c)
+    return np.linspace(farthest, nearest, STOP_CANDIDATES if farthest > nearest else 1)
+
+
+def _least_beyond(
+    sequencer: StepSequencer, c: int, rooms: Array, legs: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """Return the first distance at which feet are the least beyond their reach.
+
+    Also returns by how much they are, in leg lengths.
+
+    Args:
+        sequencer: of the herd.
+        c: number of the creature.
+        rooms: (n,) distances from here to where it rests [m].
+        legs: (L,) those whose feet are to reach the ground where they are, or will come down.
+    """
     herd, progress = sequencer.herd, sequencer.progress
-    nearest, room = stopping_range(progress, c)
-    if room > nearest:
-        own = herd.owner == c
-        candidates = np.linspace(room, nearest, STOP_CANDIDATES)
-        creature = np.full(STOP_CANDIDATES, c)
-        phase = np.full(STOP_CANDIDATES, float(progress.phase[c]))
-        distance = float(progress.distance[c]) + candidates
-        R, p = progress.trajectory.pose(creature, distance, phase)
-        hips = p[:, None] + turn(R[:, None], herd.hips[own])
-        far = np.linalg.norm(sequencer.feet.end[own] - hips, axis=-1) / herd.legs.lengths[own]
-        beyond = np.maximum(far - MAX_REACH, 0.0).max(axis=1)
-        room = float(candidates[int(np.argmin(beyond))])
-    halt(progress, c, room)
+    creature = np.full(len(rooms), c)
+    phase = np.full(len(rooms), float(progress.phase[c]))
+    R, p = progress.trajectory.pose(creature, float(progress.distance[c]) + rooms, phase)
+    hips = p[:, None] + turn(R[:, None], herd.hips[legs])
+    far = np.linalg.norm(sequencer.feet.end[legs] - hips, axis=-1) / herd.legs.lengths[legs]
+    beyond = np.maximum(far - MAX_REACH, 0.0).max(axis=1, initial=0.0)
+    best = int(np.argmin(beyond))
+    return float(rooms[best]), float(beyond[best])

@@ -194,6 +194,7 @@ class WalkerTroupe(Troupe):
         return HerdSnapshot(
             self.step,
             progress.sample,
+            progress.stride_part,
             progress.smoothed_fraction,
             self.sequencer.feet.copied(),
             trajectory.style,

@@ -33,6 +33,9 @@ SUSPENSION_FREQUENCY, SUSPENSION_DAMPING = 2.5, 0.55
 # Pitch for an acceleration of 1 g, and greatest pitch [rad].
 PITCH_PER_G, MAX_PITCH = 0.25, math.radians(3.5)
 
+# Greatest height by which that moves hips, in leg lengths: those of a long body are far apart.
+MAX_HIP_MOTION = 0.04
+
 # Part of the springs' deflection that the height takes on, and greatest change of it in body
 # heights.
 SINK_FRACTION, MAX_SINK = 0.15, 0.02
@@ -129,6 +132,13 @@ class BodySuspension:
         damping = np.full_like(frequency, SUSPENSION_DAMPING)
         self.springs = Oscillators(frequency, damping, dt)
         self._follower = SpringFollower(self.springs)
+        self._most_pitch = np.full_like(frequency, MAX_PITCH)
+        for c in range(len(frequency)):
+            own = herd.owner == c
+            if own.any():
+                far = float(np.abs(herd.hips[own, 0]).max())
+                most = MAX_HIP_MOTION * float(herd.legs.lengths[own].min())
+                self._most_pitch[c] = min(MAX_PITCH, most / max(far, 1e-9))
         # A body that flies between its steps falls freely.
         self._sink = np.array([SINK_FRACTION if p.flight is None else 0.0 for p in herd.paces])
 
@@ -142,7 +152,7 @@ class BodySuspension:
         late = self._follower.follow(p_WB)
         behind = -(late * R_WB[..., :, 0]).sum(axis=-1)
         pull = behind * self.springs.frequency**2 / GRAVITY
-        pitch = MAX_PITCH * bounded(PITCH_PER_G * pull / MAX_PITCH)
+        pitch = self._most_pitch * bounded(PITCH_PER_G * pull / self._most_pitch)
         turned = pitched_and_rolled(pitch.ravel(), np.zeros(pitch.size))
         R_WB[:] = R_WB @ turned.reshape(R_WB.shape)
         most = MAX_SINK * self.tall

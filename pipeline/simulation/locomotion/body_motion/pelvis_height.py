@@ -37,14 +37,17 @@ class PlannedMotion:
 
     Attributes:
         progress: (n, C) on the routes.
+        stride_part: (n, C) distance of a cycle, in strides.
         smoothed_fraction: (n, C) speed fraction that bodies show.
         style_pitch: (n, C) of the motion style [rad].
-        height: (n, C) of the trajectory [m].
+        R_WB, height: (n, C, 3, 3) and (n, C), of the trajectory [m].
     """
 
     progress: ProgressSample
+    stride_part: Array
     smoothed_fraction: Array
     style_pitch: Array
+    R_WB: Array
     height: Array
 
 
@@ -89,17 +92,20 @@ class PelvisHeight:
         phase = motion.progress.phase[:, herd.owner]
         flies = self.trajectory.paces.had_flights(herd.owner, phase)
         down_at = feet.lift_phase + feet.swing_length
-        early = feet.swinging & ~flies & (stretch > 0.0)
+        lifts = phase - feet.lift_phase < 0.5 * feet.swing_length
+        early = feet.swinging & (lifts | ~flies) & (stretch > 0.0)
+        turned = np.swapaxes(motion.R_WB, -1, -2) @ R_WB
         if early.any():
             # A foot in the air stretches its leg no more than when it lifted or comes down.
-            up = early & (phase - feet.lift_phase < 0.5 * feet.swing_length)
+            up = early & lifts
             lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
             for legs, at, place, k in (
                 (up, feet.lift_phase, feet.start, 0),
                 (early & ~up, down_at, feet.end, 1),
             ):
                 contact = at, place, feet.lowering[:, k]
-                least = self._catch(legs, motion, contact, lowered, feet.swing_length)
+                moved = turned, lowered
+                least = self._catch(legs, motion, contact, moved, feet.swing_length)
                 stretch[legs] = np.minimum(stretch[legs], free[legs] * least)
         if flies.any():
             # The last touchdown, or the next one of a foot in the air.
@@ -108,7 +114,8 @@ class PelvisHeight:
             down = np.where(feet.swinging[near], 0.0, stretch[near])
             lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
             contact = down_at, feet.end, feet.lowering[:, 1]
-            catch = self._catch(near, motion, contact, lowered, feet.swing_length)
+            moved = turned, lowered
+            catch = self._catch(near, motion, contact, moved, feet.swing_length)
             catch *= free[near]
             stretch[near] = np.maximum(down, catch)
         p_WB[..., 1] -= _greatest(herd, stretch)
@@ -126,7 +133,7 @@ class PelvisHeight:
         near: NDArray[np.bool_],
         motion: PlannedMotion,
         contact: tuple[Array, Array, Array],
-        lowered: Array,
+        moved: tuple[Array, Array],
         swing_length: Array,
     ) -> Array:
         """Return by how much bodies must be lowered around contacts (N,) [m].
@@ -135,16 +142,17 @@ class PelvisHeight:
             near: (n, L) legs near their contact, N in all.
             motion: of the bodies, which continues to the contact.
             contact: phases (n, L), places (n, L, 3) and lowering (n, L) of the contacts [m].
-            lowered: (n, C) how far the bodies are below their trajectories [m].
+            moved: how bodies are turned from their trajectories (n, C, 3, 3), and how far they are
+                below them (n, C) [m].
             swing_length: (n, L) in cycles.
         """
-        herd, trajectory = self.herd, self.trajectory
+        herd, trajectory, (turned, lowered) = self.herd, self.trajectory, moved
         row, leg = np.nonzero(near)
         c = herd.owner[leg]
         at, place, lowering = (values[near] for values in contact)
         here = motion.progress.phase[row, c]
         stride = trajectory.paces.value("stride", c, here)
-        ahead = (at - here) * stride * np.sqrt(motion.progress.speed_fraction[row, c])
+        ahead = (at - here) * stride * motion.stride_part[row, c]
         R_WB, p_WB = trajectory.pose(
             c,
             motion.progress.distance[row, c] + ahead,
@@ -152,7 +160,7 @@ class PelvisHeight:
             motion.smoothed_fraction[row, c],
             motion.style_pitch[row, c],
         )
-        hips = p_WB + turn(R_WB, herd.hips[leg])
+        hips = p_WB + turn(R_WB @ turned[row, c], herd.hips[leg])
         hips[:, 1] -= np.maximum(lowered[row, c], lowering)
         stretch = _overstretch(hips, place, herd.legs.lengths[leg])
         apart = np.abs(here - at) / (SUPPORT_FRACTION * swing_length[near])

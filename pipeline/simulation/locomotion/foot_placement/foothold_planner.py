@@ -79,6 +79,10 @@ class FootholdPlanner:
             self._searched[leg] = self.search.find(request())
         return self._searched[leg]
 
+    def forget_searches(self) -> None:
+        """Forget what was found for feet that lift now, because a body goes on otherwise."""
+        self._searched.clear()
+
     def predict(
         self,
         requests: Sequence[StepRequest],

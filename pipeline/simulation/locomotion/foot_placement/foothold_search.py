@@ -101,8 +101,13 @@ class FootholdSearch:
 
     # --- searches -----------------------------------------------------------------
 
-    def find(self, request: StepRequest) -> Foothold | None:
-        """Return where a foot that lifts comes down, None if no foothold is within reach."""
+    def find(self, request: StepRequest, any_swing: bool = False) -> Foothold | None:
+        """Return where a foot that lifts comes down, None if no foothold is within reach.
+
+        Args:
+            request: the step.
+            any_swing: whether a foothold will do to which the leg swings at its limits.
+        """
         assert request.present is not None
         leg, present = np.array([request.leg]), request.present
         batch, stance = self._stance(request)
@@ -118,7 +123,7 @@ class FootholdSearch:
 
         # On level ground a leg that folds too far on a long swing stays above the ground anyway.
         is_level = self.trajectory.surface.of(int(self.herd.owner[request.leg])).is_level
-        for limit in (EASY_LENGTH, np.inf) if is_level else (EASY_LENGTH,):
+        for limit in (EASY_LENGTH, np.inf) if is_level or any_swing else (EASY_LENGTH,):
 
             def with_swing(hold: Foothold, limit: float = limit) -> Foothold | None:
                 landing = turn_inverse(R[:1], hold.tip - p[:1])

@@ -14,7 +14,7 @@ import numpy as np
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.spatial import Array
 
-LEAST_PART = 0.05
+LEAST_PART = 0.002
 """Least part of a stride, in the narrowest curves."""
 
 AVERAGED = 0.5
@@ -22,6 +22,9 @@ AVERAGED = 0.5
 
 SAMPLES = 9
 """Samples of that way."""
+
+PASSES = 3
+"""Times that it is worked out how long these ways are: short strides stand through short ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +57,13 @@ class CurveLimits:
         if len(route.s) < 2:
             return None
         around = 0.5 * AVERAGED * stance * np.linspace(-1.0, 1.0, SAMPLES)
-        bend = route.curvature((route.s[:, None] + around).ravel()).reshape(-1, SAMPLES)
-        turn = bend.mean(axis=1)[:, None]
-        x, z = feet.T
-        way = np.hypot(1.0 + turn * z, turn * x).max(axis=1)
-        parts = np.maximum(reach / way, LEAST_PART)
+        parts, (x, z) = np.ones(len(route.s)), feet.T
+        for _ in range(PASSES):
+            places = route.s[:, None] + np.minimum(parts, 1.0)[:, None] * around
+            bend = route.curvature(places.ravel()).reshape(places.shape)
+            turn = bend.mean(axis=1)[:, None]
+            way = np.hypot(1.0 + turn * z, turn * x).max(axis=1)
+            parts = np.maximum(reach / way, LEAST_PART)
         if (parts >= 1.0).all():
             return None
         fractions = np.minimum(parts, 1.0)

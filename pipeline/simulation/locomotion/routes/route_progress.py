@@ -91,6 +91,7 @@ class RouteProgress:
         distance: (C,) gone [m].
         phase: (C,) of the gait, whole cycles counted.
         speed_fraction: (C,) speed relative to the pace.
+        stride_part: (C,) distance of a cycle at the present speed, in strides.
         smoothed_fraction, lagged_fraction: (C,) speed fraction that bodies show, without corners,
             and the first of the two lags that lead to it.
         hurrying: creatures that go as fast as animals do that hurry.
@@ -120,6 +121,7 @@ class RouteProgress:
     distance: Array
     phase: Array
     speed_fraction: Array
+    stride_part: Array
     smoothed_fraction: Array
     lagged_fraction: Array
     hurrying: set[int]
@@ -202,6 +204,7 @@ def start_progress(
         distance=none,
         phase=none.copy(),
         speed_fraction=walking,
+        stride_part=np.sqrt(walking),
         smoothed_fraction=walking.copy(),
         lagged_fraction=walking.copy(),
         hurrying=set(),
@@ -282,6 +285,7 @@ def update_pace(progress: RouteProgress, c: int, speed: float | None = None) -> 
 def set_initial_speed(progress: RouteProgress, fraction: Array) -> None:
     """Start at fractions (C,) of the speed fractions that creatures would come with."""
     progress.speed_fraction = progress.speed_fraction * fraction
+    progress.stride_part = np.sqrt(progress.speed_fraction)
     progress.smoothed_fraction = progress.lagged_fraction = progress.speed_fraction.copy()
 
 

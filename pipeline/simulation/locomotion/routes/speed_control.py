@@ -80,6 +80,7 @@ def advance(
     if limits.route_ends is not None:
         step, rate = _near_route_end(progress, limits.route_ends, step, rate, airborne)
     turn = rate * progress.phase_per_step
+    progress.stride_part = step / np.maximum(turn * progress.stride, 1e-12)
     progress.distance, progress.phase = progress.distance + step, progress.phase + turn
     is_steady = (before == progress.limits.target).all()
     is_steady &= (progress.smoothed_fraction == progress.speed_fraction).all()

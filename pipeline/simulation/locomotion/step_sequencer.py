@@ -27,6 +27,7 @@ from pipeline.simulation.locomotion.foot_state import FootState, hold_up, start_
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.routes.route_progress import (
     ProgressSample,
     RouteProgress,
@@ -36,7 +37,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
     stopping_range,
 )
 from pipeline.simulation.locomotion.routes.speed_control import predicted
-from pipeline.simulation.locomotion.routes.speed_forecast import speed_forecast
+from pipeline.simulation.locomotion.routes.speed_forecast import SpeedForecast, speed_forecast
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.locomotion.swing.swing_trajectory import QUICKNESS, quickness
@@ -70,6 +71,7 @@ class StepSequencer:
         swings: plans swings, None if all are plain arches.
         contacts: of the feet with the ground.
         notes: about the last step.
+        forecasts: last ones, by creature, with their steps and routes.
     """
 
     world: World
@@ -81,6 +83,7 @@ class StepSequencer:
     swings: SwingPlanner | None
     contacts: FootContacts
     notes: list[TakeNote] = field(default_factory=list)
+    forecasts: dict[int, tuple[tuple[int, Route], SpeedForecast]] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -356,8 +359,12 @@ def with_forecast(sequencer: StepSequencer, request: StepRequest) -> StepRequest
     """Return a request of this step, with a forecast if the speed of its body changes."""
     if _keeps_speed(sequencer, request):
         return request
-    owner = int(sequencer.herd.owner[request.leg])
-    forecast = speed_forecast(sequencer.progress, owner)
+    progress, c = sequencer.progress, int(sequencer.herd.owner[request.leg])
+    now = progress.steps, progress.trajectory.routes[c]
+    known = sequencer.forecasts.get(c)
+    if known is None or known[0] != now:
+        known = sequencer.forecasts[c] = now, speed_forecast(progress, c)
+    forecast = known[1]
     distance = float(forecast.distance(np.array(request.phase)))
     return replace(request, distance=distance, forecast=forecast)
 

@@ -2,7 +2,9 @@
 
 A leg of two equal links, of length L in all, that is stretched to e L bends at
 2 v / (L sqrt(1 - e²)) while its foot moves at v. A joint that is twice as fast, and faster than
-300 degrees a second, draws the eye. Nearly straight and tightly folded legs do not count.
+300 degrees a second, draws the eye. Nearly straight and tightly folded legs do not count. The
+length of a leg is that from hip to foot when it is stretched out: one that is drawn as a zigzag
+and bends across it is never as long as its links together.
 """
 
 from __future__ import annotations
@@ -57,8 +59,7 @@ def joint_pops(
     """
     R, p = bodies
     arm = np.einsum("kji,klj->kli", R, tips - p[:, None]) - herd.hips
-    steps = [np.diff(limb_ends(herd, leg), axis=0) for leg in range(len(herd.owner))]
-    length = np.array([np.linalg.norm(step, axis=1).sum() for step in steps])
+    length = herd.legs.lengths
     speed = np.linalg.norm(np.gradient(arm, dt, axis=0), axis=-1)
     speed = np.maximum.reduce([speed, np.roll(speed, 1, axis=0), np.roll(speed, -1, axis=0)])
     stretch = np.linalg.norm(arm, axis=-1) / length
@@ -73,12 +74,3 @@ def joint_pops(
         Pop(herd.leg_names[leg], int(k), turned[k, leg], needed[k, leg], stretch[k, leg])
         for k, leg in np.argwhere(hits)
     ]
-
-
-def limb_ends(herd: Herd, leg: int) -> Array:
-    """Return the joints and the tip (n + 1, 3) of a leg as drawn [m]."""
-    limbs = [limb for figure in herd.figures for limb in figure.skeleton.legs]
-    skeletons = [figure.skeleton for figure in herd.figures for _ in figure.skeleton.legs]
-    links = skeletons[leg].links
-    ends = [links[k].ends for k in limbs[leg].links]
-    return np.concatenate([ends[0][:1], [end[1] for end in ends]])

@@ -132,7 +132,7 @@ class FootholdSearch:
                 return self._with_swing(request, hold, swing_bodies, easy)
 
             candidates = self._candidates(request.leg, stance.neutral[0], present[[0, 2]])
-            best = self._best(request.leg, candidates, R, p, with_swing)
+            best = self._best(request.leg, candidates, R, p, with_swing, request.lowering[1])
             if best is not None:
                 return best
         return None
@@ -215,6 +215,7 @@ class FootholdSearch:
         R: Array,
         p: Array,
         with_swing: Callable[[Foothold], Foothold | None] = lambda hold: hold,
+        others: float = 0.0,
     ) -> Foothold | None:
         """Return the first good foothold; any without lowering comes before one with it.
 
@@ -224,6 +225,7 @@ class FootholdSearch:
             R: (m, 3, 3) and
             p: (m, 3), poses of the body during the stance [m].
             with_swing: adds the swing to a foothold, None where the leg cannot swing there.
+            others: lowering of the body for its other feet [m].
         """
         legs, owner, seen = np.array([leg]), int(self.herd.owner[leg]), []
         for xz in candidates:
@@ -232,7 +234,8 @@ class FootholdSearch:
             owners = np.full(len(xz), owner)
             allowed = self.trajectory.surface.is_allowed(owners, xz[:, 0], xz[:, 1])
             lowering = np.where(allowed, lowering, np.inf)
-            for i in self._reached(leg, tips[0], lowering, lowering == 0.0, R, p):
+            good = lowering == 0.0
+            for i in self._reached(leg, tips[0], (lowering, others), good, (R, p)):
                 hold = with_swing(self._foothold(leg, xz[i], 0.0))
                 if hold is not None:
                     return hold
@@ -241,7 +244,7 @@ class FootholdSearch:
         most = min(clearance, MAX_LOWERING_OF_LEG * float(self.herd.legs.lengths[leg]))
         for xz, tips, lowering in seen:
             usable = (lowering > 0.0) & (lowering <= most)
-            for i in self._reached(leg, tips, lowering, usable, R, p):
+            for i in self._reached(leg, tips, (lowering, others), usable, (R, p)):
                 hold = with_swing(self._foothold(leg, xz[i], float(lowering[i])))
                 if hold is not None:
                     return hold
@@ -253,19 +256,37 @@ class FootholdSearch:
         return max(float(max(self.herd.body_height[c], above) - self.herd.belly[c]), 0.0)
 
     def _reached(
-        self, leg: int, tips: Array, lowering: Array, usable: NDArray[np.bool_], R: Array, p: Array
+        self,
+        leg: int,
+        tips: Array,
+        lowering: tuple[Array, float],
+        usable: NDArray[np.bool_],
+        bodies: tuple[Array, Array],
     ) -> Iterator[int]:
-        """Yield the usable tips (n, 3) that the joints reach; of many, a regular sample."""
+        """Yield the usable tips (n, 3) that the joints reach; of many, a regular sample.
+
+        Args:
+            leg: its number.
+            tips: [m].
+            lowering: of the body for them (n,), and for its other feet, which may end [m].
+            usable: (n,) which of them.
+            bodies: orientations (m, 3, 3) and places (m, 3) during the stance [m].
+        """
+        (own, others), (R, p) = lowering, bodies
+        lowest = (own**4 + others**4) ** 0.25
         numbers = np.flatnonzero(usable)
         if len(numbers) > MAX_IK_CANDIDATES:
             sample = np.linspace(0, len(numbers) - 1, MAX_IK_CANDIDATES).astype(np.int64)
             numbers = numbers[sample]
         for chunk in np.split(numbers, IK_CHUNKS[IK_CHUNKS < len(numbers)]):
             if len(chunk):
-                lowered = p - np.multiply.outer(lowering[chunk], UP)[:, None]
-                goals = turn_inverse(R, tips[chunk, None] - lowered)
-                reached = self.reachability.reaches(np.full(len(chunk), leg), goals)
-                yield from chunk[reached.all(axis=-1)].tolist()
+                reached = np.ones(len(chunk), dtype=bool)
+                for low in (own, lowest) if others else (own,):
+                    lowered = p - np.multiply.outer(low[chunk], UP)[:, None]
+                    goals = turn_inverse(R, tips[chunk, None] - lowered)
+                    legs = np.full(len(chunk), leg)
+                    reached &= self.reachability.reaches(legs, goals).all(axis=-1)
+                yield from chunk[reached].tolist()
 
     def _foothold(self, leg: int, xz: Array, lowering: float) -> Foothold:
         """Return the foothold at `xz` (2,), its sole clear of the slopes beside it."""

@@ -7,7 +7,10 @@ steps, as often as before, and it slows down before the curve.
 
 from __future__ import annotations
 
+import bisect
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -74,8 +77,16 @@ class CurveLimits:
 
     def at(self, s: float) -> tuple[float, float]:
         """Return the greatest part of a stride and speed fraction at a distance [m]."""
-        part, fraction = (float(np.interp(s, self.s, row)) for row in (self.parts, self.fractions))
-        return (part if part < 1.0 else np.inf), (fraction if fraction < 1.0 else np.inf)
+        along, parts, fractions = self._rows
+        k = min(max(bisect.bisect_right(along, s) - 1, 0), len(along) - 2)
+        t = min(max((s - along[k]) / (along[k + 1] - along[k]), 0.0), 1.0)
+        part = parts[k] + t * (parts[k + 1] - parts[k])
+        fraction = fractions[k] + t * (fractions[k + 1] - fractions[k])
+        return (part if part < 1.0 else math.inf), (fraction if fraction < 1.0 else math.inf)
+
+    @cached_property
+    def _rows(self) -> tuple[list[float], list[float], list[float]]:
+        return self.s.tolist(), self.parts.tolist(), self.fractions.tolist()
 
     def bind(self, first: float, last: float) -> bool:
         """Return whether a creature slows down between two distances [m]."""

@@ -10,6 +10,7 @@ Source: Sims 1987, 10.1 and 3.2.3.
 
 from __future__ import annotations
 
+import bisect
 import itertools
 import math
 from collections.abc import Sequence
@@ -102,16 +103,15 @@ class Route:
         return 0 <= i < len(self._moves) and not self._moves[i]
 
     @cached_property
-    def _rests(self) -> Array:
+    def _rests(self) -> list[float]:
         """Distances at which a turn in place starts or ends, and the route's end [m]."""
         changes = np.flatnonzero(self._moves[1:] != self._moves[:-1]) + 1
-        return np.append(self.s[changes], self.length)
+        return [*self.s[changes].tolist(), self.length]
 
     def distance_to_rest(self, s: float) -> float:
         """Return the distance from `s` to where the body has to rest next [m]."""
         rests = self._rests
-        following = min(int(np.searchsorted(rests, s + 1e-9)), len(rests) - 1)
-        return float(rests[following]) - s
+        return rests[min(bisect.bisect_left(rests, s + 1e-9), len(rests) - 1)] - s
 
     @cached_property
     def _curvatures(self) -> tuple[Array, Array]:

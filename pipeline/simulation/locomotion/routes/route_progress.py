@@ -30,6 +30,10 @@ from pipeline.simulation.spatial import Array
 # Time from rest to full speed and back, in cycles.
 RISE_CYCLES, FALL_CYCLES = 1.0, 0.6
 
+# Factor on the rate at which speed grows beyond the pace's own: feet are placed for a body that
+# goes on as fast as it does.
+HURRY_RISE = 0.3
+
 # Shortest time [s], and usual deceleration [m/s²], of a stop without foothold.
 MIN_STOP_TIME, SOFT_DECELERATION = 0.3, 3.0
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.locomotion.routes.route_progress import (
     ARRIVAL_DISTANCE,
+    HURRY_RISE,
     MIN_SPEED_FRACTION,
     START_RAMP_CYCLES,
     START_SPEED_FRACTION,
@@ -30,10 +31,6 @@ from pipeline.simulation.spatial import Array
 # Lag of the speed fraction that bodies show, applied twice, in cycles; and difference that does not
 # show.
 SMOOTHING_CYCLES, SMOOTHING_TOLERANCE = 0.08, 1e-5
-
-# Factor on the rate at which speed grows beyond the pace's own: feet are placed for a body that
-# goes on as fast as it does.
-HURRY_RISE = 0.3
 
 # Extra time on a slope of 1, as a fraction of that on level ground.
 UPHILL_COST, DOWNHILL_COST = 0.9, 0.5

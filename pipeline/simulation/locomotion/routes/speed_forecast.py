@@ -1,7 +1,7 @@
 """Speed forecast: where a creature will be that speeds up, slows down or has to come to rest.
 
-It follows the law of `speed_control` over the next cycle and a half, in steps of phase, so that a
-foot is placed for the body that will be above it.
+It follows the law of `speed_control` over the next cycle and a half, step by step, so that a foot
+is placed for the body that will be above it.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ import numpy as np
 
 from pipeline.simulation.locomotion.routes.route_progress import (
     ARRIVAL_DISTANCE,
-    FALL_CYCLES,
+    HURRY_RISE,
     MIN_SPEED_FRACTION,
-    RISE_CYCLES,
     RouteProgress,
 )
 from pipeline.simulation.spatial import Array
@@ -23,10 +22,7 @@ from pipeline.simulation.spatial import Array
 HORIZON = 1.6
 """Cycles ahead: a swing, the stance after it, and the start of the next swing."""
 
-STEP, LONGEST_STEP = 0.02, 0.04
-"""Phase of one step at the present speed, and longest step, in cycles at full speed."""
-
-MOST_STEPS = 400
+MOST_STEPS = 600
 """Bound on the steps, of creatures that hardly move."""
 
 
@@ -65,7 +61,9 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
     grid = phase + HORIZON * np.linspace(0.0, 1.0, 33)
     strides = progress.paces.number("stride", c, grid).tolist()
     target, braking = float(limits.target[c]), max(float(limits.braking_distance[c]), 1e-9)
-    halted = bool(progress.halted[c])
+    step, rise, fall = (
+        float(values[c]) for values in (progress.phase_per_step, limits.rise, limits.fall)
+    )
     curve, restart = limits.curves.get(c), float(progress.restart_phase[c])
     end, last, rests = route.length, phase + HORIZON, bool(progress.arrived[c])
     rows = [(phase, distance, fraction)]
@@ -80,9 +78,8 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
         if left < math.inf:
             wanted = min(wanted, max(math.sqrt(max(left, 0.0) / braking), MIN_SPEED_FRACTION))
         wanted = 0.0 if rests else wanted
-        step = min(STEP / math.sqrt(max(fraction, STEP * STEP)), LONGEST_STEP)
-        fall = 1.0 if halted else step / FALL_CYCLES
-        after = min(max(wanted, fraction - fall), fraction + step / RISE_CYCLES)
+        faster = rise * (1.0 if fraction < 1.0 else HURRY_RISE)
+        after = min(max(wanted, fraction - fall), fraction + faster)
         mean, rate = 0.5 * (fraction + after), 0.5 * (math.sqrt(fraction) + math.sqrt(after))
         rate = max(rate, min(mean / part, 1.0)) if after > 0.0 else 1.0
         at = int(32.0 * (phase - rows[0][0]) / HORIZON)

@@ -352,7 +352,12 @@ def _request(sequencer: StepSequencer, leg: int, phase: float) -> StepRequest:
     others: NDArray[np.bool_] = sequencer.herd.owner == owner
     others[leg] = False
     lowering = float(feet.lowering[1, leg]), float(feet.lowering[:, others].max(initial=0.0))
-    return replace(request, lowering=lowering)
+    # Legs far apart from this one may stand on other ground.
+    distance, now = np.array([request.distance]), np.array([phase])
+    R, p = progress.trajectory.pose(np.array([owner]), distance, now)
+    down = np.flatnonzero(others & (feet.held_up[1] == 0.0))
+    room = sequencer.planner.search.lowering_room(down, feet.end[down], R[0], p[0])
+    return replace(request, lowering=lowering, room=room)
 
 
 def with_forecast(sequencer: StepSequencer, request: StepRequest) -> StepRequest:

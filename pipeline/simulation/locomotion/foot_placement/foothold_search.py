@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from pipeline.simulation.curves import ease
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import (
     EASY_SWING_HEIGHT,
     LegReachability,
+    shortest_reaches,
 )
 from pipeline.simulation.locomotion.foot_placement.step_batch import (
     STANCE_FRACTIONS,
@@ -43,7 +44,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     quickness,
     swing_positions,
 )
-from pipeline.simulation.spatial import UP, Array, turn_inverse
+from pipeline.simulation.spatial import UP, Array, turn, turn_inverse
 from pipeline.simulation.terrain import Ground
 
 # Candidates between the neutral and the present place: fractions of the way back.
@@ -55,6 +56,9 @@ RINGS, SPOKES, RING_RADIUS = 24, 16, 0.4
 # Greatest lowering of a body for a foothold: fraction of the belly's height, and leg lengths, since
 # legs under a lower body would fold too far.
 MAX_LOWERING_OF_CLEARANCE, MAX_LOWERING_OF_LEG = 0.9, 0.25
+
+# Least distance of feet from hips under a lowered body, in that at which legs are folded.
+FOLD_MARGIN = 1.03
 
 # Candidates checked by inverse kinematics: chunk boundaries (the first is mostly good), and
 # greatest number of one kind.
@@ -132,7 +136,7 @@ class FootholdSearch:
                 return self._with_swing(request, hold, swing_bodies, easy)
 
             candidates = self._candidates(request.leg, stance.neutral[0], present[[0, 2]])
-            best = self._best(request.leg, candidates, R, p, with_swing, request.lowering[1])
+            best = self._best(request.leg, candidates, R, p, with_swing, request)
             if best is not None:
                 return best
         return None
@@ -215,7 +219,7 @@ class FootholdSearch:
         R: Array,
         p: Array,
         with_swing: Callable[[Foothold], Foothold | None] = lambda hold: hold,
-        others: float = 0.0,
+        request: StepRequest | None = None,
     ) -> Foothold | None:
         """Return the first good foothold; any without lowering comes before one with it.
 
@@ -225,9 +229,10 @@ class FootholdSearch:
             R: (m, 3, 3) and
             p: (m, 3), poses of the body during the stance [m].
             with_swing: adds the swing to a foothold, None where the leg cannot swing there.
-            others: lowering of the body for its other feet [m].
+            request: the step, if other feet are down already.
         """
         legs, owner, seen = np.array([leg]), int(self.herd.owner[leg]), []
+        others, room = (0.0, np.inf) if request is None else (request.lowering[1], request.room)
         for xz in candidates:
             tips = self.tip_positions(legs, xz[None])
             lowering = self.reachability.required_lowering(legs, tips, R[None], p[None])[0]
@@ -241,7 +246,7 @@ class FootholdSearch:
                     return hold
             seen.append((xz, tips[0], lowering))
         clearance = MAX_LOWERING_OF_CLEARANCE * self._belly_clearance(owner, p)
-        most = min(clearance, MAX_LOWERING_OF_LEG * float(self.herd.legs.lengths[leg]))
+        most = min(clearance, MAX_LOWERING_OF_LEG * float(self.herd.legs.lengths[leg]), room)
         for xz, tips, lowering in seen:
             usable = (lowering > 0.0) & (lowering <= most)
             for i in self._reached(leg, tips, (lowering, others), usable, (R, p)):
@@ -249,6 +254,25 @@ class FootholdSearch:
                 if hold is not None:
                     return hold
         return None
+
+    def lowering_room(self, legs: NDArray[np.int64], ends: Array, R: Array, p: Array) -> float:
+        """Return how far a body can be lowered until a leg folds too far [m].
+
+        Args:
+            legs: (n,) whose feet stand, or come down soon.
+            ends: (n, 3) where [m].
+            R: (3, 3) orientation of the body.
+            p: (3,) place of the body [m].
+        """
+        offset = ends - (p + turn(R, self.herd.hips[legs]))
+        # Feet that are before or behind their hips will come under them, or were there.
+        aside = offset @ R[:, 2]
+        least = np.sqrt(np.maximum(self._shortest[legs] ** 2 - aside**2, 0.0))
+        return max(float((-offset[:, 1] - least).min(initial=np.inf)), 0.0)
+
+    @cached_property
+    def _shortest(self) -> Array:
+        return FOLD_MARGIN * shortest_reaches(self.herd)
 
     def _belly_clearance(self, c: int, p: Array) -> float:
         """Return how far a body at all positions p (m, 3) can sink until its belly is down [m]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -38,6 +39,7 @@ class StepRequest:
         present: (3,) its tip; None for a foot that is placed at the start [m].
         forecast: where its body will be if its speed changes; None if it hardly does.
         lowering: of the body for the foot's present place, and for the other feet [m].
+        room: greatest lowering at which the other legs do not fold too far [m].
     """
 
     leg: int
@@ -48,6 +50,7 @@ class StepRequest:
     present: Array | None = None
     forecast: SpeedForecast | None = None
     lowering: tuple[float, float] = (0.0, 0.0)
+    room: float = math.inf
 
     @property
     def key(self) -> tuple[float, ...]:

@@ -52,7 +52,7 @@ def test_a_creature_slows_down_before_a_curve() -> None:
     limits = CurveLimits.of(_circle(0.5), FEET, 1.1, 0.2, 0.5)
     assert limits is not None
     assert limits.at(1.0) == (np.inf, np.inf)
-    s = np.linspace(2.75, 2.9, 20)
+    s = np.linspace(2.75, 2.9, 4)
     parts, fractions = np.array([limits.at(at) for at in s]).T
     assert np.isinf(parts).all()
     # v² falls evenly with the way, as fast as brakes allow.

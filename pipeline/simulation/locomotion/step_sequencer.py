@@ -207,7 +207,7 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
         return
     request = _request(sequencer, leg, phase)
     hold = sequencer.planner.next_foothold(leg, lambda: request)
-    if hold is None and not progress.arrived[owner]:
+    if hold is None and progress.steps and not progress.arrived[owner]:
         request, hold = _last_step(sequencer, step, request)
     if hold is None:
         # A blocked creature rests as soon as it can, and has been noted already.

@@ -64,9 +64,7 @@ def test_a_creature_slows_down_before_a_curve() -> None:
 def test_feet_stay_within_reach_in_a_narrow_curve(
     scene_of: SceneOf, walk_through: WalkThrough
 ) -> None:
-    member = (
-        "{figure: centipede, at: [0, 0], heading_deg: 0, walk: {path: [[0.7, 0], [0.8, 0.8]]}}"
-    )
+    member = "{figure: centipede, at: [0, 0], heading_deg: 0, walk: {path: [[0.7, 0], [0.8, 0.8]]}}"
     walk = walk_through(scene_of(member, duration=5))
     herd, recorder = walk.walkers.herd, walk.simulation.recorder
     R, p = recorder.rotations[:, 0], recorder.positions[:, 0]

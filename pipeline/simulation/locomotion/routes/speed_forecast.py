@@ -87,9 +87,9 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
         phase, fraction = phase + rate * step, after
         rests = rests or end - distance <= ARRIVAL_DISTANCE
         rows.append((phase, distance, fraction))
-    columns = np.array(rows).T
     present = rows[0][2]
     rate = max(math.sqrt(present), 1e-3)
     if curve is not None:
         rate = max(rate, min(present / curve.at(rows[0][1])[0], 1.0))
-    return SpeedForecast(*columns, before=strides[0] * present / rate)
+    phases, distances, fractions = np.array(rows).T
+    return SpeedForecast(phases, distances, fractions, strides[0] * present / rate)

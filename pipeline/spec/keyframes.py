@@ -195,13 +195,13 @@ class PoseKey(ConfigModel):
     avoid: tuple[Name, ...] | None = Field(
         None,
         description="What the links of the limb keep clear of as far as its goals let them: names "
-        "of props that stand or move by keyframes, and ground. All of them if left out; [] is "
-        "nothing.",
+        "of props that stand or move by keyframes, and ground; [] is nothing. If left out as for "
+        "the keys before, and of the first all of them.",
     )
     dexterity: Annotated[Number, Field(ge=0, le=1)] = Field(
         0.0,
         description="How much of the freedom that the goals leave keeps the limb able to move its "
-        "tip in all directions, instead of near its own pose.",
+        "tip in all directions, instead of near its own pose; as for the keys before if left out.",
     )
     joints: dict[Name, Number] | None = Field(
         None,

@@ -29,6 +29,9 @@ BODY = "body"
 POINT_PRIORITY, JOINT_PRIORITY = 1, 2
 """Default priorities."""
 
+INHERITED = ("priority", "weight", "avoid", "dexterity")
+"""What a key that leaves it out takes from the keys before."""
+
 
 class PartNames:
     """Names of limbs, nodes and joints of a figure.
@@ -295,8 +298,10 @@ class _Planner:
         if known is None:
             self.open[thing] = _OpenTrack(name, [(key.at, value, key.ease)], key)
             return
-        for word in ("frame", "priority", "weight", "avoid", "dexterity"):
+        for word in ("frame", *INHERITED):
             before = getattr(known.first, word)
+            if word in INHERITED and word not in key.model_fields_set:
+                continue
             if getattr(key, word) != before and thing.kind != BODY:
                 message = f"is {before} for the keys before; release it first to change that"
                 self.problems.append(Problem(f"{path}.{word}", message))

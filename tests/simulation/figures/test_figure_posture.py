@@ -312,6 +312,21 @@ def test_dexterity_moves_the_limb_away_from_singularities() -> None:
     assert measures[1] > 1.02 * measures[0]
 
 
+PLENTY = ", priority: 3, weight: 2, avoid: [], dexterity: 0.5"
+
+
+def test_keys_take_what_they_leave_out_from_the_keys_before() -> None:
+    def values(more: str) -> Array:
+        keys = [f"{{at: 0, limb: arm_r, reach: [0.3, 1, 0.3]{PLENTY}}}"]
+        keys += [f"{{at: 0.2, limb: arm_r, reach: [0.3, 1.2, 0.3]{more}}}"]
+        member = f"{{figure: person, name: p, at: [0, 0], pose: [{', '.join(keys)}]}}"
+        return Posed(member, duration=0.3).take.values
+
+    np.testing.assert_array_equal(values(""), values(PLENTY))
+    with pytest.raises(SceneError, match="dexterity: is 0.5 for the keys before"):
+        values(", dexterity: 0")
+
+
 def _standing(figure: Figure, count: int) -> tuple[Array, FigureFrames]:
     """Return joint values at rest, and frames of a figure that stands, in `count` rows."""
     R, p = np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3))

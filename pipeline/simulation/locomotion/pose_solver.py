@@ -20,7 +20,7 @@ from pipeline.simulation.figures.goal_miss import GoalMiss
 from pipeline.simulation.figures.tip_ik import TipSolution, solve_tips
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension
-from pipeline.simulation.locomotion.body_motion.foot_roll import FootRoll
+from pipeline.simulation.locomotion.body_motion.foot_roll import FootRoll, Steps
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
@@ -155,7 +155,8 @@ class PoseSolver:
         tips = jumps.feet(tips)
         goals = turn_inverse(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         bodies = R_WB, p_WB
-        directions = self.foot_roll.directions(feet, s, tips, bodies, jumps.walking_weights())
+        steps = Steps(feet, s, jumps.walking_weights())
+        directions = self.foot_roll.directions(tips, bodies, jumps.limp, steps)
         legs = self._solve_legs(goals, directions, R_WB, p_WB, jumps)
         # A foot in the air has no foothold to miss: its leg follows it as far as it can.
         residual = np.where(jumps.down & ~feet.swinging, legs.residual, 0.0)

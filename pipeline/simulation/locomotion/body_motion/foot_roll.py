@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded, ease
 from pipeline.simulation.locomotion.foot_state import FootState
@@ -54,6 +55,21 @@ LIFT_RATE = 1.5
 """Angle by which a foot turns when it begins to rise, per leg length [rad]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Steps:
+    """Steps of a herd at n moments.
+
+    Attributes:
+        feet: where they stand, come from and go to.
+        s: (n, L) fractions of the swings, 1 for standing feet.
+        weight: (n, C) how far creatures walk, 1, rather than jump, 0.
+    """
+
+    feet: FootState
+    s: Array
+    weight: Array
+
+
 class FootRoll:
     """Directions of the last links of a herd's legs."""
 
@@ -66,6 +82,7 @@ class FootRoll:
         for chain in herd.chains:
             has_foot[chain.rows] = chain.foot is not None
         self._own = np.flatnonzero(has_foot)
+        self._last = np.zeros((len(rows), 3))
         pose = legs.pose(legs.preferred)
         link = (pose.tips - pose.X_BJ[rows, last, :3, 3])[self._own]
         # In the plane in which legs swing: forward, and up.
@@ -77,16 +94,19 @@ class FootRoll:
         )
 
     def directions(
-        self, feet: FootState, s: Array, tips: Array, bodies: tuple[Array, Array], weight: Array
+        self,
+        tips: Array,
+        bodies: tuple[Array, Array],
+        limp: NDArray[np.bool_],
+        steps: Steps | None = None,
     ) -> Array | None:
         """Return the wanted directions (n, L, 3) of last links in the frames of their bodies.
 
         Args:
-            feet: at n moments.
-            s: (n, L) fractions of the swings, 1 for standing feet.
-            tips: (n, L, 3) [m].
+            tips: (n, L, 3) at n moments [m].
             bodies: R_WB (n, C, 3, 3) and p_WB (n, C, 3) [m].
-            weight: (n, C) how far feet follow it, 0 to 1.
+            limp: (n, C) fallen creatures, whose feet stay as they are.
+            steps: of the feet; without, they keep level and roll alone, as in jumps.
 
         Returns:
             Zero where legs do as they like; None where no leg has a foot.
@@ -104,21 +124,45 @@ class FootRoll:
         behind = -(away * forward).sum(axis=-1) / lengths
         first, last = TRAILING
         trails = ease(np.clip((behind - first) / (last - first), 0.0, 1.0))
-        first, last = AHEAD
-        heels = ease(np.clip((behind - first) / (last - first), 0.0, 1.0))
-        s, start, end = s[:, own], feet.start[:, own], feet.end[:, own]
-        level = start[..., 1] + ease(s) * (end - start)[..., 1]
-        rise = LIFT_RATE * np.maximum(tips[:, own, 1] - level, 0.0) / lengths
-        flick, up = (most * bounded(rise / most) for most in (self._flick, self._toe_up))
-        pitch = up + heels * (-flick - up) - self._roll * trails
-        slope = self._slopes(start, forward)
-        slope += ease(s) * (self._slopes(end, forward) - slope)
-        angle = self._angle + pitch + slope
+        angle = self._angle - self._roll * trails
+        if steps is not None:
+            angle = angle + self._step_angles(steps, tips, forward, behind)
         level = np.cos(angle)[..., None] * forward
         there = np.stack([level[..., 0], np.sin(angle), level[..., 1]], axis=-1)
         result = np.zeros_like(tips)
-        result[:, own] = weight[:, owner, None] * turn_inverse(R, there)
+        result[:, own] = turn_inverse(R, there)
+        return self._held(result, limp)
+
+    def _step_angles(self, steps: Steps, tips: Array, forward: Array, behind: Array) -> Array:
+        """Return how far steps and slopes turn feet (n, l) [rad].
+
+        Args:
+            steps: of all feet.
+            tips: (n, L, 3) [m].
+            forward: (n, l, 2) level directions of the bodies.
+            behind: (n, l) distances of feet behind their hips, in leg lengths.
+        """
+        own, feet = self._own, steps.feet
+        first, last = AHEAD
+        heels = ease(np.clip((behind - first) / (last - first), 0.0, 1.0))
+        s, start, end = steps.s[:, own], feet.start[:, own], feet.end[:, own]
+        level = start[..., 1] + ease(s) * (end - start)[..., 1]
+        rise = np.maximum(tips[:, own, 1] - level, 0.0) / self.herd.legs.lengths[own]
+        rise *= LIFT_RATE
+        flick, up = (most * bounded(rise / most) for most in (self._flick, self._toe_up))
+        slope = self._slopes(start, forward)
+        slope += ease(s) * (self._slopes(end, forward) - slope)
+        result: Array = steps.weight[:, self.herd.owner[own]] * (up - heels * (flick + up) + slope)
         return result
+
+    def _held(self, directions: Array, limp: NDArray[np.bool_]) -> Array:
+        """Return directions (n, L, 3) in which those of fallen creatures stay."""
+        for row in np.flatnonzero(limp.any(axis=1)).tolist():
+            before = directions[row - 1] if row else self._last
+            fallen = limp[row, self.herd.owner]
+            directions[row, fallen] = before[fallen]
+        self._last = directions[-1].copy()
+        return directions
 
     def _slopes(self, places: Array, forward: Array) -> Array:
         """Return the slopes of the ground (n, l) along `forward` (n, l, 2) at places [rad]."""

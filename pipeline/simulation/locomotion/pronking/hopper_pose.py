@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.tip_ik import TipSolution
+from pipeline.simulation.locomotion.body_motion.foot_roll import FootRoll
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
@@ -91,7 +92,8 @@ class HopperPoser:
         row_dt: float,
     ) -> None:
         self.herd, self.free_joints, self.table = herd, free_joints, table
-        self.leg_solver = LegSolver(herd, ground, folds)
+        self.ground, self.folds = ground, folds
+        self.foot_roll = FootRoll(herd, ground)
         self.row_dt = row_dt
         self.free_limb_motion = FreeLimbMotion(herd, free_joints, ground, row_dt)
         self.style = MotionStyle.neutral(len(herd.names))
@@ -110,8 +112,7 @@ class HopperPoser:
         )
         down = np.stack([snapshot.down for snapshot in snapshots])
         limp = np.stack([snapshot.limp for snapshot in snapshots])
-        goals = turn_inverse(R[:, herd.owner], tips - p[:, herd.owner])
-        solution = self.leg_solver.solve(goals, R, p, down, limp[:, herd.owner])
+        solution = self._solved_legs(tips, (R, p), down, limp)
         n, zeros = len(snapshots), np.zeros_like(phase)
         q = self.free_limb_motion.values(
             BodyMotion(
@@ -141,10 +142,23 @@ class HopperPoser:
 
     def legs(self, snapshot: HopperSnapshot) -> Array:
         """Return the joint values (L, n) of the legs in a snapshot [rad or m]."""
-        R, p, owner = snapshot.R[None], snapshot.p[None], self.herd.owner
-        goals = turn_inverse(R[:, owner], snapshot.tips[None] - p[:, owner])
-        limp = snapshot.limp[None][:, owner]
-        return self.leg_solver.solve(goals, R, p, snapshot.down[None], limp).q[0]
+        bodies = snapshot.R[None], snapshot.p[None]
+        down, limp = snapshot.down[None], snapshot.limp[None]
+        return self._solved_legs(snapshot.tips[None], bodies, down, limp).q[0]
+
+    def _solved_legs(
+        self,
+        tips: Array,
+        bodies: tuple[Array, Array],
+        down: NDArray[np.bool_],
+        limp: NDArray[np.bool_],
+    ) -> TipSolution:
+        """Return the legs at n moments; see `HopperSnapshot` for the arrays."""
+        herd, (R, p) = self.herd, bodies
+        goals = turn_inverse(R[:, herd.owner], tips - p[:, herd.owner])
+        directions = self.foot_roll.directions(tips, bodies, limp)
+        solver = LegSolver(herd, self.ground, self.folds, directions)
+        return solver.solve(goals, R, p, down, limp[:, herd.owner])
 
     def _set_joints(self, legs: TipSolution, q: Array, row: int, c: int, values: Array) -> None:
         """Set all joints of a creature to values (J,) [rad or m]."""

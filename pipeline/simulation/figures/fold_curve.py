@@ -3,7 +3,8 @@
 All poses of the inner joints that have one distance from base to tip would do. Of these the curve
 takes calm ones: it falls from rest towards the base along the gradient of the distance, so that
 all joints share the work in proportion to their leverage, and joints slow down towards their
-limits before they meet them. A smooth line in the space of joints goes from full extension through
+limits before they meet them. A foot, the last link of a leg, keeps its angle to the line from base
+to tip meanwhile: drawn flat, it has the longest lever, and would else be the only one to fold. A smooth line in the space of joints goes from full extension through
 rest to a place of that descent. The place is chosen so that the limb folds farthest before a joint
 turns nearly twice as fast as one of two equal links; there the curve ends.
 
@@ -19,8 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.figures.joint_limits import FOOT_LENGTH
+from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
+from pipeline.simulation.spatial import Array, cross, turn
 
 STRAIGHT = 0.05
 """Difference between preferred and extended value below which joints count as straight, as a part
@@ -34,6 +36,9 @@ POINTS = 40
 
 SAME_POSE = 1e-3
 """Difference of joint values below which poses count as one [rad or m]."""
+
+FEWEST_JOINTS = 5
+"""Of a leg with a foot: a ball joint, a knee and an ankle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +81,19 @@ class CalmBends:
 DESCENT, CALM_BENDS = Descent(), CalmBends()
 
 
+def has_foot(batch: LimbBatch) -> NDArray[np.bool_]:
+    """Return which limbs (L,) with hanging legs have a foot, as far as their links tell."""
+    counts = batch.is_joint.sum(axis=1)
+    last = np.maximum(counts - 1, 0)
+    rows = np.arange(len(counts))
+    length = np.linalg.norm(batch.tips - batch.places[rows, last], axis=-1)
+    turns = ~batch.prismatic[rows, last]
+    result: NDArray[np.bool_] = (
+        (counts >= FEWEST_JOINTS) & turns & (length < FOOT_LENGTH * batch.lengths)
+    )
+    return result
+
+
 def fold_curves(batch: LimbBatch, bending: NDArray[np.bool_]) -> list[Array]:
     """Return joint values (m, n) of L limbs, from full extension to their folds [rad or m].
 
@@ -106,18 +124,41 @@ def _descent(batch: LimbBatch, bending: NDArray[np.bool_]) -> Array:
     # The distance of a straight limb has no gradient: it bends where its joints have most room.
     q = np.where(bending & straight, batch.extended + FIRST_BEND * away, batch.preferred)
     q = np.clip(q, batch.lower, batch.upper)
-    found = [q]
-    span = DESCENT.room * np.maximum(batch.upper - batch.lower, 1e-9)
+    found, has_last = [q], has_foot(batch)
     for _ in range(DESCENT.steps):
-        slope = _distance_slope(batch, q) * bending
-        near = np.clip(np.where(slope > 0.0, q - batch.lower, batch.upper - q) / span, 0.0, 1.0)
-        free = near * near * (3.0 - 2.0 * near) * slope
-        fall = np.maximum((free * slope).sum(axis=1), 1e-12)
-        step = -free * (DESCENT.shortening * batch.lengths / fall)[:, None]
+        pose = batch.pose(q)
+        slope = _distance_slope(batch, pose) * bending
+        turned = np.where(has_last[:, None], _foot_slope(batch, pose) * bending, 0.0)
+        way = -_without(slope, turned, np.ones_like(slope))
+        free = _room(batch, q, way)
+        way = -free * _without(slope, turned, free)
+        fall = np.maximum(-(way * slope).sum(axis=1), 1e-12)
+        step = way * (DESCENT.shortening * batch.lengths / fall)[:, None]
         largest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
         q = np.clip(q + step * np.minimum(1.0, DESCENT.longest / largest), batch.lower, batch.upper)
         found.append(q)
     return np.array(found)
+
+
+def _room(batch: LimbBatch, q: Array, way: Array) -> Array:
+    """Return how free joints (L, n) are to go on along `way`, from 0 at a limit to 1."""
+    span = DESCENT.room * np.maximum(batch.upper - batch.lower, 1e-9)
+    near = np.clip(np.where(way < 0.0, q - batch.lower, batch.upper - q) / span, 0.0, 1.0)
+    result: Array = near * near * (3.0 - 2.0 * near)
+    return result
+
+
+def _without(slope: Array, turned: Array, free: Array) -> Array:
+    """Return the part of the slopes (L, n) along which feet do not turn, as far as ankles are free.
+
+    Args:
+        slope: of the distances.
+        turned: slopes of the angles of feet; zero without a foot.
+        free: of the joints, 0 to 1.
+    """
+    square = (turned * free * turned).sum(axis=1, keepdims=True)
+    mixed = (turned * free * slope).sum(axis=1, keepdims=True)
+    return slope - free[:, -1:] * turned * mixed / np.maximum(square, 1e-12)
 
 
 def _calmest(limb: LimbBatch, extended: Array, ends: Array) -> Array:
@@ -188,13 +229,24 @@ def _cubic(t: Array, a: Array, b: Array, v: Array, w: Array) -> Array:
     return result
 
 
-def _distance_slope(batch: LimbBatch, q: Array) -> Array:
+def _distance_slope(batch: LimbBatch, pose: LimbPose) -> Array:
     """Return the derivatives (L, n) of the distances from base to tip by the joint values."""
-    pose = batch.pose(q)
     arm = pose.tips - batch.places[:, 0]
     arm /= np.maximum(np.linalg.norm(arm, axis=-1, keepdims=True), 1e-300)
     result: Array = np.einsum("lni,li->ln", pose.jacobian, arm)
     return result
+
+
+def _foot_slope(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return the derivatives (L, n) of the angles from lines from base to tip to last links."""
+    axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
+    rows, last = np.arange(len(axes)), np.maximum(batch.is_joint.sum(axis=1) - 1, 0)
+    normal = axes[rows, last]
+    arm = pose.tips - batch.places[:, 0]
+    round_base = cross(normal, arm) / np.maximum((arm * arm).sum(axis=-1), 1e-300)[:, None]
+    turns = np.where(batch.prismatic, 0.0, (axes * normal[:, None]).sum(axis=-1))
+    result: Array = turns - np.einsum("lni,li->ln", pose.jacobian, round_base)
+    return result * batch.is_joint
 
 
 def distances(limb: LimbBatch, q: Array) -> Array:

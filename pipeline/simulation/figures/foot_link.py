@@ -22,12 +22,8 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.bend_path import CELLS, BendPath
-from pipeline.simulation.figures.joint_limits import FOOT_LENGTH
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, turn
-
-FEWEST_JOINTS = 5
-"""Of a leg with a foot: a ball joint, a knee and an ankle."""
 
 TURNS: Array = np.linspace(-1.4, 1.4, 57)
 """Turns of the ankle that are tried [rad]."""
@@ -77,19 +73,6 @@ class CalmFeet:
 
 
 CALM_FEET = CalmFeet()
-
-
-def has_foot(batch: LimbBatch) -> NDArray[np.bool_]:
-    """Return which limbs (L,) with hanging legs have a foot, as far as their links tell."""
-    counts = batch.is_joint.sum(axis=1)
-    last = np.maximum(counts - 1, 0)
-    rows = np.arange(len(counts))
-    length = np.linalg.norm(batch.tips - batch.places[rows, last], axis=-1)
-    turns = ~batch.prismatic[rows, last]
-    result: NDArray[np.bool_] = (
-        (counts >= FEWEST_JOINTS) & turns & (length < FOOT_LENGTH * batch.lengths)
-    )
-    return result
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.ball_aim import BallAim, ball_joints, pick_limbs
 from pipeline.simulation.figures.bend_path import BendPath, hangs
-from pipeline.simulation.figures.foot_link import FootLink, has_foot
+from pipeline.simulation.figures.fold_curve import has_foot
+from pipeline.simulation.figures.foot_link import FootLink
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, normalized
 

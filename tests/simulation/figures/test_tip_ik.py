@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures import tip_ik
 from pipeline.simulation.figures.base_change import limb_between
-from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.skeleton import Skeleton
 from pipeline.simulation.figures.tip_ik import solve_tips
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, turn
+from pipeline.spec import read_scene
 
 MOMENTS = 40
 
@@ -189,3 +190,35 @@ def test_results_do_not_depend_on_other_limbs(
             assert np.array_equal(part.q, whole.q[some][:, own])
             assert np.array_equal(part.X_BJ, whole.X_BJ[some][:, own])
             assert np.array_equal(part.residual, whole.residual[some][:, own])
+
+
+FLAT_FEET = """
+pronk: 1
+duration: 1
+figures:
+  walker:
+    style: mammal
+    pitch_deg: 80
+    nodes: {chest: [0, -0.35], pelvis: [0, 0.15], hip_l: [-0.12, 0.15], knee_l: [-0.5, %s],
+            ankle_l: [-0.95, 0.15], toe_l: [-0.98, -0.05]}
+    chains: [[chest, pelvis], [pelvis, hip_l, chest], [hip_l, knee_l, ankle_l, toe_l]]
+    then: [{mirror: x}]
+cast: [{figure: walker}]
+"""
+
+
+@pytest.mark.parametrize("knee", [0.05, 0.1, 0.15])
+def test_knees_fold_legs_that_stand_on_flat_feet(knee: float) -> None:
+    """The foot has the longest lever, and keeps its direction: its ankle does not fold alone."""
+    scene = read_scene(FLAT_FEET % knee)
+    legs, owner = _legs([build_figure("walker", scene.figures["walker"], 1.0)])
+    rest = legs.pose(legs.preferred)
+    hips = legs.places[:, 0]
+    parts = np.linspace(1.0, 0.55, 20)[:, None, None]
+    found = solve_tips(legs, group_chains(legs, owner), hips + parts * (rest.tips - hips))
+    assert found.residual.max() < 1e-6
+    last = legs.is_joint.sum(axis=1)[0] - 1
+    feet = turn(found.X_BJ[:, :, last, :3, :3], legs.tips - legs.places[:, last])
+    angles = np.arctan2(feet[..., 1], feet[..., 0])
+    assert np.abs(angles - angles[0]).max() < np.radians(15.0)
+    assert (np.abs(found.q[-1] - found.q[0])[:, last - 1] > np.radians(50.0)).all()

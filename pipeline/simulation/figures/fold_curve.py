@@ -3,8 +3,8 @@
 All poses of the inner joints that have one distance from base to tip would do. Of these the curve
 takes calm ones: it falls from rest towards the base along the gradient of the distance, so that
 all joints share the work in proportion to their leverage, and joints slow down towards their
-limits before they meet them. A foot, the last link of a leg, keeps its angle to the line from base
-to tip meanwhile: drawn flat, it has the longest lever, and would else be the only one to fold. A smooth line in the space of joints goes from full extension through
+limits before they meet them. A foot, the last link of a leg, mostly keeps its angle to the line
+from base to tip meanwhile: drawn flat, it has the longest lever, and would else be the only one to fold. A smooth line in the space of joints goes from full extension through
 rest to a place of that descent. The place is chosen so that the limb folds farthest before a joint
 turns nearly twice as fast as one of two equal links; there the curve ends.
 
@@ -36,6 +36,10 @@ POINTS = 40
 
 SAME_POSE = 1e-3
 """Difference of joint values below which poses count as one [rad or m]."""
+
+STEADINESS = 0.75
+"""How far a foot keeps its angle to the line from base to tip, 0 to 1: one that keeps it wholly
+leaves many a leg too little to fold with."""
 
 FEWEST_JOINTS = 5
 """Of a leg with a foot: a ball joint, a knee and an ankle."""
@@ -149,7 +153,7 @@ def _room(batch: LimbBatch, q: Array, way: Array) -> Array:
 
 
 def _without(slope: Array, turned: Array, free: Array) -> Array:
-    """Return the part of the slopes (L, n) along which feet do not turn, as far as ankles are free.
+    """Return the slopes (L, n) without most of what turns feet, as far as ankles are free.
 
     Args:
         slope: of the distances.
@@ -158,7 +162,7 @@ def _without(slope: Array, turned: Array, free: Array) -> Array:
     """
     square = (turned * free * turned).sum(axis=1, keepdims=True)
     mixed = (turned * free * slope).sum(axis=1, keepdims=True)
-    return slope - free[:, -1:] * turned * mixed / np.maximum(square, 1e-12)
+    return slope - STEADINESS * free[:, -1:] * turned * mixed / np.maximum(square, 1e-12)
 
 
 def _calmest(limb: LimbBatch, extended: Array, ends: Array) -> Array:

@@ -66,6 +66,9 @@ FOOT_LENGTH = 0.35
 ANKLE_BACK_DEG = 55.0
 """How far an ankle bends past the straight."""
 
+FOOT_ITERATIONS = 8
+"""Of the ankle at rest, which moves the foot by little beside its own turn."""
+
 
 @dataclass(frozen=True, slots=True)
 class JointRange:
@@ -221,6 +224,8 @@ def mammal_joint_ranges(
     else:
         if len(inner) > 1 and is_foot(float(np.linalg.norm(steps[-1])), steps):
             inner[-1] = _ankle_range(inner[-1])
+            if any(knee.preferred for knee in inner[:-1]):
+                inner[-1] = _with_foot_as_drawn(steps, angles, inner)
         # The foot of a leg drawn back over its own hip cannot come under it.
         under = math.degrees(_hip_pitch(steps, angles, inner))
         most = HIP_PITCH_DEG
@@ -276,6 +281,22 @@ def _ankle_range(knee: JointRange) -> JointRange:
     beyond = math.copysign(math.radians(ANKLE_BACK_DEG), knee.extended - knee.preferred)
     far = knee.extended + beyond
     return replace(knee, lower=min(knee.lower, far), upper=max(knee.upper, far))
+
+
+def _with_foot_as_drawn(steps: Array, angles: Array, inner: Sequence[JointRange]) -> JointRange:
+    """Return the range of an ankle whose foot stands as it was drawn under a straight leg.
+
+    The knee of a leg that was drawn straight rests bent, and would tilt the foot.
+    """
+    ankle, (ahead, up) = inner[-1], steps[:-1, :2].sum(axis=0).tolist()
+    wanted = float(angles[-1]) - math.atan2(ahead, -up)
+    for _ in range(FOOT_ITERATIONS):
+        bends = [*inner[:-1], ankle]
+        turned = float(angles[-1]) + sum(stance.preferred for stance in bends)
+        tilt = turned + _hip_pitch(steps, angles, bends) - wanted
+        rest = min(max(ankle.preferred - tilt, ankle.lower), ankle.upper)
+        ankle = replace(ankle, preferred=rest)
+    return ankle
 
 
 def _hip_pitch(steps: Array, angles: Array, inner: Sequence[JointRange]) -> float:

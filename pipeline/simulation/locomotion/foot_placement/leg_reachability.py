@@ -17,7 +17,7 @@ from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
 from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
-from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH, PLANNED_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import quickness
 from pipeline.simulation.spatial import Array, turn
@@ -36,9 +36,6 @@ NEUTRAL_MARGIN = np.array([0.12, 0.12, 0.1])
 # Least height of a hip above its foot, as a fraction of that on level ground. Sprawling legs reach
 # above their hips as well.
 MIN_HIP_HEIGHT = {"insect": -0.5, "mammal": 0.4}
-
-# Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
-PLANNED_REACH = 0.98 * MAX_REACH
 
 # Height of a swing that a leg lifts its foot to without a check, in step heights.
 EASY_SWING_HEIGHT = 1.5

@@ -41,6 +41,7 @@ from pipeline.simulation.locomotion.gaits.stride_plan import (
     Plan,
     StridePlanner,
     build_of,
+    grounded_bounce,
 )
 from pipeline.spec.walk import AUTO, Manner, Walk
 
@@ -53,8 +54,8 @@ PERIOD = 3.0
 # Default step height, in leg lengths.
 STEP_HEIGHT = 0.13
 
-# Bounce of a gait without flights and with two beats, and greatest with flights, in leg lengths.
-BOUNCE, MAX_FLIGHT_BOUNCE = 0.018, 0.1
+# Greatest bounce with flights, in leg lengths.
+MAX_FLIGHT_BOUNCE = 0.1
 
 # How far feet that carry a body alone stand under its middle, as a fraction of the way.
 CENTERING = 0.9
@@ -337,8 +338,7 @@ class PaceChoice:
 def _bounce(gait: Gait, flight: FlightBounce | None, leg: float, cycle: float) -> float:
     """Return the bounce that suits a cycle [s] of legs of a length [m]."""
     if flight is None:
-        # The more beats, the smaller: the body is shaken no harder.
-        return BOUNCE * leg * min((2.0 / gait.beats) ** 2, 1.0)
+        return grounded_bounce(gait, leg)
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
     return min(flight.amplitude * GRAVITY * cycle * cycle, MAX_FLIGHT_BOUNCE * leg)
 

@@ -15,6 +15,9 @@ from pipeline.simulation.spatial import Array
 # extension (Sims 1987, 6.3).
 MAX_REACH = 0.97
 
+# Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
+PLANNED_REACH = 0.98 * MAX_REACH
+
 
 @dataclass(frozen=True, eq=False)
 class LegLayout:
@@ -40,15 +43,16 @@ class LegLayout:
         room = (MAX_REACH * self.lengths) ** 2 - across**2
         return float((np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1]).min())
 
-    def reach(self, height: float) -> float:
+    def reach(self, height: float, stretch: float = MAX_REACH) -> float:
         """Return the longest way that all feet can stand through [m].
 
         Args:
             height: of the body above level ground [m].
+            stretch: greatest of a leg, in its length.
         """
         across = np.abs(self.feet[:, 2] - self.hips[:, 2])
         drop = height + self.hips[:, 1]
-        room = (MAX_REACH * self.lengths) ** 2 - drop**2 - across**2
+        room = (stretch * self.lengths) ** 2 - drop**2 - across**2
         # Half of the ground covered in stance lies before the foot at rest, half behind it.
         forward = np.sqrt(np.maximum(room, 0.0)) - np.abs(self.feet[:, 0] - self.hips[:, 0])
         return max(float(2.0 * forward.min()), 0.0)

@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.gaits import scaling_laws
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE
 from pipeline.simulation.locomotion.gaits.scaling_laws import Build, Style
-from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
+from pipeline.simulation.locomotion.gaits.stride_limits import PLANNED_REACH, LegLayout
 from pipeline.spec.walk import Manner
 
 
@@ -31,8 +31,8 @@ class BodyHeights:
         lowest: over level ground, in depths of the belly.
         run, walk, stand: greatest height running, walking and standing, as fractions of the
             tallest that the legs reach: straight legs have no room for a stride.
-        running_crouch, walking_crouch: least height to which a long stride lowers a body, as
-            fractions of its own.
+        running_crouch, walking_crouch, upright_crouch: least height to which a long stride lowers a
+            body that runs, that walks, and that walks on two legs, as fractions of its own.
     """
 
     lowest: float = 1.25
@@ -41,6 +41,7 @@ class BodyHeights:
     stand: float = 0.99
     running_crouch: float = 0.86
     walking_crouch: float = 0.97
+    upright_crouch: float = 0.985
 
 
 BODY_HEIGHTS = BodyHeights()
@@ -48,6 +49,16 @@ BODY_HEIGHTS = BodyHeights()
 # Default stride, as a fraction of the longest that the legs can do: the outer legs on a curve, and
 # all while the body speeds up, need the rest of their reach. Sprawling legs need more of it.
 STRIDE_OF_LONGEST, SPRAWLING_STRIDE_OF_LONGEST = 0.9, 0.75
+
+# The same of two legs, as a fraction of the longest that is planned.
+PLANNED_STRIDE = 0.97
+
+# Bounce of a gait without flights and with two beats, in leg lengths, and the part of it by which a
+# body is lowest where stances begin and end.
+BOUNCE, BOUNCE_AT_ENDS = 0.018, 0.85
+
+# Beats of a gait up to which the body vaults over the legs that stand.
+VAULTING_BEATS = 2
 
 # Least duty factor of a long stride, as a fraction of the law's. Where the law has no flights there
 # are none; the bounds of walks go over into those of runs between two duty factors.
@@ -147,8 +158,9 @@ class StridePlanner:
             raise SceneError([Problem(f"{self.where}.body_height", message)])
         if given is not None:
             return given, given
-        crouch = heights.walking_crouch
-        crouch += runs * (heights.running_crouch - heights.walking_crouch)
+        upright = self.build.family == "biped"
+        walking = heights.upright_crouch if upright else heights.walking_crouch
+        crouch = walking + runs * (heights.running_crouch - walking)
         belly = min(BODY_HEIGHTS.lowest * self.belly, high)
         return max(crouch * high, belly), high
 
@@ -173,22 +185,39 @@ class StridePlanner:
         stride = scaling_laws.stride_at(self.build, speed, style)
         duty, least = self._duties(name, gait, speed, style)
         low, high = self.heights(duty)
-        sprawls = self.build.family == "sprawler"
-        usual = SPRAWLING_STRIDE_OF_LONGEST if sprawls else STRIDE_OF_LONGEST
-        needed = stride * duty / usual
-        if self.legs.reach(high) >= needed:
+        needed, dip = stride * duty, self._dip(gait, duty)
+        if self._reach(high - dip) >= needed:
             return Plan(stride, duty, high)
-        reach = self.legs.reach(low)
+        reach = self._reach(low - dip)
         if reach >= needed:
             below, above = low, high
             for _ in range(BISECTIONS):
                 middle = 0.5 * (below + above)
-                fits = self.legs.reach(middle) >= needed
+                fits = self._reach(middle - dip) >= needed
                 below, above = (middle, above) if fits else (below, middle)
             return Plan(stride, duty, below)
-        reach *= usual
         duty = max(reach / stride, least)
         return Plan(min(stride, reach / duty), duty, low)
+
+    def _reach(self, height: float) -> float:
+        """Return the usual way that feet stand through, under a body at a height [m]."""
+        if self.build.family == "sprawler":
+            return SPRAWLING_STRIDE_OF_LONGEST * self.legs.reach(height)
+        usual = STRIDE_OF_LONGEST * self.legs.reach(height)
+        if self.build.family == "biped":
+            # Nearly straight legs: more would lower the body at each step.
+            usual = min(usual, PLANNED_STRIDE * self.legs.reach(height, PLANNED_REACH))
+        return usual
+
+    def _dip(self, gait: Gait, duty: float) -> float:
+        """Return how much lower than on average a body is where its stances begin and end [m].
+
+        In a walk on two legs it vaults over the one that stands.
+        """
+        if gait.beats > VAULTING_BEATS or duty < MIN_GROUNDED_DUTY:
+            return 0.0
+        bounce = grounded_bounce(gait, float(self.legs.lengths.mean()))
+        return BOUNCE_AT_ENDS * (bounce if self.walk.body_bob is None else self.walk.body_bob)
 
     def is_possible(self, name: str, gait: Gait, speed: float) -> bool:
         """Return whether the cadence of a speed [m/s] is within reach of its muscles."""
@@ -205,6 +234,14 @@ class StridePlanner:
             else:
                 fast = middle
         return slow
+
+
+def grounded_bounce(gait: Gait, leg: float) -> float:
+    """Return the bounce of a gait without flights, of legs of a length [m].
+
+    The more beats, the smaller: the body is shaken no harder.
+    """
+    return BOUNCE * leg * min((2.0 / gait.beats) ** 2, 1.0)
 
 
 def _share_of_run(duty: float) -> float:

@@ -21,7 +21,7 @@ from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.network import LEG
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.tip_ik import solve_each_tip, solve_tips
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import BALL, shortest_reaches
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.jump_parameters import (
     Jump,
@@ -31,7 +31,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 )
 from pipeline.simulation.locomotion.pronking.leg_forces import BodyInertia
 from pipeline.simulation.scalar_rotation import Rows
-from pipeline.simulation.spatial import Array, turn
+from pipeline.simulation.spatial import Array, normalized, turn
 from pipeline.spec.creature import Pronk
 
 LIFT_OFF_STRETCH, TOUCH_DOWN_STRETCH, STANCE_STRETCH = 0.955, 0.93, 0.975
@@ -39,6 +39,9 @@ LIFT_OFF_STRETCH, TOUCH_DOWN_STRETCH, STANCE_STRETCH = 0.955, 0.93, 0.975
 
 CROUCH_FRACTION = 0.36
 """Default crouch, as a fraction of the way from the lowest height to standing."""
+
+CROUCHES = np.linspace(0.95, 0.2, 31)
+"""Distances from hip to foot at which joints are looked for below the foot, in leg lengths."""
 
 BELLY_CLEARANCE = 1.08
 """Lowest height of a body, in depths of its belly."""
@@ -205,7 +208,8 @@ def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Arra
     leg_length = float(lengths.mean())
     heights = _reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, foot_radii)
     jump = resolve_jump(where, config, float(heights.min()))
-    lowest = _lowest_height(figure.belly, hips, rest, folds[own], foot_radii)
+    least = np.maximum(folds[own], _clear_folds(herd, own))
+    lowest = _lowest_height(figure.belly, hips, rest, least, foot_radii)
     standing = float(herd.body_height[c])
     crouch = _crouch_height(where, config, lowest, standing)
     weight = mass.mass * GRAVITY
@@ -278,6 +282,30 @@ def _reach_heights(lengths: Array, hips: Array, rest: Array, foot_radii: Array) 
     """Return the heights (n,) from which legs of given lengths just reach the ground [m]."""
     across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
     return np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + foot_radii
+
+
+def _clear_folds(herd: Herd, own: NDArray[np.int64]) -> Array:
+    """Return the distances (n,) from hip to foot from which on all joints are above the foot [m].
+
+    Of legs that stand as at rest, their feet in the same directions: a fetlock or heel that comes
+    lower would be in the ground.
+    """
+    legs = herd.legs.rows(own)
+    rest = legs.pose(legs.preferred)
+    rows, last = np.arange(len(own)), legs.is_joint.sum(axis=1) - 1
+    way = rest.tips - herd.hips[own]
+    feet = normalized(rest.tips - rest.X_BJ[rows, last, :3, 3])
+    distances = CROUCHES[:, None] * legs.lengths
+    goals = herd.hips[own] + distances[..., None] * normalized(way)
+    chains = group_chains(legs, herd.owner[own])
+    found = solve_tips(legs, chains, goals, np.broadcast_to(feet, goals.shape))
+    is_bend = legs.is_joint & (np.arange(legs.is_joint.shape[1]) >= BALL)
+    heights = np.where(is_bend, found.X_BJ[..., 1, 3], np.inf).min(axis=-1) - goals[..., 1]
+    # Those drawn lower stay as they are.
+    below = heights < np.minimum(heights[0], 0.0)
+    first = np.where(below.any(axis=0), below.argmax(axis=0), len(CROUCHES))
+    least: Array = distances[np.maximum(first - 1, 0), rows]
+    return np.where(first < len(CROUCHES), least, 0.0)
 
 
 def _lowest_height(

@@ -4,9 +4,10 @@ All poses of the inner joints that have one distance from base to tip would do. 
 takes calm ones: it falls from rest towards the base along the gradient of the distance, so that
 all joints share the work in proportion to their leverage, and joints slow down towards their
 limits before they meet them. A foot, the last link of a leg, mostly keeps its angle to the line
-from base to tip meanwhile: drawn flat, it has the longest lever, and would else be the only one to fold. A smooth line in the space of joints goes from full extension through
-rest to a place of that descent. The place is chosen so that the limb folds farthest before a joint
-turns nearly twice as fast as one of two equal links; there the curve ends.
+from base to tip meanwhile: drawn flat, it has the longest lever, and would else fold alone. A
+smooth line in the space of joints goes from full extension through rest to a place of that descent.
+The place is chosen so that the limb folds farthest before a joint turns nearly twice as fast as one
+of two equal links; there the curve ends.
 
 Two equal links of length L/2 at the distance e L turn by 2 / (L sqrt(1 - e²)) per distance.
 

@@ -323,7 +323,7 @@ def test_keys_take_what_they_leave_out_from_the_keys_before() -> None:
         return Posed(member, duration=0.3).take.values
 
     np.testing.assert_array_equal(values(""), values(PLENTY))
-    with pytest.raises(SceneError, match="dexterity: is 0.5 for the keys before"):
+    with pytest.raises(SceneError, match=r"dexterity: is 0\.5 for the keys before"):
         values(", dexterity: 0")
 
 

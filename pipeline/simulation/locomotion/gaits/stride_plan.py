@@ -57,9 +57,6 @@ PLANNED_STRIDE = 0.97
 # body is lowest where stances begin and end.
 BOUNCE, BOUNCE_AT_ENDS = 0.018, 0.85
 
-# Beats of a gait up to which the body vaults over the legs that stand.
-VAULTING_BEATS = 2
-
 # Least duty factor of a long stride, as a fraction of the law's. Where the law has no flights there
 # are none; the bounds of walks go over into those of runs between two duty factors.
 SHORTENED_STANCE, MIN_GROUNDED_DUTY, RUNNING_DUTY = 0.75, 0.52, 0.45
@@ -214,7 +211,7 @@ class StridePlanner:
 
         In a walk on two legs it vaults over the one that stands.
         """
-        if gait.beats > VAULTING_BEATS or duty < MIN_GROUNDED_DUTY:
+        if self.build.family != "biped" or gait.beats != 2 or duty < MIN_GROUNDED_DUTY:
             return 0.0
         bounce = grounded_bounce(gait, float(self.legs.lengths.mean()))
         return BOUNCE_AT_ENDS * (bounce if self.walk.body_bob is None else self.walk.body_bob)

@@ -61,6 +61,17 @@ def test_a_creature_slows_down_before_a_curve() -> None:
     assert not limits.bind(0.5, 1.5)
 
 
+@pytest.mark.parametrize("radius", [1.0, 3.0])
+def test_feet_do_not_slip_on_a_circle(radius: float) -> None:
+    feet, speed = 0.01 * FEET, 6.0
+    assert CurveLimits.of(_circle(radius), feet, 2.0, 0.2, 0.5) is None
+    limits = CurveLimits.of(_circle(radius), feet, 2.0, 0.2, 0.5, speed)
+    assert limits is not None
+    part, fraction = limits.at(3.0 + 2.0 * radius)
+    assert np.isinf(part)
+    assert (fraction * speed) ** 2 / radius == pytest.approx(0.6 * 9.81, rel=1e-3)
+
+
 def test_feet_stay_within_reach_in_a_narrow_curve(
     scene_of: SceneOf, walk_through: WalkThrough
 ) -> None:

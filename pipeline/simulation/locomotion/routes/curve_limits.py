@@ -2,7 +2,9 @@
 
 The feet on the outside of a curve go farther than the body, and so do those of a long body far
 before its middle and behind it. Where their legs cannot make such strides, a creature takes shorter
-steps, as often as before, and it slows down before the curve.
+steps, as often as before, and it slows down before the curve. So it does where its feet would slip.
+
+Source: Tan and Wilson 2011, whose horses turn as fast as the grip of their hooves lets them.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.spatial import Array
 
@@ -25,6 +28,9 @@ AVERAGED = 0.5
 
 SAMPLES = 9
 """Samples of that way."""
+
+GRIP = 0.6
+"""Coefficient of friction of feet on the ground, of soles and hooves on dry soil."""
 
 PASSES = 3
 """Times that it is worked out how long these ways are: short strides stand through short ones."""
@@ -46,7 +52,7 @@ class CurveLimits:
 
     @staticmethod
     def of(
-        route: Route, feet: Array, reach: float, stance: float, braking: float
+        route: Route, feet: Array, reach: float, stance: float, braking: float, speed: float = 0.0
     ) -> CurveLimits | None:
         """Return the limits of a creature, None if it needs none.
 
@@ -56,6 +62,7 @@ class CurveLimits:
             reach: longest stride that they can do, in strides.
             stance: way that they stand through [m].
             braking: distance from full speed to rest [m].
+            speed: full speed, at which feet may slip [m/s].
         """
         if len(route.s) < 2:
             return None
@@ -67,9 +74,10 @@ class CurveLimits:
             turn = bend.mean(axis=1)[:, None]
             way = np.hypot(1.0 + turn * z, turn * x).max(axis=1)
             parts = np.maximum(reach / way, LEAST_PART)
-        if (parts >= 1.0).all():
+        slip = np.abs(turn[:, 0]) * speed**2 / (GRIP * GRAVITY)
+        fractions = np.minimum(parts, 1.0 / np.sqrt(np.maximum(slip, 1.0)))
+        if (fractions >= 1.0).all():
             return None
-        fractions = np.minimum(parts, 1.0)
         for k in range(len(fractions) - 2, -1, -1):
             faster = fractions[k + 1] ** 2 + (route.s[k + 1] - route.s[k]) / max(braking, 1e-9)
             fractions[k] = min(fractions[k], np.sqrt(faster))

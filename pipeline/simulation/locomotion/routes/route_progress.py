@@ -358,12 +358,13 @@ def _curves(progress: RouteProgress, braking: Array) -> dict[int, CurveLimits]:
         if route.goes_straight or not herd.walks[c]:
             continue
         pace, stride = progress.paces.last(c), max(float(progress.stride[c]), 1e-9)
-        key = id(route), pace.longest, stride, float(braking[c])
+        speed = stride / float(progress.cycle[c])
+        key = id(route), pace.longest, stride, speed, float(braking[c])
         known = progress.known_curves.get(c)
         if known is None or known[0] != key:
             feet = herd.rest[herd.owner == c] + [0.0, pace.lateral_offset]
             stance = float(pace.gait.duty.max()) * stride
-            limits = CurveLimits.of(route, feet, pace.longest / stride, stance, key[-1])
+            limits = CurveLimits.of(route, feet, pace.longest / stride, stance, key[-1], speed)
             known = progress.known_curves[c] = key, route, limits
         if known[2] is not None:
             found[c] = known[2]

@@ -114,3 +114,20 @@ def test_feet_are_down_for_the_duty_factor(duty: float) -> None:
     # 1.5 s are two whole cycles.
     assert abs(seen.standing[:-1].mean() - duty) < 0.02
     assert_walking_invariants(seen)
+
+
+def test_people_walk_with_nearly_straight_knees() -> None:
+    """And come down with the toe up, whose heel rises before the foot leaves the ground."""
+    walk = walk_in_gait("person", "walk", options=", speed: 1.3")
+    herd, knee, leg = walk.walkers.herd, 3, 0
+    bent = np.degrees(np.abs(walk.q[:, leg, knee] - herd.legs.extended[leg, knee]))
+    down = walk.standing[:, leg]
+    assert np.median(bent[down]) < 45.0
+    lands = np.flatnonzero(down[1:] & ~down[:-1]) + 1
+    assert bent[lands].max() < 30.0
+    node = herd.figures[0].skeleton.legs[leg].links[-1]
+    heel = walk.simulation.recorder.positions[:, node, 1]
+    lifts = np.flatnonzero(~down[1:] & down[:-1])
+    ankle = heel[down].min()
+    assert (heel[lands] < ankle + 0.04).all()
+    assert (heel[lifts] > ankle + 0.06).all()

@@ -298,6 +298,17 @@ def test_leg_joints_are_within_limits(long_hops):
     assert (q <= skeleton.upper[joints] + 1e-9).all()
 
 
+def test_fetlocks_and_heels_of_hoppers_stay_above_their_feet(level_hops):
+    """A leg folds no farther in a crouch than leaves its ankle above the ground."""
+    recorder, (figure,) = level_hops.simulation.recorder, level_hops.troupe.herd.figures
+    if figure.style == "insect":
+        pytest.skip("knees of sprawling legs are above their hips")
+    last = [k for limb in figure.skeleton.legs for k in limb.links[-1:]]
+    rows = written_rows(level_hops)
+    over = recorder.positions[:rows, last, 1] - level_hops.troupe.herd.foot_radius
+    assert over.min() > -5e-3
+
+
 # --- falling ------------------------------------------------------------------------------------
 
 

@@ -103,6 +103,16 @@ class GroundSurface:
         dry = np.ones(len(x), bool) if self._water is None else height > self._water + SHORE
         return GroundPlaces(height, normals, color, on_terrain, dry)
 
+    def height(self, x: Array, z: Array) -> Array:
+        """Return the height of the ground at places (N,) of the world [m]."""
+        field = self._land.field
+        on_terrain = field.inside(x, z)
+        height, _ = field.surface(x, z)
+        outside = np.flatnonzero(~on_terrain)
+        if len(outside):
+            height[outside] = self._land_at(x[outside], z[outside])[0]
+        return height
+
     def woods(self, x: Array, z: Array, height: Array) -> Array:
         """Return the share (N,) of the land at places (N,) that trees cover."""
         places = np.stack(self._land.field.to_grid(x, z), axis=-1)

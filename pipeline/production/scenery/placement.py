@@ -35,6 +35,10 @@ LEAST_TILE = 4.0
 WIDE_FROM, WIDEST = 6.0, 4.0
 """Distance from which far clumps are wider, as there are fewer [m], and by how much at most."""
 
+OVERHANG, SOFT = 0.45, 0.03
+"""How far the ground at the rim of a thing may be off its slope: relative to its radius, and [m].
+"""
+
 MARGIN: Mapping[str, float] = {"cover": 0.0, "solid": 0.12, "tree": 1.4}
 """Distance from performers by layer, besides its own radius [m]."""
 
@@ -219,6 +223,7 @@ class Placement:
         rank = share / np.maximum(here, 1e-12)
         kept = rank < 1.0
         kept[kept] &= self._is_free(species, wanted, points[kept])
+        kept[kept] &= self._lies_level(species, wanted, points[kept], ground.normals[kept])
         if not kept.any():
             return None
         return Placed(
@@ -236,6 +241,20 @@ class Placement:
         # The noise is about normal with a deviation of 0.45.
         low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * species.cover)
         return np.asarray(smoothstep(low - 0.25, low + 0.25, value))
+
+    def _lies_level(
+        self, species: Species, wanted: Wanted, points: Array, normals: Array
+    ) -> NDArray[np.bool_]:
+        """Return under which things the ground goes on as far as they reach, without a wall."""
+        level = np.ones(len(points), bool)
+        if species.layer == "tree":
+            return level
+        radius = species.radius * wanted.size
+        for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            x, z = points[:, 0] + radius * i, points[:, 2] + radius * j
+            plane = points[:, 1] - radius * (normals[:, 0] * i + normals[:, 2] * j) / normals[:, 1]
+            level &= np.abs(self.ground.height(x, z) - plane) < OVERHANG * radius + SOFT
+        return level
 
     def _is_free(self, species: Species, wanted: Wanted, points: Array) -> NDArray[np.bool_]:
         """Return which places are clear of performers and of the line of sight."""

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shots.wall_rims import rounded_walls
+from pipeline.production.shots.wall_rims import rounded_walls, wall_faces
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_cover import Color
@@ -46,7 +46,7 @@ def terrain_mesh(
     return Mesh(
         name="terrain",
         vertices=rounded_walls(terrain.vertices, terrain.cells).astype(np.float32),
-        faces=terrain.faces,
+        faces=wall_faces(terrain.vertices, terrain.faces, terrain.cells),
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),
         smooth=smooth,

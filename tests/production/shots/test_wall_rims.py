@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shots.wall_rims import rounded_walls
+from pipeline.production.shots.wall_rims import rounded_walls, wall_faces
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 
 CELLS = 60
 
@@ -39,3 +40,35 @@ def test_straight_walls_slopes_and_the_border_stay() -> None:
     np.testing.assert_allclose(rounded_walls(ditch, (CELLS, CELLS)), ditch, atol=1e-9)
     slope = ground(0.1 * x + 0.05 * np.sin(9.0 * z))
     assert rounded_walls(slope, (CELLS, CELLS)) is slope
+
+
+def test_the_faces_of_a_round_wall_face_outward() -> None:
+    x, z = places()
+    flat = ground(np.hypot(x, z) < 1.04)
+    field = surface_of_vertices(flat, (CELLS, CELLS))
+    worst = []
+    for faces in (field.faces, wall_faces(flat, field.faces, (CELLS, CELLS))):
+        corners = rounded_walls(flat, (CELLS, CELLS))[faces]
+        is_wall = np.ptp(corners[..., 1], axis=1) > 0.5
+        a, b, c = (corners[is_wall, k][:, [0, 2]] for k in range(3))
+        rise = corners[is_wall, 1, 1] - corners[is_wall, 0, 1]
+        other = corners[is_wall, 2, 1] - corners[is_wall, 0, 1]
+        # The normal along x and z of (b - a) x (c - a).
+        way = np.stack(
+            [
+                rise * (c - a)[:, 1] - (b - a)[:, 1] * other,
+                (b - a)[:, 0] * other - rise * (c - a)[:, 0],
+            ],
+            axis=-1,
+        )
+        middle = (a + b + c) / 3.0
+        cosine = (way * middle).sum(axis=1) / (np.hypot(*way.T) * np.hypot(*middle.T))
+        worst.append(np.degrees(np.arccos(np.abs(cosine).clip(0.0, 1.0))).max())
+    assert worst[1] < 12.0 < 25.0 < worst[0]
+
+
+def test_gentle_ground_keeps_its_faces() -> None:
+    x, z = places()
+    slope = ground(0.1 * x + 0.05 * np.sin(9.0 * z))
+    faces = surface_of_vertices(slope, (CELLS, CELLS)).faces
+    np.testing.assert_array_equal(wall_faces(slope, faces, (CELLS, CELLS)), faces)

@@ -29,6 +29,9 @@ _STEPS = 5
 _LONGEST_STEP, _MAX_SHIFT = 0.35, 1.1
 """Longest step and longest way of a vertex [cells]."""
 
+_LEAST_CORNER = 0.04
+"""Area below which the corner of a moved cell counts as folded [cells²]."""
+
 _DROPS, _CLIMBS = 1, 2
 
 _AROUND = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
@@ -54,12 +57,36 @@ def rounded_walls(vertices: NDArray[np.floating], cells: tuple[int, int]) -> NDA
     is_high = kind[rows, columns] == _DROPS
     across = _beyond_wall(height, rows, columns, is_high, STEEP * cell)
     shift = _onto_contour(height, rows, columns, is_high, across)
+    spread = np.zeros((*shape, 2))
+    spread[rows, columns] = shift
+    spread = _unfolded(spread)
     along_x, along_z = (grid[0, 1] - grid[0, 0])[[0, 2]], (grid[1, 0] - grid[0, 0])[[0, 2]]
-    way = shift[:, :1] * along_x + shift[:, 1:] * along_z
     grid = grid.copy()
-    grid[rows, columns, 0] += way[:, 0]
-    grid[rows, columns, 2] += way[:, 1]
+    grid[..., [0, 2]] += spread[..., :1] * along_x + spread[..., 1:] * along_z
     return grid.reshape(-1, 3)
+
+
+def _unfolded(shift: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Return shifts (rows, columns, 2) [cells], shortened where a cell would turn over."""
+    z, x = np.mgrid[0 : shift.shape[0], 0 : shift.shape[1]]
+    places = np.stack([x, z], axis=-1)
+    # The last round leaves what still folds where the grid has it.
+    for factor in (0.7, 0.7, 0.5, 0.5, 0.0, 0.0):
+        at = places + shift
+        a, b, d, c = at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]
+        least = np.full(a.shape[:2], np.inf)
+        for before, corner, after in ((c, a, b), (a, b, d), (b, d, c), (d, c, a)):
+            p, q = after - corner, before - corner
+            least = np.minimum(least, p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0])
+        folds = least < _LEAST_CORNER
+        if not folds.any():
+            break
+        touched = np.zeros(shift.shape[:2], bool)
+        for rows in (np.s_[:-1], np.s_[1:]):
+            for columns in (np.s_[:-1], np.s_[1:]):
+                touched[rows, columns] |= folds
+        shift = np.where(touched[..., None], factor * shift, shift)
+    return shift
 
 
 def wall_faces(

@@ -24,6 +24,7 @@ Texture = Literal[
     "waves",
     "tiles",
     "checker",
+    "slabs",
     "wood",
     "planks",
     "mottle",

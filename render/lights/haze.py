@@ -31,12 +31,12 @@ _POWER = 2.2
 _TINT = np.array([0.80, 1.0, 1.32])
 """Extinction by colour: the far is bluer than it is, and its own light redder."""
 
-_CLEAR, _PER_TURBIDITY = 0.10, 0.03
+_CLEAR, _PER_TURBIDITY = 0.085, 0.03
 _OVERCAST, _MORNING, _LOW_SUN = 0.06, 0.07, 0.04
 _RAIN, _SNOW = 0.16, 0.34
 
-_STUDIO = 0.6
-"""Of a studio: 5 % at 5 m, so that a floor goes over into the backdrop without a seam."""
+_STUDIO = 0.8
+"""Of a studio: 9 % at 5 m, so that a floor goes over into the backdrop without a seam."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,7 +54,9 @@ COVER_CONTRAST, COVER_RELIEF = 0.6, 0.16
 WARMTH = (0.13, 0.0, -0.16)
 """Share of a texel's warmth added to red, green and blue."""
 
-LINED_PATTERNS = frozenset({"wood", "planks", "weave", "tiles", "checker", "scratches", "brushed"})
+LINED_PATTERNS = frozenset(
+    {"wood", "planks", "weave", "tiles", "checker", "slabs", "scratches", "brushed"}
+)
 """Patterns with lines, which a turned second layer would cross; both colours share one layer."""
 
 SOFT_SLOPE_DEG, SOFT_HEIGHT = 9.0, 0.2

@@ -91,6 +91,7 @@ _PATTERNS: dict[str, Callable[[np.random.Generator], ground_patterns.Drawn]] = {
     "waves": ground_patterns.waves,
     "tiles": ground_patterns.tiles,
     "checker": ground_patterns.checker,
+    "slabs": ground_patterns.slabs,
     "wood": object_patterns.wood,
     "planks": object_patterns.planks,
     "mottle": object_patterns.mottle,

@@ -280,8 +280,14 @@ class Water:
     def _focus(self, x: Any, z: Any, depth: Any) -> Any:
         """Return how far the surface gathers or spreads light at a depth below its places."""
         xx, xz, zz = mi.Float(0.0), mi.Float(0.0), mi.Float(0.0)
-        for (amplitude, kx, kz, _), phase in zip(self.waves, self.phases, strict=True):
-            bend = -amplitude * dr.sin(dr.fma(kx, x, dr.fma(kz, z, phase)))
+        # Crests that are not quite straight: sines alone would draw a lattice.
+        bent_x, bent_z = x, z
+        for reach, k, turn in _BENDS:
+            bent_x += reach * dr.sin(k * (math.cos(turn) * z + math.sin(turn) * x) + turn)
+            bent_z += reach * dr.sin(k * (math.cos(turn) * x - math.sin(turn) * z) + 2.0 * turn)
+        x, z = bent_x, bent_z
+        for (amplitude, kx, kz, length), phase in zip(self.waves, self.phases, strict=True):
+            bend = -amplitude * _focusing(length) * dr.sin(dr.fma(kx, x, dr.fma(kz, z, phase)))
             xx, xz, zz = (
                 dr.fma(kx * kx, bend, xx),
                 dr.fma(kx * kz, bend, xz),
@@ -304,8 +310,23 @@ class Water:
 _FOCUS_PER_DEPTH = 1.0 - 1.0 / REFRACTIVE_INDEX
 """Shift of light along the ground, for each metre of depth and unit of slope."""
 
+_BENDS = ((0.26, 1.3, 0.6), (0.11, 3.7, 2.3), (0.045, 9.1, 4.1))
+"""Swirls that bend the crests of a light pattern: reach [m], wave number [rad/m], turn [rad]."""
+
+_FOCUSING, _FOCUSING_LENGTH = 2.0, 0.6
+"""Greatest factor on the curvature of waves, and the length below which it falls [m]."""
+
 _SHARPEST = 0.22
 """Smallest area that light of a unit of the surface is gathered on."""
+
+
+def _focusing(length: float) -> float:
+    """Return the share of a wave's curvature that gathers light.
+
+    Light from many sides blurs what ripples gather; without that the two shortest waves would
+    draw the whole pattern.
+    """
+    return _FOCUSING * length / (length + _FOCUSING_LENGTH)
 
 
 def _fresnel(cosine: Any) -> Any:
@@ -320,8 +341,8 @@ def _mean_focus(waves: tuple[tuple[float, float, float, float], ...]) -> tuple[f
         return (1.0,)
     rng = np.random.default_rng(5)
     phases = rng.uniform(0.0, 2.0 * np.pi, (4096, len(waves)))
-    amplitude, kx, kz, _ = np.array(waves).T
-    bend = -amplitude * np.sin(phases)
+    amplitude, kx, kz, length = np.array(waves).T
+    bend = -amplitude * np.array([_focusing(one) for one in length]) * np.sin(phases)
     xx, xz, zz = bend @ (kx * kx), bend @ (kx * kz), bend @ (kz * kz)
     means = []
     for depth in np.linspace(0.0, _DEFOCUS_DEPTH, 9):

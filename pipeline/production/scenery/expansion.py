@@ -12,6 +12,7 @@ from pipeline.production.scenery.bending import bent, wind_bends
 from pipeline.production.scenery.placement import WIDE_FROM, WIDEST, Placed
 from pipeline.production.scenery.prototype import Prototype
 from pipeline.production.scenery.species import KINDS, prototype
+from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from render.config import Material
 from render.shot import Mesh
@@ -40,6 +41,9 @@ MATERIALS = {"scenery foliage": FOLIAGE, "scenery solid": SOLID, "scenery stone"
 
 REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
 """Linear colour of ground on which species have their own colours."""
+
+FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.62, 1.34, 1.10])
+"""Factors on the colours of grass in hollows that keep water, and where it has dried."""
 
 Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
 
@@ -161,6 +165,13 @@ def copies(
                 )
 
 
+def sward(places: Array) -> Array:
+    """Return factors (N, 3) on the colours of grass at places (N, 2): fresh here, dry there."""
+    value = fractal(places / 17.0, 8101, 3) + 0.35 * fractal(places / 3.1, 8102, 2)
+    dry = smoothstep(-0.5, 0.75, value)[:, None]
+    return np.asarray(FRESH + (DRY - FRESH) * dry)
+
+
 def _turns(placed: Placed, upright: float) -> Array:
     """Return rotations (N, 3, 3) that turn things about the vertical and lay them on slopes."""
     up = placed.normals * (1.0 - upright) + np.array([0.0, upright, 0.0])
@@ -175,8 +186,10 @@ def _turns(placed: Placed, upright: float) -> Array:
 def _tints(placed: Placed, share: float) -> Array:
     """Return factors (N, 3) on colours: lightness at random, and a share of the ground's hue."""
     light = 0.82 + 0.36 * placed.chance[:, 3:]
+    if KINDS[placed.name].widens:
+        light = light * sward(placed.points[:, [0, 2]])
     if not share:
-        return np.repeat(light, 3, axis=1)
+        return np.broadcast_to(light, (len(light), 3))
     ratio = placed.color / REFERENCE_GROUND
     return np.asarray(light * np.clip(ratio, 0.2, 5.0) ** share)
 

@@ -33,6 +33,7 @@ from pipeline.production.shots.ground_mesh import (
     terrain_mesh,
 )
 from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
+from pipeline.production.shots.laid_floor import floor_name, laid
 from pipeline.production.shots.near_relief import with_relief
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
@@ -93,6 +94,10 @@ class ShotBuilder:
         self._terrain = terrain_mesh(
             take.terrain, terrain.show_forbidden, raster, smooth=not self._land.is_platform
         )
+        floor = floor_name(take.terrain.material)
+        self._floor = floor if floor in self.materials else None
+        if self._floor is not None:
+            self._terrain = replace(self._terrain, material=self._floor)
         self._skin = Skin.of(take)
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
@@ -225,6 +230,14 @@ class ShotBuilder:
         width, weather = self.film.size[0], self.light.weather
         meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
         land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
+        if self._floor is not None:
+            # The floor's walls, and where a floor goes on to a backdrop.
+            land = tuple(
+                replace(mesh, material=self._floor)
+                if mesh.material == self.take.terrain.material
+                else mesh
+                for mesh in land
+            )
         view, treads = FilmView.of(self.poses, self._aspect), Treads.of(self.take)
         material = self.materials[self.take.terrain.material]
         near = with_relief(self._terrain, material, view, treads, scenery_detail(width))
@@ -276,4 +289,8 @@ def _materials(
     made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
     for name in {take.terrain.material, around.material}:
         made[name] = ground_in_weather(made[name], scene.light.weather)
+    outdoors = around.joins == "platform"
+    floor = laid(made[take.terrain.material], outdoors=outdoors)
+    if floor is not None:
+        made[floor_name(take.terrain.material)] = floor
     return {**made, **SCENERY_MATERIALS} if scatter.wanted else made

@@ -30,8 +30,10 @@ def studio_light(studio: Studio) -> tuple[Map, KeyLight]:
     """Return the map of a studio, and its key light."""
     heading, height = math.radians(studio.heading_deg), math.radians(studio.elevation_deg)
     up = pixel_directions()[..., 1:2]
-    # Paper is brightest a little above the horizon, darker overhead and below.
-    paper = linear(studio.backdrop) * (0.45 + 0.55 * np.exp(-((up - 0.1) ** 2) / 0.25))
+    # Paper is brightest above the horizon, where lamps on the floor light it; darker overhead and
+    # below. At the horizon it is as bright as the floor.
+    lit = 0.75 * np.exp(-((up - 0.36) ** 2) / 0.035)
+    paper = linear(studio.backdrop) * (0.45 + 0.55 * np.exp(-((up - 0.1) ** 2) / 0.25) + lit)
     fill = _softbox(direction_of(heading + 2.0, 0.35), 70.0, np.array([0.85, 0.93, 1.0]), 0.5)
     rim = _softbox(direction_of(heading + 3.6, 0.6), 24.0, np.array([1.0, 0.98, 0.95]))
     image = paper + _KEY_IRRADIANCE * (0.45 * studio.fill * fill + 0.4 * studio.rim * rim)

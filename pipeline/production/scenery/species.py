@@ -92,8 +92,8 @@ def _tree(make: Make, density: float, height: float, radius: float, **others: fl
     return Species(
         *(make, density, "tree", height, radius),
         sizes=(0.6, 1.2),
-        levels=(14.0, 40.0, 120.0),
-        near=70.0,
+        levels=(14.0, 34.0, 85.0),
+        near=95.0,
         reach=700.0,
         steepest=0.8,
         upright=1.0,

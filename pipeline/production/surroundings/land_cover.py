@@ -78,7 +78,7 @@ def cover(site: Site, kind: str) -> Array:
 
 def woods(site: Site, kind: str) -> Array:
     """Return the share (N,) of the land that trees cover."""
-    cover_at = {"hills": 0.10, "mountains": 0.12, "plain": 0.22, "forest": -0.45, "sea": 0.10}
+    cover_at = {"hills": 0.10, "mountains": 0.12, "plain": 0.10, "forest": -0.45, "sea": 0.10}
     if kind not in cover_at:
         return np.zeros(len(site.out))
     # Mostly in patches some hundred metres wide, with frayed edges.

@@ -89,10 +89,19 @@ def _mountains(places: Array, out: Array, seed: int) -> Array:
 
 
 def _plain(places: Array, out: Array, seed: int) -> Array:
-    def far(p: Array) -> Array:
-        return 190.0 * eroded(p / 1900.0, seed + 20) * _uneven(p, seed + 40)
+    def middle(p: Array) -> Array:
+        # Low rises here and there, so that no line of the horizon is straight.
+        here = smoothstep(-0.25, 0.55, fractal(p / 1500.0, seed + 60, 2))
+        return here * (6.0 + 62.0 * eroded(p / 760.0, seed + 50, 5))
 
-    return _swells(places, out, seed, 3.5) + _rising(places, out, (2600.0, 5200.0), far)
+    def far(p: Array) -> Array:
+        return 300.0 * eroded(p / 1900.0, seed + 20) * _uneven(p, seed + 40)
+
+    return (
+        _swells(places, out, seed, 4.0)
+        + _rising(places, out, (260.0, 1300.0), middle)
+        + _rising(places, out, (2200.0, 4600.0), far)
+    )
 
 
 def _dunes(places: Array, out: Array, seed: int) -> Array:

@@ -45,9 +45,7 @@ def studio_light(studio: Studio) -> tuple[Map, KeyLight]:
     return image, key
 
 
-def _softbox(
-    direction: Vector, diameter_deg: float, color: Vector, feather: float = 0.125
-) -> Map:
+def _softbox(direction: Vector, diameter_deg: float, color: Vector, feather: float = 0.125) -> Map:
     """Return a soft light of unit irradiance on a plane that faces it.
 
     Args:

@@ -59,7 +59,7 @@ def rounded_walls(vertices: NDArray[np.floating], cells: tuple[int, int]) -> NDA
     shift = _onto_contour(height, rows, columns, is_high, across)
     spread = np.zeros((*shape, 2))
     spread[rows, columns] = shift
-    spread = _unfolded(spread)
+    spread = np.asarray(_unfolded(spread), float)
     along_x, along_z = (grid[0, 1] - grid[0, 0])[[0, 2]], (grid[1, 0] - grid[0, 0])[[0, 2]]
     grid = grid.copy()
     grid[..., [0, 2]] += spread[..., :1] * along_x + spread[..., 1:] * along_z

@@ -93,7 +93,8 @@ def test_walk_follows_a_loop() -> None:
     p = positions(walk)
     home = np.linalg.norm(p, axis=-1) < 0.05
     assert (np.diff(np.flatnonzero(home)) > 100).sum() >= 1
-    assert speeds(walk)[96:].min() > 0.2
+    # Slowly round the corners, which are narrower than the beetle is long.
+    assert speeds(walk)[96:].min() > 0.1
 
 
 def test_standing_feet_do_not_slip_on_curves() -> None:
@@ -144,7 +145,7 @@ def test_stop_and_wait_pause_the_walk() -> None:
 @pytest.mark.parametrize("angle", [90, -60])
 def test_turn_order_turns_by_its_angle(angle: int) -> None:
     walking = walk_with_orders(
-        "walk: {}", f"{{at: 0.5, who: b, do: {{turn_deg: {angle}}}}}", duration=5
+        "walk: {}", f"{{at: 0.5, who: b, do: {{turn_deg: {angle}}}}}", duration=8
     )
     assert np.degrees(headings(walking)[-1]) == pytest.approx(angle, abs=1.0)
     standing = walk_with_orders(

@@ -31,7 +31,13 @@ def seen_through(lens: Lens | None, depth: float, half: float = 0.02) -> Shot:
     film = Film(size=SIZE, samples=1024, depth=1, soft_light="full", denoise="off")
     pose = CameraPose((0, 0, 0), (1, 0, 0), fov_deg=FOV, lens=lens)
     white = material({"color": [1, 1, 1], "roughness": 1.0})
-    return Shot((plate(depth, half),), {"white": white}, light("studio"), pose, film)
+    return Shot(
+        (plate(depth, half),),
+        {"white": white},
+        light({"preset": "studio", "haze": 0.0}),
+        pose,
+        film,
+    )
 
 
 def coverage(renderer: Renderer, shot: Shot) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
-from pipeline.simulation.locomotion.routes.curve_limits import CurveLimits, LegReach
+from pipeline.simulation.locomotion.routes.curve_limits import CurveLimits
 from pipeline.simulation.locomotion.routes.route import Route, spline_route, straight_route
 from pipeline.simulation.spatial import Array, turn
 
@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     WalkThrough = Callable[[Scene], Walk]
 
 FEET: Array = np.array([[0.5, -0.3], [0.5, 0.3], [-0.5, -0.3], [-0.5, 0.3]])
-
-STANCE, BRAKING = 0.2, 0.5
-LEGS = LegReach(FEET, FEET, np.full(4, 0.11))
-"""Legs whose feet rest below their hips, and that reach over 1.1 stances."""
 
 
 def _circle(radius: float) -> Route:
@@ -38,13 +34,13 @@ def _circle(radius: float) -> Route:
 
 
 def test_wide_curves_and_straight_ways_have_no_limits() -> None:
-    assert CurveLimits.of(straight_route(np.zeros(2), 0.0), LEGS, STANCE, BRAKING) is None
-    assert CurveLimits.of(_circle(8.0), LEGS, STANCE, BRAKING) is None
+    assert CurveLimits.of(straight_route(np.zeros(2), 0.0), FEET, 1.1, 0.5, 0.5) is None
+    assert CurveLimits.of(_circle(8.0), FEET, 1.1, 0.5, 0.5) is None
 
 
 @pytest.mark.parametrize("radius", [0.4, 1.0, 2.0])
 def test_the_outermost_foot_makes_its_longest_stride_on_a_circle(radius: float) -> None:
-    limits = CurveLimits.of(_circle(radius), LEGS, STANCE, BRAKING)
+    limits = CurveLimits.of(_circle(radius), FEET, 1.1, 0.2, 0.5)
     assert limits is not None
     part, fraction = limits.at(3.0 + 2.0 * radius)
     way = np.hypot(1.0 + 0.3 / radius, 0.5 / radius)
@@ -52,33 +48,24 @@ def test_the_outermost_foot_makes_its_longest_stride_on_a_circle(radius: float) 
     assert fraction == pytest.approx(part)
 
 
-@pytest.mark.parametrize("off", [0.0, 0.05])
-def test_feet_off_their_hips_have_less_room_along_the_way_there(off: float) -> None:
-    legs = LegReach(np.zeros((1, 2)), np.array([[off, 0.0]]), np.array([0.11]))
-    along, across = np.array([[[1.0, 0.0]]]), np.array([[[0.0, 2.0]]])
-    assert legs.room(along)[0, 0] == pytest.approx(0.11 - off)
-    assert legs.room(across)[0, 0] == pytest.approx(0.5 * np.sqrt(0.11**2 - off**2))
-
-
 def test_a_creature_slows_down_before_a_curve() -> None:
-    limits = CurveLimits.of(_circle(0.5), LEGS, STANCE, BRAKING)
+    limits = CurveLimits.of(_circle(0.5), FEET, 1.1, 0.2, 0.5)
     assert limits is not None
     assert limits.at(1.0) == (np.inf, np.inf)
     s = np.linspace(2.75, 2.9, 4)
     parts, fractions = np.array([limits.at(at) for at in s]).T
     assert np.isinf(parts).all()
     # v² falls evenly with the way, as fast as brakes allow.
-    assert np.diff(fractions**2) / np.diff(s) == pytest.approx(-1.0 / BRAKING, rel=0.1)
+    assert np.diff(fractions**2) / np.diff(s) == pytest.approx(-1.0 / 0.5, rel=0.1)
     assert limits.bind(2.7, 2.8)
     assert not limits.bind(0.5, 1.5)
 
 
 @pytest.mark.parametrize("radius", [1.0, 3.0])
 def test_feet_do_not_slip_on_a_circle(radius: float) -> None:
-    speed, small = 6.0, 0.01 * FEET
-    legs = LegReach(small, small, np.full(4, 0.2))
-    assert CurveLimits.of(_circle(radius), legs, STANCE, BRAKING) is None
-    limits = CurveLimits.of(_circle(radius), legs, STANCE, BRAKING, speed)
+    feet, speed = 0.01 * FEET, 6.0
+    assert CurveLimits.of(_circle(radius), feet, 2.0, 0.2, 0.5) is None
+    limits = CurveLimits.of(_circle(radius), feet, 2.0, 0.2, 0.5, speed)
     assert limits is not None
     part, fraction = limits.at(3.0 + 2.0 * radius)
     assert np.isinf(part)
@@ -100,7 +87,7 @@ def test_feet_stay_within_reach_in_a_narrow_curve(
 
 def test_routes_with_a_corner_have_a_limit_at_it() -> None:
     route = spline_route([np.zeros(2), np.array([2.0, 0.0]), np.array([2.1, 2.0])], 0.0)
-    limits = CurveLimits.of(route, LEGS, STANCE, BRAKING)
+    limits = CurveLimits.of(route, FEET, 1.1, 0.2, 0.5)
     assert limits is not None
     corner = np.linalg.norm(route.at(limits.s)[0] - [2.0, 0.0], axis=1).argmin()
     assert abs(int(limits.parts.argmin()) - int(corner)) < 12

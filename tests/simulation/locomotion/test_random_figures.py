@@ -29,7 +29,7 @@ HARMLESS = {"stopped", "drawn"}
 FLAT = 7, 12, 17, 18, 25
 """Numbers of figures that stand evenly, and are simulated quickly."""
 
-TURNING, STRANDED = (4, 28), (23, 53)
+TURNING, STRANDED = (4, 28), (24, 53)
 """Numbers of figures that speed up after a narrow corner, and that find no foothold in a run."""
 
 HALVED = range(0, 300, 15)

@@ -37,30 +37,6 @@ PASSES = 3
 
 
 @dataclass(frozen=True, eq=False)
-class LegReach:
-    """How far the legs of one creature reach over the ground.
-
-    Attributes:
-        hips, feet: (n, 2) x and z of hips, and of feet at rest, relative to the body [m].
-        radii: (n,) greatest distances of the feet from below their hips [m].
-    """
-
-    hips: Array
-    feet: Array
-    radii: Array
-
-    def room(self, way: Array) -> Array:
-        """Return how far feet may be from rest either way, in units of `way` (m, n, 2) [m]."""
-        off = self.feet - self.hips
-        # |off ± way t| = radius.
-        a = np.maximum((way * way).sum(axis=-1), 1e-12)
-        b = np.abs((way * off).sum(axis=-1))
-        c = np.maximum(self.radii**2 - (off * off).sum(axis=-1), 0.0)
-        result: Array = (np.sqrt(b * b + a * c) - b) / a
-        return result
-
-
-@dataclass(frozen=True, eq=False)
 class CurveLimits:
     """The limits on one route.
 
@@ -76,28 +52,28 @@ class CurveLimits:
 
     @staticmethod
     def of(
-        route: Route, legs: LegReach, stance: float, braking: float, speed: float = 0.0
+        route: Route, feet: Array, reach: float, stance: float, braking: float, speed: float = 0.0
     ) -> CurveLimits | None:
         """Return the limits of a creature, None if it needs none.
 
         Args:
             route: that it goes.
-            legs: of the creature.
-            stance: way that they stand through at full speed [m].
+            feet: (n, 2) x and z of its feet at rest, relative to the body [m].
+            reach: longest stride that they can do, in strides.
+            stance: way that they stand through [m].
             braking: distance from full speed to rest [m].
             speed: full speed, at which feet may slip [m/s].
         """
         if len(route.s) < 2:
             return None
         around = 0.5 * AVERAGED * stance * np.linspace(-1.0, 1.0, SAMPLES)
-        parts, (x, z) = np.ones(len(route.s)), legs.feet.T
+        parts, (x, z) = np.ones(len(route.s)), feet.T
         for _ in range(PASSES):
             places = route.s[:, None] + np.minimum(parts, 1.0)[:, None] * around
             bend = route.curvature(places.ravel()).reshape(places.shape)
             turn = bend.mean(axis=1)[:, None]
-            way = np.stack([1.0 + turn * z, -turn * x], axis=-1)
-            parts = (legs.room(way) / (0.5 * stance)).min(axis=1)
-            parts = np.maximum(parts, LEAST_PART)
+            way = np.hypot(1.0 + turn * z, turn * x).max(axis=1)
+            parts = np.maximum(reach / way, LEAST_PART)
         slip = np.abs(turn[:, 0]) * speed**2 / (GRIP * GRAVITY)
         fractions = np.minimum(parts, 1.0 / np.sqrt(np.maximum(slip, 1.0)))
         if (fractions >= 1.0).all():

@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_motion.gaze import LookTargets
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
-from pipeline.simulation.locomotion.gaits.pace import Pace, is_same_pace
+from pipeline.simulation.locomotion.gaits.pace import is_same_pace
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
-from pipeline.simulation.locomotion.gaits.stride_limits import PLANNED_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
-from pipeline.simulation.locomotion.routes.curve_limits import CurveLimits, LegReach
+from pipeline.simulation.locomotion.routes.curve_limits import CurveLimits
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.spatial import Array
 
@@ -360,22 +359,13 @@ def _curves(progress: RouteProgress, braking: Array) -> dict[int, CurveLimits]:
             continue
         pace, stride = progress.paces.last(c), max(float(progress.stride[c]), 1e-9)
         speed = stride / float(progress.cycle[c])
-        key = id(route), pace.body_height, stride, speed, float(braking[c])
+        key = id(route), pace.longest, stride, speed, float(braking[c])
         known = progress.known_curves.get(c)
         if known is None or known[0] != key:
+            feet = herd.rest[herd.owner == c] + [0.0, pace.lateral_offset]
             stance = float(pace.gait.duty.max()) * stride
-            legs = _leg_reach(herd, c, pace)
-            limits = CurveLimits.of(route, legs, stance, key[-1], speed)
+            limits = CurveLimits.of(route, feet, pace.longest / stride, stance, key[-1], speed)
             known = progress.known_curves[c] = key, route, limits
         if known[2] is not None:
             found[c] = known[2]
     return found
-
-
-def _leg_reach(herd: Herd, c: int, pace: Pace) -> LegReach:
-    """Return how far the legs of creature `c` reach over level ground."""
-    own = np.flatnonzero(herd.owner == c)[~pace.held]
-    hips, longest = herd.hips[own], PLANNED_REACH * herd.legs.lengths[own]
-    drop = pace.body_height + hips[:, 1] - herd.foot_radius[own]
-    radii = np.sqrt(np.maximum(longest**2 - drop**2, 0.0))
-    return LegReach(hips[:, [0, 2]], herd.rest[own] + [0.0, pace.lateral_offset], radii)

@@ -28,8 +28,14 @@ BUDGET = 240_000
 SPACING, FINEST, COARSEST = 0.02, 2, 64
 """Wanted length of an edge [m], and least and most edges to one of the terrain."""
 
+WIDEST = 0.1
+"""Length of an edge from which it would show nothing of the pattern [m]."""
+
 REACH = 8.0
 """Distance from the cameras up to which the ground has a relief [m]."""
+
+LEAST_REACH = 0.5
+"""Distance up to which the budget must suffice; cells as wide as that have no relief [m]."""
 
 FADE = 0.6, 0.92
 """Distances between which the relief ends, relative to the farthest that has one."""
@@ -67,9 +73,12 @@ def with_relief(
     order = np.argsort(near, kind="stable")
     most = int(BUDGET * detail**1.5) // n**2
     chosen = order[:most][near[order[:most]] < REACH]
-    if n < FINEST or not len(chosen):
+    spacing = float(np.median(longest)) / n
+    if n < FINEST or spacing > WIDEST or not len(chosen):
         return mesh
     reach = REACH if len(chosen) < most else float(near[chosen[-1]])
+    if reach < LEAST_REACH:
+        return mesh
     normals = vertex_normals(mesh.vertices, mesh.faces)
     inner = (~_on_border(mesh.faces, len(mesh.vertices))).astype(float)
     weights, pattern = _subdivision(n)
@@ -77,7 +86,6 @@ def with_relief(
         np.einsum("kc,tc...->tk...", weights, values[mesh.faces[chosen]].astype(float))
         for values in (mesh.vertices, normals, inner)
     )
-    spacing = float(np.median(longest)) / n
     points[..., 1] += share * _heights(
         points, up, material, (view, treads), (FADE[0] * reach, FADE[1] * reach), spacing
     )

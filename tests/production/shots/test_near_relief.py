@@ -114,3 +114,10 @@ def test_hatched_cells_stay_hatched(plain: Mesh) -> None:
     assert fine.warned is not None
     x = fine.vertices[fine.faces][:, :, 0].mean(axis=1)
     np.testing.assert_array_equal(fine.warned, x > 0.0)
+
+
+def test_a_camera_over_few_wide_cells_leaves_them_as_they_are() -> None:
+    corner = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], np.float32) * 20.0
+    faces = np.array([[0, 3, 2], [0, 2, 1]], np.uint32)
+    wide = Mesh("terrain", corner, faces, "dry soil", corner[:, [0, 2]].copy())
+    assert with_relief(wide, SOIL, VIEW, TREAD, 0.2) is wide

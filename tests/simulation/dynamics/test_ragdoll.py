@@ -285,8 +285,9 @@ def test_motion_is_continuous_at_the_start_of_a_fall(name):
     row, p = toppling_step(hops.take), hops.simulation.recorder.positions
     bends = np.linalg.norm(p[2:] - 2.0 * p[1:-1] + p[:-2], axis=-1).max(axis=1)
     assert hops.states[0][-1].phase == "fallen"
-    # Row k bends by the k - 1st of these; flights before it bend by gravity and their turns.
-    assert bends[row - 1 : row + 3].max() < 1.5 * bends[row - 12 : row - 2].max()
+    # Row k bends by the k - 1st of these. Muscles that let go bend the way by a few times gravity,
+    # as legs that swing do before; a jump of the speed by 0.4 m/s would bend it by more.
+    assert bends[row - 1 : row + 3].max() < 4.0 * 9.81 * DT**2
 
 
 def test_joints_move_in_a_ragdoll_and_not_in_a_rigid_fall():

@@ -65,6 +65,9 @@ SOFT_SLOPE_DEG, SOFT_HEIGHT = 9.0, 0.2
 MIN_REFLECTANCE, MAX_REFLECTANCE = 0.003, 0.9
 """Range of colours; a brighter surface would light itself by its many reflections."""
 
+LOST_COLOR = 0.05
+"""Reflectance where a colour between vertices is lost, about that of leaves."""
+
 WARNED = "vertex_tinted"
 """Mesh attribute: share of the faces around a vertex that are hatched, 0 to 1."""
 
@@ -168,8 +171,8 @@ class GroundShader:
 
     def _covered(self, si: Any, color: Any, normal: Any) -> tuple[Any, Any]:
         """Return colour and normal of land, with its cover, which is uneven at all sizes."""
-        cover = mi.Color3f(si.shape.eval_attribute_3(COVER_COLOR, si))
-        share = si.shape.eval_attribute_1(COVER_SHARE, si)
+        cover = _told(mi.Color3f(si.shape.eval_attribute_3(COVER_COLOR, si)), LOST_COLOR)
+        share = _told(si.shape.eval_attribute_1(COVER_SHARE, si), 1.0)
         projection = box_projection(si.p, mi.Normal3f(0, 1, 0), mi.Float(0))
         tone: Any = mi.Float(1.0)
         slopes = mi.Float(0), mi.Float(0)
@@ -203,7 +206,7 @@ class PlainShader:
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at surface interactions."""
-        return self._texture.eval(si), si.sh_frame.n
+        return _told(self._texture.eval(si), LOST_COLOR), si.sh_frame.n
 
 
 class BodyShader:
@@ -234,6 +237,15 @@ class BodyShader:
             return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), n
         normal = bent_normal(n, _uv_gradient(si, first), material.bump)
         return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), normal
+
+
+def _told(value: Any, otherwise: float) -> Any:
+    """Return a value between vertices, or another where it is lost.
+
+    Where in a needle of a triangle a ray has met it may be lost to rounding: then the value is not
+    a number, and a guide of the denoiser that is none spoils a whole pixel.
+    """
+    return dr.select(dr.isfinite(value), value, otherwise)
 
 
 def _uv_gradient(si: Any, sample: Sample) -> Any:

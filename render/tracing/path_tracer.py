@@ -60,8 +60,6 @@ def _layered_path(depth: int, air: Air | None) -> Any:
         ) -> tuple[Any, Any, list[Any]]:
             si = scene.ray_intersect(ray, active)
             light, *_ = path.sample(scene, sampler, ray, medium, active)
-            # Of a million rays one meets a blade so edge on that it has no shading frame.
-            light = mi.Color3f(dr.select(dr.isfinite(light), light, 0.0))
             shining, albedo = _emission(scene, si, active), _albedo(si)
             # What the first surface sends out itself is part of both.
             light = light - shining

@@ -286,3 +286,28 @@ def test_memory_stays_flat_over_many_scenes(renderer: Renderer, make_shot: Make)
         MitsubaScene(shot).trace(0, range(1), 1)
     # Building anew leaks some in Mitsuba itself; a scene that stayed alive would be far more.
     assert resident() - before < 60
+
+
+def test_colours_of_needles_are_numbers(renderer: Renderer, make_shot: Make) -> None:
+    if renderer.backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant shows vertex colours by a texture of Mitsuba")
+    rng = np.random.default_rng(4)
+    count = 20_000
+    root = rng.uniform(-2.0, 2.0, (count, 3))
+    tip = root + rng.normal(size=(count, 3)) * 0.3
+    # So near to the edge that single precision cannot tell the corner from it.
+    width = 10.0 ** rng.uniform(-5.0, -3.5, (count, 1))
+    beside = root + rng.uniform(0.2, 0.8, (count, 1)) * (tip - root)
+    beside += width * rng.normal(size=(count, 3))
+    vertices = np.stack([root, tip, beside], axis=1).reshape(-1, 3).astype(np.float32)
+    faces = np.arange(3 * count, dtype=np.uint32).reshape(-1, 3)
+    colors = np.full_like(vertices, 0.3)
+    needles = Mesh("needles", vertices, faces, "leaf", colors=colors)
+    shot = make_shot(camera=ABOVE, film=FILM.model_copy(update={"samples": 64}))
+    materials = {**shot.materials, "leaf": Material(color=(1, 1, 1), roughness=1, translucency=0.4)}
+    from render.mitsuba_scene import MitsubaScene
+
+    scene = MitsubaScene(replace(shot, meshes=(*shot.meshes, needles), materials=materials))
+    layers = scene.trace(0, range(64), 64)
+    assert np.isfinite(layers.albedo).all()
+    assert np.isfinite(layers.indirect_albedo).all()

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.scenery.bending import bent, wind_bends
 from pipeline.production.scenery.placement import WIDE_FROM, WIDEST, Placed
+from pipeline.production.scenery.plant_bend import bent, wind_bends
 from pipeline.production.scenery.prototype import Prototype
 from pipeline.production.scenery.species import KINDS, prototype
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
@@ -58,7 +58,7 @@ class Copies:
         turns: (N, 3, 3) rotations.
         scales: (N, 3) along the shape's own axes.
         tints: (N, 3) factors on its colours.
-        bends: (N, 2) see `bending` [rad].
+        bends: (N, 2) see `plant_bend` [rad].
     """
 
     shape: Prototype

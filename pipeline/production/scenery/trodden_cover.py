@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.scenery.bending import bent, wind_bends
 from pipeline.production.scenery.expansion import Copies, copies, gathered_meshes, triangle_counts
 from pipeline.production.scenery.placement import Placed
+from pipeline.production.scenery.plant_bend import bent, wind_bends
 from pipeline.production.scenery.species import KINDS
 from pipeline.production.scenery.treads import Treads
 from pipeline.simulation.spatial import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.production.scenery.bending import bent, wind_bends
+from pipeline.production.scenery.plant_bend import bent, wind_bends
 from pipeline.production.scenery.treads import BORDER, KEPT, LYING, Treads
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate

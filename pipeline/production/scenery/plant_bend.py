@@ -1,4 +1,4 @@
-"""Bending: how plants give way to the wind and to feet.
+"""Plant bend: how plants give way to the wind and to feet.
 
 A bend is a vector over the ground, along x and z: its length is the angle by which the tip turns
 from the upright [rad], its direction that to which it turns. The root turns less.

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.locomotion.routes.route_progress import (
     ARRIVAL_DISTANCE,
@@ -196,18 +197,31 @@ def _near_route_end(
 
 def _slope_fraction(progress: RouteProgress) -> Array:
     """Return the speed fractions (C,) that suit the slopes under the bodies."""
-    herd, trajectory = progress.herd, progress.trajectory
-    creatures = np.flatnonzero(herd.walks)
-    result = np.ones(len(herd.names))
-    if not len(creatures):
-        return result
-    xz, headings, _ = trajectory.on_route(creatures, progress.distance[creatures])
-    reach = herd.footprint[creatures, 0]
+    creatures = np.flatnonzero(progress.herd.walks)
+    result = np.ones(len(progress.herd.names))
+    if len(creatures):
+        distance = progress.distance[creatures]
+        result[creatures] = slope_fractions(progress.trajectory, creatures, distance)
+    return result
+
+
+def slope_fractions(
+    trajectory: BodyTrajectory, creature: NDArray[np.int64], distance: Array
+) -> Array:
+    """Return the speed fractions (N,) that suit the slopes under bodies.
+
+    Args:
+        trajectory: of the herd.
+        creature: (N,) numbers of creatures.
+        distance: (N,) gone since the start [m].
+    """
+    xz, headings, _ = trajectory.on_route(creature, distance)
+    reach = trajectory.herd.footprint[creature, 0]
     ahead = reach[:, None] * heading_vector(headings)
     ends = np.stack([xz + ahead, xz - ahead], axis=1)
     # The smoothed surface: no single stone slows a body down.
-    height, _ = trajectory.surface.heights(creatures, ends[..., 0], ends[..., 1])
+    height, _ = trajectory.surface.heights(creature, ends[..., 0], ends[..., 1])
     slope = (height[:, 0] - height[:, 1]) / (2.0 * reach)
     cost = UPHILL_COST * np.maximum(slope, 0.0) + DOWNHILL_COST * np.maximum(-slope, 0.0)
-    result[creatures] = 1.0 / (1.0 + cost)
+    result: Array = 1.0 / (1.0 + cost)
     return result

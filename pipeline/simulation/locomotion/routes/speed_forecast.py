@@ -17,6 +17,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
     MIN_SPEED_FRACTION,
     RouteProgress,
 )
+from pipeline.simulation.locomotion.routes.speed_control import slope_fractions
 from pipeline.simulation.spatial import Array
 
 HORIZON = 1.6
@@ -24,6 +25,9 @@ HORIZON = 1.6
 
 MOST_STEPS = 600
 """Bound on the steps, of creatures that hardly move."""
+
+SLOPES = 12
+"""Places ahead at which slopes change the speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +64,8 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
     distance, phase, fraction = (float(values[c]) for values in progress.sample)
     grid = phase + HORIZON * np.linspace(0.0, 1.0, 33)
     strides = progress.paces.number("stride", c, grid).tolist()
-    target, braking = float(limits.target[c]), max(float(limits.braking_distance[c]), 1e-9)
+    braking = max(float(limits.braking_distance[c]), 1e-9)
+    targets, ahead = _targets(progress, c, max(strides))
     step, rise, fall = (
         float(values[c]) for values in (progress.phase_per_step, limits.rise, limits.fall)
     )
@@ -70,7 +75,8 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
     for _ in range(MOST_STEPS):
         if phase >= last:
             break
-        part, wanted = math.inf, progress.ramped(target, phase, restart)
+        slope = min(int((distance - rows[0][1]) / ahead), SLOPES - 1)
+        part, wanted = math.inf, progress.ramped(targets[slope], phase, restart)
         if curve is not None:
             part, most = curve.at(distance)
             wanted = min(wanted, most)
@@ -93,3 +99,18 @@ def speed_forecast(progress: RouteProgress, c: int) -> SpeedForecast:
         rate = max(rate, min(present / curve.at(rows[0][1])[0], 1.0))
     phases, distances, fractions = np.array(rows).T
     return SpeedForecast(phases, distances, fractions, strides[0] * present / rate)
+
+
+def _targets(progress: RouteProgress, c: int, stride: float) -> tuple[list[float], float]:
+    """Return the speed fractions that creature `c` goes for from here on, and how far each lasts.
+
+    Those are `SLOPES` in number; they last some metres [m]. Its strides are `stride` at most [m].
+    """
+    target, fastest = float(progress.limits.target[c]), float(progress.requested_fraction[c])
+    each = HORIZON * stride * max(fastest, float(progress.speed_fraction[c]), 1e-3) / SLOPES
+    ahead = float(progress.distance[c]) + each * np.arange(SLOPES)
+    slopes = slope_fractions(progress.trajectory, np.full(SLOPES, c), ahead)
+    wanted = np.maximum(fastest * slopes, MIN_SPEED_FRACTION) if target > 0.0 else 0.0 * slopes
+    # Until the next sample of the slope the speed stays what it is.
+    wanted[0] = target
+    return wanted.tolist(), each

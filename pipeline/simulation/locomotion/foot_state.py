@@ -29,6 +29,7 @@ class FootState:
         lift_phase: (L,) phase at which the swing began, whole cycles counted.
         swing_length: (L,) duration of the swing, in cycles.
         swinging: (L,) which feet are in the air.
+        next_lift: (L,) phases at which standing feet lift, if their creatures go on.
         up: (L,) foot-up phases of legs whose gait does not change.
         changing: creatures whose gait changes.
         footholds: present or next one of each leg.
@@ -43,6 +44,7 @@ class FootState:
     lift_phase: Array
     swing_length: Array
     swinging: NDArray[np.bool_]
+    next_lift: Array
     up: Array
     changing: set[int] = field(default_factory=set)
     footholds: list[Foothold] = field(default_factory=list)
@@ -61,6 +63,7 @@ class FootState:
             lift_phase=np.zeros(legs),
             swing_length=herd.swings.copy(),
             swinging=np.zeros(legs, dtype=bool),
+            next_lift=np.full(legs, np.inf),
             up=herd.up.copy(),
         )
 
@@ -95,6 +98,7 @@ SWING_STATE = (
     "lift_phase",
     "swing_length",
     "swinging",
+    "next_lift",
 )
 
 

@@ -111,7 +111,7 @@ def take_steps(sequencer: StepSequencer, step: int, phase_before: Array) -> None
     herd, progress, feet = sequencer.herd, sequencer.progress, sequencer.feet
     phase, before = progress.phase[herd.owner], phase_before[herd.owner]
     _make_contacts(sequencer, step, before, phase)
-    up_at = _next_foot_up(sequencer, phase_before, before)
+    up_at = feet.next_lift = _next_foot_up(sequencer, phase_before, before)
     due = np.flatnonzero((~feet.swinging | (feet.held_up[1] > 0.0)) & (up_at < phase))
     if not len(due):
         return

@@ -25,10 +25,12 @@ from pipeline.simulation.spatial import Array, turn
 # Stretch or fold over which the correction sets in, in leg lengths.
 ROUNDING = 0.02
 
-
 # Part of a swing, at either end, in which bodies begin to give way to a foot; in between the foot
 # gives way to them. Bodies in flight are low for a touchdown as long before and after it.
 SUPPORT_FRACTION = 0.25
+
+# Hip-to-foot distance at a contact, in leg lengths, from which on a leg may be stretched too far.
+NEARLY_STRETCHED = 0.85
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,37 +90,42 @@ class PelvisHeight:
         raised = _greatest(herd, standing * self._overfold(hips, tips))
         p_WB[..., 1] += raised
         hips[..., 1] += raised[:, herd.owner]
-        stretch = standing * _overstretch(hips, tips, lengths)
-        phase = motion.progress.phase[:, herd.owner]
-        flies = self.trajectory.paces.had_flights(herd.owner, phase)
-        down_at = feet.lift_phase + feet.swing_length
-        lifts = phase - feet.lift_phase < 0.5 * feet.swing_length
-        early = feet.swinging & (lifts | ~flies) & (stretch > 0.0)
+        # A foot in the air stretches its leg no more than when it lifted, or comes down.
+        stretch = np.where(feet.swinging, 0.0, standing * _overstretch(hips, tips, lengths))
         turned = np.swapaxes(motion.R_WB, -1, -2) @ R_WB
-        if early.any():
-            # A foot in the air stretches its leg no more than when it lifted or comes down.
-            up = early & lifts
-            lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
-            for legs, at, place, k in (
-                (up, feet.lift_phase, feet.start, 0),
-                (early & ~up, down_at, feet.end, 1),
-            ):
-                contact = at, place, feet.lowering[:, k]
-                moved = turned, lowered
-                least = self._catch(legs, motion, contact, moved, feet.swing_length)
-                stretch[legs] = np.minimum(stretch[legs], free[legs] * least)
-        if flies.any():
-            # The last touchdown, or the next one of a foot in the air.
-            off = phase - down_at
-            near = flies & (np.abs(off) < SUPPORT_FRACTION * feet.swing_length)
-            down = np.where(feet.swinging[near], 0.0, stretch[near])
-            lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
-            contact = down_at, feet.end, feet.lowering[:, 1]
-            moved = turned, lowered
-            catch = self._catch(near, motion, contact, moved, feet.swing_length)
-            catch *= free[near]
-            stretch[near] = np.maximum(down, catch)
+        lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
+        down_at = feet.lift_phase + feet.swing_length
+        lift_at = np.where(feet.swinging, feet.lift_phase, feet.next_lift)
+        lift = np.where(feet.swinging[..., None], feet.start, feet.end)
+        lowering = np.where(feet.swinging, feet.lowering[:, 0], feet.lowering[:, 1])
+        for contact in ((lift_at, lift, lowering), (down_at, feet.end, feet.lowering[:, 1])):
+            near = self._stretched_at(contact[:2], hips, motion, feet)
+            if near.any():
+                catch = self._catch(near, motion, contact, (turned, lowered), feet.swing_length)
+                stretch[near] = np.maximum(stretch[near], free[near] * catch)
         p_WB[..., 1] -= _greatest(herd, stretch)
+
+    def _stretched_at(
+        self, contact: tuple[Array, Array], hips: Array, motion: PlannedMotion, feet: FootState
+    ) -> NDArray[np.bool_]:
+        """Return which legs (n, L) may be stretched too far at a contact that is near.
+
+        Args:
+            contact: phases (n, L) and places (n, L, 3) of the contacts [m].
+            hips: (n, L, 3) [m].
+            motion: of the bodies.
+            feet: (n, L) where they are.
+        """
+        herd, (at, place) = self.herd, contact
+        away = at - motion.progress.phase[:, herd.owner]
+        near: NDArray[np.bool_] = np.abs(away) < SUPPORT_FRACTION * feet.swing_length
+        row, leg = np.nonzero(near)
+        c = herd.owner[leg]
+        ahead = away[near] * herd.stride[c] * motion.stride_part[row, c]
+        from_hip = place[near] - hips[near] - ahead[:, None] * motion.R_WB[row, c, :, 0]
+        far = np.sqrt((from_hip * from_hip).sum(axis=-1))
+        near[near] = far > NEARLY_STRETCHED * herd.legs.lengths[leg]
+        return near
 
     def _overfold(self, hips: Array, tips: Array) -> Array:
         """Return how much too low hips (n, L, 3) are for tips (n, L, 3) [m]."""

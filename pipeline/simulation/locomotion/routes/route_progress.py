@@ -241,7 +241,8 @@ def redirect(progress: RouteProgress, c: int, route: Route) -> None:
     before = progress.trajectory.routes[c]
     progress.trajectory.set_route(c, route)
     if route.length > progress.distance[c] + ARRIVAL_DISTANCE:
-        if before.length - progress.distance[c] < progress.braking_room(c):
+        is_braking = before.length - progress.distance[c] < progress.braking_room(c)
+        if is_braking and route.length > before.length:
             progress.resume_phase[c] = progress.phase[c]
         if progress.arrived[c]:
             progress.restart_phase[c] = progress.phase[c]

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.foot_link import wanted_offset
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
 from pipeline.simulation.figures.limb_chains import ChainGroup
@@ -44,6 +45,9 @@ DAMPING = 0.5
 
 TOLERANCE = 1e-6
 """Accepted distance of tip from goal, in lengths of the limb."""
+
+GIVING_WAY = 0.2
+"""Way of a hip to its limit on which the foot of its leg gives way [rad]."""
 
 BLOCK_SIZE = 5000
 """Limbs times moments solved at once: so many fit a processor's cache."""
@@ -237,12 +241,26 @@ def _first_guess(chain: ChainGroup, goal: Array) -> Array:
 def _with_feet(chain: ChainGroup, q: Array, goal: Array, wanted: Array) -> Array:
     """Return joint values (k, l, m) with last links in wanted directions (3, l, m); see `FootLink`.
 
+    A foot gives way where its hip would meet a limit, which leaves the rest to knee and ankle.
+
     Args:
         chain: legs with feet.
         q: (k, l, m) joint values without regard to the feet [rad or m].
         goal: (3, l, m) of the tips [m].
         wanted: directions.
     """
+    result = _with_turned_feet(chain, q, goal, wanted)
+    way = _way_to_limits(chain, result[:3])
+    legs = np.flatnonzero((way < 1.0).any(axis=1))
+    if len(legs):
+        less = wanted[:, legs] * ease(way[legs])
+        result[:, legs] = _with_turned_feet(chain.subset(legs), q[:, legs], goal[:, legs], less)
+    limited: Array = np.minimum(np.maximum(result, chain.lower), chain.upper)
+    return limited
+
+
+def _with_turned_feet(chain: ChainGroup, q: Array, goal: Array, wanted: Array) -> Array:
+    """Return the joint values (k, l, m) of `_with_feet`, but for limits."""
     assert chain.foot is not None
     assert chain.aim is not None
     *_, (_, _, n, ankle), (_, _, _, tip) = chain.frames(q)
@@ -256,8 +274,16 @@ def _with_feet(chain: ChainGroup, q: Array, goal: Array, wanted: Array) -> Array
     result[:3] = 0.0
     *_, (_, _, _, tip) = chain.frames(result)
     result[:3] = chain.aim.angles(tip - chain.first, g, n)
-    limited: Array = np.minimum(np.maximum(result, chain.lower), chain.upper)
-    return limited
+    return result
+
+
+def _way_to_limits(chain: ChainGroup, hips: Array) -> Array:
+    """Return how far hips (3, l, m) are from their limits (l, m), as parts of `GIVING_WAY`."""
+    lower, upper, rest = (bound[:3] for bound in (chain.lower, chain.upper, chain.preferred))
+    # Hips that rest near a limit come near it all the time.
+    down, up = (np.clip(0.5 * way, 1e-6, GIVING_WAY) for way in (rest - lower, upper - rest))
+    way = np.minimum((hips - lower) / down, (upper - hips) / up).min(axis=0)
+    return np.clip(way, 0.0, 1.0)
 
 
 def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:

@@ -437,6 +437,8 @@ def _least_beyond(
     creature = np.full(len(rooms), c)
     phase = np.full(len(rooms), float(progress.phase[c]))
     R, p = progress.trajectory.pose(creature, float(progress.distance[c]) + rooms, phase)
+    # Bodies are as low as their feet need them.
+    p[:, 1] -= sequencer.feet.lowering[1, herd.owner == c].max(initial=0.0)
     hips = p[:, None] + turn(R[:, None], herd.hips[legs])
     far = np.linalg.norm(sequencer.feet.end[legs] - hips, axis=-1) / herd.legs.lengths[legs]
     beyond = np.maximum(far - MAX_REACH, 0.0).max(axis=1, initial=0.0)

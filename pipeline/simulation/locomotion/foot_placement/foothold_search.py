@@ -354,6 +354,8 @@ class FootholdSearch:
         across = hold.tip - present
         is_easy = swing_height < EASY_SWING_HEIGHT * step_height and abs(across[1]) < step_height
         is_easy = is_easy and self.reachability.can_lift(leg, step_height)
+        # Under a lowered body legs are folded already.
+        is_easy = is_easy and max(*request.lowering, hold.lowering) <= 0.0
         if is_easy and np.hypot(across[0], across[2]) <= easy_length * stride:
             return replace(hold, swing_height=swing_height)
         n, (R, p) = len(SWING_FRACTIONS), bodies()

@@ -282,15 +282,15 @@ class PoseSolver:
         beyond -= part * hinge(self.pelvis_height.shortest - far, width)
         shorter = beyond / np.maximum(far, 1e-9)
         result: Array = tips - shorter[..., None] * from_hip
-        down = result[..., 1] < tips[..., 1]
-        if down.any():
-            # A folded leg must not press its foot into the ground, away from its hip.
+        moved = beyond != 0.0
+        if moved.any():
+            # Feet must not be pressed into the ground, nor pushed aside into a slope.
             (x, y, z), foot_radii = (
-                result[down].T,
-                np.broadcast_to(herd.foot_radius, down.shape)[down],
+                result[moved].T,
+                np.broadcast_to(herd.foot_radius, moved.shape)[moved],
             )
             least = lowest_center_height(self.trajectory.ground, x, z, foot_radii)
-            result[down, 1] = np.maximum(y, np.minimum(least, tips[down, 1]))
+            result[moved, 1] = np.maximum(y, least)
         return result
 
     def _held_tips(self, tall: Array, R_WB: Array, p_WB: Array) -> Array:

@@ -54,6 +54,9 @@ NOTED_MISS = 1e-4
 # Greatest extension of a leg in the air, as a fraction of its length.
 MAX_SWING_REACH = 1.01 * MAX_REACH
 
+# Height above the ground at which feet pass that give way to their legs, in their radii.
+CLEARANCE = 0.15
+
 # Height of a foot that is held up, and how far it is drawn back, in leg lengths.
 HELD_HEIGHT, HELD_BACK = 0.3, 0.12
 
@@ -290,6 +293,8 @@ class PoseSolver:
                 np.broadcast_to(herd.foot_radius, moved.shape)[moved],
             )
             least = lowest_center_height(self.trajectory.ground, x, z, foot_radii)
+            # Steps of the ground may lie between the places that this looks at.
+            least += np.minimum(np.abs(beyond[moved]), CLEARANCE * foot_radii)
             result[moved, 1] = np.maximum(y, least)
         return result
 

@@ -219,6 +219,9 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
         return
     timing = request.timing
     start_swing(feet, leg, hold)
+    if hold.lowering > 0.0:
+        # Feet that lift now as well were searched for a higher body.
+        sequencer.planner.forget(owner)
     step_height = float(progress.paces.number("step_height", owner, np.array(phase)))
     if sequencer.swings is not None and feet.bend is not None:
         planned = sequencer.swings.plan(request, hold, step_height, feet.lowering[1])
@@ -255,7 +258,7 @@ def _last_step(
         progress.blocked_at[c] = end
         redirect(progress, c, route.upto(end))
         _note_missing(sequencer, step, request)
-        sequencer.planner.forget_searches()
+        sequencer.planner.forget(c)
     request = _request(sequencer, leg, request.phase)
     return request, sequencer.planner.search.find(request, any_swing=True)
 

@@ -79,9 +79,11 @@ class FootholdPlanner:
             self._searched[leg] = self.search.find(request())
         return self._searched[leg]
 
-    def forget_searches(self) -> None:
-        """Forget what was found for feet that lift now, because a body goes on otherwise."""
-        self._searched.clear()
+    def forget(self, c: int) -> None:
+        """Forget what was found for feet of creature `c`, whose body goes on otherwise."""
+        for found in (self._searched, self._current):
+            for leg in [leg for leg in found if self.herd.owner[leg] == c]:
+                del found[leg]
 
     def predict(
         self,

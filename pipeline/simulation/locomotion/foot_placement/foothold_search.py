@@ -125,21 +125,27 @@ class FootholdSearch:
             R, p = batch.body_poses(self.trajectory, phases[None])
             return R[0], p[0]
 
+        def candidates() -> Iterator[Array]:
+            return self._candidates(request.leg, stance.neutral[0], present[[0, 2]])
+
+        def with_swing(hold: Foothold) -> Foothold | None:
+            landing = turn_inverse(R[:1], hold.tip - p[:1])
+            near = starts_near and bool(self.reachability.near_neutral(leg, landing).all())
+            easy = EASY_LENGTH if near else 0.0
+            swing_height, faults = self._swing_to(request, hold, swing_bodies, easy)
+            if 0.0 < faults < np.inf:
+                faulty.append((faults, len(faulty), replace(hold, swing_height=swing_height)))
+            if faults > 0.0:
+                return None
+            return replace(hold, swing_height=swing_height)
+
+        faulty = list[tuple[float, int, Foothold]]()
+        best = self._best(request.leg, candidates(), R, p, with_swing, request)
         # On level ground a leg that folds too far on a long swing stays above the ground anyway.
         is_level = self.trajectory.surface.of(int(self.herd.owner[request.leg])).is_level
-        for limit in (EASY_LENGTH, np.inf) if is_level or any_swing else (EASY_LENGTH,):
-
-            def with_swing(hold: Foothold, limit: float = limit) -> Foothold | None:
-                landing = turn_inverse(R[:1], hold.tip - p[:1])
-                near = starts_near and bool(self.reachability.near_neutral(leg, landing).all())
-                easy = limit if near or limit == np.inf else 0.0
-                return self._with_swing(request, hold, swing_bodies, easy)
-
-            candidates = self._candidates(request.leg, stance.neutral[0], present[[0, 2]])
-            best = self._best(request.leg, candidates, R, p, with_swing, request)
-            if best is not None:
-                return best
-        return None
+        if best is None and faulty and (is_level or any_swing):
+            return min(faulty)[2] if any_swing else faulty[0][2]
+        return best
 
     def find_initial(self, request: StepRequest) -> Foothold | None:
         """Return where a foot stands at the start: the good place nearest to its neutral one."""
@@ -326,14 +332,14 @@ class FootholdSearch:
 
     # --- the swing to a foothold ----------------------------------------------------
 
-    def _with_swing(
+    def _swing_to(
         self,
         request: StepRequest,
         hold: Foothold,
         bodies: Callable[[], tuple[Array, Array]],
         easy_length: float,
-    ) -> Foothold | None:
-        """Return a foothold with the height of the swing to it, None if the leg cannot swing there.
+    ) -> tuple[float, float]:
+        """Return the height of the swing to a foothold [m], and its faults, 0 if the leg can do it.
 
         Args:
             request: the step.
@@ -350,17 +356,17 @@ class FootholdSearch:
         )
         swing_height = clearance_height(self.ground, present, hold.tip, foot_radius, step_height)
         if swing_height > MAX_SWING_HEIGHT * float(self.herd.legs.lengths[leg]):
-            return None
+            return swing_height, np.inf
         across = hold.tip - present
         is_easy = swing_height < EASY_SWING_HEIGHT * step_height and abs(across[1]) < step_height
         is_easy = is_easy and self.reachability.can_lift(leg, step_height)
         # Under a lowered body legs are folded already.
         is_easy = is_easy and max(*request.lowering, hold.lowering) <= 0.0
         if is_easy and np.hypot(across[0], across[2]) <= easy_length * stride:
-            return replace(hold, swing_height=swing_height)
+            return swing_height, 0.0
         n, (R, p) = len(SWING_FRACTIONS), bodies()
         lowering = _swing_lowering(request.lowering, hold.lowering)
-        ends = np.tile(present, (n, 1)), np.tile(hold.tip, (n, 1))
+        ends, faults = (np.tile(present, (n, 1)), np.tile(hold.tip, (n, 1))), np.inf
         for fraction in STEP_HEIGHT_FRACTIONS:
             if fraction < 1.0:
                 height = fraction * step_height
@@ -374,9 +380,10 @@ class FootholdSearch:
             legs = np.full(len(paths), leg)
             if quickness(np.array(request.timing.swing)) > 0.0:
                 paths = self.reachability.within_reach(legs, paths)
-            if self.reachability.follows(legs, paths).all():
-                return replace(hold, swing_height=swing_height)
-        return replace(hold, swing_height=swing_height) if easy_length == np.inf else None
+            faults = float(self.reachability.swing_faults(legs, paths).max())
+            if faults == 0.0:
+                break
+        return swing_height, faults
 
 
 def _swing_lowering(present: tuple[float, float], following: float) -> Array:

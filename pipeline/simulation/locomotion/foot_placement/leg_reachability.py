@@ -108,15 +108,35 @@ class LegReachability:
         At its limits a leg may reach neighbouring goals by different branches of the inverse
         kinematics; so hips stay free, and no joint may jump between samples.
         """
+        missed, free, turned = self._along(legs, paths)
+        reached = (missed <= REACHED_DISTANCE) & free
+        return np.asarray(reached.all(axis=1) & (turned < MAX_JOINT_STEP).all(axis=1))
+
+    def swing_faults(self, legs: NDArray[np.int64], paths: Array) -> Array:
+        """Return how badly legs (N,) follow `paths` (N, m, 3), 0 where they can; see `follows`."""
+        missed, free, turned = self._along(legs, paths)
+        beyond = np.maximum(missed - REACHED_DISTANCE, 0.0).max(axis=1)
+        jumps = np.maximum(turned - MAX_JOINT_STEP, 0.0).max(axis=1)
+        # A miss weighs most, then a jump, then a hip at its limit.
+        result: Array = 10.0 * beyond + jumps + 0.1 * (~free).mean(axis=1)
+        return result
+
+    def _along(
+        self, legs: NDArray[np.int64], paths: Array
+    ) -> tuple[Array, NDArray[np.bool_], Array]:
+        """Return how legs (N,) follow paths (N, m, 3).
+
+        Returns:
+            Distances from the paths (N, m) in leg lengths, which hips are free (N, m), and the
+            greatest turns of joints between samples (N, m - 1) [rad].
+        """
         herd, shape = self.herd, paths.shape[:2]
         rows = np.repeat(legs, shape[1])
         q, residual = solve_each_tip(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
-        within = residual <= REACHED_DISTANCE * herd.legs.lengths[rows]
-        within &= free_hips(herd.legs, rows, q)
-        joint_steps = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
-        return np.asarray(
-            within.reshape(shape).all(axis=1) & (joint_steps < MAX_JOINT_STEP).all(axis=(1, 2))
-        )
+        missed = (residual / herd.legs.lengths[rows]).reshape(shape)
+        free = free_hips(herd.legs, rows, q).reshape(shape)
+        turned = np.abs(np.diff(q.reshape(*shape, -1), axis=1)).max(axis=-1)
+        return missed, free, turned
 
     def within_reach(self, legs: NDArray[np.int64], paths: Array) -> Array:
         """Return paths (N, m, 3) with what is beyond the reach of legs (N,) drawn in.

@@ -248,10 +248,11 @@ def _last_step(
     own = sequencer.herd.owner == c
     if _least_beyond(sequencer, c, _halting_rooms(progress, c), own)[1] <= 0.0:
         return request, None
-    if not is_blocked(progress, c):
-        route, fraction = progress.trajectory.routes[c], float(progress.speed_fraction[c])
-        braking = float(progress.braking_distance[c]) * fraction * fraction
-        rooms = braking + float(progress.stride[c]) * np.linspace(0.0, 1.0, STOP_CANDIDATES)
+    route, fraction = progress.trajectory.routes[c], float(progress.speed_fraction[c])
+    braking = float(progress.braking_distance[c]) * fraction * fraction
+    rooms = braking + float(progress.stride[c]) * np.linspace(0.0, 1.0, STOP_CANDIDATES)
+    # A barrier farther ahead is not reached.
+    if not is_blocked(progress, c) or route.length - float(progress.distance[c]) > rooms[-1]:
         # Feet in the air come down where they were to.
         room, _ = _least_beyond(sequencer, c, rooms, own & sequencer.feet.swinging)
         end = min(float(progress.distance[c]) + room, route.length)

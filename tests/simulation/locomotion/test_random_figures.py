@@ -35,12 +35,6 @@ TURNING, STRANDED = (4, 28), (24, 53)
 HALVED = range(0, 300, 15)
 """Numbers of the figures whose motion is compared at two steps."""
 
-UNEVEN = {
-    15: "the finer step finds another foothold",
-    105: "a leg that stands folds too far under a lowered body, and its hip jumps",
-}
-"""Why some change of a figure does not halve."""
-
 STEPS = 2, 4
 """Steps of the two simulations, per step of the scene: their ratio is that of the law."""
 
@@ -117,15 +111,7 @@ def _assert_changes_halve(scene: Scene) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(
-    "number",
-    [
-        pytest.param(number, marks=pytest.mark.xfail(strict=True, reason=UNEVEN[number]))
-        if number in UNEVEN
-        else number
-        for number in HALVED
-    ],
-)
+@pytest.mark.parametrize("number", HALVED)
 def test_changes_of_a_pose_halve_with_the_step(number: int, tmp_path: Path) -> None:
     scene = random_figure_walk(number, tmp_path, SEED, duration=1.5)
     if scene is None:

@@ -159,15 +159,13 @@ class Members:
     def solids(self, name: str) -> list[tuple[Obstacle, Array]]:
         """Returns the solids of a member that exist now, with their corners (n, 3) [m]."""
         recorder, row = self._recorder, self._row
+        nodes, of_node = self._nodes_of(name), self._solids_by_node()
+        solid = [node for node in nodes if node in of_node and recorder.alive[row, node]]
+        rotations = matrix(recorder.quaternions[row, solid])
         return [
-            (
-                obstacle,
-                recorder.positions[row, node]
-                + self._scaled_corners(obstacle) @ matrix(recorder.quaternions[row, node]).T,
-            )
-            for node in self._nodes_of(name)
-            for obstacle in self._solids_by_node().get(node, ())
-            if recorder.alive[row, node]
+            (obstacle, recorder.positions[row, node] + self._scaled_corners(obstacle) @ R.T)
+            for node, R in zip(solid, rotations, strict=True)
+            for obstacle in of_node[node]
         ]
 
     def _measured(self, name: str) -> MemberState:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,10 +106,13 @@ def outermost(points: Array, count: int = HULL_DIRECTIONS) -> Array:
     return points[np.unique(np.argmax(along, axis=0))]
 
 
+@cache
 def directions(count: int = HULL_DIRECTIONS) -> Array:
     """Returns unit vectors (count, 3), spread evenly over the sphere (Fibonacci lattice)."""
     i = np.arange(count) + 0.5
     y = 1.0 - 2.0 * i / count
     turn = i * (math.pi * (3.0 - math.sqrt(5.0)))
     across = np.sqrt(1.0 - y * y)
-    return np.stack([across * np.cos(turn), y, across * np.sin(turn)], axis=1)
+    result = np.stack([across * np.cos(turn), y, across * np.sin(turn)], axis=1)
+    result.flags.writeable = False  # It is shared.
+    return result

@@ -150,7 +150,7 @@ class _Passages:
             row = int(self._rows[sample])
             own, own_boxes = self._solids_at(row, mover)
             others, other_boxes = self._solids_at(row, other)
-            depth = deepest_overlap(own, others, self._is_bent, (own_boxes, other_boxes))
+            depth = deepest_overlap(own, others, self._is_bent, (own_boxes, other_boxes), least)
             if depth > least:
                 return None if row == 0 else (row, depth)
         return None

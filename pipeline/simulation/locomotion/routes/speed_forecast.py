@@ -107,7 +107,8 @@ def _targets(progress: RouteProgress, c: int, stride: float) -> tuple[list[float
     Those are `SLOPES` in number; they last some metres [m]. Its strides are `stride` at most [m].
     """
     target, fastest = float(progress.limits.target[c]), float(progress.requested_fraction[c])
-    each = HORIZON * stride * max(fastest, float(progress.speed_fraction[c]), 1e-3) / SLOPES
+    each = HORIZON * stride * max(fastest, float(progress.speed_fraction[c])) / SLOPES
+    each = max(each, 1e-6)
     ahead = float(progress.distance[c]) + each * np.arange(SLOPES)
     slopes = slope_fractions(progress.trajectory, np.full(SLOPES, c), ahead)
     wanted = np.maximum(fastest * slopes, MIN_SPEED_FRACTION) if target > 0.0 else 0.0 * slopes

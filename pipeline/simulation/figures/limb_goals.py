@@ -98,10 +98,6 @@ class Clearance:
         result: Array = gap.min(axis=(1, 2))
         return result
 
-    def begins(self, batch: LimbBatch) -> float:
-        """Return the gap from which on the demand acts [m]."""
-        return 1.5 * self.keep * float(batch.lengths[0])
-
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
         """Demand the missing gaps, which begin to act before they are missing."""
         size = float(batch.lengths[0])
@@ -120,6 +116,11 @@ class Clearance:
             rows.reshape(count, -1, J.shape[2]),
             (CLEARANCE_GAIN * acting * missing / size).reshape(count, -1),
         )
+
+
+def begins_at(keep: float, batch: LimbBatch) -> float:
+    """Return the gap from which on a limb gives way [m], if it is to keep `keep` of its length."""
+    return 1.5 * keep * float(batch.lengths[0])
 
 
 @dataclass(frozen=True, eq=False)

@@ -205,7 +205,10 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
     owner = int(herd.owner[leg])
     if progress.halted[owner]:
         return
-    request = _request(sequencer, leg, phase)
+    if sequencer.planner.predicted(leg) is None:
+        request = _request(sequencer, leg, phase)
+    else:
+        request = _request_at(sequencer, leg, phase, progress.sample)
     hold = sequencer.planner.next_foothold(leg, lambda: request)
     if hold is None and progress.steps and not progress.arrived[owner]:
         request, hold = _last_step(sequencer, step, request)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.cleared_ways import samples_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.limb_goals import Clearance, LimbGoals, pursue
+from pipeline.simulation.figures.limb_goals import Clearance, LimbGoals, begins_at, pursue
 from pipeline.simulation.figures.network import LEG
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.surroundings import LimbSamples, Surroundings
@@ -40,6 +41,9 @@ FREQUENCY, DAMPING = 10.0, 0.9
 
 LEAD = 0.2
 """How long before a body is there its limbs give way [s]."""
+
+STEEPEST = 1.5
+"""Greatest height above the ground per gap: between upward and a level normal, 1 / cos 45°."""
 
 NOTED_DEPTH = 0.01
 """Depth of a link in an obstacle that is noted, in the size of its creature."""
@@ -85,6 +89,22 @@ class _FreeLimb:
     batch: LimbBatch
     samples: LimbSamples
     size: float
+
+
+@dataclass(frozen=True, eq=False)
+class _AllSamples:
+    """Points of all limbs of a herd that keep clear, limb by limb.
+
+    Attributes:
+        limbs, joints: (P,) numbers of the limb and the free joint of each.
+        offsets: (P, 3) from where that joint was drawn [m].
+        begins: (P,) gaps from which on they give way [m].
+    """
+
+    limbs: NDArray[np.int64]
+    joints: NDArray[np.int64]
+    offsets: Array
+    begins: Array
 
 
 class LimbAvoidance:
@@ -138,7 +158,7 @@ class LimbAvoidance:
         if self.surroundings.is_empty or not self._limbs:
             return q, sunk
         X = self.joints.tree.pose(q)
-        near = self._near(times, X[..., :3, 3], R_WB, p_WB)
+        near = self._near(times, X, (R_WB, p_WB), ahead)
         if not near.any():
             return q, sunk
         result = q.copy()
@@ -158,7 +178,7 @@ class LimbAvoidance:
             clearance = Clearance(around, limb.samples, times, R, p, KEEP, ahead[:, limb.creature])
             own = result[:, limb.joints]
             gap = clearance.least_gap(limb.batch.pose(own), limb.batch)
-            rows = np.flatnonzero(near[:, i] & (gap < clearance.begins(limb.batch)))
+            rows = np.flatnonzero(near[:, i] & (gap < begins_at(KEEP, limb.batch)))
             if not len(rows):
                 continue
             none = np.zeros((len(rows), 0))
@@ -177,11 +197,57 @@ class LimbAvoidance:
             X = self.joints.tree.pose(result)
         return result, sunk
 
-    def _near(self, times: Array, p_BJ: Array, R_WB: Array, p_WB: Array) -> NDArray[np.bool_]:
-        """Return when limbs (n, l) may come near an obstacle, by places (n, M, 3) of joints."""
-        own = self.joints.owner
-        near = self.surroundings.within(times, p_WB[:, own] + turn(R_WB[:, own], p_BJ), self._spans)
-        return np.stack([near[:, limb.joints].any(axis=1) for limb in self._limbs], axis=-1)
+    def _near(
+        self, times: Array, X: Array, bodies: tuple[Array, Array], ahead: Array
+    ) -> NDArray[np.bool_]:
+        """Return when limbs (n, l) may come near an obstacle.
+
+        Args:
+            times: (n,) [s].
+            X: (n, M, 4, 4) frames of the joints, relative to the bodies.
+            bodies: orientations (n, C, 3, 3) and places (n, C, 3) [m].
+            ahead: (n, C, 3) displacements by which limbs keep clear, too [m].
+        """
+        (R_WB, p_WB), own, around = bodies, self.joints.owner, self.surroundings
+        joints = p_WB[:, own] + turn(R_WB[:, own], X[..., :3, 3])
+        result = np.zeros((len(times), len(self._limbs)), dtype=bool)
+        if around.solids:
+            solids = replace(around, ground=None)
+            near = solids.within(times, joints, self._spans)
+            result |= np.stack([near[:, limb.joints].any(axis=1) for limb in self._limbs], axis=-1)
+        if around.ground is None:
+            return result
+        near = replace(around, solids=()).within(times, joints, self._spans).any(axis=0)
+        of_samples = self._samples
+        points = np.flatnonzero(near[of_samples.joints])
+        if not len(points):
+            return result
+        at = of_samples.joints[points]
+        frames = X[:, at]
+        in_body = frames[..., :3, 3] + turn(frames[..., :3, :3], of_samples.offsets[points])
+        here = p_WB[:, own[at]] + turn(R_WB[:, own[at]], in_body)
+        begins = STEEPEST * of_samples.begins[points]
+        low = np.zeros((len(times), len(points)), dtype=bool)
+        for there in (here, here + ahead[:, own[at]]):
+            low |= there[..., 1] - around.ground.height(there[..., 0], there[..., 2]) < begins
+        limbs, first = np.unique(of_samples.limbs[points], return_index=True)
+        result[:, limbs] |= np.logical_or.reduceat(low, first, axis=1)
+        return result
+
+    @cached_property
+    def _samples(self) -> _AllSamples:
+        """The points of all limbs that keep clear."""
+        joints, offsets = [limb.joints[limb.samples.columns] for limb in self._limbs], []
+        for limb, own in zip(self._limbs, joints, strict=True):
+            offsets.append(limb.samples.places - self.joints.tree.places[own])
+        counts = [len(own) for own in joints]
+        begins = [begins_at(KEEP, limb.batch) for limb in self._limbs]
+        return _AllSamples(
+            np.repeat(np.arange(len(self._limbs)), counts),
+            np.concatenate(joints),
+            np.concatenate(offsets),
+            np.repeat(begins, counts),
+        )
 
 
 def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb]:

@@ -17,6 +17,7 @@ from pipeline.simulation.recorder import NoteLog
 from pipeline.simulation.script import Event, Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.start_overlaps import overlap_notes
+from pipeline.simulation.sunk_notes import sunk_notes
 from pipeline.simulation.take import Take, TakeNote
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.handled_members import refusal_of_handling
@@ -128,6 +129,7 @@ class Simulation:
         )
         place = self.recorder, self.world.clock, self.world.ground
         notes += ground_notes(self._scene.cast, *place)
+        notes += sunk_notes(self._scene.cast, self._members, *place)
         notes += collapse_notes(self._scene.cast, *place)
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())

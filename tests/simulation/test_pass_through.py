@@ -21,8 +21,9 @@ CRATE = "name: crate, prop: {shape: box, size: [0.4, 0.6, 0.4]}, at: [1.2, 0]"
 
 
 def passages(scene: Scene) -> list[TakeNote]:
-    """Return the notes on passages."""
-    return [note for note in simulate(scene).notes if note.kind == "passes_through"]
+    """Return the notes on passages through other performers."""
+    notes = [note for note in simulate(scene).notes if note.kind == "passes_through"]
+    return [note for note in notes if note.part in {m.name for m in scene.cast}]
 
 
 def test_a_creature_that_walks_through_a_prop_is_noted_once(scene_of: SceneOf) -> None:

@@ -24,7 +24,7 @@ from pipeline.simulation.locomotion.body_motion.foot_roll import FootRoll, Steps
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
-from pipeline.simulation.locomotion.body_motion.limb_avoidance import LimbAvoidance, SunkLimb
+from pipeline.simulation.locomotion.body_motion.limb_avoidance import LimbAvoidance
 from pipeline.simulation.locomotion.body_motion.pelvis_height import (
     SUPPORT_FRACTION,
     PelvisHeight,
@@ -170,7 +170,7 @@ class PoseSolver:
         stride, cycle = (self._pace_values(name, phase) for name in ("stride", "cycle"))
         speed = stride / cycle * speed_fraction
         v_WB = speed[..., None] * R_WB[..., 0]
-        q_free, sunk = self.avoidance.apply(times, q_free, R_WB, p_WB, v_WB)
+        q_free = self.avoidance.apply(times, q_free, R_WB, p_WB, v_WB)
         q_free = self._frozen(q_free, jumps.limp)
         X_free = self.free_joints.tree.pose(q_free)
         misses = self.authored.move_joints(around, (legs.q, legs.X_BJ), (q_free, X_free))
@@ -182,7 +182,7 @@ class PoseSolver:
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
             values=np.concatenate([np.mod(phase, 1.0), speed, q_legs, q_free], axis=1),
-            notes=self._notes([moment.step for moment in moments], residual, misses, sunk),
+            notes=self._notes([moment.step for moment in moments], residual, misses),
         )
 
     # --- bodies ---------------------------------------------------------------------
@@ -340,7 +340,6 @@ class PoseSolver:
         steps: Sequence[int],
         residual: Array,
         misses: Sequence[tuple[int, GoalMiss]],
-        sunk: Sequence[SunkLimb],
     ) -> list[TakeNote]:
         """Return notes about feet (n, L) that miss their footholds [m], and about other limbs."""
         herd, notes = self.herd, list[TakeNote]()
@@ -351,10 +350,6 @@ class PoseSolver:
         for c, miss in misses:
             part = f"{herd.names[c]}.{miss.limb}"
             notes.append(TakeNote("missed_key", steps[miss.row], part, miss.text))
-        for limb in sunk:
-            part = f"{herd.names[limb.creature]}.{limb.limb}"
-            text = f"is {limb.depth:.2g} m deep in the ground, and cannot get out"
-            notes.append(TakeNote("passes_through", steps[limb.row], part, text))
         return notes
 
 

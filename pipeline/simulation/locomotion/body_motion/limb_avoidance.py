@@ -45,26 +45,6 @@ LEAD = 0.2
 STEEPEST = 1.5
 """Greatest height above the ground per gap: between upward and a level normal, 1 / cos 45°."""
 
-NOTED_DEPTH = 0.01
-"""Depth of a link in an obstacle that is noted, in the size of its creature."""
-
-
-@dataclass(frozen=True, slots=True)
-class SunkLimb:
-    """A limb that comes out of no obstacle.
-
-    Attributes:
-        row: the first.
-        creature: number.
-        limb: name.
-        depth: [m].
-    """
-
-    row: int
-    creature: int
-    limb: str
-    depth: float
-
 
 @dataclass(frozen=True, eq=False)
 class _FreeLimb:
@@ -78,7 +58,6 @@ class _FreeLimb:
         hung: (3,) where that joint was drawn [m].
         batch: the limb alone.
         samples: points that keep clear.
-        size: of the creature [m].
     """
 
     creature: int
@@ -88,7 +67,6 @@ class _FreeLimb:
     hung: Array
     batch: LimbBatch
     samples: LimbSamples
-    size: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,10 +109,8 @@ class LimbAvoidance:
             longest = float(np.linalg.norm(np.diff(corners, axis=0), axis=-1).max())
             self._spans[limb.joints] = longest + 2.0 * KEEP * float(limb.batch.lengths[0])
 
-    def apply(
-        self, times: Array, q: Array, R_WB: Array, p_WB: Array, v_WB: Array
-    ) -> tuple[Array, list[SunkLimb]]:
-        """Return joint values that keep clear, and limbs that do not.
+    def apply(self, times: Array, q: Array, R_WB: Array, p_WB: Array, v_WB: Array) -> Array:
+        """Return joint values that keep clear.
 
         Args:
             times: (n,) [s].
@@ -143,24 +119,20 @@ class LimbAvoidance:
             p_WB: (n, C, 3), poses of the bodies [m].
             v_WB: (n, C, 3) their velocities [m/s].
         """
-        cleared, sunk = self._cleared(times, q, R_WB, p_WB, LEAD * v_WB)
         # Edges of the ground come all at once; joints give way as on springs.
-        moved = cleared - q
+        moved = self._cleared(times, q, R_WB, p_WB, LEAD * v_WB) - q
         moved += self._springs.follow(moved)
         limits = self.joints.limits
-        return np.clip(q + moved, np.minimum(limits.lower, q), np.maximum(limits.upper, q)), sunk
+        return np.clip(q + moved, np.minimum(limits.lower, q), np.maximum(limits.upper, q))
 
-    def _cleared(
-        self, times: Array, q: Array, R_WB: Array, p_WB: Array, ahead: Array
-    ) -> tuple[Array, list[SunkLimb]]:
-        """Return joint values (n, M) that keep clear at once, and limbs that do not."""
-        sunk = list[SunkLimb]()
+    def _cleared(self, times: Array, q: Array, R_WB: Array, p_WB: Array, ahead: Array) -> Array:
+        """Return joint values (n, M) that keep clear at once."""
         if self.surroundings.is_empty or not self._limbs:
-            return q, sunk
+            return q
         X = self.joints.tree.pose(q)
         near = self._near(times, X, (R_WB, p_WB), ahead)
         if not near.any():
-            return q, sunk
+            return q
         result = q.copy()
         for i in np.flatnonzero(near.any(axis=0)):
             limb = self._limbs[i]
@@ -185,17 +157,8 @@ class LimbAvoidance:
             goals = LimbGoals((), (), (), none, own[rows], clearance=clearance.rows(rows))
             pose = pursue(limb.batch, own[rows], goals, STEPS, STEPS, RESTRAINT)
             result[rows[:, None], limb.joints] = pose.q
-            if around.ground is None:
-                continue
-            # Creatures in props are told of as a whole.
-            below = replace(clearance.rows(rows), surroundings=Surroundings(around.ground))
-            depth = -below.least_gap(pose, limb.batch)
-            deep = np.flatnonzero(depth > NOTED_DEPTH * limb.size)
-            if len(deep):
-                row, first = int(rows[deep[0]]), float(depth[deep[0]])
-                sunk.append(SunkLimb(row, limb.creature, limb.name, first))
             X = self.joints.tree.pose(result)
-        return result, sunk
+        return result
 
     def _near(
         self, times: Array, X: Array, bodies: tuple[Array, Array], ahead: Array
@@ -254,8 +217,6 @@ def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb
     free = iter(joints.limbs)
     for c, figure in enumerate(figures):
         skeleton = figure.skeleton
-        corners = np.concatenate([link.ends for link in skeleton.links])
-        size = float(np.linalg.norm(np.ptp(corners, axis=0)))
         for limb in (limb for limb in skeleton.limbs if limb.kind != LEG):
             own = np.array(list(next(free).joints), dtype=np.int64)
             above = int(joints.tree.parents[own[0]])
@@ -264,4 +225,4 @@ def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb
             # Their lines alone: what lies or hangs close to the ground is not lifted off it.
             samples = samples_of(figure, limb, ())
             samples = replace(samples, radii=np.zeros_like(samples.radii))
-            yield _FreeLimb(c, limb.name, own, above, hung, batch, samples, size)
+            yield _FreeLimb(c, limb.name, own, above, hung, batch, samples)

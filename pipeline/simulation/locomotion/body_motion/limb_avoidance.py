@@ -180,9 +180,10 @@ class LimbAvoidance:
             result |= np.stack([near[:, limb.joints].any(axis=1) for limb in self._limbs], axis=-1)
         if around.ground is None:
             return result
-        near = replace(around, solids=()).within(times, joints, self._spans).any(axis=0)
+        ground = replace(around, solids=())
+        low_joints = np.asarray(ground.within(times, joints, self._spans).any(axis=0))
         of_samples = self._samples
-        points = np.flatnonzero(near[of_samples.joints])
+        points = np.flatnonzero(low_joints[of_samples.joints])
         if not len(points):
             return result
         at = of_samples.joints[points]

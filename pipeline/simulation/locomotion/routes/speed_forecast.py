@@ -109,7 +109,7 @@ def _targets(progress: RouteProgress, c: int, stride: float) -> tuple[list[float
     target, fastest = float(progress.limits.target[c]), float(progress.requested_fraction[c])
     each = HORIZON * stride * max(fastest, float(progress.speed_fraction[c])) / SLOPES
     each = max(each, 1e-6)
-    ahead = float(progress.distance[c]) + each * np.arange(SLOPES)
+    ahead = float(progress.distance[c]) + each * np.arange(SLOPES, dtype=np.float64)
     slopes = slope_fractions(progress.trajectory, np.full(SLOPES, c), ahead)
     wanted = np.maximum(fastest * slopes, MIN_SPEED_FRACTION) if target > 0.0 else 0.0 * slopes
     # Until the next sample of the slope the speed stays what it is.

@@ -368,7 +368,8 @@ def apply_joint_overrides(
 def _override(config: JointSettings, joint_range: JointRange, scale: float) -> JointRange:
     if config.slide is not None:
         lower, upper = (scale * value for value in config.slide)
-        rest = lower if config.rest is None else scale * config.rest
+        # As drawn, if nothing else is said: a leg that rests drawn in cannot shorten for its steps.
+        rest = min(max(0.0, lower), upper) if config.rest is None else scale * config.rest
         return JointRange(lower, upper, rest, upper)
     if config.limits_deg is not None:
         lower, upper = (math.radians(value) for value in config.limits_deg)

@@ -11,6 +11,7 @@ import yaml
 from pipeline.spec import Scene, load_scene
 from tests.simulation.locomotion.random_walk_scenes import (
     KINDS,
+    SIZE,
     WALKERS,
     Config,
     leg_length,
@@ -40,7 +41,9 @@ def random_hop(number: int, folder: Path, seed: int = 11) -> RandomHop:
     leg = scale * leg_length(figure)
     terrain = terrain_of(kind, leg, rng, folder)
     config = random_hop_config(figure, leg, rng)
-    at = (rng.uniform(-0.15, 0.15, 2) * terrain.get("size", (30.0, 30.0))).tolist()
+    # Presets have the usual size, meshes that of their file.
+    usual = (SIZE * leg, SIZE * leg) if kind == "mesh" else (30.0, 30.0)
+    at = (rng.uniform(-0.15, 0.15, 2) * terrain.get("size", usual)).tolist()
     if rng.random() < 0.2:
         at.insert(1, float(leg * rng.uniform(0.2, 2.0)))
     member = {"figure": figure, "scale": scale, "at": at, "pronk": config}

@@ -43,8 +43,10 @@ UNEVEN = (
 
 @cache
 def walk_in_gait(figure: str, gait: str, more: str = "", options: str = "") -> Walk:
-    member = f"{{figure: {figure}, at: [-12, 0], walk: {{gait: {gait}{options}}}}}"
-    return walk_through(scene_of(member, duration=1.5, more=more))
+    member = f"{{figure: {figure}, at: [-30, 0], walk: {{gait: {gait}{options}}}}}"
+    # Horses that gallop stride over seven metres.
+    terrain = "{kind: flat, size: [80, 30]}"
+    return walk_through(scene_of(member, terrain=terrain, duration=1.5, more=more))
 
 
 def gait_of(walk: Walk) -> Gait:

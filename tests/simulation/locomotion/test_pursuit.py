@@ -132,7 +132,7 @@ def test_who_avoids_something_that_passes_goes_on_to_its_goal() -> None:
     assert going.outcome == "done"
     assert np.hypot(*(bug[-1] - [2.5, 0.0])) < 0.05
     # It stepped aside on its way, which is no arrival.
-    assert bug[:, 1].max() > 0.5
+    assert bug[:, 1].max() > 0.2
     per_row = take.header.steps // take.header.samples
     assert np.hypot(*(bug[going.end // per_row] - [2.5, 0.0])) < 0.05
 

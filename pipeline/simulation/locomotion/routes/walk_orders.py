@@ -215,7 +215,7 @@ def _braked_route(progress: RouteProgress, c: int) -> Route:
 
 def _braking_way(progress: RouteProgress, c: int) -> float:
     """Return how far a creature goes on that stops [m]."""
-    return 0.5 * float(progress.stride[c]) * float(progress.speed_fraction[c]) ** 2
+    return float(progress.braking_distance[c]) * float(progress.speed_fraction[c]) ** 2
 
 
 def _with_turn(progress: RouteProgress, c: int, here: Route, angle: float) -> Route:

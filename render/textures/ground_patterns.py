@@ -173,7 +173,8 @@ def slabs(rng: np.random.Generator) -> Drawn:
     shade = 1 + tone + 0.055 * stain + 0.03 * trowel + 0.05 * sand - 0.16 * dirt
     shade = shade * (1 - 0.7 * joint) * (1 - 0.45 * pore) * (1 - 0.6 * crack)
     relief = 0.0016 * trowel + 0.0002 * sand - 0.006 * joint - 0.001 * pore - 0.0015 * crack
-    warmth = warm + 0.3 * dirt + 0.15 * stain
+    # A joint has the hue of neither slab, so that no step lies in it.
+    warmth = warm * (1 - joint) + 0.3 * dirt + 0.15 * stain
     return shade.clip(0.1, 1.8), warmth.clip(-1, 1), relief, size
 
 

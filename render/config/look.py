@@ -25,14 +25,14 @@ _PRESETS: dict[str, dict[str, Any]] = {
         **_LENS,
         "slope": (1.012, 1.0, 0.982),
         "offset": (-0.006, -0.001, 0.006),
-        "saturation": 1.06,
+        "saturation": 0.96,
     },
     "warm": {
         **_LENS,
         "slope": (1.05, 1.0, 0.90),
         "offset": (0.004, 0.0, -0.006),
         "power": (0.97, 1.0, 1.06),
-        "saturation": 1.08,
+        "saturation": 0.98,
     },
     "cold": {
         **_LENS,

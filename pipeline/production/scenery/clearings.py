@@ -8,12 +8,20 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, map_coordinates
+from scipy.ndimage import (
+    binary_closing,
+    binary_dilation,
+    binary_fill_holes,
+    distance_transform_edt,
+    map_coordinates,
+)
 
 from pipeline.production.shots.skinning import Skin
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.simulation.terrain.heightfield import surface_of_vertices
+
+Mask = NDArray[np.bool_]
 
 REACH = 2.5
 """Height below which a performer's parts keep the ground clear [m]."""
@@ -32,8 +40,14 @@ MAX_SIDE = 700
 
 LEAST_CELL = 0.06
 MAX_MOMENTS = 400
-POINTS = 40
-"""Vertices of a part that are looked at."""
+UNDER = 0.6
+"""Height below which an outline, as of a deck, keeps the ground clear that it encloses [m]."""
+
+COARSE = 0.25
+"""Side of the cells in which outlines are found [m], wider than the steps between their points."""
+
+LEAST_POINTS, MOST_POINTS, ALL_POINTS = 40, 400, 12_000
+"""Vertices of a part that are looked at, and about how many of all parts together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +95,7 @@ class Clearings:
             (float(low[0]), float(low[1])),
             cell,
             distance.astype(np.uint8),
-            stays > STAYS * len(points),
+            (stays > STAYS * len(points)) | _enclosed(kept, low, used.shape, cell),
         )
 
     def distance(self, x: Array, z: Array) -> Array:
@@ -120,9 +134,26 @@ class Clearings:
         return Clearings((x, z), cell, np.asarray(arrays["clearing_distances"]), covered)
 
 
+def _enclosed(moments: list[Array], low: Array, shape: tuple[int, int], cell: float) -> Mask:
+    """Return the cells (rows, columns) that an outline encloses which stays, even if it turns."""
+    coarse = max(round(COARSE / cell), 1)
+    stays = np.zeros((-(-shape[0] // coarse) + 2, -(-shape[1] // coarse) + 2), np.int32)
+    for moment in moments:
+        near = moment[moment[:, 2] < UNDER]
+        i, j = (((near[:, :2] - low) / cell + 0.5).astype(int) // coarse + 1).T
+        here = np.zeros_like(stays)
+        here[j, i] = 1
+        stays += here
+    outline = binary_closing(stays > STAYS * len(moments))
+    within = binary_dilation(binary_fill_holes(outline) & ~outline)[1:-1, 1:-1]
+    fine = within.repeat(coarse, axis=0).repeat(coarse, axis=1)
+    return np.asarray(fine[: shape[0], : shape[1]])
+
+
 def _low_points(take: Take) -> list[Array]:
     """Return of moments of a take x, z and height over the ground (N, 3) of parts that are low."""
-    skin = Skin.of(take).thinned(POINTS)
+    each = np.clip(ALL_POINTS // len(take.parts), LEAST_POINTS, MOST_POINTS)
+    skin = Skin.of(take).thinned(int(each))
     ground = surface_of_vertices(take.terrain.vertices, take.terrain.cells)
     rows = len(take.positions)
     stride = max(take.header.samples // 2, -(-rows // MAX_MOMENTS))

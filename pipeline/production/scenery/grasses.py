@@ -85,6 +85,9 @@ CLUMPS: dict[str, Clump] = {
 LEVELS = ((1.0, 2, 1.0), (0.6, 1, 1.5), (0.25, 1, 2.7))
 """Levels of detail: share of the blades, segments of a blade, factor on its width."""
 
+CALM = (0.0, 0.3, 0.65)
+"""How much of the contrast between the feet and the tips of blades is gone, by level."""
+
 
 def clump(kind: str, seed: int, level: int) -> Prototype:
     """Return a clump of grass at a level of detail."""
@@ -101,7 +104,7 @@ def clump(kind: str, seed: int, level: int) -> Prototype:
     widths = wide * config.width * rng.uniform(0.7, 1.3, n)
     shape = Shape()
     add_blades(
-        *(shape, rng, roots, heights, leans, widths, (config.root, config.tip)),
+        *(shape, rng, roots, heights, leans, widths, _calmed(config, level)),
         segments=segments,
         headings=headings,
         dry=(config.dry, config.straw),
@@ -109,6 +112,19 @@ def clump(kind: str, seed: int, level: int) -> Prototype:
     if config.ears:
         _add_ears(shape, rng, config, max(round(config.ears * share), 1), level)
     return shape.prototype()
+
+
+def _calmed(config: Clump, level: int) -> tuple[Color, Color]:
+    """Return the colours of feet and tips, nearer to their mean where a blade is below a pixel."""
+    root, tip = np.array(config.root), np.array(config.tip)
+    toward = CALM[level] * (0.45 * root + 0.55 * tip - root)
+    back = 0.5 * CALM[level] * (0.45 * root + 0.55 * tip - tip)
+    return _color(root + toward), _color(tip + back)
+
+
+def _color(values: Array) -> Color:
+    red, green, blue = values.tolist()
+    return red, green, blue
 
 
 def _add_ears(

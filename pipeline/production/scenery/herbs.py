@@ -247,15 +247,15 @@ def mushroom(seed: int, level: int) -> Prototype:
 def fallen_leaves(seed: int, level: int) -> Prototype:
     """Return leaves of autumn that lie within 0.6 m."""
     rng, shape = np.random.default_rng([seed, 53]), Shape()
-    n = (26, 15, 7)[level]
-    base = rng.normal(0, 0.22, (n, 3)) * [1, 0, 1] + [0, 0.008, 0]
+    n = (22, 13, 6)[level]
+    base = rng.normal(0, 0.17, (n, 3)) * [1, 0, 1] + [0, 0.008, 0]
     way = rng.normal(size=(n, 3)) * [1, 0.22, 1]
     face = UP + 0.35 * rng.normal(size=(n, 3))
     palette = np.array(
-        [[0.26, 0.12, 0.035], [0.35, 0.20, 0.05], [0.17, 0.085, 0.035], [0.30, 0.085, 0.025]]
+        [[0.17, 0.085, 0.034], [0.22, 0.130, 0.045], [0.12, 0.065, 0.032], [0.18, 0.070, 0.028]]
     )
     color = palette[rng.integers(0, 4, n)] * rng.uniform(0.6, 1.2, (n, 1))
-    size = 0.05 * rng.uniform(0.6, 1.25, n) * (1.0, 1.3, 1.9)[level]
+    size = 0.038 * rng.uniform(0.6, 1.25, n) * (1.0, 1.3, 1.9)[level]
     add_leaves(shape, base, way, face, size, 0.6 * size, color, fold=0.22)
     return shape.prototype()
 

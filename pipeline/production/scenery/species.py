@@ -78,12 +78,13 @@ def _grass(kind: str, density: float, height: float, **others: float) -> Species
 def _flower(kind: str, density: float, height: float, cover: float) -> Species:
     return Species(
         partial(herbs.flower, kind),
-        *(density, "cover", height),
+        *(1.5 * density, "cover", height),
         levels=(3.5, 9.0),
         near=7.0,
         reach=45.0,
-        patch=3.0,
-        cover=cover,
+        # Drifts of one kind: flowers seed themselves where they stand.
+        patch=7.0,
+        cover=0.6 * cover,
     )
 
 
@@ -129,10 +130,10 @@ def _pebbles(seed: int, level: int) -> Prototype:
 
 KINDS: dict[str, Species] = {
     "short grass": _grass("short grass", 150.0, 0.09, cover=0.85, reach=60.0, near=5.0),
-    "meadow grass": _grass("meadow grass", 75.0, 0.24, cover=0.6, patch=5.0, near=6.0),
-    "tall grass": _grass("tall grass", 26.0, 0.62, cover=0.25, patch=3.5, reach=90.0, near=8.0),
+    "meadow grass": _grass("meadow grass", 75.0, 0.24, cover=0.5, patch=9.0, near=6.0),
+    "tall grass": _grass("tall grass", 34.0, 0.62, cover=0.18, patch=8.0, reach=90.0, near=8.0),
     "dry grass": _grass(
-        "dry grass", 26.0, 0.34, cover=0.55, near=8.0, reach=110.0, patch=3.0, ground=0.25
+        "dry grass", 26.0, 0.34, cover=0.45, near=8.0, reach=110.0, patch=6.0, ground=0.25
     ),
     "tussock": _grass(
         "tussock", 12.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
@@ -196,7 +197,7 @@ KINDS: dict[str, Species] = {
         *(herbs.fallen_leaves, 5.0, "cover", 0.05, 0.4),
         levels=(4.0, 11.0),
         reach=40.0,
-        cover=0.6,
+        cover=0.35,
         upright=0.0,
     ),
     "twigs": Species(

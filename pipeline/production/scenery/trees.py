@@ -92,9 +92,13 @@ CROWNS: dict[str, Crown] = {
 }  # fmt: skip
 """Broad-leaved trees and shrubs."""
 
-LEVELS = ((1.0, 1.0, 7, 2), (0.75, 1.2, 5, 1), (0.28, 2.0, 4, 1), (0.06, 4.2, 3, 1))
+LEVELS = ((1.0, 1.0, 7, 2), (0.75, 1.2, 5, 1), (0.30, 2.1, 4, 1), (0.08, 4.6, 3, 1))
 """Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
 leaf."""
+
+CALM = (1.0, 0.8, 0.45, 0.15)
+"""Share of the differences between single leaves by level: far ones are smaller than a pixel, where
+what is left of them is noise."""
 
 
 def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
@@ -171,8 +175,8 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     color = np.asarray(config.color) + lit[:, None] * (
         np.asarray(config.young) - np.asarray(config.color)
     )
-    color = color * rng.uniform(0.72, 1.22, (count, 1))
-    normals = unit(0.9 * unit(out) + 0.5 * unit(face) + 0.25 * UP)
+    color = color * (0.97 + CALM[level] * rng.uniform(-0.25, 0.25, (count, 1)))
+    normals = unit(0.9 * unit(out) + 0.5 * CALM[level] * unit(face) + 0.25 * UP)
     wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0)
     add_leaves(shape, base, way, face, size, wide * size, color, normals, triangles=triangles)
     return shape.prototype()
@@ -204,7 +208,7 @@ def spruce(seed: int, level: int) -> Prototype:
     )
     green, tip = np.array([0.032, 0.060, 0.020]), np.array([0.090, 0.132, 0.042])
     color = green + along[None, :, None] ** 2 * (tip - green)
-    color = color * rng.uniform(0.75, 1.2, (n, 1, 1))
+    color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
     side = np.cross(out, UP)
     spread = 1.15 * length[:, None] * (1.1 - 0.72 * along) * (1.0 if sprays > 1 else 0.6)
     wide = (0.30, 0.42, 0.62, 1.0)[level]

@@ -46,8 +46,11 @@ UNDER = 0.6
 COARSE = 0.25
 """Side of the cells in which outlines are found [m], wider than the steps between their points."""
 
-LEAST_POINTS, MOST_POINTS, ALL_POINTS = 40, 400, 12_000
-"""Vertices of a part that are looked at, and about how many of all parts together."""
+POINTS = 40
+"""Vertices of a part that are looked at."""
+
+OUTLINE_POINTS, ALL_POINTS = 400, 12_000
+"""Most vertices of a part in which outlines are sought, and about how many of all parts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +76,7 @@ class Clearings:
         """Return the clearings of a take, None of one without visible performers."""
         if not take.parts:
             return None
-        points = list(_low_points(take))
+        points = _low_points(take, POINTS)
         kept = [p for p in points if len(p)]
         if not kept:
             return None
@@ -95,7 +98,7 @@ class Clearings:
             (float(low[0]), float(low[1])),
             cell,
             distance.astype(np.uint8),
-            (stays > STAYS * len(points)) | _enclosed(kept, low, used.shape, cell),
+            (stays > STAYS * len(points)) | _enclosed(_outlines(take), low, used.shape, cell),
         )
 
     def distance(self, x: Array, z: Array) -> Array:
@@ -150,10 +153,14 @@ def _enclosed(moments: list[Array], low: Array, shape: tuple[int, int], cell: fl
     return np.asarray(fine[: shape[0], : shape[1]])
 
 
-def _low_points(take: Take) -> list[Array]:
+def _outlines(take: Take) -> list[Array]:
+    """Return of moments of a take x, z and height (N, 3) of parts, dense enough for outlines."""
+    return _low_points(take, max(POINTS, min(ALL_POINTS // len(take.parts), OUTLINE_POINTS)))
+
+
+def _low_points(take: Take, each: int) -> list[Array]:
     """Return of moments of a take x, z and height over the ground (N, 3) of parts that are low."""
-    each = np.clip(ALL_POINTS // len(take.parts), LEAST_POINTS, MOST_POINTS)
-    skin = Skin.of(take).thinned(int(each))
+    skin = Skin.of(take).thinned(each)
     ground = surface_of_vertices(take.terrain.vertices, take.terrain.cells)
     rows = len(take.positions)
     stride = max(take.header.samples // 2, -(-rows // MAX_MOMENTS))

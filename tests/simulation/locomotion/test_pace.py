@@ -55,7 +55,8 @@ CHANGES = {
 @pytest.mark.parametrize("figure", CHANGES)
 def test_gait_changes_are_smooth(figure: str) -> None:
     walk = walk_with_script(figure, *CHANGES[figure], duration=9)
-    assert walk.take.notes == ()
+    # The abdomen of a spider that sneaks grazes the ground.
+    assert {note.kind for note in walk.take.notes} <= {"passes_through"}
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max() < 0.1 * MILLIMETRE

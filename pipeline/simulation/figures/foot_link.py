@@ -45,6 +45,10 @@ IN_PLANE = 0.5
 """Part of the wanted direction within the plane of the leg below which it means little."""
 
 
+STEEP = 0.7
+"""Sine of the slope of a last link at rest from which on it stands on its toe."""
+
+
 @dataclass(frozen=True, slots=True)
 class CalmFeet:
     """Bounds of the rates of joints, in those of two equal links.
@@ -114,6 +118,21 @@ class FootLink:
                 for result, table in zip(results, (self.depths, self.turns), strict=True):
                     result += weight * table[at]
         return results[0], results[1]
+
+
+def last_links(batch: LimbBatch) -> Array:
+    """Return the ways (L, 3) along the last links of limbs at rest [m]."""
+    rows, pose = np.arange(len(batch.lengths)), batch.pose(batch.preferred)
+    last = np.maximum(batch.is_joint.sum(axis=1) - 1, 0)
+    result: Array = pose.tips - pose.X_BJ[rows, last, :3, 3]
+    return result
+
+
+def stand_on_toes(links: Array) -> NDArray[np.bool_]:
+    """Return which feet (n,) stand on their toes or hooves, by `last_links` (n, 3)."""
+    angle = np.arctan2(links[:, 1], links[:, 0])
+    result: NDArray[np.bool_] = -np.sin(angle) > STEEP
+    return result
 
 
 def wanted_offset(natural: Array, wanted: Array, n: Array) -> Array:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.bend_path import bending_joints
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.foot_link import last_links, stand_on_toes
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.figures.skeleton import Limb
@@ -93,6 +94,16 @@ class Herd:
     def chains(self) -> list[ChainGroup]:
         """The legs, grouped by their kinds of joints."""
         return group_chains(self.legs, self.owner)
+
+    @cached_property
+    def soles(self) -> Array:
+        """(L,) level lengths of the feet that stand on their soles, 0 for other legs [m]."""
+        links = last_links(self.legs) if len(self.owner) else np.zeros((0, 3))
+        has_sole = np.zeros(len(links), dtype=bool)
+        for chain in self.chains:
+            has_sole[chain.rows] = chain.foot is not None
+        has_sole &= ~stand_on_toes(links)
+        return np.where(has_sole, np.hypot(links[:, 0], links[:, 2]), 0.0)
 
     @property
     def hips(self) -> Array:

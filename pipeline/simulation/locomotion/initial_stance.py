@@ -47,7 +47,7 @@ def place_feet(sequencer: StepSequencer, numbers: Sequence[int]) -> None:
         walks, -into + herd.swings - np.where(in_air, 1.0, 0.0), -0.5 * (1.0 - herd.swings)
     )
     requests = [
-        with_forecast(sequencer, _initial_request(herd, leg, float(at)))
+        with_forecast(sequencer, _initial_request(herd, leg, float(at), float(walks[leg])))
         for leg, at in enumerate(down)
     ]
     sequencer.planner.predict([request for request in requests if request.forecast is None])

@@ -1,13 +1,15 @@
 """Foot roll: the directions of hooves, paws and feet, which legs alone would tilt with themselves.
 
 A foot keeps its direction to the ground while it stands, rolls over its toe when its leg trails
-behind, is flicked back as it leaves the ground, and comes down toe up, flat at the touchdown. All
-of it follows from where the foot is, relative to its hip and to the ground: a foot that does not
-move does not turn, one that moves twice as fast turns twice as fast, and it goes on through
-changes of gait and speed without a gap.
+behind, is flicked back as it leaves the ground, and comes down toe up: a sole on its heel, about
+which the toe turns down until the foot is flat at the touchdown. All of it follows from where the
+foot is, relative to its hip and to the ground: a foot that does not move does not turn, one that
+moves twice as fast turns twice as fast, and it goes on through changes of gait and speed without a
+gap.
 
 Source: Hildebrand 1960 for the order of events; angles of people after Winter 1991 (the heel rises
-by some 60 degrees until the toe leaves the ground), of hooves as seen in films of horses.
+by some 60 degrees until the toe leaves the ground, and the sole is at 20 to 25 when it comes down),
+of hooves as seen in films of horses.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded, ease
+from pipeline.simulation.figures.foot_link import last_links, stand_on_toes
 from pipeline.simulation.locomotion.foot_state import FootState
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array, turn, turn_inverse
@@ -32,18 +35,17 @@ class RollAngles:
         roll: over the toe, when the leg trails most.
         flick: backward, in the air behind the hip.
         toe_up: in the air before the hip.
+        lands_on_heel: whether the heel comes down first, and the toe turns down about it.
     """
 
     roll: float
     flick: float
     toe_up: float
+    lands_on_heel: bool
 
 
-SOLE, TOES = RollAngles(0.7, 0.25, 0.2), RollAngles(0.4, 0.55, 0.1)
+SOLE, TOES = RollAngles(0.7, 0.25, 0.38, True), RollAngles(0.4, 0.55, 0.1, False)
 """Feet that stand on their soles, and those that stand on toes or hooves."""
-
-STEEP = 0.7
-"""Sine of the slope of a last link at rest from which on it stands on its toe."""
 
 TRAILING = -0.05, 0.55
 """Distance of a foot behind its hip between which it rolls, in leg lengths."""
@@ -51,8 +53,9 @@ TRAILING = -0.05, 0.55
 AHEAD = -0.25, 0.25
 """Distance of a foot behind its hip between which toes that are up turn to heels."""
 
-LIFT_RATE = 1.5
-"""Angle by which a foot turns when it begins to rise, per leg length [rad]."""
+LIFT_RATE, MOST_RATE = 1.5, 8.0
+"""Angle by which a foot turns when it begins to rise, and most angle by which the toe of one that
+lands on its heel does, per leg length [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,22 +79,22 @@ class FootRoll:
     def __init__(self, herd: Herd, ground: Ground) -> None:
         self.herd, self.ground = herd, ground
         legs = herd.legs
-        rows = np.arange(len(legs.lengths))
-        last = np.maximum(legs.is_joint.sum(axis=1) - 1, 0)
-        has_foot = np.zeros(len(rows), dtype=bool)
+        has_foot = np.zeros(len(legs.lengths), dtype=bool)
         for chain in herd.chains:
             has_foot[chain.rows] = chain.foot is not None
-        self._own = np.flatnonzero(has_foot)
-        self._last = np.zeros((len(rows), 3))
-        pose = legs.pose(legs.preferred)
-        link = (pose.tips - pose.X_BJ[rows, last, :3, 3])[self._own]
+        self._own = own = np.flatnonzero(has_foot)
+        self._last = np.zeros((len(legs.lengths), 3))
+        link = last_links(legs)[own] if len(own) else np.zeros((0, 3))
         # In the plane in which legs swing: forward, and up.
         self._angle = np.arctan2(link[:, 1], link[:, 0])
-        steep = -np.sin(self._angle) > STEEP
-        self._roll, self._flick, self._toe_up = (
-            np.where(steep, getattr(TOES, name), getattr(SOLE, name))
-            for name in ("roll", "flick", "toe_up")
+        self._roll, self._flick, self._toe_up, on_heel = (
+            np.where(stand_on_toes(link), getattr(TOES, name), getattr(SOLE, name))
+            for name in ("roll", "flick", "toe_up", "lands_on_heel")
         )
+        # A toe that turns up as fast as the tip rises leaves the heel on the ground.
+        sole = herd.soles[own] / legs.lengths[own]
+        on_heel = on_heel & (sole > 1.0 / MOST_RATE)
+        self._toe_rate = np.where(on_heel, 1.0 / np.maximum(sole, 1.0 / MOST_RATE), LIFT_RATE)
 
     def directions(
         self,
@@ -148,8 +151,8 @@ class FootRoll:
         s, start, end = steps.s[:, own], feet.start[:, own], feet.end[:, own]
         level = start[..., 1] + ease(s) * (end - start)[..., 1]
         rise = np.maximum(tips[:, own, 1] - level, 0.0) / self.herd.legs.lengths[own]
-        rise *= LIFT_RATE
-        flick, up = (most * bounded(rise / most) for most in (self._flick, self._toe_up))
+        flick = self._flick * bounded(LIFT_RATE * rise / self._flick)
+        up = self._toe_up * bounded(self._toe_rate * rise / self._toe_up)
         slope = self._slopes(start, forward)
         slope += ease(s) * (self._slopes(end, forward) - slope)
         result: Array = steps.weight[:, self.herd.owner[own]] * (up - heels * (flick + up) + slope)

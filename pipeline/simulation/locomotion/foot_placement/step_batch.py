@@ -24,8 +24,8 @@ STANCE_FRACTIONS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 LIFT_LAG = 0.12
 
 # How far behind their places at rest feet with soles stand under bodies that go, in the lengths of
-# the soles: the tip is at the toe, before the hip for most of a stance, and would be so far off when
-# it comes down that the toe came first.
+# the soles. The tip is at the toe, before the hip for most of a stance, and would be so far off at
+# the touchdown that the toe came down first.
 SOLE_BEHIND = 0.5
 
 MID_STANCE = len(STANCE_FRACTIONS) // 2

@@ -45,8 +45,9 @@ IN_PLANE = 0.5
 """Part of the wanted direction within the plane of the leg below which it means little."""
 
 
-STEEP = 0.7
-"""Sine of the slope of a last link at rest from which on it stands on its toe."""
+STEEP, LEVEL = 0.7, 0.6
+"""Sines of the slope of a last link at rest: from which on it stands on its toe, and up to which it
+stands on its sole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,10 +129,9 @@ def last_links(batch: LimbBatch) -> Array:
     return result
 
 
-def stand_on_toes(links: Array) -> NDArray[np.bool_]:
-    """Return which feet (n,) stand on their toes or hooves, by `last_links` (n, 3)."""
-    angle = np.arctan2(links[:, 1], links[:, 0])
-    result: NDArray[np.bool_] = -np.sin(angle) > STEEP
+def slopes(links: Array) -> Array:
+    """Return the sines of the slopes (n,) of `last_links` (n, 3), downwards."""
+    result: Array = -np.sin(np.arctan2(links[:, 1], links[:, 0]))
     return result
 
 

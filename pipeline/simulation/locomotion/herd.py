@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.bend_path import bending_joints
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.foot_link import last_links, stand_on_toes
+from pipeline.simulation.figures.foot_link import LEVEL, last_links, slopes
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.figures.skeleton import Limb
@@ -102,7 +102,7 @@ class Herd:
         has_sole = np.zeros(len(links), dtype=bool)
         for chain in self.chains:
             has_sole[chain.rows] = chain.foot is not None
-        has_sole &= ~stand_on_toes(links)
+        has_sole &= np.abs(slopes(links)) < LEVEL
         return np.where(has_sole, np.hypot(links[:, 0], links[:, 2]), 0.0)
 
     @property

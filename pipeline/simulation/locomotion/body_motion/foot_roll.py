@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded, ease
-from pipeline.simulation.figures.foot_link import last_links, stand_on_toes
+from pipeline.simulation.figures.foot_link import STEEP, last_links, slopes
 from pipeline.simulation.locomotion.foot_state import FootState
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array, turn, turn_inverse
@@ -46,6 +46,9 @@ class RollAngles:
 
 SOLE, TOES = RollAngles(0.7, 0.25, 0.38, True), RollAngles(0.4, 0.55, 0.1, False)
 """Feet that stand on their soles, and those that stand on toes or hooves."""
+
+SLOPING_TOE_UP = 0.2
+"""Greatest angle by which a toe goes up of a foot that slopes [rad]."""
 
 TRAILING = -0.05, 0.55
 """Distance of a foot behind its hip between which it rolls, in leg lengths."""
@@ -88,12 +91,14 @@ class FootRoll:
         # In the plane in which legs swing: forward, and up.
         self._angle = np.arctan2(link[:, 1], link[:, 0])
         self._roll, self._flick, self._toe_up, on_heel = (
-            np.where(stand_on_toes(link), getattr(TOES, name), getattr(SOLE, name))
+            np.where(slopes(link) > STEEP, getattr(TOES, name), getattr(SOLE, name))
             for name in ("roll", "flick", "toe_up", "lands_on_heel")
         )
         # A toe that turns up as fast as the tip rises leaves the heel on the ground.
         sole = herd.soles[own] / legs.lengths[own]
         on_heel = on_heel & (sole > 1.0 / MOST_RATE)
+        # The others do not come down on their heels, whose last links slope.
+        self._toe_up = np.where(on_heel, self._toe_up, np.minimum(self._toe_up, SLOPING_TOE_UP))
         self._toe_rate = np.where(on_heel, 1.0 / np.maximum(sole, 1.0 / MOST_RATE), LIFT_RATE)
 
     def directions(

@@ -19,9 +19,9 @@ from pipeline.simulation.spatial import Array, turn
 # Fractions of a stance at which reach is checked.
 STANCE_FRACTIONS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 
-# Part of the swing after the stance in which the foot has hardly left its place, see `ease`, and at
-# which it is farthest behind its hip; quick feet leave it at once.
-LIFT_LAG = 0.12
+# Part of the swing after the stance in which the foot has hardly left its place, see `ease`; quick
+# feet leave it at once, and one that rolls over its toe is farthest behind its hip before.
+LIFT_LAG, SOLE_LAG = 0.25, 0.12
 
 # How far behind their places at rest feet with soles stand under bodies that go, in the lengths of
 # the soles. The tip is at the toe, before the hip for most of a stance, and would be so far off at
@@ -131,15 +131,16 @@ class StepBatch:
     def stances(self, trajectory: BodyTrajectory) -> Stances:
         """Return where the bodies are during the stances, if they go on as they go."""
         stance = self.stance[:, None]
-        lag = LIFT_LAG * (1.0 - quickness(self.swing)) * self.swing
+        soles = trajectory.herd.soles[self.legs]
+        lag = np.where(soles > 0.0, SOLE_LAG, LIFT_LAG)
+        lag = lag * (1.0 - quickness(self.swing)) * self.swing
         end = stance + lag[:, None]
         parts = np.concatenate([stance * STANCE_FRACTIONS, end], axis=1)
         phases = (self.up + self.swing)[:, None] + parts
         R, p = self.body_poses(trajectory, np.concatenate([phases, self.up[:, None]], axis=1))
         middle = R[:, MID_STANCE], p[:, MID_STANCE]
         neutral = neutral_positions(trajectory, self.legs, phases[:, MID_STANCE], *middle)
-        behind = SOLE_BEHIND * trajectory.herd.soles[self.legs]
-        behind = behind * np.minimum(self.speed_fraction, 1.0)
+        behind = SOLE_BEHIND * soles * np.minimum(self.speed_fraction, 1.0)
         neutral -= behind[:, None] * R[:, MID_STANCE][:, [0, 2], 0]
         return Stances(R[:, :-1], p[:, :-1], R[:, -1], p[:, -1], neutral)
 

@@ -71,7 +71,8 @@ def test_a_creature_in_flight_falls_freely(found: dict[str, Effort]) -> None:
     assert deep.any()
     weight = pip.mass * GRAVITY
     assert np.abs(pip.unsupported_force[2:-2][deep, 1]).max() < 0.75 * weight
-    assert np.abs(pip.unsupported_force[2:-2][deep, 1]).mean() < 0.35 * weight
+    # Feet that turn to come down on their soles add to that of thighs and shanks.
+    assert np.abs(pip.unsupported_force[2:-2][deep, 1]).mean() < 0.37 * weight
 
 
 def test_costs_of_transport_are_in_the_range_of_animals(found: dict[str, Effort]) -> None:

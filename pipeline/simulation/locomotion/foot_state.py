@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import ease
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
+
+# Least time in which a body rises again that was lowered for a foothold, in cycles.
+RELEASE = 0.5
 
 
 @dataclass(slots=True, eq=False)
@@ -23,10 +27,11 @@ class FootState:
         swing_height: (L,) of each leg [m].
         bend: (L, m, 3) deviation of the swings from plain arches, None if all are plain [m].
         lowering: (2, L) of the body for each leg's foothold before `end`, and for that at `end`
-            [m].
+            [m]. It comes within the swing and goes by `release`.
         held_up: (2, L) whether each foot was held up before this swing and will be after it, 0 or
             1.
-        lift_phase: (L,) phase at which the swing began, whole cycles counted.
+        lift_phase: (L,) phase at which the swing began, whole cycles counted; of feet that have not
+            swung -inf.
         swing_length: (L,) duration of the swing, in cycles.
         swinging: (L,) which feet are in the air.
         next_lift: (L,) phases at which standing feet lift, if their creatures go on.
@@ -60,7 +65,7 @@ class FootState:
             bend=bend,
             lowering=np.zeros((2, legs)),
             held_up=np.zeros((2, legs)),
-            lift_phase=np.zeros(legs),
+            lift_phase=np.full(legs, -np.inf),
             swing_length=herd.swings.copy(),
             swinging=np.zeros(legs, dtype=bool),
             next_lift=np.full(legs, np.inf),
@@ -102,6 +107,18 @@ SWING_STATE = (
 )
 
 
+def release(since: Array, swing: Array) -> Array:
+    """Return how much of a body's lowering is gone so long after the foot lifted, 0 to 1.
+
+    Legs reach as well from a low body, so it need not rise within a short swing.
+
+    Args:
+        since: (..., L) and
+        swing: (..., L) duration of the swing, in cycles.
+    """
+    return ease(np.clip(since / np.maximum(swing, RELEASE), 0.0, 1.0))
+
+
 def place_foot(feet: FootState, leg: int, hold: Foothold) -> None:
     """Let a foot stand on a foothold, wherever it has been."""
     feet.start[leg] = feet.end[leg] = hold.tip
@@ -111,10 +128,10 @@ def place_foot(feet: FootState, leg: int, hold: Foothold) -> None:
         feet.bend[leg] = 0.0
 
 
-def start_swing(feet: FootState, leg: int, hold: Foothold) -> None:
-    """Let a foot swing from where it stands to a foothold."""
+def start_swing(feet: FootState, leg: int, hold: Foothold, phase: float) -> None:
+    """Let a foot swing from where it stands to a foothold, from `phase` on."""
     feet.start[leg], feet.end[leg] = feet.end[leg], hold.tip
-    feet.lowering[:, leg] = feet.lowering[1, leg], hold.lowering
+    feet.lowering[:, leg] = _lowering(feet, leg, phase), hold.lowering
     feet.held_up[:, leg] = 0.0
     feet.footholds[leg] = hold
     feet.swing_height[leg] = hold.swing_height
@@ -126,6 +143,15 @@ def hold_up(feet: FootState, leg: int, phase: float) -> None:
     feet.swing_height[leg] = 0.0
     if feet.bend is not None:
         feet.bend[leg] = 0.0
-    feet.lowering[:, leg] = feet.lowering[1, leg], 0.0
+    feet.lowering[:, leg] = _lowering(feet, leg, phase), 0.0
     feet.held_up[:, leg] = feet.held_up[1, leg], 1.0
     feet.lift_phase[leg], feet.swinging[leg] = phase, True
+
+
+def _lowering(feet: FootState, leg: int, phase: float) -> float:
+    """Return how far a body is lowered for a standing foot [m]."""
+    before, after = feet.lowering[:, leg]
+    if after >= before:
+        return float(after)
+    gone = release(np.array(phase - feet.lift_phase[leg]), feet.swing_length[leg])
+    return float(before + gone * (after - before))

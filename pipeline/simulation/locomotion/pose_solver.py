@@ -30,7 +30,7 @@ from pipeline.simulation.locomotion.body_motion.pelvis_height import (
     PelvisHeight,
     PlannedMotion,
 )
-from pipeline.simulation.locomotion.foot_state import FootState
+from pipeline.simulation.locomotion.foot_state import FootState, release
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
@@ -147,7 +147,7 @@ class PoseSolver:
         planned = R_WB.copy(), p_WB[..., 1].copy()
         part = np.stack([moment.stride_part for moment in moments])
         motion = PlannedMotion(progress, part, smoothed, style.body_pitch, *planned)
-        p_WB[..., 1] -= total_lowering(herd, feet.lowering, s)
+        p_WB[..., 1] -= total_lowering(herd, feet, phase, s)
         tall = self._pace_values("body_height", phase)
         jumps = JumpHandover(herd, [moment.aloft for moment in moments])
         jumps.bodies(R_WB, p_WB)
@@ -366,14 +366,22 @@ def _between(values: Array, s: Array) -> Array:
     return before + ease(s) * (after - before)
 
 
-def total_lowering(herd: Herd, lowering: Array, s: Array) -> Array:
+def total_lowering(herd: Herd, feet: FootState, phase: Array, s: Array) -> Array:
     """Return how far the bodies are lowered (n, C) for their feet's footholds [m].
 
-    The lowering (n, 2, L) of each foothold comes and goes within the swings before and after it.
     The norm of order 4 is never less than the greatest and has no corner where another one becomes
     that.
+
+    Args:
+        herd: the creatures.
+        feet: (n, L) where they are.
+        phase: (n, C) of the bodies.
+        s: (n, L) fractions of the swings.
     """
-    wanted = _between(lowering, s) ** 4
+    before, after = feet.lowering[:, 0], feet.lowering[:, 1]
+    rising = release(phase[:, herd.owner] - feet.lift_phase, feet.swing_length)
+    part = np.where(after < before, rising, ease(s))
+    wanted = (before + part * (after - before)) ** 4
     sums = np.zeros((len(s), len(herd.names)))
     for owners, legs in herd.legs_by_rank:
         sums[:, owners] += wanted[:, legs]

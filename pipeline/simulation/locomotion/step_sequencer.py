@@ -34,6 +34,7 @@ from pipeline.simulation.locomotion.routes.route_progress import (
     halt,
     is_blocked,
     redirect,
+    stop_within,
     stopping_range,
 )
 from pipeline.simulation.locomotion.routes.speed_control import predicted
@@ -221,7 +222,7 @@ def lift_foot(sequencer: StepSequencer, step: int, leg: int, phase: float) -> No
             _note_missing(sequencer, step, request)
         return
     timing = request.timing
-    start_swing(feet, leg, hold)
+    start_swing(feet, leg, hold, phase)
     if hold.lowering > 0.0:
         # Feet that lift now as well were searched for a higher body.
         sequencer.planner.forget(owner)
@@ -264,7 +265,33 @@ def _last_step(
         _note_missing(sequencer, step, request)
         sequencer.planner.forget(c)
     request = _request(sequencer, leg, request.phase)
-    return request, sequencer.planner.search.find(request, any_swing=True)
+    hold = sequencer.planner.search.find(request, any_swing=True)
+    if hold is None:
+        return _step_of_hard_stop(sequencer, request)
+    return request, hold
+
+
+def _step_of_hard_stop(
+    sequencer: StepSequencer, request: StepRequest
+) -> tuple[StepRequest, Foothold | None]:
+    """Let a creature brake so hard that a foot finds a foothold, and return how it steps then.
+
+    It keeps its route if there is no such place.
+    """
+    progress, leg = sequencer.progress, request.leg
+    c = int(sequencer.herd.owner[leg])
+    route, distance = progress.trajectory.routes[c], float(progress.distance[c])
+    hardest, usual = stopping_range(progress, c)[0], route.length - distance
+    for room in np.linspace(usual, hardest, STOP_CANDIDATES).tolist()[1:]:
+        stop_within(progress, c, room)
+        harder = _request(sequencer, leg, request.phase)
+        hold = sequencer.planner.search.find(harder, any_swing=True)
+        if hold is not None:
+            sequencer.planner.forget(c)
+            return harder, hold
+    redirect(progress, c, route)
+    progress.blocked_at[c] = route.length
+    return request, None
 
 
 def _note_missing(sequencer: StepSequencer, step: int, request: StepRequest) -> None:

@@ -29,7 +29,7 @@ from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     clearance_heights,
-    lowest_center_height,
+    lowest_standing_height,
     part_of_path,
     quickness,
     swing_positions,
@@ -140,7 +140,7 @@ class FootholdPlanner:
         rows = np.flatnonzero(good)
         goals = turn_inverse(stances.R[rows], tips[rows, None] - stances.p[rows])
         good[rows] = search.reachability.reaches(legs[rows], goals).all(axis=-1)
-        lowest = lowest_center_height(self.ground, tips[:, 0], tips[:, 2], herd.foot_radius[legs])
+        lowest = lowest_standing_height(self.ground, tips[:, 0], tips[:, 2], herd.foot_radius[legs])
         tips[:, 1] = np.maximum(tips[:, 1], lowest)
         swing_height = np.zeros(len(requests))
         rows = np.flatnonzero(good & [r.present is not None for r in requests])

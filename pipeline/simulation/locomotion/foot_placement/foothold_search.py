@@ -39,7 +39,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     clearance_height,
-    lowest_center_height,
+    lowest_standing_height,
     part_of_path,
     quickness,
     swing_positions,
@@ -326,7 +326,7 @@ class FootholdSearch:
         foot_radius = float(self.herd.foot_radius[leg])
         tip = place + foot_radius * normal
         tip[1] = max(
-            tip[1], float(lowest_center_height(self.ground, tip[:1], tip[2:], foot_radius)[0])
+            tip[1], float(lowest_standing_height(self.ground, tip[:1], tip[2:], foot_radius)[0])
         )
         return Foothold(place, normal, tip, lowering)
 

@@ -109,7 +109,7 @@ class RouteProgress:
         phase_per_step: (C,) at full speed.
         blocked_at: (C,) distance at which a barrier ends its route, NaN without one [m].
         transition_ends: phases at which changes of pace end, by creature.
-        stopping_distances: from full speed, of creatures without a foothold [m].
+        stopping_distances: from full speed, of creatures that brake harder than usual [m].
         look_targets: of the creatures.
         steps: done since the start.
         next_slope_sample: number of the sample.
@@ -240,6 +240,8 @@ def redirect(progress: RouteProgress, c: int, route: Route) -> None:
         return
     before = progress.trajectory.routes[c]
     progress.trajectory.set_route(c, route)
+    if route.length > before.length:
+        progress.stopping_distances.pop(c, None)
     if route.length > progress.distance[c] + ARRIVAL_DISTANCE:
         is_braking = before.length - progress.distance[c] < progress.braking_room(c)
         if is_braking and route.length > before.length:
@@ -312,10 +314,16 @@ def stopping_range(progress: RouteProgress, c: int) -> tuple[float, float]:
 
 def halt(progress: RouteProgress, c: int, room: float) -> None:
     """Bring a creature without foothold to rest for good within `room` [m]."""
+    stop_within(progress, c, room)
+    progress.halted[c] = True
+    update_limits(progress)
+
+
+def stop_within(progress: RouteProgress, c: int, room: float) -> None:
+    """Bring a creature to rest within `room`, however hard it has to brake [m]."""
     fraction = max(float(progress.speed_fraction[c]), MIN_SPEED_FRACTION)
     route = progress.trajectory.routes[c]
     redirect(progress, c, route.upto(min(float(progress.distance[c]) + room, route.length)))
-    progress.halted[c] = True
     progress.stopping_distances[c] = room / (fraction * fraction)
     update_limits(progress)
     progress.blocked_at[c] = progress.trajectory.routes[c].length

@@ -27,15 +27,22 @@ CLEARANCE = 0.4
 # Samples of the last tenth of a swing, in which the touchdown speed is measured.
 LAST_TENTH = np.linspace(0.9, 1.0, 9)
 
+
+def _samples_below(radii: Array, around: int) -> Array:
+    """Return samples (n, 3) of the lower half of the unit sphere: x, z, and how far down."""
+    angles = np.arange(around) * (2.0 * np.pi / around)
+    rings = radii[:, None, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    out = np.concatenate([np.zeros((1, 2)), rings.reshape(-1, 2)])
+    down = np.sqrt(np.maximum(1.0 - (out**2).sum(axis=-1), 0.0))
+    return np.column_stack([out, down])
+
+
 # Rings of samples around the lowest point of the spherical foot, so that it clears what rises
-# beside it; radii in that of the foot. The last one feels walls.
+# beside it; radii in that of the foot. The last one feels walls. Where a foot stands for long,
+# there are more.
 RING_RADII = np.array([0.55, 0.92, 1.0])
-_ANGLES = np.arange(8) * (np.pi / 4.0)
-_OUT = np.concatenate(
-    [np.zeros((1, 2)), *(r * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1) for r in RING_RADII)]
-)
-_OUT_X, _OUT_Z = np.ascontiguousarray(_OUT.T)
-_DOWN = np.sqrt(1.0 - (_OUT**2).sum(axis=-1))
+_SWINGING = _samples_below(RING_RADII, 8)
+_STANDING = _samples_below(np.array([0.3, 0.5, 0.65, 0.78, 0.88, 0.95, 1.0]), 16)
 
 # Pieces of a bend, its free control points, and its knots; the free points belong to all knots but
 # two at each end.
@@ -237,6 +244,17 @@ def lowest_center_height(ground: Ground, x: Array, z: Array, foot_radius: Array 
         z: of the centre [m].
         foot_radius: of one foot, or at all places [m].
     """
+    return _lowest(ground, x, z, foot_radius, _SWINGING)
+
+
+def lowest_standing_height(ground: Ground, x: Array, z: Array, foot_radius: Array | float) -> Array:
+    """Return `lowest_center_height` more exactly, for feet that stay there."""
+    return _lowest(ground, x, z, foot_radius, _STANDING)
+
+
+def _lowest(ground: Ground, x: Array, z: Array, foot_radius: Array | float, below: Array) -> Array:
+    """Return the least heights (...) of spheres that none of their samples is in the ground [m]."""
     radius = np.asarray(foot_radius)[..., None]
-    around = ground.height(x[..., None] + radius * _OUT_X, z[..., None] + radius * _OUT_Z)
-    return (around + radius * _DOWN).max(axis=-1)
+    out_x, out_z, down = below.T
+    around = ground.height(x[..., None] + radius * out_x, z[..., None] + radius * out_z)
+    return (around + radius * down).max(axis=-1)

@@ -192,7 +192,7 @@ def trip_on_wall(
     hopper: Hopper, state: HopState, legs: NDArray[np.int64], tips: Array, events: HopEvents
 ) -> None:
     """Trip on a wall with feet (n, 3) that move with the body."""
-    v = np.broadcast_to(state.v, tips.shape)
+    v = state.v + np.cross(state.attitude[1], tips - state.p)
     _catch_feet(hopper, state, legs, tips, v, events)
 
 
@@ -216,6 +216,7 @@ def swing_from_wall(
     moved = (inside - outside) / max(now.time - before.time, 1e-9)
     start = np.stack([outside[:, 0], inside[:, 1], outside[:, 2]], axis=-1)
     velocity = moved * [-WALL_BOUNCE, 1.0, -WALL_BOUNCE]
+    velocity[:, 1] = np.maximum(velocity[:, 1], 0.0)
     arm = start - now.p
     seen = velocity - now.v - np.cross(now.attitude[1], arm)
     left = max(float((swing.begin + swing.time)[caught].min()) - now.time, LEAST_SWING)
@@ -231,16 +232,25 @@ def _catch_feet(
     v: Array,
     events: HopEvents,
 ) -> None:
-    """Apply the impulse of feet that a wall stops.
+    """Apply the impulses of feet that a wall stops.
 
-    Source: Sims 1987, 9.4.
+    Each stops the mass of its leg, as far as the body behind it does not give way: (K + 1/m) J = -v
+    with K the inverse inertia of the body at the feet. Without K, long legs that are caught
+    together would add energy.
+
+    Source: Sims 1987, 9.4; Baraff and Witkin 1997, rigid body dynamics, (8.18).
     """
-    impulse = -hopper.leg_masses[legs, None] * v[legs] * [1.0, 0.0, 1.0]
-    state.v = state.v + impulse.sum(axis=0) / hopper.mass.mass
     R = rotation_matrix(state.attitude[0])
     inverse = R @ np.array(hopper.inertia.inverse) @ R.T
-    angular_impulse = np.cross(tips[legs] - state.p, impulse).sum(axis=0)
-    x, y, z = (state.attitude[1] + inverse @ angular_impulse).tolist()
+    # Columns: what unit impulses along x and z do to momentum and angular momentum.
+    unit = np.broadcast_to(np.eye(3)[[0, 2]], (len(legs), 2, 3))
+    linear = unit.reshape(-1, 3).T
+    angular = np.cross((tips[legs] - state.p)[:, None], unit).reshape(-1, 3).T
+    gives_way = linear.T @ linear / hopper.mass.mass + angular.T @ inverse @ angular
+    light = np.diag(np.repeat(1.0 / hopper.leg_masses[legs], 2))
+    impulse = -np.linalg.solve(gives_way + light, v[legs][:, [0, 2]].ravel())
+    state.v = state.v + linear @ impulse / hopper.mass.mass
+    x, y, z = (state.attitude[1] + inverse @ angular @ impulse).tolist()
     state.attitude = state.attitude[0], (x, y, z)
     for leg in legs.tolist():
         events.append(HopEvent.note("tripped", state.time, "a foot caught on a wall", leg))
@@ -287,7 +297,9 @@ def event_margins(
     if state.phase in ("flight", "landing") and falls and not state.down.all():
         tips = body.to_world(state.swing.tips(body.time))
         if float(tips[:, 1].min()) - float(hopper.foot_radii.max()) < highest + 0.05:
-            air = ~state.down & ~state.released
+            # In flight a foot may come down again, once it is drawn in.
+            drawn_in = body.time >= state.swing.begin + state.swing.time
+            air = ~state.down & ~(state.released & ((state.phase == "landing") | ~drawn_in))
             touch[air] = (
                 tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.foot_radii)
             )[air]

@@ -216,7 +216,7 @@ def release_feet(
             NO_CONTROL,
         )
         state.first_touch_height = math.inf
-        state.released[:] = False
+        state.released[:] = released
 
 
 def _after_landing(hopper: Hopper, ground: Ground, state: HopState, events: HopEvents) -> None:

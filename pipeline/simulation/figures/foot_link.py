@@ -45,8 +45,8 @@ IN_PLANE = 0.5
 """Part of the wanted direction within the plane of the leg below which it means little."""
 
 
-STEEP, LEVEL = 0.7, 0.6
-"""Sines of the slope of a last link at rest: from which on it stands on its toe, and up to which it
+STEEP = 0.7
+"""Sine of the slope of a last link at rest from which on it stands on its toe; up to `LEVEL` it
 stands on its sole."""
 
 

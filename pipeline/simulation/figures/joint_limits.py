@@ -33,8 +33,12 @@ steeply down."""
 STRAIGHT_LIMIT_DEG = 8.0
 """A joint drawn with a smaller bend counts as straight."""
 
-REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
+REST_BEND_DEG = {LEG: -14.0, ARM: 26.0}
 """Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
+
+LEVEL, SOLE_AHEAD = 0.6, 0.5
+"""Sine of the slope up to which a foot stands on its sole, and the part of the sole that lies
+before its hip at rest, so that the weight is over its middle."""
 
 HIP_PITCH_DEG = 125.0
 """How far a mammal's hip or shoulder swings forward and back, as a person's thigh that comes up to
@@ -300,9 +304,15 @@ def _with_foot_as_drawn(steps: Array, angles: Array, inner: Sequence[JointRange]
 
 
 def _hip_pitch(steps: Array, angles: Array, inner: Sequence[JointRange]) -> float:
-    """Return the pitch of a hip that brings the resting foot under it [rad]."""
+    """Return the pitch of a hip that brings the resting foot under it [rad].
+
+    Of a foot that stands on its sole, its middle.
+    """
     turned = angles + np.cumsum([0.0, *(stance.preferred for stance in inner)])
     lengths = np.hypot(steps[:, 0], steps[:, 1])
+    foot = float(np.linalg.norm(steps[-1]))
+    if len(inner) > 1 and is_foot(foot, steps) and abs(steps[-1, 1]) < LEVEL * foot:
+        lengths[-1] *= SOLE_AHEAD
     return -math.atan2(float(lengths @ np.sin(turned)), float(lengths @ np.cos(turned)))
 
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.bend_path import bending_joints
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.foot_link import LEVEL, last_links, slopes
+from pipeline.simulation.figures.foot_link import last_links, slopes
+from pipeline.simulation.figures.joint_limits import LEVEL
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.figures.skeleton import Limb

@@ -26,7 +26,7 @@ LIFT_LAG, SOLE_LAG = 0.25, 0.12
 # How far behind their places at rest feet with soles stand under bodies that go, in the lengths of
 # the soles. The tip is at the toe, before the hip for most of a stance, and would be so far off at
 # the touchdown that the toe came down first.
-SOLE_BEHIND = 0.5
+SOLE_BEHIND = 0.0
 
 MID_STANCE = len(STANCE_FRACTIONS) // 2
 

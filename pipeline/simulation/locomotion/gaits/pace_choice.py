@@ -194,7 +194,7 @@ class PaceChoice:
         walk, leg = self.walk, float(self.legs.lengths.mean())
         cycle, stride = tempo
         flight = FlightBounce.of(gait) if stride else None
-        bounce = _bounce(gait, flight, leg, cycle)
+        bounce = _bounce(gait, flight, self.legs, cycle)
         return Pace(
             gait=gait.among(~self.held),
             cycle=cycle,
@@ -335,12 +335,12 @@ class PaceChoice:
         return Problem(self.where, message + self._advice(*changes))
 
 
-def _bounce(gait: Gait, flight: FlightBounce | None, leg: float, cycle: float) -> float:
-    """Return the bounce that suits a cycle [s] of legs of a length [m]."""
+def _bounce(gait: Gait, flight: FlightBounce | None, legs: LegLayout, cycle: float) -> float:
+    """Return the bounce that suits a cycle of legs [s]."""
     if flight is None:
-        return grounded_bounce(gait, leg)
+        return grounded_bounce(gait, legs)
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
-    return min(flight.amplitude * GRAVITY * cycle * cycle, MAX_FLIGHT_BOUNCE * leg)
+    return min(flight.amplitude * GRAVITY * cycle * cycle, MAX_FLIGHT_BOUNCE * float(legs.lengths.mean()))
 
 
 def _legless_pace(where: str, walk: Manner | None, figure: Figure) -> Pace:

@@ -16,7 +16,7 @@ from pipeline.simulation.spatial import Array
 MAX_REACH = 0.97
 
 # Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
-PLANNED_REACH = 0.98 * MAX_REACH
+PLANNED_REACH = 0.99 * MAX_REACH
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,7 +41,7 @@ class BodyHeights:
     stand: float = 0.99
     running_crouch: float = 0.86
     walking_crouch: float = 0.97
-    upright_crouch: float = 0.985
+    upright_crouch: float = 0.975
 
 
 BODY_HEIGHTS = BodyHeights()
@@ -55,7 +55,7 @@ PLANNED_STRIDE = 0.97
 
 # Bounce of a gait without flights and with two beats, in leg lengths, and the part of it by which a
 # body is lowest where stances begin and end.
-BOUNCE, BOUNCE_AT_ENDS = 0.018, 0.85
+BOUNCE, UPRIGHT_BOUNCE, BOUNCE_AT_ENDS = 0.018, 0.024, 0.85
 
 # Least duty factor of a long stride, as a fraction of the law's. Where the law has no flights there
 # are none; the bounds of walks go over into those of runs between two duty factors.
@@ -213,7 +213,7 @@ class StridePlanner:
         """
         if self.build.family != "biped" or gait.beats != 2 or duty < MIN_GROUNDED_DUTY:
             return 0.0
-        bounce = grounded_bounce(gait, float(self.legs.lengths.mean()))
+        bounce = grounded_bounce(gait, self.legs)
         return BOUNCE_AT_ENDS * (bounce if self.walk.body_bob is None else self.walk.body_bob)
 
     def is_possible(self, name: str, gait: Gait, speed: float) -> bool:
@@ -233,12 +233,13 @@ class StridePlanner:
         return slow
 
 
-def grounded_bounce(gait: Gait, leg: float) -> float:
-    """Return the bounce of a gait without flights, of legs of a length [m].
+def grounded_bounce(gait: Gait, legs: LegLayout) -> float:
+    """Return the bounce of a gait without flights [m].
 
     The more beats, the smaller: the body is shaken no harder.
     """
-    return BOUNCE * leg * min((2.0 / gait.beats) ** 2, 1.0)
+    bounce = UPRIGHT_BOUNCE if len(legs.lengths) <= 2 else BOUNCE
+    return bounce * float(legs.lengths.mean()) * min((2.0 / gait.beats) ** 2, 1.0)
 
 
 def _share_of_run(duty: float) -> float:

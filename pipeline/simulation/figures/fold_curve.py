@@ -56,6 +56,9 @@ class Descent:
         longest: greatest turn of a joint in one step [rad or m].
         room: distance from a limit at which joints begin to slow down, in their range.
         every: steps from one end that is tried to the next.
+        less: by which limbs whose joints fold together may fold less, in lengths of the limb.
+        apart: difference between folds of joints from which on one begins to catch up with
+            another, as a part of the way to its limit.
     """
 
     steps: int = 80
@@ -63,6 +66,8 @@ class Descent:
     longest: float = 0.08
     room: float = 0.05
     every: int = 5
+    less: float = 0.03
+    apart: float = 0.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,15 +115,26 @@ def fold_curves(batch: LimbBatch, bending: NDArray[np.bool_]) -> list[Array]:
     """
     extended = np.where(bending, batch.extended, batch.preferred)
     extended = np.clip(extended, batch.lower, batch.upper)
-    ends = _descent(batch, bending)[:: DESCENT.every]
-    return [
-        _calmest(batch.rows(np.array([row])), extended[row], ends[:, row])
-        for row in range(len(extended))
-    ]
+    turns = _folds(batch, bending)
+    ends = [_descent(batch, bending, folds)[:: DESCENT.every] for folds in (turns, 0.0 * turns)]
+    curves = list[Array]()
+    for row in range(len(extended)):
+        limb = batch.rows(np.array([row]))
+        together, alone = (_calmest(limb, extended[row], own[:, row]) for own in ends)
+        # Limbs whose joints fold together must fold as far as others.
+        far = distances(limb, np.stack([together[-1], alone[-1]])) / limb.lengths[0]
+        curves.append(together if far[0] < far[1] + DESCENT.less else alone)
+    return curves
 
 
-def _descent(batch: LimbBatch, bending: NDArray[np.bool_]) -> Array:
-    """Return joint values (steps + 1, L, n) from rest down the gradient of the distance."""
+def _descent(batch: LimbBatch, bending: NDArray[np.bool_], folds: Array) -> Array:
+    """Return joint values (steps + 1, L, n) from rest down the gradient of the distance.
+
+    Args:
+        batch: limbs.
+        bending: (L, n) joints that change the distance.
+        folds: (L, n) turns from rest to the folds of joints that fold together, else zero.
+    """
     away = np.where(
         batch.upper - batch.extended >= batch.extended - batch.lower,
         batch.upper - batch.extended,
@@ -137,12 +153,45 @@ def _descent(batch: LimbBatch, bending: NDArray[np.bool_]) -> Array:
         way = -_without(slope, turned, np.ones_like(slope))
         free = _room(batch, q, way)
         way = -free * _without(slope, turned, free)
+        way = way + _catching_up(batch, q, folds, way, slope)
         fall = np.maximum(-(way * slope).sum(axis=1), 1e-12)
         step = way * (DESCENT.shortening * batch.lengths / fall)[:, None]
         largest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
         q = np.clip(q + step * np.minimum(1.0, DESCENT.longest / largest), batch.lower, batch.upper)
         found.append(q)
     return np.array(found)
+
+
+def _folds(batch: LimbBatch, bending: NDArray[np.bool_]) -> Array:
+    """Return the turns (L, n) from rest to the folds of the inner joints before the last.
+
+    Zero for other joints.
+    """
+    up, down = batch.upper - batch.preferred, batch.lower - batch.preferred
+    result = np.where(up >= -down, up, down) * bending
+    last = np.maximum(batch.is_joint.sum(axis=1) - 1, 0)
+    result[np.arange(len(result)), last] = 0.0
+    return result
+
+
+def _catching_up(batch: LimbBatch, q: Array, folds: Array, way: Array, slope: Array) -> Array:
+    """Return how far joints (L, n) turn besides in a step that folds less than others.
+
+    A joint on the line from base to tip has no leverage, and would stay straight: a horse's carpus.
+
+    Args:
+        batch: limbs.
+        q: (L, n) joint values.
+        folds: (L, n) see `_folds`.
+        way: (L, n) of the step, down the gradient.
+        slope: (L, n) of the distances.
+    """
+    room = np.maximum(np.abs(folds), 1e-9)
+    done = (q - batch.preferred) * np.sign(folds) / room
+    most = done.max(axis=1, keepdims=True)
+    behind = np.clip((most - done) / DESCENT.apart, 0.0, 1.0)
+    fastest = np.abs(way).max(axis=1, keepdims=True)
+    return np.sign(folds) * behind * fastest
 
 
 def _room(batch: LimbBatch, q: Array, way: Array) -> Array:

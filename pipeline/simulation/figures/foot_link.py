@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.bend_path import CELLS, BendPath
+from pipeline.simulation.figures.joint_limits import LEVEL
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, turn
 
@@ -57,9 +58,13 @@ class CalmFeet:
     Attributes:
         most: greatest rate while a foot turns as far as it may.
         turning: greatest rate while a foot turns as the tip goes round the base.
+        stretching: factor of both for nearly stretched legs with soles, which are on the ground or
+            near it and go slowly.
+        nearly: distances between which it begins to count, in lengths of the leg.
         roll: by which feet turn besides, per distance of the tip in leg lengths [rad].
         widening: changes of the range of a foot with the bend of two equal links, of which the one
             is taken that leaves most range about rest.
+        sole_widening: the same of feet that stand on their soles.
         near: distance from that at rest to which this counts, in lengths of the leg.
         folded: distance below which no one sees the difference and joints may be quicker, in
             lengths of the leg.
@@ -69,8 +74,11 @@ class CalmFeet:
 
     most: float = 1.9
     turning: float = 2.1
+    stretching: float = 1.5
+    nearly: tuple[float, float] = (0.8, 0.88)
     roll: float = 1.5
     widening: tuple[float, ...] = (2.0, 1.5, 1.0, 0.7)
+    sole_widening: tuple[float, ...] = (4.0, 3.0, 2.0, 1.5, 1.0, 0.7)
     near: float = 0.12
     folded: float = 0.3
     most_folded: float = 3.0
@@ -290,12 +298,17 @@ def _calm_range(
         / (leg.lengths[0] * needed)
     )
     level = np.hypot((by_distance - by_offset * turning) / needed, round_base)
-    scale = np.where(e < calm.folded, calm.most_folded / calm.most, 1.0)[:, None]
+    first, last = calm.nearly
+    stretched = ease(np.clip((e - first) / (last - first), 0.0, 1.0))
+    scale, widenings = np.ones_like(e), calm.widening
+    if abs(slopes(last_links(leg))[0]) < LEVEL:
+        scale, widenings = 1.0 + stretched * (calm.stretching - 1.0), calm.sole_widening
+    scale = np.where(e < calm.folded, calm.most_folded / calm.most, scale)[:, None]
     at_rest = leg.pose(leg.preferred).tips - leg.places[:, 0]
     near = np.exp(-(((e - np.linalg.norm(at_rest) / leg.lengths[0]) / calm.near) ** 2))
     best = np.zeros((2, len(e)))
     fold = np.arccos(np.minimum(distance / distance[0], 1.0))
-    for widening in calm.widening:
+    for widening in widenings:
         at_edge = np.abs(by_distance) / needed + 0.5 * widening * np.abs(by_offset)
         good = (at_edge < calm.most * scale) & (level < calm.turning * scale)
         good |= (e > calm.straight)[:, None] & np.isfinite(by_offset)

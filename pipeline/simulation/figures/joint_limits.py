@@ -33,7 +33,7 @@ steeply down."""
 STRAIGHT_LIMIT_DEG = 8.0
 """A joint drawn with a smaller bend counts as straight."""
 
-REST_BEND_DEG = {LEG: -14.0, ARM: 26.0}
+REST_BEND_DEG = {LEG: -18.0, ARM: 26.0}
 """Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
 
 LEVEL, SOLE_AHEAD = 0.6, 0.5

@@ -16,6 +16,7 @@ from pipeline.simulation.figures.foot_link import last_links, slopes
 from pipeline.simulation.figures.joint_limits import LEVEL
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
+from pipeline.simulation.figures.network import ARM
 from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
 from pipeline.simulation.locomotion.gaits.pace import Pace
@@ -37,7 +38,8 @@ class Herd:
         headings: (C,) at the start [rad].
         leg_layouts: legs of the creatures at rest.
         neutral_paces, paces: at the start, without and with their moods.
-        cycle, stride, body_height, bounciness, lateral_offset: (C,) of `paces`, see `Pace`.
+        cycle, stride, body_height, bounciness, lateral_offset, running: (C,) of `paces`, see
+            `Pace`.
         beats: (C,) different foot-down phases in a cycle.
         belly: (C,) depth of the bodies below their frames [m].
         walks: (C,) whether the creature walks at all.
@@ -61,6 +63,7 @@ class Herd:
     body_height: Array
     bounciness: Array
     lateral_offset: Array
+    running: Array
     beats: Array
     belly: Array
     walks: NDArray[np.bool_]
@@ -78,6 +81,13 @@ class Herd:
     def swings(self) -> Array:
         """(L,) fractions of a cycle that the feet are in the air."""
         return np.mod(self.down - self.up, 1.0)
+
+    @cached_property
+    def upright(self) -> NDArray[np.bool_]:
+        """(C,) which creatures walk on two legs and have arms, as people."""
+        two = np.bincount(self.owner, minlength=len(self.names)) == 2
+        limbs = (figure.skeleton.limbs for figure in self.figures)
+        return two & np.array([any(limb.kind == ARM for limb in own) for own in limbs], dtype=bool)
 
     @cached_property
     def first_leg(self) -> NDArray[np.int64]:
@@ -146,6 +156,7 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
             limbs.append((figure.skeleton, limb))
     legs = LimbBatch.of(limbs).slid_out()
     tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
+    radii = np.array([limb.tip_radius for _, limb in limbs])
     owners = np.array(owner, dtype=np.int64)
     layouts, neutral, paces = list[LegLayout](), list[Pace](), list[Pace]()
     refusals = Refusals()
@@ -155,7 +166,8 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         with refusals.gathered():
             held = [limbs[i][1] for i in np.flatnonzero(own & stiff)]
             refuse_stiff_legs(f"cast[{number}]", member, figure, held)
-        layouts.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own]))
+        ends = radii[own] if own.sum() <= 2 else np.zeros(int(own.sum()))
+        layouts.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own], ends))
         with refusals.gathered():
             neutral.append(choose_pace(f"cast[{number}].walk", member.walk, figure, layouts[-1]))
             effect = blend_moods(member.mood, moods)
@@ -177,6 +189,7 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         body_height=np.array([p.body_height for p in paces]),
         bounciness=np.array([p.bounciness for p in paces]),
         lateral_offset=np.array([p.lateral_offset for p in paces]),
+        running=np.array([p.running for p in paces]),
         beats=np.array([p.carrying.beats for p in paces], dtype=float),
         belly=np.array([figure.belly for _, _, figure in cast]),
         walks=np.array([member.walk is not None for _, member, _ in cast]),
@@ -188,5 +201,5 @@ def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str,
         up=np.concatenate([p.gait.up for p in paces]),
         down=np.concatenate([p.gait.down for p in paces]),
         step_height=np.array([paces[c].step_height for c in owner]),
-        foot_radius=np.array([limb.tip_radius for _, limb in limbs]),
+        foot_radius=radii,
     )

@@ -165,7 +165,18 @@ class PoseSolver:
         residual = np.where(jumps.down & ~feet.swinging, legs.residual, 0.0)
         routes, targets = [m.routes for m in moments], [m.look_targets for m in moments]
         q_free = self.free_limbs.values(
-            BodyMotion(times, distance, phase, speed_fraction, style, routes, targets, R_WB, p_WB)
+            BodyMotion(
+                times,
+                distance,
+                phase,
+                speed_fraction,
+                self._pace_values("running", phase),
+                style,
+                routes,
+                targets,
+                R_WB,
+                p_WB,
+            )
         )
         stride, cycle = (self._pace_values(name, phase) for name in ("stride", "cycle"))
         speed = stride / cycle * speed_fraction

@@ -10,6 +10,7 @@ import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import hop_phases, hop_simulation
+from pipeline.simulation.locomotion.pronking.hop_events import trip_on_wall
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
@@ -441,3 +442,22 @@ def test_landings_avoid_forbidden_zones(figure, x):
     assert any(n.kind == "misplaced" for n in heedless.take.notes)
     assert all(n.kind != "misplaced" for n in careful.take.notes)
     assert careful.states[0][-1].p[0] > -9.0 + 5.0
+
+
+@pytest.mark.parametrize("figure", ["spider", "kangaroo"])
+def test_feet_that_walls_catch_add_no_energy(figure: str) -> None:
+    one = hop_through(scene_of(member(figure, "{}"), duration=0.2)).troupe.simulations[0]
+    hopper, state = one.hopper, one.state
+
+    def kinetic_energy() -> float:
+        R, w = state.body(hopper).R, np.array(state.attitude[1])
+        spin = R.T @ w @ hopper.mass.inertia @ R.T @ w
+        return float(0.5 * hopper.mass.mass * state.v @ state.v + 0.5 * spin)
+
+    state.v, state.attitude = np.array([3.0, 1.0, -0.5]), (state.attitude[0], (0.5, -6.0, 2.0))
+    tips = state.body(hopper).to_world(state.swing.tips(state.time))
+    # Far out, as of legs that are stretched, where an impulse turns a body most.
+    tips = state.p + 2.0 * (tips - state.p)
+    before = kinetic_energy()
+    trip_on_wall(hopper, state, np.arange(len(tips)), tips, one.events)
+    assert 0.2 * before < kinetic_energy() < before

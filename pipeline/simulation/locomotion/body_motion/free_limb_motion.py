@@ -64,7 +64,7 @@ class FreeLimbMotion:
         """Return the values of the joints (n, M), for rows one after the other [rad or m]."""
         joints, necks = self.joints, self.necks
         wandering = joints.wandering(motion.time, motion.style)
-        wishes = joints.swaying(motion.phase, motion.speed_fraction, motion.style) + wandering
+        wishes = joints.swaying(motion) + wandering
         heads, is_joint = self._heads(motion, wandering), necks.joints.is_joint
         wishes[:, necks.numbers[is_joint]] = heads[:, is_joint]
         wishes += self.clearance.wishes(motion, wishes)

@@ -72,6 +72,7 @@ class BodyMotion:
         time: (n,) since the start [s].
         distance: (n, C) gone [m].
         phase, speed_fraction: (n, C) of the gaits.
+        running: (n, C) how far they are runs, 0 to 1.
         style: (n, C).
         routes: (n) lists of C, the same object until a route changes.
         look_targets: (n) ordered, by creature.
@@ -82,6 +83,7 @@ class BodyMotion:
     distance: Array
     phase: Array
     speed_fraction: Array
+    running: Array
     style: MotionStyle
     routes: Sequence[Sequence[Route]]
     look_targets: Sequence[Mapping[int, LookTarget]]

@@ -6,6 +6,7 @@ Free joints belong to no leg. Where heads look is decided by `gaze`, follow-thro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ from pipeline.simulation.locomotion.body_motion.follow_through import (
     SoftJointLimits,
     joint_turns,
 )
+from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
@@ -31,6 +33,10 @@ SWAY = {
     (ARM, "pitch"): (0.32, 1.0),
     (ARM, "bend"): (0.06, 1.0),
 }
+
+# How far the elbows of arms bend in a run, and how much farther the arms sway (Novacheck 1998)
+# [rad].
+RUNNING_BEND, RUNNING_SWAY = 1.0, 0.25
 
 # Idle motion: amplitude [rad]. Heads wander as a whole, in where they look.
 WANDER = {
@@ -62,6 +68,7 @@ class FreeJoints:
         wander, frequency, offset: amplitude [rad], frequency [1/s] and start phase [rad] of the
             idle motion.
         raises: whether they raise a tail.
+        elbow: way in which the elbows of arms bend, 0 for other joints.
     """
 
     tree: JointTree
@@ -77,6 +84,7 @@ class FreeJoints:
     frequency: Array
     offset: Array
     raises: NDArray[np.bool_]
+    elbow: Array
 
     @property
     def numbers(self) -> dict[tuple[int, int], int]:
@@ -84,18 +92,18 @@ class FreeJoints:
         pairs = zip(self.owner.tolist(), self.number.tolist(), strict=True)
         return {pair: i for i, pair in enumerate(pairs)}
 
-    def swaying(self, phase: Array, speed_fraction: Array, style: MotionStyle) -> Array:
-        """Return the sway of the joints (n, M), with what raises tails [rad].
+    def swaying(self, motion: BodyMotion) -> Array:
+        """Return the sway of the joints (n, M), with what raises tails and bends elbows [rad].
 
-        Args:
-            phase: (n, C) of the creatures' gaits.
-            speed_fraction: (n, C) a creature at rest does not sway.
-            style: (n, C).
+        A creature at rest does not sway.
         """
-        own = self.owner
-        strength = (style.sway * np.minimum(speed_fraction, 1.0))[:, own] * self.sway
-        result: Array = strength * np.sin(2.0 * np.pi * self.times * (phase[:, own] - self.lag))
-        result += self.raises * style.tail_raise[:, own]
+        own, style = self.owner, motion.style
+        part = np.minimum(motion.speed_fraction, 1.0)
+        runs = (part * motion.running)[:, own]
+        strength = (style.sway * part)[:, own] * self.sway * (1.0 + RUNNING_SWAY * runs)
+        turns = self.times * (motion.phase[:, own] - self.lag)
+        result: Array = strength * np.sin(2.0 * np.pi * turns)
+        result += self.raises * style.tail_raise[:, own] + RUNNING_BEND * runs * self.elbow
         return result
 
     def wandering(self, time: Array, style: MotionStyle) -> Array:
@@ -164,7 +172,18 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
         frequency=MIN_FREQUENCY + (MAX_FREQUENCY - MIN_FREQUENCY) * chance[:, 0],
         offset=2.0 * np.pi * chance[:, 1],
         raises=np.array([k == (TAIL, "pitch") for k in kinds], dtype=bool),
+        elbow=_elbows(limbs, collected("lower"), collected("preferred"), collected("upper")),
     )
+
+
+def _elbows(limbs: Sequence[FreeLimb], lower: Array, preferred: Array, upper: Array) -> Array:
+    """Return the way (M,) in which the first bend of each arm turns, 0 for other joints."""
+    result = np.zeros(len(preferred))
+    for limb in limbs:
+        if limb.kind == ARM and "bend" in limb.turns:
+            j = limb.joints[limb.turns.index("bend")]
+            result[j] = 1.0 if upper[j] - preferred[j] > preferred[j] - lower[j] else -1.0
+    return result
 
 
 def _lag(herd: Herd, c: int, limb: Limb) -> float:

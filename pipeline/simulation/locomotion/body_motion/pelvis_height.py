@@ -27,7 +27,7 @@ ROUNDING = 0.02
 
 # Part of a swing, at either end, in which bodies begin to give way to a foot; in between the foot
 # gives way to them. Bodies in flight are low for a touchdown as long before and after it.
-SUPPORT_FRACTION = 0.35
+SUPPORT_FRACTION = 0.25
 
 # Hip-to-foot distance at a contact, in leg lengths, from which on a leg may be stretched too far.
 NEARLY_STRETCHED = 0.85

@@ -23,10 +23,9 @@ STANCE_FRACTIONS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 # feet leave it at once, and one that rolls over its toe is farthest behind its hip before.
 LIFT_LAG, SOLE_LAG = 0.25, 0.12
 
-# How far behind their places at rest feet with soles stand under bodies that go, in the lengths of
-# the soles. The tip is at the toe, before the hip for most of a stance, and would be so far off at
-# the touchdown that the toe came down first.
-SOLE_BEHIND = 0.0
+# How far behind their places at rest feet with soles stand in a run, in the lengths of the soles:
+# a runner comes down nearer to the body than a walker.
+SOLE_BEHIND = 0.5
 
 MID_STANCE = len(STANCE_FRACTIONS) // 2
 
@@ -132,15 +131,15 @@ class StepBatch:
         """Return where the bodies are during the stances, if they go on as they go."""
         stance = self.stance[:, None]
         soles = trajectory.herd.soles[self.legs]
-        lag = np.where(soles > 0.0, SOLE_LAG, LIFT_LAG)
-        lag = lag * (1.0 - quickness(self.swing)) * self.swing
+        quick = quickness(self.swing)
+        lag = np.where(soles > 0.0, SOLE_LAG, LIFT_LAG) * (1.0 - quick) * self.swing
         end = stance + lag[:, None]
         parts = np.concatenate([stance * STANCE_FRACTIONS, end], axis=1)
         phases = (self.up + self.swing)[:, None] + parts
         R, p = self.body_poses(trajectory, np.concatenate([phases, self.up[:, None]], axis=1))
         middle = R[:, MID_STANCE], p[:, MID_STANCE]
         neutral = neutral_positions(trajectory, self.legs, phases[:, MID_STANCE], *middle)
-        behind = SOLE_BEHIND * soles * np.minimum(self.speed_fraction, 1.0)
+        behind = SOLE_BEHIND * quick * soles * np.minimum(self.speed_fraction, 1.0)
         neutral -= behind[:, None] * R[:, MID_STANCE][:, [0, 2], 0]
         return Stances(R[:, :-1], p[:, :-1], R[:, -1], p[:, -1], neutral)
 

@@ -21,6 +21,15 @@ from pipeline.spec.walk import GaitPhases
 # Difference between phases that count as one, as a fraction of the cycle.
 PHASE_TOLERANCE = 1e-6
 
+# Duty factors between which a walk goes over into a run.
+WALKING_DUTY, RUNNING_DUTY = 0.52, 0.45
+
+
+def share_of_run(duty: float) -> float:
+    """Return how far a duty factor is that of a run, 0 to 1."""
+    part = (WALKING_DUTY - duty) / (WALKING_DUTY - RUNNING_DUTY)
+    return min(max(part, 0.0), 1.0)
+
 
 @dataclass(frozen=True, eq=False)
 class Gait:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import cyclic
-from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
+from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait, share_of_run
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import Manner
 
@@ -61,6 +61,12 @@ class Pace:
     def carrying(self) -> Gait:
         """The gait of the legs that are not held up."""
         return Gait(self.gait.up[~self.held], self.gait.down[~self.held])
+
+    @cached_property
+    def running(self) -> float:
+        """How far it is a run, 0 to 1."""
+        duty = self.carrying.duty
+        return share_of_run(float(duty.mean())) if len(duty) and self.stride else 0.0
 
     @cached_property
     def first_down(self) -> float:

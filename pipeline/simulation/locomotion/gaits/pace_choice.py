@@ -20,7 +20,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits import scaling_laws
-from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
+from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait, share_of_run
 from pipeline.simulation.locomotion.gaits.named_gaits import (
     choose_gait,
     join_choices,
@@ -51,8 +51,9 @@ HEIGHTS, LEAST_CROUCH = 33, 0.75
 # Duration of a cycle of one that stands, in periods of a pendulum of its size, over 2π.
 PERIOD = 3.0
 
-# Default step height, in leg lengths.
-STEP_HEIGHT = 0.13
+# Default step height, and that of a walk on two legs, in leg lengths: people lift their toes by a
+# few centimetres (Winter 1992).
+STEP_HEIGHT, UPRIGHT_STEP_HEIGHT = 0.13, 0.085
 
 # Greatest bounce with flights, in leg lengths.
 MAX_FLIGHT_BOUNCE = 0.1
@@ -191,7 +192,7 @@ class PaceChoice:
         return self._pace(name, gait, tempo, height)
 
     def _pace(self, name: str, gait: Gait, tempo: tuple[float, float], height: float) -> Pace:
-        walk, leg = self.walk, float(self.legs.lengths.mean())
+        walk = self.walk
         cycle, stride = tempo
         flight = FlightBounce.of(gait) if stride else None
         bounce = _bounce(gait, flight, self.legs, cycle)
@@ -201,7 +202,7 @@ class PaceChoice:
             stride=stride,
             body_height=height,
             bounciness=bounce if walk.body_bob is None else walk.body_bob,
-            step_height=STEP_HEIGHT * leg if walk.step_height is None else walk.step_height,
+            step_height=self._step_height(gait) if walk.step_height is None else walk.step_height,
             longest=self.legs.longest_stride(gait, height),
             flight=flight,
             held=self.held,
@@ -210,6 +211,14 @@ class PaceChoice:
             hurried_speed=self._hurried_speed if stride else 0.0,
             gait_name=name,
         )
+
+    def _step_height(self, gait: Gait) -> float:
+        """Return the height of the swings over level ground [m]."""
+        fraction = STEP_HEIGHT
+        if len(self.legs.lengths) <= 2:
+            runs = share_of_run(float(gait.duty.mean()))
+            fraction = UPRIGHT_STEP_HEIGHT + runs * (STEP_HEIGHT - UPRIGHT_STEP_HEIGHT)
+        return fraction * float(self.legs.lengths.mean())
 
     # --- gait -------------------------------------------------------------------------
 
@@ -340,7 +349,9 @@ def _bounce(gait: Gait, flight: FlightBounce | None, legs: LegLayout, cycle: flo
     if flight is None:
         return grounded_bounce(gait, legs)
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
-    return min(flight.amplitude * GRAVITY * cycle * cycle, MAX_FLIGHT_BOUNCE * float(legs.lengths.mean()))
+    return min(
+        flight.amplitude * GRAVITY * cycle * cycle, MAX_FLIGHT_BOUNCE * float(legs.lengths.mean())
+    )
 
 
 def _legless_pace(where: str, walk: Manner | None, figure: Figure) -> Pace:

@@ -16,7 +16,7 @@ from pipeline.simulation.spatial import Array
 MAX_REACH = 0.97
 
 # Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
-PLANNED_REACH = 0.99 * MAX_REACH
+PLANNED_REACH = 0.98 * MAX_REACH
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,22 +26,26 @@ class LegLayout:
     Attributes:
         hips, feet: (n, 3) relative to the body [m].
         lengths: (n,) stretched out [m].
+        ends: (n,) how high the ends of the legs are over the ground, the centres of the feet [m].
+            Zero on more than two legs: what the feet add is needed where each stands at another
+            height.
     """
 
     hips: Array
     feet: Array
     lengths: Array
+    ends: Array
 
     def only(self, legs: Sequence[int], lateral_offset: float = 0.0) -> LegLayout:
         """Return some of the legs, their feet `lateral_offset` to the right [m]."""
         feet = self.feet[legs] + [0.0, 0.0, lateral_offset]
-        return LegLayout(self.hips[legs], feet, self.lengths[legs])
+        return LegLayout(self.hips[legs], feet, self.lengths[legs], self.ends[legs])
 
     def tallest(self) -> float:
         """Return the greatest body height from which all feet reach level ground [m]."""
         across = np.abs(self.feet[:, 2] - self.hips[:, 2])
         room = (MAX_REACH * self.lengths) ** 2 - across**2
-        return float((np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1]).min())
+        return float((np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1] + self.ends).min())
 
     def reach(self, height: float, stretch: float = MAX_REACH) -> float:
         """Return the longest way that all feet can stand through [m].
@@ -51,7 +55,7 @@ class LegLayout:
             stretch: greatest of a leg, in its length.
         """
         across = np.abs(self.feet[:, 2] - self.hips[:, 2])
-        drop = height + self.hips[:, 1]
+        drop = height + self.hips[:, 1] - self.ends
         room = (stretch * self.lengths) ** 2 - drop**2 - across**2
         # Half of the ground covered in stance lies before the foot at rest, half behind it.
         forward = np.sqrt(np.maximum(room, 0.0)) - np.abs(self.feet[:, 0] - self.hips[:, 0])

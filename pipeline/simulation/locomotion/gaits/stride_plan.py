@@ -16,10 +16,10 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits import scaling_laws
-from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.gait import WALKING_DUTY, Gait, share_of_run
 from pipeline.simulation.locomotion.gaits.pace import MIN_CYCLE
 from pipeline.simulation.locomotion.gaits.scaling_laws import Build, Style
-from pipeline.simulation.locomotion.gaits.stride_limits import PLANNED_REACH, LegLayout
+from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.spec.walk import Manner
 
 
@@ -31,8 +31,9 @@ class BodyHeights:
         lowest: over level ground, in depths of the belly.
         run, walk, stand: greatest height running, walking and standing, as fractions of the
             tallest that the legs reach: straight legs have no room for a stride.
-        running_crouch, walking_crouch, upright_crouch: least height to which a long stride lowers a
-            body that runs, that walks, and that walks on two legs, as fractions of its own.
+        running_crouch, walking_crouch: least height to which a long stride lowers a body that runs
+            and that walks, as fractions of its own.
+        upright_running_crouch, upright_crouch: the same on two legs.
     """
 
     lowest: float = 1.25
@@ -41,6 +42,7 @@ class BodyHeights:
     stand: float = 0.99
     running_crouch: float = 0.86
     walking_crouch: float = 0.97
+    upright_running_crouch: float = 0.93
     upright_crouch: float = 0.975
 
 
@@ -50,8 +52,9 @@ BODY_HEIGHTS = BodyHeights()
 # all while the body speeds up, need the rest of their reach. Sprawling legs need more of it.
 STRIDE_OF_LONGEST, SPRAWLING_STRIDE_OF_LONGEST = 0.9, 0.75
 
-# The same of two legs, as a fraction of the longest that is planned.
-PLANNED_STRIDE = 0.97
+# The same of two legs, as a fraction of the longest with legs that are extended so far, as a
+# fraction of their length.
+PLANNED_STRIDE, UPRIGHT_REACH = 0.97, 0.96
 
 # Bounce of a gait without flights and with two beats, in leg lengths, and the part of it by which a
 # body is lowest where stances begin and end.
@@ -59,7 +62,7 @@ BOUNCE, UPRIGHT_BOUNCE, BOUNCE_AT_ENDS = 0.018, 0.024, 0.85
 
 # Least duty factor of a long stride, as a fraction of the law's. Where the law has no flights there
 # are none; the bounds of walks go over into those of runs between two duty factors.
-SHORTENED_STANCE, MIN_GROUNDED_DUTY, RUNNING_DUTY = 0.75, 0.52, 0.45
+SHORTENED_STANCE, MIN_GROUNDED_DUTY = 0.75, WALKING_DUTY
 
 # Gaits that keep their own duty factor, which belongs to the turns that feet take, or to the one
 # leg that always leads.
@@ -136,7 +139,7 @@ class StridePlanner:
     def rest_height(self) -> float:
         """Height of the body as drawn, its belly off the ground [m]."""
         lowest = BODY_HEIGHTS.lowest * self.belly
-        return max(-float(self.legs.feet[:, 1].mean()), lowest)
+        return max(float((self.legs.ends - self.legs.feet[:, 1]).mean()), lowest)
 
     def heights(self, duty: float) -> tuple[float, float]:
         """Return the least and the greatest height of the body with a duty factor [m].
@@ -145,7 +148,7 @@ class StridePlanner:
             SceneError: the legs do not reach the ground from the author's.
         """
         tallest, given = self.legs.tallest(), self.walk.body_height
-        runs = _share_of_run(duty)
+        runs = share_of_run(duty)
         heights = BODY_HEIGHTS
         fraction = heights.walk + runs * (heights.run - heights.walk)
         high = min(self.rest_height, fraction * tallest) if given is None else given
@@ -157,7 +160,8 @@ class StridePlanner:
             return given, given
         upright = self.build.family == "biped"
         walking = heights.upright_crouch if upright else heights.walking_crouch
-        crouch = walking + runs * (heights.running_crouch - walking)
+        running = heights.upright_running_crouch if upright else heights.running_crouch
+        crouch = walking + runs * (running - walking)
         belly = min(BODY_HEIGHTS.lowest * self.belly, high)
         return max(crouch * high, belly), high
 
@@ -165,7 +169,7 @@ class StridePlanner:
         """Return the least duty factor of a long stride whose law has `duty`."""
         if duty >= MIN_GROUNDED_DUTY:
             return max(SHORTENED_STANCE * duty, MIN_GROUNDED_DUTY)
-        shortened = 1.0 - _share_of_run(duty) * (1.0 - SHORTENED_STANCE)
+        shortened = 1.0 - share_of_run(duty) * (1.0 - SHORTENED_STANCE)
         return min(max(shortened * duty, scaling_laws.MIN_DUTY), duty)
 
     def _duties(self, name: str, gait: Gait, speed: float, style: Style) -> tuple[float, float]:
@@ -203,7 +207,7 @@ class StridePlanner:
         usual = STRIDE_OF_LONGEST * self.legs.reach(height)
         if self.build.family == "biped":
             # Nearly straight legs: more would lower the body at each step.
-            usual = min(usual, PLANNED_STRIDE * self.legs.reach(height, PLANNED_REACH))
+            usual = min(usual, PLANNED_STRIDE * self.legs.reach(height, UPRIGHT_REACH))
         return usual
 
     def _dip(self, gait: Gait, duty: float) -> float:
@@ -240,12 +244,6 @@ def grounded_bounce(gait: Gait, legs: LegLayout) -> float:
     """
     bounce = UPRIGHT_BOUNCE if len(legs.lengths) <= 2 else BOUNCE
     return bounce * float(legs.lengths.mean()) * min((2.0 / gait.beats) ** 2, 1.0)
-
-
-def _share_of_run(duty: float) -> float:
-    """Return how far a duty factor is that of a run, 0 to 1."""
-    part = (MIN_GROUNDED_DUTY - duty) / (MIN_GROUNDED_DUTY - RUNNING_DUTY)
-    return min(max(part, 0.0), 1.0)
 
 
 def build_of(figure: Figure, legs: LegLayout) -> Build:

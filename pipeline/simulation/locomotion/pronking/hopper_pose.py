@@ -120,6 +120,7 @@ class HopperPoser:
                 zeros,
                 zeros,
                 zeros,
+                zeros,
                 MotionStyle.stacked([self.style] * n),
                 [self._routes] * n,
                 [snapshot.looks for snapshot in snapshots],

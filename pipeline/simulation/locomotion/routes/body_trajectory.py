@@ -52,6 +52,9 @@ BANK_FRACTION, MAX_BANK = 0.6, math.radians(14.0)
 # Greatest pitch that a motion style holds [rad].
 MAX_STYLE_PITCH = math.radians(15.0)
 
+# Lean of people that run, from the hips up (Novacheck 1998) [rad].
+RUNNING_LEAN = math.radians(7.0)
+
 
 @dataclass(frozen=True, eq=False)
 class RouteSet:
@@ -165,6 +168,8 @@ class BodyTrajectory:
         """Return pitch and roll (N,) of bodies by gait and motion style [rad]."""
         pitch, roll = self.trunks.at(phase, creature)
         part = np.minimum(speed_fraction, 1.0)
+        lean = RUNNING_LEAN * self.herd.upright[creature]
+        pitch = pitch - lean * self.paces.value("running", creature, phase)
         held = self.style.body_pitch[creature] if style_pitch is None else style_pitch
         return part * pitch + MAX_STYLE_PITCH * bounded(held / MAX_STYLE_PITCH), part * roll
 

@@ -57,6 +57,8 @@ class Descent:
         room: distance from a limit at which joints begin to slow down, in their range.
         every: steps from one end that is tried to the next.
         less: by which limbs whose joints fold together may fold less, in lengths of the limb.
+        idle: part of the fold of another joint, each as a part of the way to its limit, below which
+            a joint is left out.
         apart: difference between folds of joints from which on one begins to catch up with
             another, as a part of the way to its limit.
     """
@@ -67,6 +69,7 @@ class Descent:
     room: float = 0.05
     every: int = 5
     less: float = 0.03
+    idle: float = 0.25
     apart: float = 0.3
 
 
@@ -123,8 +126,18 @@ def fold_curves(batch: LimbBatch, bending: NDArray[np.bool_]) -> list[Array]:
         together, alone = (_calmest(limb, extended[row], own[:, row]) for own in ends)
         # Limbs whose joints fold together must fold as far as others.
         far = distances(limb, np.stack([together[-1], alone[-1]])) / limb.lengths[0]
-        curves.append(together if far[0] < far[1] + DESCENT.less else alone)
+        leaves_out = _has_idle_joint(turns[row], alone[-1] - limb.preferred[0])
+        curves.append(together if leaves_out and far[0] < far[1] + DESCENT.less else alone)
     return curves
+
+
+def _has_idle_joint(folds: Array, turned: Array) -> bool:
+    """Return whether one of the joints with folds (n,) hardly turned (n,) towards its own."""
+    folding = folds != 0.0
+    if folding.sum() < 2:
+        return False
+    done = turned[folding] / folds[folding]
+    return bool(done.min() < DESCENT.idle * done.max())
 
 
 def _descent(batch: LimbBatch, bending: NDArray[np.bool_], folds: Array) -> Array:

@@ -215,7 +215,7 @@ class PaceChoice:
     def _step_height(self, gait: Gait) -> float:
         """Return the height of the swings over level ground [m]."""
         fraction = STEP_HEIGHT
-        if len(self.legs.lengths) <= 2:
+        if len(self.legs.lengths) == 2:
             runs = share_of_run(float(gait.duty.mean()))
             fraction = UPRIGHT_STEP_HEIGHT + runs * (STEP_HEIGHT - UPRIGHT_STEP_HEIGHT)
         return fraction * float(self.legs.lengths.mean())

@@ -63,6 +63,7 @@ def scenery_meshes(
     wind: tuple[float, float],
     seed: int,
     detail: float,
+    also: Sequence[Placed] = (),
 ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
     """Return the plants and stones that the cameras of a film see, still and trodden ones.
 
@@ -75,6 +76,7 @@ def scenery_meshes(
         wind: near the ground, along x and z [m/s].
         seed: of the scene.
         detail: 1 for frames 1280 pixels wide.
+        also: what stands there besides.
 
     Raises:
         TooManyTriangles: the densities that the author asks for take too much memory.
@@ -83,7 +85,7 @@ def scenery_meshes(
     fitted = [placement.placed(one) for one in scatter.fitted]
     asked = [placement.placed(one) for one in scatter.asked]
     most = round(scatter.factor * budget(detail, view.path_length))
-    every = [*thinned(fitted, most, detail), *asked]
+    every = [*thinned(fitted, most, detail), *asked, *also]
     _check_size(every, detail)
     still, trodden = split_trodden(every, treads, detail)
     return meshes(still, detail, wind), TroddenCover.of(trodden, treads, wind, detail)

@@ -1,0 +1,147 @@
+"""Edging: floor, apron and border of a scene, put together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.production.edging.apron import Apron
+from pipeline.production.edging.border import Border
+from pipeline.production.edging.edging_choice import EdgingChoice
+from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
+from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.edging.joint_growth import grow_in_joints
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.expansion import gathered_meshes
+from pipeline.production.scenery.film_view import FilmView
+from pipeline.production.scenery.placement import Placed
+from pipeline.production.surroundings.land import Land
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import TerrainRecord
+from render.config import MATERIALS, Material
+from render.shot import Mesh
+
+BUILT = ("oak", "walnut", "iron", "dark soil", "white painted metal")
+"""Materials of what is built along floors."""
+
+WEATHERED = Material.model_validate(
+    {"color": "#8d8272", "color2": "#6f6456", "roughness": 0.85, "texture": "wood",
+     "texture_scale": 0.5, "bump": 0.8}
+)
+"""Of boards that have stood in the rain for years."""
+
+MATERIALS_OF_EDGING: Mapping[str, Material] = {
+    **{f"edging {name}": MATERIALS[name] for name in BUILT},
+    "edging weathered": WEATHERED,
+}
+
+TREES = {"forest": "birch", "hills": "oak", "plain": "oak", "mountains": "spruce", "sea": "birch"}
+"""Trees in a row, by surroundings."""
+
+
+@dataclass(frozen=True, eq=False)
+class Edging:
+    """How a floor ends.
+
+    Attributes:
+        floor: mesh that takes the place of the terrain, None where all of that is seen.
+        apron: around it, None where all of the terrain is seen.
+        border: what stands along it.
+    """
+
+    floor: Mesh | None
+    apron: Apron | None
+    border: Border
+
+    @staticmethod
+    def of(
+        choice: EdgingChoice,
+        terrain: TerrainRecord,
+        land: Land,
+        clearings: Clearings | None,
+        view: FilmView,
+        seed: int,
+        detail: float,
+        material: str,
+    ) -> Edging:
+        """Return the edging of a floor.
+
+        Args:
+            choice: of the scene.
+            terrain: of the take.
+            land: around it.
+            clearings: of the cast.
+            view: of the film.
+            seed: of the scene.
+            detail: 1 for frames 1280 pixels wide.
+            material: of the floor, by name.
+        """
+        is_paved = choice.floor == "paving"
+        plan = FloorPlan.of(terrain, clearings, choice.piece, seed, is_broken=is_paved)
+        if plan is None:
+            corners = terrain.vertices[:, [0, 2]]
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            border = Border(low, high, lambda p: land.height(*p.T), view, clearings, seed, detail)
+            _stand(border, choice, land, 1.1, None)
+            return Edging(None, None, border)
+        apron = Apron(plan, is_paved, seed)
+
+        def height(places: Array) -> Array:
+            inside = (places > plan.ground[0]).all(axis=1) & (places < plan.ground[1]).all(axis=1)
+            return np.where(inside, apron.height(places), land.height(*places.T))
+
+        border = Border(plan.low, plan.high, height, view, clearings, seed, detail)
+        if is_paved:
+            grow_in_joints(border, plan)
+        _stand(border, choice, land, 0.55, None if is_paved else plan.height)
+        floor = paving_mesh(plan, material, seed) if is_paved else deck_mesh(plan, material)
+        return Edging(floor, apron, border)
+
+    @property
+    def placed(self) -> tuple[Placed, ...]:
+        """Plants of the edging."""
+        return tuple(self.border.placed)
+
+    def meshes(self) -> tuple[Mesh, ...]:
+        """Return what is built, and hedges."""
+        border = self.border
+        copies = [(one, "scenery stone") for one in border.stones]
+        copies += [(one, "scenery solid") for one in border.leaves]
+        grown = tuple(
+            replace(mesh, name=mesh.name.replace("scenery", "edging"))
+            for mesh in (gathered_meshes(copies)[0] if copies else ())
+        )
+        return (*grown, *border.carpentry.meshes())
+
+
+def _stand(
+    border: Border, choice: EdgingChoice, land: Land, out: float, deck: float | None
+) -> None:
+    """Let things stand along a floor.
+
+    Args:
+        border: to which they are added.
+        choice: of the scene.
+        land: around.
+        out: distance from the floor [m].
+        deck: height of a floor of boards, None for another.
+    """
+    if deck is not None:
+        border.rim("edging weathered", deck)
+    if choice.along == "overgrown":
+        return
+    level = deck if deck is not None else land.level
+    if choice.along == "hedge":
+        border.benches(-0.55 if deck is None else -0.7, 6.5)
+        border.hedge(out + 0.6, 1.05)
+    elif choice.along == "wall":
+        border.wall(out + 0.5, 0.75)
+    elif choice.along == "railing":
+        border.railing(level, "edging white painted metal")
+    elif choice.along == "planters":
+        border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
+        border.hedge(out + 1.5, 0.9)
+    if land.kind in TREES and choice.along != "railing":
+        border.trees(TREES[land.kind], out + 4.2, 5.5, 0.8)

@@ -1,0 +1,95 @@
+"""Masonry and hedges: stones of dry walls and lengths of clipped hedge, as shapes to be copied."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from pipeline.production.scenery.prototype import (
+    Prototype,
+    Shape,
+    add_leaves,
+    mixed,
+    random_directions,
+    unit,
+)
+from pipeline.production.scenery.stones import icosphere, rough, surface_normals
+from pipeline.production.surroundings.lattice_noise import smoothstep
+from pipeline.simulation.spatial import Array
+
+SQUARENESS = 4.2
+"""Exponent of the superquadric of a stone: 2 is a sphere, infinite a box."""
+
+GREY, BROWN, LICHEN = (0.24, 0.225, 0.20), (0.21, 0.17, 0.125), (0.20, 0.21, 0.12)
+
+LEAF, YOUNG, WOOD = (0.040, 0.074, 0.018), (0.125, 0.185, 0.045), (0.030, 0.034, 0.016)
+
+HEDGE_LENGTH, HEDGE_HEIGHT, HEDGE_DEPTH = 1.0, 1.0, 0.62
+"""Of one length of hedge at scale 1 [m]."""
+
+HEDGE_LEAVES = ((1500, 0.055), (620, 0.085), (230, 0.14))
+"""Number and length [m] of the leaves by level of detail."""
+
+
+@lru_cache(maxsize=64)
+def wall_stone(seed: int, halvings: int) -> Prototype:
+    """Return a rough-hewn stone of unit length, height and depth around the origin."""
+    rng = np.random.default_rng([seed, 431])
+    vertices, faces = icosphere(halvings)
+    radius = (np.abs(vertices) ** SQUARENESS).sum(axis=1) ** (-1.0 / SQUARENESS)
+    vertices = 0.5 * vertices * radius[:, None]
+    for _ in range(5):
+        normal = unit(rng.normal(size=3))
+        beyond = vertices @ normal - rng.uniform(0.46, 0.6)
+        vertices = vertices - np.maximum(beyond, 0.0)[:, None] * normal
+    vertices = vertices * (1.0 + 0.07 * rough(4.0 * vertices, seed, 3))[:, None]
+    normals = surface_normals(vertices, faces)
+    base = mixed(GREY, BROWN, np.full(len(vertices), rng.uniform(0.0, 1.0)))
+    color = base * (1.0 + 0.35 * rough(5.0 * vertices, seed + 5))[:, None]
+    growth = smoothstep(0.1, 0.5, rough(3.0 * vertices, seed + 9)) * smoothstep(
+        0.1, 0.7, normals[:, 1]
+    )
+    color = mixed(color, LICHEN, 0.7 * growth)
+    shape = Shape()
+    shape.add(vertices, normals, color, faces, thin=False)
+    return shape.prototype()
+
+
+@lru_cache(maxsize=16)
+def hedge_length(seed: int, level: int) -> Prototype:
+    """Return a length of hedge, clipped some weeks ago, along x from its middle."""
+    rng, shape = np.random.default_rng([seed, 433, level]), Shape()
+    count, size = HEDGE_LEAVES[min(level, len(HEDGE_LEAVES) - 1)]
+    half = 0.5 * np.array([HEDGE_LENGTH, HEDGE_HEIGHT, HEDGE_DEPTH])
+    # A dark body, through which nobody sees.
+    vertices, faces = icosphere(1)
+    body = np.sign(vertices) * np.abs(vertices) ** 0.4 * half * [1.08, 0.9, 0.82]
+    shape.add(body + [0, half[1], 0], vertices, np.asarray(WOOD), faces, thin=False)
+    side = rng.choice(3, count, p=[0.36, 0.32, 0.32])
+    place = rng.uniform(-1.0, 1.0, (count, 3))
+    place[side == 0, 1] = 1.0
+    place[side == 1, 2] = 1.0
+    place[side == 2, 2] = -1.0
+    out = np.zeros((count, 3))
+    out[side == 0, 1] = 1.0
+    out[side == 1, 2] = 1.0
+    out[side == 2, 2] = -1.0
+    # Shoulders are round, the foot is narrower, and shoots stand out.
+    shoulder = np.abs(place[:, 1:]).min(axis=1, keepdims=True) ** 6
+    place[:, 1:] *= 1.0 - 0.12 * shoulder
+    place[:, 2] *= 0.86 + 0.14 * smoothstep(-1.0, 0.0, place[:, 1])
+    depth = rng.uniform(-0.16, 0.05, (count, 1)) + 0.1 * (rng.uniform(size=(count, 1)) < 0.06)
+    uneven = 0.05 * rough(1.7 * place * half + 10.0 * seed, seed, 2)[:, None]
+    base = place * half + (depth + uneven) * out + [0.0, half[1], 0.0]
+    way = 0.7 * out + 0.75 * random_directions(rng, count) + [0.0, 0.25, 0.0]
+    lit = smoothstep(-0.15, 0.06, depth[:, 0]) * (0.55 + 0.45 * (place[:, 1] * 0.5 + 0.5))
+    color = mixed(LEAF, YOUNG, lit) * rng.uniform(0.75, 1.25, (count, 1))
+    normals: Array = unit(out + 0.55 * random_directions(rng, count) + [0.0, 0.2, 0.0])
+    lengths = size * rng.uniform(0.7, 1.2, count)
+    face = 0.6 * out + random_directions(rng, count)
+    add_leaves(
+        *(shape, base, way, face, lengths, 0.55 * lengths, color, normals),
+        triangles=2 if level == 0 else 1,
+    )
+    return shape.prototype()

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
 
@@ -17,6 +18,9 @@ SUNK, TILT, SHIFT, TURN = 0.028, 0.018, 0.02, 0.022
 
 THICK = 0.11
 """Depth to which sides of slabs and of a deck go [m]."""
+
+EARTH, MOSS, MOST_DIRT = (0.075, 0.058, 0.038), (0.052, 0.062, 0.022), 0.62
+"""Linear colours of what soils the border of paving, and its greatest share."""
 
 CHIPPED = 0.22
 """Share of the corners of loose slabs that are broken off."""
@@ -51,7 +55,19 @@ def paving_mesh(plan: FloorPlan, material: str, seed: int) -> Mesh:
         material,
         uv=points[:, [0, 2]],
         smooth=False,
+        cover=_dirt(plan, points, seed),
     )
+
+
+def _dirt(plan: FloorPlan, points: NDArray[np.float32], seed: int) -> NDArray[np.float32]:
+    """Return what covers slabs: earth and moss that come in from the border (V, 4)."""
+    places = points[:, [0, 2]].astype(float)
+    inward = -plan.beyond(places)
+    value = 0.5 + 0.7 * fractal(places / 2.6, seed + 471, 3)
+    share = MOST_DIRT * np.clip(value, 0.0, 1.2) * (1.0 - smoothstep(0.2, 3.2, inward))
+    green = smoothstep(-0.3, 0.4, fractal(places / 3.7, seed + 472, 3))[:, None]
+    color = np.array(EARTH) + green * (np.array(MOSS) - np.array(EARTH))
+    return np.column_stack([color, share]).astype(np.float32)
 
 
 def deck_mesh(plan: FloorPlan, material: str) -> Mesh:

@@ -18,10 +18,10 @@ from pipeline.production.scenery.stones import icosphere, rough, surface_normals
 from pipeline.production.surroundings.lattice_noise import smoothstep
 from pipeline.simulation.spatial import Array
 
-SQUARENESS = 4.2
+SQUARENESS = 7.0
 """Exponent of the superquadric of a stone: 2 is a sphere, infinite a box."""
 
-GREY, BROWN, LICHEN = (0.24, 0.225, 0.20), (0.21, 0.17, 0.125), (0.20, 0.21, 0.12)
+GREY, BROWN, LICHEN = (0.23, 0.222, 0.205), (0.20, 0.178, 0.145), (0.20, 0.215, 0.13)
 
 LEAF, YOUNG, WOOD = (0.040, 0.074, 0.018), (0.125, 0.185, 0.045), (0.030, 0.034, 0.016)
 
@@ -39,9 +39,9 @@ def wall_stone(seed: int, halvings: int) -> Prototype:
     vertices, faces = icosphere(halvings)
     radius = (np.abs(vertices) ** SQUARENESS).sum(axis=1) ** (-1.0 / SQUARENESS)
     vertices = 0.5 * vertices * radius[:, None]
-    for _ in range(5):
+    for _ in range(7):
         normal = unit(rng.normal(size=3))
-        beyond = vertices @ normal - rng.uniform(0.46, 0.6)
+        beyond = vertices @ normal - rng.uniform(0.5, 0.66)
         vertices = vertices - np.maximum(beyond, 0.0)[:, None] * normal
     vertices = vertices * (1.0 + 0.07 * rough(4.0 * vertices, seed, 3))[:, None]
     normals = surface_normals(vertices, faces)

@@ -66,6 +66,7 @@ class Border:
         clearings: of the cast.
         seed: of the scene.
         detail: 1 for frames 1280 pixels wide.
+        sun: unit vector towards it, None without one.
         carpentry: of wood and iron.
         stones: copies of stone.
         leaves: copies of hedges.
@@ -79,6 +80,7 @@ class Border:
     clearings: Clearings | None
     seed: int
     detail: float
+    sun: tuple[float, float, float] | None = None
     carpentry: Carpentry = field(default_factory=Carpentry)
     stones: list[Copies] = field(default_factory=list)
     leaves: list[Copies] = field(default_factory=list)
@@ -155,7 +157,7 @@ class Border:
         courses = max(round(tall / 0.15), 1)
         for course in range(courses):
             top = course == courses - 1
-            rows = self.rows(out, 0.34 if not top else 0.42, tall, 0.35)
+            rows = self.rows(out, (0.31, 0.38, 0.27, 0.34)[course % 4] if not top else 0.44, tall, 0.35)
             n = len(rows.places)
             along = np.stack([np.cos(rows.heading), -np.sin(rows.heading)], axis=-1)
             slid = rng.uniform(-0.1, 0.1, (n, 1))
@@ -165,15 +167,15 @@ class Border:
             stands = course < courses - 1 - np.clip(worn - 0.9, 0.0, 1.0) * 2.2
             places.append(at[stands])
             heights.append(np.full(stands.sum(), (course + 0.45) * tall / courses))
-            lengths.append(rng.uniform(0.28, 0.47, stands.sum()))
+            lengths.append(rng.uniform(0.24, 0.5, stands.sum()))
             headings.append((rows.heading + rng.normal(0, 0.07, n))[stands])
             depths.append(np.full(stands.sum(), 0.46 - 0.14 * course / courses))
         place = np.concatenate(places)
         if not len(place):
             return
         points = self.points(place)
-        points[:, 1] += np.concatenate(heights) + rng.normal(0, 0.008, len(points)) - 0.03
-        high = tall / courses * rng.uniform(1.0, 1.3, len(points))
+        points[:, 1] += np.concatenate(heights) + rng.normal(0, 0.018, len(points)) - 0.03
+        high = tall / courses * rng.uniform(0.85, 1.55, len(points))
         scales = np.stack([np.concatenate(lengths), high, np.concatenate(depths)], axis=-1)
         self.add_stones(points, scales, np.concatenate(headings), rng)
 
@@ -306,16 +308,54 @@ class Border:
             self.carpentry.add("edging iron", foot + 0.24 * back + [0, 0.42, 0], (0.05, 0.88, 0.05), heading)
             self.carpentry.add("edging iron", foot + 0.05 * back + [0, 0.42, 0], (0.05, 0.04, 0.42), heading)
 
-    def trees(self, kind: str, out: float, spacing: float, size: float) -> None:
-        """Add a row of trees, none quite like the next."""
-        rng = np.random.default_rng([self.seed, 455])
+    def trees(self, kinds: tuple[str, ...], out: float, spacing: float, size: float) -> None:
+        """Add a row of trees, none quite like the next, in whose shade the cast does not stand.
+
+        Args:
+            kinds: species, the first most often.
+            out: distance from the floor [m].
+            spacing: from one to the next, on average [m].
+            size: factor on their sizes.
+        """
+        rng = np.random.default_rng([self.seed, 455, round(10 * out)])
         rows = self.rows(out, spacing, 8.0 * size, 1.2)
         n = len(rows.places)
-        places = rows.places + rng.normal(0.0, 0.07 * spacing, (n, 2))
-        places = places[rng.uniform(size=n) < 0.88]
-        places = places[self.is_free(places, 8.0 * size, 1.2)]
-        if len(places):
-            self.add_plants(kind, self.points(places) - [0, 0.05, 0], size, rng)
+        along = np.stack([np.cos(rows.heading), -np.sin(rows.heading)], axis=-1)
+        places = rows.places + rng.uniform(-0.33, 0.33, (n, 1)) * spacing * along
+        places += rng.uniform(-0.7, 2.2, (n, 1)) * rows.outward
+        kind = np.minimum(rng.geometric(0.62, n) - 1, len(kinds) - 1)
+        kept = (rng.uniform(size=n) < 0.82) & self.is_free(places, 8.0 * size, 1.2)
+        kept &= ~self.shades_the_cast(places, 8.5 * size, 2.6 * size)
+        for k, name in enumerate(kinds):
+            some = places[kept & (kind == k)]
+            if len(some):
+                self.add_plants(name, self.points(some) - [0, 0.05, 0], size, rng)
+
+    def shades_the_cast(self, places: Array, tall: float, radius: float) -> NDArray[np.bool_]:
+        """Return which trees at places (N, 2) would shade where the cast is."""
+        if self.sun is None or self.sun[1] <= 0.02 or self.clearings is None:
+            return np.zeros(len(places), bool)
+        low, high = self.clearings.extent
+        slope = np.array([self.sun[0], self.sun[2]]) / self.sun[1]
+        ground = places[:, None] - np.linspace(0.2, 1.0, 14)[:, None] * tall * slope
+        beyond = np.hypot(*np.moveaxis(np.maximum(np.maximum(low - ground, ground - high), 0), -1, 0))
+        return np.asarray((beyond < radius).any(axis=1))
+
+    def undergrowth(self, out: float, kinds: tuple[tuple[str, float, float], ...]) -> None:
+        """Add plants in a ragged strip.
+
+        Args:
+            out: distance of its middle from the floor [m].
+            kinds: species, with the distance from one to the next [m] and factors on their sizes.
+        """
+        for k, (kind, spacing, size) in enumerate(kinds):
+            rng = np.random.default_rng([self.seed, 456, k, round(10 * out)])
+            rows = self.rows(out, spacing, 0.6 * size, 0.3)
+            n = len(rows.places)
+            places = rows.places + rng.normal(0, 0.22, (n, 1)) * rows.outward
+            places = places[rng.uniform(size=n) < 0.7 + 0.3 * np.sin(places.sum(axis=1) * 0.7)]
+            if len(places):
+                self.add_plants(kind, self.points(places), size, rng)
 
     def add_plants(self, kind: str, points: Array, size: float, rng: np.random.Generator) -> None:
         """Add plants of a species at points (N, 3)."""

@@ -37,8 +37,18 @@ MATERIALS_OF_EDGING: Mapping[str, Material] = {
     "edging weathered": WEATHERED,
 }
 
-TREES = {"forest": "birch", "hills": "oak", "plain": "oak", "mountains": "spruce", "sea": "birch"}
+TREES: Mapping[str, tuple[str, ...]] = {
+    "forest": ("birch", "oak", "spruce"),
+    "hills": ("oak", "birch"),
+    "plain": ("birch", "oak"),
+    "mountains": ("spruce", "birch"),
+}
 """Trees in a row, by surroundings."""
+
+FOOT_OF_WALL = (("tall grass", 0.5, 0.8), ("fern", 1.6, 0.8), ("buttercup", 0.9, 1.0))
+
+BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
+"""What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +75,7 @@ class Edging:
         seed: int,
         detail: float,
         material: str,
+        sun: tuple[float, float, float] | None = None,
     ) -> Edging:
         """Return the edging of a floor.
 
@@ -77,13 +88,14 @@ class Edging:
             seed: of the scene.
             detail: 1 for frames 1280 pixels wide.
             material: of the floor, by name.
+            sun: unit vector towards it, None without one.
         """
         is_paved = choice.floor == "paving"
         plan = FloorPlan.of(terrain, clearings, choice.piece, seed, is_broken=is_paved)
         if plan is None:
             corners = terrain.vertices[:, [0, 2]]
             low, high = corners.min(axis=0), corners.max(axis=0)
-            border = Border(low, high, lambda p: land.height(*p.T), view, clearings, seed, detail)
+            border = Border(low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun)
             _stand(border, choice, land, 1.1, None)
             return Edging(None, None, border)
         apron = Apron(plan, is_paved, seed)
@@ -92,7 +104,7 @@ class Edging:
             inside = (places > plan.ground[0]).all(axis=1) & (places < plan.ground[1]).all(axis=1)
             return np.where(inside, apron.height(places), land.height(*places.T))
 
-        border = Border(plan.low, plan.high, height, view, clearings, seed, detail)
+        border = Border(plan.low, plan.high, height, view, clearings, seed, detail, sun)
         if is_paved:
             grow_in_joints(border, plan)
         _stand(border, choice, land, 0.55, None if is_paved else plan.height)
@@ -136,12 +148,18 @@ def _stand(
     if choice.along == "hedge":
         border.benches(-0.55 if deck is None else -0.7, 6.5)
         border.hedge(out + 0.6, 1.05)
+        border.undergrowth(out + 0.15, FOOT_OF_WALL)
+        border.undergrowth(out + 2.0, BEHIND)
     elif choice.along == "wall":
         border.wall(out + 0.5, 0.75)
+        border.undergrowth(out + 0.1, FOOT_OF_WALL)
+        border.undergrowth(out + 1.5, BEHIND)
     elif choice.along == "railing":
         border.railing(level, "edging white painted metal")
     elif choice.along == "planters":
         border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
         border.hedge(out + 1.5, 0.9)
+        border.undergrowth(out + 2.6, BEHIND)
     if land.kind in TREES and choice.along != "railing":
-        border.trees(TREES[land.kind], out + 4.2, 5.5, 0.8)
+        border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
+        border.trees(TREES[land.kind], out + 9.5, 6.5, 1.0)

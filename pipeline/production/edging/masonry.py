@@ -23,7 +23,7 @@ SQUARENESS = 7.0
 
 GREY, BROWN, LICHEN = (0.23, 0.222, 0.205), (0.20, 0.178, 0.145), (0.20, 0.215, 0.13)
 
-LEAF, YOUNG, WOOD = (0.040, 0.074, 0.018), (0.125, 0.185, 0.045), (0.030, 0.034, 0.016)
+LEAF, YOUNG, WOOD = (0.075, 0.118, 0.032), (0.170, 0.235, 0.065), (0.050, 0.058, 0.026)
 
 HEDGE_LENGTH, HEDGE_HEIGHT, HEDGE_DEPTH = 1.0, 1.0, 0.62
 """Of one length of hedge at scale 1 [m]."""

@@ -51,6 +51,7 @@ from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material, Water
 from render.development import Tone
+from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
 
@@ -266,9 +267,10 @@ class ShotBuilder:
         if self._edging is None:
             return None
         detail = scenery_detail(self.film.size[0])
+        sun = None if self.light.sun is None else sun_direction(self.light.sun)
         return Edging.of(
             *(self._edging, self.take.terrain, self._land, self.tracks.clearings, view),
-            *(self._scene.seed, detail, self._terrain.material),
+            *(self._scene.seed, detail, self._terrain.material, sun),
         )
 
     def _scenery(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.production.edging import room
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.edging_choice import EdgingChoice
@@ -23,8 +24,14 @@ from pipeline.simulation.take import TerrainRecord
 from render.config import MATERIALS, Material
 from render.shot import Mesh
 
-BUILT = ("oak", "walnut", "iron", "dark soil", "white painted metal")
+BUILT = ("iron", "dark soil", *room.BUILT)
 """Materials of what is built along floors."""
+
+WALL = Material.model_validate(
+    {"color": "#c9c3a4", "color2": "#c3bc9b", "roughness": 0.95, "texture": "plaster",
+     "texture_scale": 1.0, "bump": 0.6}
+)
+"""Of the walls of rooms."""
 
 WEATHERED = Material.model_validate(
     {"color": "#8d8272", "color2": "#6f6456", "roughness": 0.85, "texture": "wood",
@@ -35,6 +42,7 @@ WEATHERED = Material.model_validate(
 MATERIALS_OF_EDGING: Mapping[str, Material] = {
     **{f"edging {name}": MATERIALS[name] for name in BUILT},
     "edging weathered": WEATHERED,
+    "edging wall": WALL,
 }
 
 TREES: Mapping[str, tuple[str, ...]] = {
@@ -91,20 +99,29 @@ class Edging:
             sun: unit vector towards it, None without one.
         """
         is_paved = choice.floor == "paving"
-        plan = FloorPlan.of(terrain, clearings, choice.piece, seed, is_broken=is_paved)
+        is_room = choice.along == "room"
+        eyes = view.eyes[:, [0, 2]] if is_room else None
+        plan = FloorPlan.of(
+            *(terrain, clearings, choice.piece, seed),
+            is_broken=is_paved and not is_room,
+            around=eyes,
+        )
         if plan is None:
             corners = terrain.vertices[:, [0, 2]]
             low, high = corners.min(axis=0), corners.max(axis=0)
             border = Border(low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun)
             _stand(border, choice, land, 1.1, None)
             return Edging(None, None, border)
-        apron = Apron(plan, is_paved, seed)
+        apron = Apron(plan, is_paved and not is_room, seed)
 
         def height(places: Array) -> Array:
             inside = (places > plan.ground[0]).all(axis=1) & (places < plan.ground[1]).all(axis=1)
             return np.where(inside, apron.height(places), land.height(*places.T))
 
         border = Border(plan.low, plan.high, height, view, clearings, seed, detail, sun)
+        if is_room:
+            room.Room(plan, border).build()
+            return Edging(deck_mesh(plan, material), apron, border)
         if is_paved:
             grow_in_joints(border, plan)
         _stand(border, choice, land, 0.55, None if is_paved else plan.height)

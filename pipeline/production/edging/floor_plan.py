@@ -17,6 +17,9 @@ MARGIN, MARGIN_OF_EXTENT = 1.9, 0.2
 
 LEAST_MARGIN, MOST_MARGIN = 2.5, 5.0
 
+IN_ROOM, BEHIND_CAMERA = 1.7, 0.6
+"""Floor of a room around cast and cameras [m]."""
+
 NEAR = 0.9
 """Distance from the cast within which the floor is whole [m]."""
 
@@ -59,6 +62,7 @@ class FloorPlan:
         seed: int,
         *,
         is_broken: bool,
+        around: Array | None = None,
     ) -> FloorPlan | None:
         """Return the plan of a level floor along the axes of the world, None of any other.
 
@@ -68,6 +72,7 @@ class FloorPlan:
             piece: side of a slab [m].
             seed: of the scene.
             is_broken: whether slabs at the border are missing.
+            around: (N, 2) places that a room must have in it, None out of doors.
         """
         flat, height = terrain.vertices[:, [0, 2]], terrain.vertices[:, 1]
         first = flat[1] - flat[0]
@@ -78,6 +83,14 @@ class FloorPlan:
         margin = np.clip(
             MARGIN + MARGIN_OF_EXTENT * (used[1] - used[0]).max(), LEAST_MARGIN, MOST_MARGIN
         )
+        if around is not None:
+            used = np.array(
+                [
+                    np.minimum(used[0] - IN_ROOM, around.min(axis=0) - BEHIND_CAMERA),
+                    np.maximum(used[1] + IN_ROOM, around.max(axis=0) + BEHIND_CAMERA),
+                ]
+            )
+            margin = 0.0
         # Whole pieces, within the terrain.
         first_piece = np.maximum(
             np.floor((used[0] - margin) / piece), np.ceil(ground[0] / piece - 1e-6)

@@ -24,8 +24,8 @@ SEA_BELOW = 0.35
 """Depth of the sea below the lowest point of the terrain [m]."""
 
 
-NEARER_SEA = 2.4
-"""How much nearer the sea is to a floor than to other ground."""
+NEARER_SEA, SHORE_REACH = 1.4, 90.0
+"""How much nearer the sea is to a floor than to other ground, and within which distance [m]."""
 
 
 class Land:
@@ -102,7 +102,7 @@ class Land:
         near = self._near(places, out) / (1.0 + (out / FADE) ** 2)
         if self.is_platform and self.kind == "sea":
             # A terrace stands at the shore.
-            places, out = NEARER_SEA * places, NEARER_SEA * out
+            out = out * (1.0 + NEARER_SEA * np.exp(-((out / SHORE_REACH) ** 2)))
         return self.level + near + LANDFORMS[self.kind](places, out, self.seed)
 
     def _near(self, places: Array, out: Array) -> Array:

@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.masonry import hedge_length, wall_stone
+from pipeline.production.edging.masonry import hedge_length, lantern, wall_stone
+from pipeline.production.edging.palms import palm
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.placement import Placed
+from pipeline.production.scenery.prototype import Shape, add_tubes
 from pipeline.simulation.spatial import Array
 
 Height = Callable[[Array], Array]
@@ -29,8 +31,8 @@ FOREGROUND = 0.92
 CLEAR = 0.5
 """Distance from the cast, besides its own radius [m]."""
 
-Line = tuple[Array, Array]
-"""Ends (2,) of a side of the floor, in the world."""
+LANTERN_COLORS = ((0.80, 0.22, 0.08), (0.85, 0.52, 0.12), (0.82, 0.72, 0.50), (0.70, 0.12, 0.10))
+"""Linear colours of paper lanterns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,14 +217,15 @@ class Border:
     def rim(self, material: str, level: float) -> None:
         """Add a beam around a deck, a little over its boards, and a skirt below it."""
         rows = self.rows(0.06, 1.6, 0.1, 0.1)
-        spans = self._spans(rows, 1.6)
+        spans = self._spans(rows, 1.6, 0.06)
         points = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
         sizes = np.column_stack([spans - 0.004, np.full(len(spans), 0.16), np.full(len(spans), 0.12)])
         self.carpentry.add(material, points - [0.0, 0.03, 0.0], sizes, rows.heading)
 
-    def _spans(self, rows: Rows, spacing: float) -> Array:
-        """Return the distance (N,) from one place to the next along each side."""
+    def _spans(self, rows: Rows, spacing: float, out: float) -> Array:
+        """Return the distance (N,) from one place of `rows` to the next along each side."""
         sides = np.array([*(self.high - self.low), *(self.high - self.low)])[rows.number]
+        sides = sides + 2.0 * out
         return np.asarray(sides / np.maximum(np.rint(sides / spacing), 1.0))
 
     def railing(self, level: float, material: str) -> None:
@@ -230,7 +233,7 @@ class Border:
         rows = self.rows(-0.12, 1.5, 1.0, 0.12)
         if not len(rows.places):
             return
-        spans = self._spans(rows, 1.5)
+        spans = self._spans(rows, 1.5, -0.12)
         base = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
         along = np.stack(
             [np.cos(rows.heading), np.zeros(len(base)), -np.sin(rows.heading)], axis=-1
@@ -242,6 +245,64 @@ class Border:
         for up, high, deep in ((0.96, 0.045, 0.11), (0.66, 0.05, 0.03), (0.36, 0.05, 0.03)):
             sizes = np.column_stack([spans, np.full(len(spans), high), np.full(len(spans), deep)])
             self.carpentry.add(material, base + [0.0, up, 0.0], sizes, rows.heading)
+
+    def festoon(self, level: float, spacing: float) -> None:
+        """Add poles along a railing with cords between them, on which paper lanterns hang."""
+        rng = np.random.default_rng([self.seed, 457])
+        rows = self.rows(-0.12, spacing, 2.6, 0.2)
+        if not len(rows.places):
+            return
+        spans = self._spans(rows, spacing, -0.12)[:, None, None]
+        base = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
+        along = np.stack(
+            [np.cos(rows.heading), np.zeros(len(base)), -np.sin(rows.heading)], axis=-1
+        )
+        t = np.linspace(-0.5, 0.5, 13)[:, None]
+        sag = np.concatenate([0.0 * t, 2.5 - 0.42 * (1.0 - 4.0 * t**2), 0.0 * t], axis=1)
+        cords = base[:, None] + spans * t * along[:, None] + sag
+        shape = Shape()
+        add_tubes(
+            *(shape, cords[:, :-1].reshape(-1, 3), cords[:, 1:].reshape(-1, 3)),
+            *(np.full(12 * len(base), 0.008), np.full(12 * len(base), 0.008)),
+            *(np.tile([0.05, 0.04, 0.03], (12 * len(base), 1)), 4),
+        )
+        feet = (cords[:, [0, -1]] * [1.0, 0.0, 1.0] + [0.0, level, 0.0]).reshape(-1, 3)
+        count = len(feet)
+        add_tubes(
+            *(shape, feet, feet + [0.0, 2.58, 0.0], np.full(count, 0.035), np.full(count, 0.025)),
+            *(np.tile([0.16, 0.11, 0.07], (count, 1)), 7),
+        )
+        one, here = np.ones((1, 3)), np.zeros((1, 3))
+        self.leaves.append(Copies(shape.prototype(), here, np.eye(3)[None], one, one))
+        for k in (2, 5, 8, 11):
+            points = cords[:, k] - [0.0, 0.15, 0.0]
+            tints = np.array(LANTERN_COLORS)[rng.integers(0, len(LANTERN_COLORS), len(points))]
+            size = rng.uniform(0.22, 0.3, (len(points), 1)) * [1.0, 0.85, 1.0]
+            self.leaves.append(Copies(lantern(), points, _turns(rows.heading), size, tints))
+
+    def palms(self, out: float, spacing: float) -> None:
+        """Add palms."""
+        rng = np.random.default_rng([self.seed, 458])
+        rows = self.rows(out, spacing, 7.0, 1.3)
+        n = len(rows.places)
+        places = rows.places + rng.normal(0.0, 1.3, (n, 2))
+        kept = self.is_free(places, 7.0, 1.3) & ~self.shades_the_cast(places, 7.5, 2.2)
+        places = places[kept & (rng.uniform(size=n) < 0.8)]
+        if not len(places):
+            return
+        points = self.points(places) - [0.0, 0.1, 0.0]
+        level = (self.view.distances(points) / self.detail > 22.0).astype(int)
+        variant = rng.integers(0, 4, len(points))
+        scales = rng.uniform(0.6, 1.15, (len(points), 1)) * np.ones(3)
+        turns = _turns(rng.uniform(0, 2 * np.pi, len(points)))
+        tints = rng.uniform(0.85, 1.15, (len(points), 1)) * np.ones(3)
+        for k in (0, 1):
+            for v in range(4):
+                some = (level == k) & (variant == v)
+                if some.any():
+                    self.leaves.append(
+                        Copies(palm(v, k), points[some], turns[some], scales[some], tints[some])
+                    )
 
     def planters(self, out: float, spacing: float, material: str, level: float) -> None:
         """Add boxes of boards with bushes and flowers."""

@@ -39,10 +39,17 @@ WEATHERED = Material.model_validate(
 )
 """Of boards that have stood in the rain for years."""
 
+LINEN = Material.model_validate(
+    {"color": "#eadfca", "roughness": 0.95, "translucency": 0.4, "texture": "weave",
+     "texture_scale": 0.22, "bump": 0.6}
+)
+"""Of curtains."""
+
 MATERIALS_OF_EDGING: Mapping[str, Material] = {
     **{f"edging {name}": MATERIALS[name] for name in BUILT},
     "edging weathered": WEATHERED,
     "edging wall": WALL,
+    "edging linen": LINEN,
 }
 
 TREES: Mapping[str, tuple[str, ...]] = {
@@ -54,6 +61,8 @@ TREES: Mapping[str, tuple[str, ...]] = {
 """Trees in a row, by surroundings."""
 
 FOOT_OF_WALL = (("tall grass", 0.5, 0.8), ("fern", 1.6, 0.8), ("buttercup", 0.9, 1.0))
+
+SHORE = (("beach grass", 0.9, 0.8), ("beach grass", 2.1, 1.1), ("stone", 2.4, 1.2))
 
 BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
 """What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
@@ -173,6 +182,10 @@ def _stand(
         border.undergrowth(out + 1.5, BEHIND)
     elif choice.along == "railing":
         border.railing(level, "edging white painted metal")
+        if land.kind == "sea":
+            border.festoon(level, 3.4)
+            border.palms(out + 2.6, 4.6)
+            border.undergrowth(out + 0.6, SHORE)
     elif choice.along == "planters":
         border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
         border.hedge(out + 1.5, 0.9)

@@ -93,3 +93,13 @@ def hedge_length(seed: int, level: int) -> Prototype:
         triangles=2 if level == 0 else 1,
     )
     return shape.prototype()
+
+
+@lru_cache(maxsize=1)
+def lantern() -> Prototype:
+    """Return a white paper lantern of unit width around the origin, with ribs."""
+    vertices, faces = icosphere(2)
+    ribbed = 0.5 * vertices * (1.0 + 0.03 * np.cos(26.0 * vertices[:, 1:2]))
+    shape = Shape()
+    shape.add(ribbed, vertices, np.ones(3) * 0.9, faces, thin=True)
+    return shape.prototype()

@@ -31,6 +31,11 @@ TOYS = ("red plastic", "blue plastic", "yellow plastic", "pine", "green painted 
 RUG = ("red cloth", "white cloth", "blue cloth")
 """Materials of the bands of a rug, from its border to its middle."""
 
+MOTIF = 0.46
+"""Distance between the motifs of a rug, about [m]."""
+
+MOTIF_CLOTHS = (("red cloth", "yellow cloth"), ("white cloth", "leather"), ("blue cloth", "red cloth"))
+
 RUG_HEIGHT = 0.0025
 """Height of a rug over the floor: what stands on it sinks in as far [m]."""
 
@@ -144,7 +149,7 @@ class Room:
     ) -> None:
         """Add curtains that are drawn aside, in folds."""
         del outward
-        cloth = "yellow cloth"
+        cloth = "linen"
         for side in (-1, 1):
             for fold in range(6):
                 along = side * (WIDE / 2 + 0.16 - 0.055 * fold)
@@ -172,6 +177,22 @@ class Room:
             size = 2.0 * (half - (0.0, 0.16, 0.3)[k])
             center = [middle[0], self.plan.height + RUG_HEIGHT * (k + 1) / 3 - 0.005, middle[1]]
             self._carpentry.add(f"edging {cloth}", center, (size[0], 0.01, size[1]))
+        self._motifs(middle, half - 0.42)
+
+    def _motifs(self, middle: Array, half: Array) -> None:
+        """Add diamonds within diamonds to the field of the rug."""
+        counts = np.maximum((2.0 * half / MOTIF).astype(int), 1)
+        step = 2.0 * half / counts
+        i, j = (a.ravel() for a in np.meshgrid(*(np.arange(n) for n in counts)))
+        spots = middle - half + step * (np.stack([i, j], axis=-1) + 0.5)
+        for k, size in enumerate((0.62, 0.42, 0.2)):
+            up = self.plan.height + RUG_HEIGHT + 0.0003 * (k + 1) - 0.005
+            for number, cloth in enumerate(MOTIF_CLOTHS[k]):
+                some = spots[(i + j) % len(MOTIF_CLOTHS[k]) == number]
+                if len(some):
+                    centers = np.stack([some[:, 0], np.full(len(some), up), some[:, 1]], axis=-1)
+                    wide = size * step.min() / np.sqrt(2.0)
+                    self._carpentry.add(f"edging {cloth}", centers, (wide, 0.01, wide), np.pi / 4)
 
     def _shelf(
         self, place: Array, heading: float, outward: Array, rng: np.random.Generator

@@ -73,7 +73,7 @@ class Denoiser:
         Args:
             layers: of one frame.
             mode: quality.
-            has_soft_lights: whether shadows are so soft for the number of samples that they are noisy.
+            has_soft_lights: whether shadows are so soft, for the samples, that they are noisy.
 
         Raises:
             DenoiseError: the denoiser is missing or failed.

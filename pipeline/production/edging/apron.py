@@ -53,7 +53,9 @@ class Apron:
         over = smoothstep(-1.7 * plan.piece, 0.25 * plan.piece, ragged)
         rough = 0.035 * fractal(places / 0.6, self.seed + 33, 3)
         near = plan.height - BELOW + over * (BELOW - 0.002 + rough)
-        near = np.minimum(near, plan.height - BELOW * (1.0 - smoothstep(0.4, 1.0, plan.free(places))))
+        near = np.minimum(
+            near, plan.height - BELOW * (1.0 - smoothstep(0.4, 1.0, plan.free(places)))
+        )
         inner = near + (far - near) * smoothstep(0.2, 3.0, out)
         # Where the floor reaches the edge of the terrain, the land begins below it.
         return np.asarray(level + (inner - level) * smoothstep(0.0, 0.6, edge))

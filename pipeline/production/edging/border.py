@@ -19,7 +19,7 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.placement import Placed
-from pipeline.production.scenery.prototype import Shape, add_tubes
+from pipeline.production.scenery.prototype import UP, Shape, add_tubes
 from pipeline.simulation.spatial import Array
 
 Height = Callable[[Array], Array]
@@ -155,11 +155,19 @@ class Border:
     def wall(self, out: float, tall: float) -> None:
         """Add a dry-stone wall, lower here and there."""
         rng = np.random.default_rng([self.seed, 452])
+        core = self.rows(out, 0.6, tall, 0.35)
+        if len(core.places):
+            # Small stones fill the inside, so that nobody sees through.
+            sizes = np.tile([0.8, 0.6 * tall, 0.24], (len(core.places), 1))
+            middles = self.points(core.places) + 0.26 * tall * UP
+            self.add_stones(middles, sizes, core.heading, rng, light=0.45)
         places, heights, lengths, headings, depths = [], [], [], [], []
         courses = max(round(tall / 0.15), 1)
         for course in range(courses):
             top = course == courses - 1
-            rows = self.rows(out, (0.31, 0.38, 0.27, 0.34)[course % 4] if not top else 0.44, tall, 0.35)
+            rows = self.rows(
+                out, (0.31, 0.38, 0.27, 0.34)[course % 4] if not top else 0.44, tall, 0.35
+            )
             n = len(rows.places)
             along = np.stack([np.cos(rows.heading), -np.sin(rows.heading)], axis=-1)
             slid = rng.uniform(-0.1, 0.1, (n, 1))
@@ -195,13 +203,18 @@ class Border:
         self.add_stones(points, scales, rows.heading + rng.normal(0, 0.04, n), rng)
 
     def add_stones(
-        self, points: Array, scales: Array, heading: Array, rng: np.random.Generator
+        self,
+        points: Array,
+        scales: Array,
+        heading: Array,
+        rng: np.random.Generator,
+        light: float = 1.0,
     ) -> None:
-        """Add stones by their middles (N, 3), sizes (N, 3) and headings (N,)."""
+        """Add stones by their middles (N, 3), sizes (N, 3), headings (N,) and their lightness."""
         far = self.view.distances(points) / self.detail
         halvings = np.where(far < 6.0, 3, np.where(far < 16.0, 2, 1))
         variant = rng.integers(0, 7, len(points))
-        tints = rng.uniform(0.72, 1.2, (len(points), 1)) * rng.normal(1.0, 0.03, (len(points), 3))
+        tints = rng.uniform(0.72, 1.2, (len(points), 1)) * rng.normal(light, 0.03, (len(points), 3))
         turned = heading + np.pi * rng.integers(0, 2, len(points))
         for k in np.unique(halvings):
             for v in range(7):
@@ -218,8 +231,12 @@ class Border:
         """Add a beam around a deck, a little over its boards, and a skirt below it."""
         rows = self.rows(0.06, 1.6, 0.1, 0.1)
         spans = self._spans(rows, 1.6, 0.06)
-        points = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
-        sizes = np.column_stack([spans - 0.004, np.full(len(spans), 0.16), np.full(len(spans), 0.12)])
+        points = np.stack(
+            [rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1
+        )
+        sizes = np.column_stack(
+            [spans - 0.004, np.full(len(spans), 0.16), np.full(len(spans), 0.12)]
+        )
         self.carpentry.add(material, points - [0.0, 0.03, 0.0], sizes, rows.heading)
 
     def _spans(self, rows: Rows, spacing: float, out: float) -> Array:
@@ -234,17 +251,19 @@ class Border:
         if not len(rows.places):
             return
         spans = self._spans(rows, 1.5, -0.12)
-        base = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
+        base = np.stack(
+            [rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1
+        )
         along = np.stack(
             [np.cos(rows.heading), np.zeros(len(base)), -np.sin(rows.heading)], axis=-1
         )
         for side in (-0.5, 0.5):
             posts = base + side * spans[:, None] * along + [0.0, 0.5, 0.0]
             self.carpentry.add(material, posts, (0.085, 1.02, 0.085), rows.heading)
-            self.carpentry.add(material, posts + [0, 0.525, 0], (0.12, 0.03, 0.12), rows.heading)
+            self.carpentry.add(material, posts + 0.525 * UP, (0.12, 0.03, 0.12), rows.heading)
         for up, high, deep in ((0.96, 0.045, 0.11), (0.66, 0.05, 0.03), (0.36, 0.05, 0.03)):
             sizes = np.column_stack([spans, np.full(len(spans), high), np.full(len(spans), deep)])
-            self.carpentry.add(material, base + [0.0, up, 0.0], sizes, rows.heading)
+            self.carpentry.add(material, base + up * UP, sizes, rows.heading)
 
     def festoon(self, level: float, spacing: float) -> None:
         """Add poles along a railing with cords between them, on which paper lanterns hang."""
@@ -253,7 +272,9 @@ class Border:
         if not len(rows.places):
             return
         spans = self._spans(rows, spacing, -0.12)[:, None, None]
-        base = np.stack([rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1)
+        base = np.stack(
+            [rows.places[:, 0], np.full(len(rows.places), level), rows.places[:, 1]], -1
+        )
         along = np.stack(
             [np.cos(rows.heading), np.zeros(len(base)), -np.sin(rows.heading)], axis=-1
         )
@@ -269,7 +290,7 @@ class Border:
         feet = (cords[:, [0, -1]] * [1.0, 0.0, 1.0] + [0.0, level, 0.0]).reshape(-1, 3)
         count = len(feet)
         add_tubes(
-            *(shape, feet, feet + [0.0, 2.58, 0.0], np.full(count, 0.035), np.full(count, 0.025)),
+            *(shape, feet, feet + 2.58 * UP, np.full(count, 0.035), np.full(count, 0.025)),
             *(np.tile([0.16, 0.11, 0.07], (count, 1)), 7),
         )
         one, here = np.ones((1, 3)), np.zeros((1, 3))
@@ -314,7 +335,12 @@ class Border:
         base = np.stack([rows.places[:, 0], np.full(n, level), rows.places[:, 1]], -1)
         long, deep, tall = 1.05, 0.46, 0.42
         self._box_of_boards(material, base, rows.heading, (long, tall, deep))
-        self.carpentry.add("edging dark soil", base + [0, tall - 0.06, 0], (long - 0.08, 0.06, deep - 0.08), rows.heading)
+        self.carpentry.add(
+            "edging dark soil",
+            base + (tall - 0.06) * UP,
+            (long - 0.08, 0.06, deep - 0.08),
+            rows.heading,
+        )
         along = np.stack([np.cos(rows.heading), np.zeros(n), -np.sin(rows.heading)], axis=-1)
         for side in (-0.3, 0.02, 0.31):
             foot = base + side * along * rng.uniform(0.8, 1.2, (n, 1)) + [0.0, tall - 0.12, 0.0]
@@ -365,9 +391,15 @@ class Border:
             self.carpentry.add("edging weathered", slat, (1.6, 0.09, 0.028), heading)
         for side in (-0.62, 0.62):
             foot = base + side * along
-            self.carpentry.add("edging iron", foot - 0.14 * back + [0, 0.21, 0], (0.05, 0.46, 0.05), heading)
-            self.carpentry.add("edging iron", foot + 0.24 * back + [0, 0.42, 0], (0.05, 0.88, 0.05), heading)
-            self.carpentry.add("edging iron", foot + 0.05 * back + [0, 0.42, 0], (0.05, 0.04, 0.42), heading)
+            self.carpentry.add(
+                "edging iron", foot - 0.14 * back + [0, 0.21, 0], (0.05, 0.46, 0.05), heading
+            )
+            self.carpentry.add(
+                "edging iron", foot + 0.24 * back + [0, 0.42, 0], (0.05, 0.88, 0.05), heading
+            )
+            self.carpentry.add(
+                "edging iron", foot + 0.05 * back + [0, 0.42, 0], (0.05, 0.04, 0.42), heading
+            )
 
     def trees(self, kinds: tuple[str, ...], out: float, spacing: float, size: float) -> None:
         """Add a row of trees, none quite like the next, in whose shade the cast does not stand.
@@ -399,7 +431,9 @@ class Border:
         low, high = self.clearings.extent
         slope = np.array([self.sun[0], self.sun[2]]) / self.sun[1]
         ground = places[:, None] - np.linspace(0.2, 1.0, 14)[:, None] * tall * slope
-        beyond = np.hypot(*np.moveaxis(np.maximum(np.maximum(low - ground, ground - high), 0), -1, 0))
+        beyond = np.hypot(
+            *np.moveaxis(np.maximum(np.maximum(low - ground, ground - high), 0), -1, 0)
+        )
         return np.asarray((beyond < radius).any(axis=1))
 
     def undergrowth(self, out: float, kinds: tuple[tuple[str, float, float], ...]) -> None:

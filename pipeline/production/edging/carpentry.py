@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.spatial import Array
 from render.shot import Mesh
 
-_CORNERS = np.array(
-    [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
-)
+_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _SIDES = np.array(
     [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 )
@@ -27,7 +25,11 @@ class Carpentry:
         self._boxes: dict[str, list[tuple[Array, Array]]] = {}
 
     def add(
-        self, material: str, centers: Array, sizes: Array | tuple[float, ...], heading: Array | float = 0.0,
+        self,
+        material: str,
+        centers: Array,
+        sizes: Array | tuple[float, ...],
+        heading: Array | float = 0.0,
         lean: float = 0.0,
     ) -> None:
         """Add boxes.
@@ -64,9 +66,7 @@ class Carpentry:
         return tuple(self._mesh(material) for material in self.materials)
 
     def _mesh(self, material: str) -> Mesh:
-        world, rest = (
-            np.concatenate([box[k] for box in self._boxes[material]]) for k in (0, 1)
-        )
+        world, rest = (np.concatenate([box[k] for box in self._boxes[material]]) for k in (0, 1))
         rest = rest + PATTERN_STEP * np.arange(len(rest))[:, None, None]
         # Each side has corners of its own, because its edges are sharp.
         points = world[:, _SIDES].reshape(-1, 3).astype(np.float32)

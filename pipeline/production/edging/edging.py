@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.production.edging import room
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.edging_choice import EdgingChoice
-from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
+from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.scenery.clearings import Clearings
@@ -28,20 +29,38 @@ BUILT = ("iron", "dark soil", *room.BUILT)
 """Materials of what is built along floors."""
 
 WALL = Material.model_validate(
-    {"color": "#c9c3a4", "color2": "#c3bc9b", "roughness": 0.95, "texture": "plaster",
-     "texture_scale": 1.0, "bump": 0.6}
+    {
+        "color": "#c9c3a4",
+        "color2": "#c3bc9b",
+        "roughness": 0.95,
+        "texture": "plaster",
+        "texture_scale": 1.0,
+        "bump": 0.6,
+    }
 )
 """Of the walls of rooms."""
 
 WEATHERED = Material.model_validate(
-    {"color": "#8d8272", "color2": "#6f6456", "roughness": 0.85, "texture": "wood",
-     "texture_scale": 0.5, "bump": 0.8}
+    {
+        "color": "#8d8272",
+        "color2": "#6f6456",
+        "roughness": 0.85,
+        "texture": "wood",
+        "texture_scale": 0.5,
+        "bump": 0.8,
+    }
 )
 """Of boards that have stood in the rain for years."""
 
 LINEN = Material.model_validate(
-    {"color": "#eadfca", "roughness": 0.95, "translucency": 0.4, "texture": "weave",
-     "texture_scale": 0.22, "bump": 0.6}
+    {
+        "color": "#eadfca",
+        "roughness": 0.95,
+        "translucency": 0.4,
+        "texture": "weave",
+        "texture_scale": 0.22,
+        "bump": 0.6,
+    }
 )
 """Of curtains."""
 
@@ -76,11 +95,13 @@ class Edging:
         floor: mesh that takes the place of the terrain, None where all of that is seen.
         apron: around it, None where all of the terrain is seen.
         border: what stands along it.
+        cover: (V, 4) of the terrain's vertices, what soils it, where all of that is seen.
     """
 
     floor: Mesh | None
     apron: Apron | None
     border: Border
+    cover: NDArray[np.float32] | None = None
 
     @staticmethod
     def of(
@@ -118,9 +139,16 @@ class Edging:
         if plan is None:
             corners = terrain.vertices[:, [0, 2]]
             low, high = corners.min(axis=0), corners.max(axis=0)
-            border = Border(low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun)
+            border = Border(
+                low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun
+            )
+            cover = None
+            if is_paved and clearings is not None:
+                all_of_it = FloorPlan.of_all(terrain, clearings, choice.piece)
+                grow_in_joints(border, all_of_it, land.field)
+                cover = dirt(all_of_it, terrain.vertices.astype(np.float32), seed)
             _stand(border, choice, land, 1.1, None)
-            return Edging(None, None, border)
+            return Edging(None, None, border, cover)
         apron = Apron(plan, is_paved and not is_room, seed)
 
         def height(places: Array) -> Array:

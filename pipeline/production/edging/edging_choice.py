@@ -40,7 +40,7 @@ class EdgingChoice:
     @staticmethod
     def of(scene: Scene, around: Choice) -> EdgingChoice | None:
         """Return the choice of a scene's author, or what suits the scene; None for no edging."""
-        word = scene.terrain.edging
+        word: str = scene.terrain.edging
         if around.joins != "platform" or word == "none" or scene.terrain.show_forbidden:
             return None
         name = scene.terrain.material

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from pipeline.production.edging.floor_plan import FloorPlan
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
@@ -29,16 +30,12 @@ CHIPPED = 0.22
 def paving_mesh(plan: FloorPlan, material: str, seed: int) -> Mesh:
     """Return the slabs of a floor."""
     rng = np.random.default_rng([seed, 417])
-    rows, columns = plan.kept.shape
     bare = np.pad(~plan.kept, 1, constant_values=True)
-    beside = sum(
-        bare[1 + j : rows + 1 + j, 1 + i : columns + 1 + i]
-        for i in (-1, 0, 1)
-        for j in (-1, 0, 1)
-    )
-    loose = plan.kept & ~plan.whole & (np.asarray(beside) > 0)
+    beside = binary_dilation(bare, np.ones((3, 3)))[1:-1, 1:-1]
+    loose = plan.kept & ~plan.whole & beside
     firm = plan.kept & ~loose
-    vertices, faces = [], []
+    vertices: list[Array] = []
+    faces: list[NDArray[np.int64]] = []
     count = 0
     for j, i in np.argwhere(firm):
         corner = plan.low + plan.piece * np.array([i, j])
@@ -55,11 +52,11 @@ def paving_mesh(plan: FloorPlan, material: str, seed: int) -> Mesh:
         material,
         uv=points[:, [0, 2]],
         smooth=False,
-        cover=_dirt(plan, points, seed),
+        cover=dirt(plan, points, seed),
     )
 
 
-def _dirt(plan: FloorPlan, points: NDArray[np.float32], seed: int) -> NDArray[np.float32]:
+def dirt(plan: FloorPlan, points: NDArray[np.float32], seed: int) -> NDArray[np.float32]:
     """Return what covers slabs: earth and moss that come in from the border (V, 4)."""
     places = points[:, [0, 2]].astype(float)
     inward = -plan.beyond(places)
@@ -72,9 +69,7 @@ def _dirt(plan: FloorPlan, points: NDArray[np.float32], seed: int) -> NDArray[np
 
 def deck_mesh(plan: FloorPlan, material: str) -> Mesh:
     """Return the boards of a deck, with its sides."""
-    ring = np.array(
-        [plan.low, [plan.low[0], plan.high[1]], plan.high, [plan.high[0], plan.low[1]]]
-    )
+    ring = np.array([plan.low, [plan.low[0], plan.high[1]], plan.high, [plan.high[0], plan.low[1]]])
     vertices: list[Array] = []
     faces: list[NDArray[np.int64]] = []
     _added(vertices, faces, 0, _at(ring, plan.height), side=True, deep=0.3)

@@ -116,6 +116,16 @@ class FloorPlan:
             kept = (inward > BROKEN * np.clip(chance, 0.0, 1.3)) | whole
         return FloorPlan(low, high, ground, float(height[0]), piece, kept, whole, clearings)
 
+    @staticmethod
+    def of_all(terrain: TerrainRecord, clearings: Clearings, piece: float) -> FloorPlan:
+        """Return the plan of a terrain all of which is floor."""
+        flat = terrain.vertices[:, [0, 2]]
+        ground = np.array([flat.min(axis=0), flat.max(axis=0)], float)
+        columns, rows = np.maximum(np.ceil((ground[1] - ground[0]) / piece).astype(int), 1)
+        whole = np.ones((rows, columns), bool)
+        low = float(terrain.vertices[:, 1].min())
+        return FloorPlan(ground[0], ground[1], ground, low, piece, whole, whole, clearings)
+
     def beyond(self, places: Array) -> Array:
         """Return the distance (N,) of places (N, 2) from the rectangle [m], negative inside."""
         out = np.maximum(self.low - places, places - self.high)

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from pipeline.production.scenery.prototype import (
+    UP,
     Prototype,
     Shape,
     add_leaves,
@@ -18,17 +19,17 @@ from pipeline.production.scenery.stones import icosphere, rough, surface_normals
 from pipeline.production.surroundings.lattice_noise import smoothstep
 from pipeline.simulation.spatial import Array
 
-SQUARENESS = 7.0
+SQUARENESS = 9.0
 """Exponent of the superquadric of a stone: 2 is a sphere, infinite a box."""
 
 GREY, BROWN, LICHEN = (0.23, 0.222, 0.205), (0.20, 0.178, 0.145), (0.20, 0.215, 0.13)
 
-LEAF, YOUNG, WOOD = (0.075, 0.118, 0.032), (0.170, 0.235, 0.065), (0.050, 0.058, 0.026)
+LEAF, YOUNG, WOOD = (0.075, 0.118, 0.032), (0.170, 0.235, 0.065), (0.058, 0.085, 0.028)
 
 HEDGE_LENGTH, HEDGE_HEIGHT, HEDGE_DEPTH = 1.0, 1.0, 0.62
 """Of one length of hedge at scale 1 [m]."""
 
-HEDGE_LEAVES = ((1500, 0.055), (620, 0.085), (230, 0.14))
+HEDGE_LEAVES = ((1500, 0.055), (820, 0.085), (420, 0.15))
 """Number and length [m] of the leaves by level of detail."""
 
 
@@ -43,7 +44,7 @@ def wall_stone(seed: int, halvings: int) -> Prototype:
         normal = unit(rng.normal(size=3))
         beyond = vertices @ normal - rng.uniform(0.5, 0.66)
         vertices = vertices - np.maximum(beyond, 0.0)[:, None] * normal
-    vertices = vertices * (1.0 + 0.07 * rough(4.0 * vertices, seed, 3))[:, None]
+    vertices = vertices * (1.0 + 0.06 * rough(4.0 * vertices, seed, 4))[:, None]
     normals = surface_normals(vertices, faces)
     base = mixed(GREY, BROWN, np.full(len(vertices), rng.uniform(0.0, 1.0)))
     color = base * (1.0 + 0.35 * rough(5.0 * vertices, seed + 5))[:, None]
@@ -52,7 +53,12 @@ def wall_stone(seed: int, halvings: int) -> Prototype:
     )
     color = mixed(color, LICHEN, 0.7 * growth)
     shape = Shape()
-    shape.add(vertices, normals, color, faces, thin=False)
+    # Broken faces have edges: each is shaded as it lies.
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    mixed_normals = 0.6 * unit(across)[:, None] + 0.4 * normals[faces]
+    numbers = np.arange(3 * len(faces)).reshape(-1, 3)
+    shape.add(corners, mixed_normals, color[faces], numbers, thin=False)
     return shape.prototype()
 
 
@@ -64,8 +70,8 @@ def hedge_length(seed: int, level: int) -> Prototype:
     half = 0.5 * np.array([HEDGE_LENGTH, HEDGE_HEIGHT, HEDGE_DEPTH])
     # A dark body, through which nobody sees.
     vertices, faces = icosphere(1)
-    body = np.sign(vertices) * np.abs(vertices) ** 0.4 * half * [1.08, 0.9, 0.82]
-    shape.add(body + [0, half[1], 0], vertices, np.asarray(WOOD), faces, thin=False)
+    body = np.sign(vertices) * np.abs(vertices) ** 0.22 * half * [1.06, 0.9, 0.8]
+    shape.add(body + half[1] * UP, vertices, np.asarray(WOOD), faces, thin=False)
     side = rng.choice(3, count, p=[0.36, 0.32, 0.32])
     place = rng.uniform(-1.0, 1.0, (count, 3))
     place[side == 0, 1] = 1.0

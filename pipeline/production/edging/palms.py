@@ -46,7 +46,8 @@ def palm(seed: int, level: int) -> Prototype:
         s = np.linspace(0.0, 1.0, count + 1)[:, None]
         length = LONG * rng.uniform(0.85, 1.1)
         spine = crown + length * (
-            s * (np.cos(0.6 * rise) * out) + np.array([0.0, 1.0, 0.0]) * (rise * s * 0.55 - 0.62 * s**2)
+            s * (np.cos(0.6 * rise) * out)
+            + np.array([0.0, 1.0, 0.0]) * (rise * s * 0.55 - 0.62 * s**2)
         )
         color = np.asarray(GREEN) + (1.0 - age) * 0.6 * (np.asarray(YELLOW) - np.asarray(GREEN))
         if age > 0.86:
@@ -63,7 +64,14 @@ def palm(seed: int, level: int) -> Prototype:
             shades = color * rng.uniform(0.8, 1.25, (count, 1))
             face = np.tile([0.0, 1.0, 0.0], (count, 1))
             add_leaves(
-                *(shape, spine[1:], axes, face, reach, np.full(count, (0.075, 0.12)[min(level, 1)])),
+                *(
+                    shape,
+                    spine[1:],
+                    axes,
+                    face,
+                    reach,
+                    np.full(count, (0.075, 0.12)[min(level, 1)]),
+                ),
                 shades,
                 triangles=2 if level == 0 else 1,
             )

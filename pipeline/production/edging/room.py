@@ -34,7 +34,11 @@ RUG = ("red cloth", "white cloth", "blue cloth")
 MOTIF = 0.46
 """Distance between the motifs of a rug, about [m]."""
 
-MOTIF_CLOTHS = (("red cloth", "yellow cloth"), ("white cloth", "leather"), ("blue cloth", "red cloth"))
+MOTIF_CLOTHS = (
+    ("red cloth", "yellow cloth"),
+    ("white cloth", "leather"),
+    ("blue cloth", "red cloth"),
+)
 
 RUG_HEIGHT = 0.0025
 """Height of a rug over the floor: what stands on it sinks in as far [m]."""
@@ -72,7 +76,7 @@ class Room:
         self._skirting(bays, spans)
         self._rug()
         inner = self._bays(-0.22)
-        for k in np.flatnonzero(~has_window):
+        for k in np.flatnonzero(~has_window).tolist():
             place = inner.places[k : k + 1]
             if not self.border.is_free(place, 1.5, 0.75)[0]:
                 continue
@@ -107,7 +111,11 @@ class Room:
         return np.asarray(sides / np.bincount(bays.number)[bays.number])
 
     def _add(
-        self, material: str, place: Array, heading: float, at: tuple[float, float, float],
+        self,
+        material: str,
+        place: Array,
+        heading: float,
+        at: tuple[float, float, float],
         size: tuple[float, float, float],
     ) -> None:
         """Add a box at a place along, over and inward of a wall."""
@@ -139,7 +147,9 @@ class Room:
         frame, white = 0.05, "white painted metal"
         tall, middle = LINTEL - SILL, (LINTEL + SILL) / 2
         for side in (-1, 0, 1):
-            self._add(white, place, heading, (side * (wide - frame) / 2, middle, 0), (frame, tall, 0.06))
+            self._add(
+                white, place, heading, (side * (wide - frame) / 2, middle, 0), (frame, tall, 0.06)
+            )
         for up in (SILL + frame / 2, SILL + 0.66 * tall, LINTEL - frame / 2):
             self._add(white, place, heading, (0, up, 0), (wide, frame, 0.055))
         self._add("oak", place, heading, (0, SILL, 0.14), (wide + 0.14, 0.035, 0.24))
@@ -162,8 +172,12 @@ class Room:
         for k in range(len(bays.places)):
             place, heading = bays.places[k], bays.heading[k]
             inner = THICK / 2 + 0.009
-            self._add("white painted metal", place, heading, (0, 0.065, inner), (spans[k], 0.13, 0.018))
-            self._add("white painted metal", place, heading, (0, 0.62, inner), (spans[k], 0.05, 0.026))
+            self._add(
+                "white painted metal", place, heading, (0, 0.065, inner), (spans[k], 0.13, 0.018)
+            )
+            self._add(
+                "white painted metal", place, heading, (0, 0.62, inner), (spans[k], 0.05, 0.026)
+            )
 
     def _rug(self) -> None:
         """Add a rug under the cast."""
@@ -175,7 +189,8 @@ class Room:
             return
         for k, cloth in enumerate(RUG):
             size = 2.0 * (half - (0.0, 0.16, 0.3)[k])
-            center = [middle[0], self.plan.height + RUG_HEIGHT * (k + 1) / 3 - 0.005, middle[1]]
+            up = self.plan.height + RUG_HEIGHT * (k + 1) / 3 - 0.005
+            center = np.array([middle[0], up, middle[1]])
             self._carpentry.add(f"edging {cloth}", center, (size[0], 0.01, size[1]))
         self._motifs(middle, half - 0.42)
 

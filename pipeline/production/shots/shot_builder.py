@@ -249,6 +249,8 @@ class ShotBuilder:
         base = self._terrain
         if edging is not None:
             land = (land[0], *edging.meshes()) if edging.apron else (*land, *edging.meshes())
+        if edging is not None and edging.cover is not None:
+            base = replace(base, cover=edging.cover)
         if edging is not None and edging.floor is not None and edging.apron is not None:
             base = replace(edging.floor, footprints=base.footprints)
             land = (*land, snowed_cover(edging.apron.mesh(self._around.material), weather))

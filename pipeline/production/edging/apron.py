@@ -19,6 +19,9 @@ CELL = 0.22
 BELOW = 0.09
 """Depth of the bed on which slabs lie [m]."""
 
+MOST_OVER = 0.06
+"""Greatest height of the soil over a floor [m]."""
+
 SLOPE_STEP = 0.3
 """Distance over which its slope is measured [m]."""
 
@@ -53,9 +56,8 @@ class Apron:
         over = smoothstep(-1.7 * plan.piece, 0.25 * plan.piece, ragged)
         rough = 0.035 * fractal(places / 0.6, self.seed + 33, 3)
         near = plan.height - BELOW + over * (BELOW - 0.002 + rough)
-        near = np.minimum(
-            near, plan.height - BELOW * (1.0 - smoothstep(0.4, 1.0, plan.free(places)))
-        )
+        held = smoothstep(0.4, 1.0, plan.free(places))
+        near = np.minimum(near, plan.height - BELOW + held * (BELOW + MOST_OVER))
         inner = near + (far - near) * smoothstep(0.2, 3.0, out)
         # Where the floor reaches the edge of the terrain, the land begins below it.
         return np.asarray(level + (inner - level) * smoothstep(0.0, 0.6, edge))

@@ -20,6 +20,7 @@ from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.placement import Placed
 from pipeline.production.scenery.prototype import UP, Shape, add_tubes
+from pipeline.production.scenery.species import KINDS
 from pipeline.simulation.spatial import Array
 
 Height = Callable[[Array], Array]
@@ -27,6 +28,9 @@ Height = Callable[[Array], Array]
 
 FOREGROUND = 0.92
 """Share of the distance to the target up to which nothing may stand in a frame."""
+
+LOW = 0.3
+"""Height below which things may stand in the foreground [m]."""
 
 CLEAR = 0.5
 """Distance from the cast, besides its own radius [m]."""
@@ -121,6 +125,8 @@ class Border:
         points = self.points(places)
         heights, radii = np.full(len(places), tall), np.full(len(places), radius)
         free &= ~self.view.in_the_way(points, heights, radii)
+        if tall < LOW:
+            return free
         return free & ~self.view.in_the_foreground(points, heights, radii, FOREGROUND)
 
     def points(self, places: Array) -> Array:
@@ -296,7 +302,7 @@ class Border:
         one, here = np.ones((1, 3)), np.zeros((1, 3))
         self.leaves.append(Copies(shape.prototype(), here, np.eye(3)[None], one, one))
         for k in (2, 5, 8, 11):
-            points = cords[:, k] - [0.0, 0.15, 0.0]
+            points = cords[:, k] - [0.0, 0.12, 0.0]
             tints = np.array(LANTERN_COLORS)[rng.integers(0, len(LANTERN_COLORS), len(points))]
             size = rng.uniform(0.22, 0.3, (len(points), 1)) * [1.0, 0.85, 1.0]
             self.leaves.append(Copies(lantern(), points, _turns(rows.heading), size, tints))
@@ -445,7 +451,7 @@ class Border:
         """
         for k, (kind, spacing, size) in enumerate(kinds):
             rng = np.random.default_rng([self.seed, 456, k, round(10 * out)])
-            rows = self.rows(out, spacing, 0.6 * size, 0.3)
+            rows = self.rows(out, spacing, KINDS[kind].height * size, 0.3)
             n = len(rows.places)
             places = rows.places + rng.normal(0, 0.22, (n, 1)) * rows.outward
             places = places[rng.uniform(size=n) < 0.7 + 0.3 * np.sin(places.sum(axis=1) * 0.7)]

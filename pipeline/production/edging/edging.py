@@ -52,23 +52,10 @@ WEATHERED = Material.model_validate(
 )
 """Of boards that have stood in the rain for years."""
 
-LINEN = Material.model_validate(
-    {
-        "color": "#eadfca",
-        "roughness": 0.95,
-        "translucency": 0.4,
-        "texture": "weave",
-        "texture_scale": 0.22,
-        "bump": 0.6,
-    }
-)
-"""Of curtains."""
-
 MATERIALS_OF_EDGING: Mapping[str, Material] = {
     **{f"edging {name}": MATERIALS[name] for name in BUILT},
     "edging weathered": WEATHERED,
     "edging wall": WALL,
-    "edging linen": LINEN,
 }
 
 TREES: Mapping[str, tuple[str, ...]] = {
@@ -82,6 +69,13 @@ TREES: Mapping[str, tuple[str, ...]] = {
 FOOT_OF_WALL = (("tall grass", 0.5, 0.8), ("fern", 1.6, 0.8), ("buttercup", 0.9, 1.0))
 
 SHORE = (("beach grass", 0.9, 0.8), ("beach grass", 2.1, 1.1), ("stone", 2.4, 1.2))
+
+FOOT_OF_FLOOR = (
+    ("meadow grass", 0.16, 1.0),
+    ("meadow grass", 0.21, 0.7),
+    ("dry grass", 0.5, 0.7),
+    ("daisy", 0.7, 1.0),
+)
 
 BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
 """What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
@@ -147,6 +141,7 @@ class Edging:
                 all_of_it = FloorPlan.of_all(terrain, clearings, choice.piece)
                 grow_in_joints(border, all_of_it, land.field)
                 cover = dirt(all_of_it, terrain.vertices.astype(np.float32), seed)
+            border.undergrowth(0.06, FOOT_OF_FLOOR)
             _stand(border, choice, land, 1.1, None)
             return Edging(None, None, border, cover)
         apron = Apron(plan, is_paved and not is_room, seed)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
@@ -65,6 +67,17 @@ def dirt(plan: FloorPlan, points: NDArray[np.float32], seed: int) -> NDArray[np.
     green = smoothstep(-0.3, 0.4, fractal(places / 3.7, seed + 472, 3))[:, None]
     color = np.array(EARTH) + green * (np.array(MOSS) - np.array(EARTH))
     return np.column_stack([color, share]).astype(np.float32)
+
+
+def soiled_wall(wall: Mesh) -> Mesh:
+    """Return the walls of a floor with moss and earth that rise from their feet."""
+    foot = wall.vertices[:, 1] <= wall.vertices[:, 1].min() + 1e-4
+    places = wall.vertices[:, [0, 2]].astype(float)
+    value = 0.75 + 0.5 * fractal(places / 0.8, 473, 3)
+    share = np.clip(np.where(foot, 0.95, 0.22) * value, 0.0, 0.95)
+    green = smoothstep(-0.3, 0.4, fractal(places / 1.7, 472, 3))[:, None]
+    color = np.array(EARTH) + green * (np.array(MOSS) - np.array(EARTH))
+    return replace(wall, cover=np.column_stack([color, share]).astype(np.float32))
 
 
 def deck_mesh(plan: FloorPlan, material: str) -> Mesh:

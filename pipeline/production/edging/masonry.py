@@ -103,9 +103,10 @@ def hedge_length(seed: int, level: int) -> Prototype:
 
 @lru_cache(maxsize=1)
 def lantern() -> Prototype:
-    """Return a white paper lantern of unit width around the origin, with ribs."""
-    vertices, faces = icosphere(2)
-    ribbed = 0.5 * vertices * (1.0 + 0.03 * np.cos(26.0 * vertices[:, 1:2]))
+    """Return a white paper lantern of unit width around the origin."""
+    vertices, faces = icosphere(3)
+    # Wires inside show as darker lines.
+    wire = np.exp(-((np.sin(7.0 * np.pi * vertices[:, 1:2]) / 0.3) ** 2))
     shape = Shape()
-    shape.add(ribbed, vertices, np.ones(3) * 0.9, faces, thin=True)
+    shape.add(0.5 * vertices, vertices, 0.9 - 0.25 * wire * np.ones(3), faces, thin=True)
     return shape.prototype()

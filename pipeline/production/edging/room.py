@@ -13,6 +13,8 @@ import numpy as np
 from pipeline.production.edging.border import Border, Rows
 from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.scenery.expansion import Copies
+from pipeline.production.scenery.prototype import Shape
 from pipeline.simulation.spatial import Array
 
 TALL, THICK = 2.9, 0.16
@@ -28,10 +30,13 @@ BOOKS = ("red cloth", "blue cloth", "green cloth", "yellow cloth", "leather", "w
 
 TOYS = ("red plastic", "blue plastic", "yellow plastic", "pine", "green painted metal")
 
+CURTAINS = ((0.50, 0.17, 0.10), (0.52, 0.38, 0.20), (0.22, 0.30, 0.20))
+"""Linear colours of curtains."""
+
 RUG = ("red cloth", "white cloth", "blue cloth")
 """Materials of the bands of a rug, from its border to its middle."""
 
-MOTIF = 0.46
+MOTIF = 0.5
 """Distance between the motifs of a rug, about [m]."""
 
 MOTIF_CLOTHS = (
@@ -71,8 +76,7 @@ class Room:
         spans = self._spans(bays)
         for k in range(len(bays.places)):
             self._bay(bays.places[k], bays.heading[k], spans[k], window=bool(has_window[k]))
-            if has_window[k]:
-                self._curtains(bays.places[k], bays.heading[k], bays.outward[k], rng)
+        self._curtains(bays.taken(has_window), rng)
         self._skirting(bays, spans)
         self._rug()
         inner = self._bays(-0.22)
@@ -154,18 +158,19 @@ class Room:
             self._add(white, place, heading, (0, up, 0), (wide, frame, 0.055))
         self._add("oak", place, heading, (0, SILL, 0.14), (wide + 0.14, 0.035, 0.24))
 
-    def _curtains(
-        self, place: Array, heading: float, outward: Array, rng: np.random.Generator
-    ) -> None:
-        """Add curtains that are drawn aside, in folds."""
-        del outward
-        cloth = "linen"
-        for side in (-1, 1):
-            for fold in range(6):
-                along = side * (WIDE / 2 + 0.16 - 0.055 * fold)
-                deep = 0.13 + 0.03 * (fold % 2) + 0.008 * rng.normal()
-                self._add(cloth, place, heading, (along, 1.2, deep), (0.062, 2.36, 0.035))
-        self._add("walnut", place, heading, (0, 2.42, 0.14), (WIDE + 0.75, 0.03, 0.03))
+    def _curtains(self, bays: Rows, rng: np.random.Generator) -> None:
+        """Add curtains that are drawn aside, and the rods on which they hang."""
+        color = np.asarray(CURTAINS[int(rng.integers(0, len(CURTAINS)))])
+        one = np.ones((1, 3))
+        for place, heading in zip(bays.places, bays.heading, strict=True):
+            foot = np.array([[place[0], self.plan.height, place[1]]])
+            c, s = np.cos(heading), np.sin(heading)
+            turn = np.array([[[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]])
+            shape = Shape()
+            for side in (-1.0, 1.0):
+                _hang(shape, side, color, rng)
+            self.border.leaves.append(Copies(shape.prototype(), foot, turn, one, one))
+            self._add("walnut", place, heading, (0, 2.42, 0.14), (WIDE + 0.75, 0.03, 0.03))
 
     def _skirting(self, bays: Rows, spans: Array) -> None:
         """Add the boards at the feet of the walls and a rail below the windows."""
@@ -200,14 +205,17 @@ class Room:
         step = 2.0 * half / counts
         i, j = (a.ravel() for a in np.meshgrid(*(np.arange(n) for n in counts)))
         spots = middle - half + step * (np.stack([i, j], axis=-1) + 0.5)
-        for k, size in enumerate((0.62, 0.42, 0.2)):
+        large = np.where((i + j) % 2 == 0, 1.0, 0.42)
+        for k, size in enumerate((0.8, 0.55, 0.26)):
             up = self.plan.height + RUG_HEIGHT + 0.0003 * (k + 1) - 0.005
             for number, cloth in enumerate(MOTIF_CLOTHS[k]):
-                some = spots[(i + j) % len(MOTIF_CLOTHS[k]) == number]
+                chosen = (i + j) % len(MOTIF_CLOTHS[k]) == number
+                some = spots[chosen]
                 if len(some):
                     centers = np.stack([some[:, 0], np.full(len(some), up), some[:, 1]], axis=-1)
-                    wide = size * step.min() / np.sqrt(2.0)
-                    self._carpentry.add(f"edging {cloth}", centers, (wide, 0.01, wide), np.pi / 4)
+                    wide = large[chosen] * size * step.min() / np.sqrt(2.0)
+                    sizes = np.stack([wide, np.full_like(wide, 0.01), wide], axis=-1)
+                    self._carpentry.add(f"edging {cloth}", centers, sizes, np.pi / 4)
 
     def _shelf(
         self, place: Array, heading: float, outward: Array, rng: np.random.Generator
@@ -261,3 +269,31 @@ class Room:
             size = float(rng.uniform(0.06, 0.1))
             shape = (size * rng.choice([1.0, 1.0, 2.0]), size, size)
             self._add(TOYS[k % len(TOYS)], place, rng.uniform(0, 6.28), (0, size / 2, 0), shape)
+
+
+def _hang(shape: Shape, side: float, color: Array, rng: np.random.Generator) -> None:
+    """Add one curtain in folds, gathered at one side of a window in the middle.
+
+    Args:
+        shape: to which it is added.
+        side: -1 or 1.
+        color: linear.
+        rng: of its folds.
+    """
+    columns, rows = 61, 9
+    t, up = np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows))
+    phase = 2.0 * np.pi * (6.0 * t + 0.35 * np.sin(5.0 * t + rng.uniform(0, 6)) + 0.12 * up)
+    # It is held by a band at the height of the sill, and falls free below.
+    held = 1.0 - 0.42 * np.exp(-(((up - 0.42) / 0.12) ** 2))
+    along = side * (WIDE / 2 + 0.2 - 0.42 * t * held)
+    deep = 0.14 + 0.028 * np.sin(phase) * (0.6 + 0.4 * held)
+    points = np.stack([along, 0.03 + 2.38 * up, deep], axis=-1)
+    slope = 0.028 * 12.0 * np.pi * np.cos(phase) / 0.42
+    normals = np.stack([side * slope, np.zeros_like(slope), np.ones_like(slope)], axis=-1)
+    shades = color * (0.86 + 0.14 * np.sin(phase))[..., None]
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(columns - 1), np.arange(rows - 1)))
+    a = j * columns + i
+    faces = np.concatenate(
+        [np.stack([a, a + 1, a + columns], -1), np.stack([a + 1, a + columns + 1, a + columns], -1)]
+    )
+    shape.add(points, normals, shades, faces if side < 0 else faces[:, ::-1], thin=True)

@@ -17,6 +17,7 @@ from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
 from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
 from pipeline.production.edging.edging_choice import EdgingChoice
+from pipeline.production.edging.floor_mesh import soiled_wall
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.film_view import FilmView
@@ -251,6 +252,7 @@ class ShotBuilder:
             land = (land[0], *edging.meshes()) if edging.apron else (*land, *edging.meshes())
         if edging is not None and edging.cover is not None:
             base = replace(base, cover=edging.cover)
+            land = tuple(soiled_wall(mesh) if mesh.name == "edge" else mesh for mesh in land)
         if edging is not None and edging.floor is not None and edging.apron is not None:
             base = replace(edging.floor, footprints=base.footprints)
             land = (*land, snowed_cover(edging.apron.mesh(self._around.material), weather))

@@ -163,7 +163,7 @@ def test_no_tree_throws_its_shade_on_the_cast() -> None:
     assert shades.tolist() == [True, False, False]
 
 
-def test_a_room_has_walls_on_all_sides_of_cast_and_cameras_and_windows_towards_the_sun() -> None:
+def test_a_room_is_around_cast_and_cameras_and_has_windows_towards_the_sun() -> None:
     made = edging("room", sun=(0.0, 0.5, 0.866))
     walls = next(m for m in made.meshes() if m.material == "edging wall").vertices
     assert walls[:, 0].max() > EYE[0] + 0.5
@@ -206,7 +206,9 @@ def test_boards_have_their_grain_along_their_longest_side() -> None:
 def test_edging_suits_floor_and_surroundings_unless_an_author_says_otherwise(
     ground: str, light: str, expected: tuple[str, str, float] | None
 ) -> None:
-    text = f"pronk: 1\nduration: 1\nterrain: {ground}\ncast: [{{name: bay, figure: horse}}]\n{light}\n"
+    text = (
+        f"pronk: 1\nduration: 1\nterrain: {ground}\ncast: [{{name: bay, figure: horse}}]\n{light}\n"
+    )
     scene = read_scene(text)
     choice = EdgingChoice.of(scene, Choice.of(scene))
     if expected is None:

@@ -25,6 +25,9 @@ THICK = 0.11
 EARTH, MOSS, MOST_DIRT = (0.075, 0.058, 0.038), (0.052, 0.062, 0.022), 0.62
 """Linear colours of what soils the border of paving, and its greatest share."""
 
+STAINED = 0.3
+"""Share of earth in the stains of paving."""
+
 CHIPPED = 0.22
 """Share of the corners of loose slabs that are broken off."""
 
@@ -64,6 +67,8 @@ def dirt(plan: FloorPlan, points: NDArray[np.float32], seed: int) -> NDArray[np.
     inward = -plan.beyond(places)
     value = 0.5 + 0.7 * fractal(places / 2.6, seed + 471, 3)
     share = MOST_DIRT * np.clip(value, 0.0, 1.2) * (1.0 - smoothstep(0.2, 3.2, inward))
+    stains = smoothstep(0.1, 0.7, fractal(places / 1.6, seed + 474, 4))
+    share = np.maximum(share, STAINED * stains)
     green = smoothstep(-0.3, 0.4, fractal(places / 3.7, seed + 472, 3))[:, None]
     color = np.array(EARTH) + green * (np.array(MOSS) - np.array(EARTH))
     return np.column_stack([color, share]).astype(np.float32)

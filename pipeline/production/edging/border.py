@@ -218,13 +218,13 @@ class Border:
     ) -> None:
         """Add stones by their middles (N, 3), sizes (N, 3), headings (N,) and their lightness."""
         far = self.view.distances(points) / self.detail
-        halvings = np.where(far < 6.0, 3, np.where(far < 16.0, 2, 1))
+        across = np.where(far < 5.0, 7, np.where(far < 14.0, 4, 3))
         variant = rng.integers(0, 7, len(points))
         tints = rng.uniform(0.72, 1.2, (len(points), 1)) * rng.normal(light, 0.03, (len(points), 3))
         turned = heading + np.pi * rng.integers(0, 2, len(points))
-        for k in np.unique(halvings):
+        for k in np.unique(across):
             for v in range(7):
-                some = (halvings == k) & (variant == v)
+                some = (across == k) & (variant == v)
                 if some.any():
                     self.stones.append(
                         Copies(

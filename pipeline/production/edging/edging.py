@@ -215,4 +215,4 @@ def _stand(
         border.undergrowth(out + 2.6, BEHIND)
     if land.kind in TREES and choice.along != "railing":
         border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
-        border.trees(TREES[land.kind], out + 9.5, 6.5, 1.0)
+        border.trees(TREES[land.kind], out + 11.0, 8.5, 1.0)

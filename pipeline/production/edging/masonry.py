@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.production.scenery.prototype import (
     UP,
@@ -33,11 +34,35 @@ HEDGE_LEAVES = ((1500, 0.055), (820, 0.085), (420, 0.15))
 """Number and length [m] of the leaves by level of detail."""
 
 
+@cache
+def gridded_cube(across: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return vertices (V, 3), -1 to 1, and faces (F, 3) of a cube of 12 `across`² triangles."""
+    t = np.linspace(-1.0, 1.0, across + 1)
+    u, v = (a.ravel() for a in np.meshgrid(t, t))
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(across), np.arange(across)))
+    a = j * (across + 1) + i
+    quads = np.stack([a, a + 1, a + across + 2, a, a + across + 2, a + across + 1], axis=-1)
+    points, faces = [], []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            points.append(np.roll(np.stack([np.full_like(u, side), u, v], axis=-1), axis, axis=1))
+            turned = quads if side > 0 else quads[:, ::-1]
+            faces.append(turned.reshape(-1, 3) + len(u) * len(faces))
+    every = np.round(np.concatenate(points), 9)
+    vertices, number = np.unique(every, axis=0, return_inverse=True)
+    return vertices, number.ravel()[np.concatenate(faces)]
+
+
 @lru_cache(maxsize=64)
-def wall_stone(seed: int, halvings: int) -> Prototype:
-    """Return a rough-hewn stone of unit length, height and depth around the origin."""
+def wall_stone(seed: int, across: int) -> Prototype:
+    """Return a rough-hewn stone of unit length, height and depth around the origin.
+
+    Args:
+        seed: of its shape.
+        across: edges of its triangles along each side.
+    """
     rng = np.random.default_rng([seed, 431])
-    vertices, faces = icosphere(halvings)
+    vertices, faces = gridded_cube(across)
     radius = (np.abs(vertices) ** SQUARENESS).sum(axis=1) ** (-1.0 / SQUARENESS)
     vertices = 0.5 * vertices * radius[:, None]
     for _ in range(7):

@@ -80,8 +80,8 @@ def wall_stone(seed: int, across: int) -> Prototype:
     shape = Shape()
     # Broken faces have edges: each is shaded as it lies.
     corners = vertices[faces]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    mixed_normals = 0.6 * unit(across)[:, None] + 0.4 * normals[faces]
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    mixed_normals = 0.6 * unit(facing)[:, None] + 0.4 * normals[faces]
     numbers = np.arange(3 * len(faces)).reshape(-1, 3)
     shape.add(corners, mixed_normals, color[faces], numbers, thin=False)
     return shape.prototype()

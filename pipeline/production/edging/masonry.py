@@ -42,15 +42,16 @@ def gridded_cube(across: int) -> tuple[Array, NDArray[np.int64]]:
     i, j = (a.ravel() for a in np.meshgrid(np.arange(across), np.arange(across)))
     a = j * (across + 1) + i
     quads = np.stack([a, a + 1, a + across + 2, a, a + across + 2, a + across + 1], axis=-1)
-    points, faces = [], []
+    points: list[Array] = []
+    faces: list[NDArray[np.int64]] = []
     for axis in range(3):
         for side in (-1.0, 1.0):
             points.append(np.roll(np.stack([np.full_like(u, side), u, v], axis=-1), axis, axis=1))
             turned = quads if side > 0 else quads[:, ::-1]
             faces.append(turned.reshape(-1, 3) + len(u) * len(faces))
-    every = np.round(np.concatenate(points), 9)
+    every: Array = np.round(np.concatenate(points), 9).astype(np.float64)
     vertices, number = np.unique(every, axis=0, return_inverse=True)
-    return vertices, number.ravel()[np.concatenate(faces)]
+    return vertices, np.asarray(number.ravel()[np.concatenate(faces)], np.int64)
 
 
 @lru_cache(maxsize=64)

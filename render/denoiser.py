@@ -67,13 +67,13 @@ class Denoiser:
         that texture is neither taken for noise nor lost. Where all samples of a pixel met the
         sky, its irradiance is that of the surfaces beside it. Sky and haze are added unchanged.
 
-        The soft shadows of wide lights are noisy, too: their direct light is denoised in the
-        same way, by itself.
+        The soft shadows of wide lights are noisy, too, and so is the shade of leaves with few
+        samples: their direct light is denoised in the same way, by itself.
 
         Args:
             layers: of one frame.
             mode: quality.
-            has_soft_lights: whether lights are so wide that their shadows are soft.
+            has_soft_lights: whether shadows are so soft, for the samples, that they are noisy.
 
         Raises:
             DenoiseError: the denoiser is missing or failed.

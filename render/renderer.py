@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from render.mitsuba_scene import MitsubaScene
 
 
+FEW_SAMPLES = 8
+"""Samples of a pixel up to which soft shadows, as in the shade of leaves, are noisy."""
+
+
 @dataclass
 class Timings:
     """Seconds spent by a renderer so far.
@@ -96,9 +100,8 @@ class Renderer:
             scene = self.scene_for(shot)
             layers, passes = self._trace(scene, shot, film)
         with self.timings.timed("denoise"):
-            light = self._denoiser.clean(
-                layers, film.denoise, has_soft_lights=scene.has_soft_lights
-            )
+            is_noisy = scene.has_soft_lights or film.samples <= FEW_SAMPLES
+            light = self._denoiser.clean(layers, film.denoise, has_soft_lights=is_noisy)
         self.timings.frames += 1
         return Frame(light, shot.development, passes)
 

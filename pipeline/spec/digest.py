@@ -92,7 +92,9 @@ def _with_first_keys(value: Any) -> Any:
     return [_with_first_keys(below) for below in value] if isinstance(value, list) else value
 
 
-LOOKS_OF_TERRAIN = ("show_forbidden", "footprints", "surroundings", "water", "scatter")
+LOOKS_OF_TERRAIN = (
+    *("show_forbidden", "footprints", "surroundings", "edging", "water", "scatter"),
+)
 """Keys of a terrain that only its picture follows."""
 
 

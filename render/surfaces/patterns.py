@@ -18,6 +18,7 @@ import numpy as np
 from render.color import linear
 from render.config import Material
 from render.footprints import FootprintRaster
+from render.surfaces import laid_pieces
 from render.surfaces.footprint_lookup import FootprintLookup
 from render.surfaces.texture_mapping import (
     PIXEL_WIDTH,
@@ -58,6 +59,9 @@ LINED_PATTERNS = frozenset(
     {"wood", "planks", "weave", "tiles", "checker", "slabs", "scratches", "brushed"}
 )
 """Patterns with lines, which a turned second layer would cross; both colours share one layer."""
+
+WORN = 0.3
+"""How much lighter and darker a floor of pieces is in patches."""
 
 SOFT_SLOPE_DEG, SOFT_HEIGHT = 9.0, 0.2
 """Half-width of the border of bare rock [degrees of slope], and of crests and hollows [m]."""
@@ -119,6 +123,7 @@ class GroundShader:
             mipmap = pattern_mipmap(material.texture)
             self._first = device_texture(mipmap, self.values, "first")
             self.values["smoothness"] = mi.Float(mipmap.relief_darkening(material.bump))
+            laid_pieces.prepare(material.texture, self.values)
         if material.color2 is not None:
             self._patches = device_texture(patch_mipmap(), self.values, "patches")
         if has_cover:
@@ -147,7 +152,7 @@ class GroundShader:
         projection = box_projection(si.p, si.n, ragged)
         size = material.texture_scale
         level = mip_level(si, size, self.values[PIXEL_WIDTH])
-        first = self._first.on(projection, size, 0.0, level)
+        first = self._first_layer(projection, level)
         color, slopes = colored(material.color, first), (first.slope_u, first.slope_v)
         if self._patches is not None and material.color2 is not None:
             second = first
@@ -158,6 +163,9 @@ class GroundShader:
             share = self._patch_share(si, projection, self._patches)
             color = dr.lerp(color, colored(material.color2, second), share)
             slopes = _mixed_slopes(slopes, second, share) if second is not first else slopes
+            if laid_pieces.has_pieces(material.texture):
+                # Worn and stained in places, across the pieces.
+                color *= 1.0 + WORN * (share - 0.5)
         # The pattern itself breaks up the border: the dark between clods fills first.
         uneven = 0.2 * SOFT_HEIGHT * (ragged + 2.0 * (1.0 - first.shade))
         color = _by_height(material, color, first, si.p.y + uneven)
@@ -168,6 +176,19 @@ class GroundShader:
             slopes = _mixed_slopes(slopes, rock, share)
         color *= dr.gather(mi.Float, self.values["smoothness"], level)
         return color, bent_normal(n, projection.gradient(*slopes), material.bump)
+
+    def _first_layer(self, projection: Projection, level: Any) -> Sample:
+        """Return the first layer of the pattern; of a floor of pieces, piece by piece."""
+        material, texture = self._material, self._first
+        assert texture is not None
+        size = material.texture_scale
+        if not laid_pieces.has_pieces(material.texture):
+            return texture.on(projection, size, 0.0, level)
+        u, v = projection.u / size, projection.v / size
+        piece = laid_pieces.laid(material.texture, u, v, level, self.values)
+        found = texture.at(piece.u, piece.v, 0.0, level)
+        warmth = dr.clip(found.warmth + piece.warmth, -1.0, 1.0)
+        return Sample(found.shade * piece.tone, warmth, found.slope_u, found.slope_v)
 
     def _covered(self, si: Any, color: Any, normal: Any) -> tuple[Any, Any]:
         """Return colour and normal of land, with its cover, which is uneven at all sizes."""

@@ -26,22 +26,45 @@ def mottle(rng: np.random.Generator) -> Drawn:
 
 
 def planks(rng: np.random.Generator) -> Drawn:
-    """Draw a floor of eight boards across, laid end to end."""
-    boards, size = 8, 1.6
+    """Draw a floor of boards laid end to end, each nailed thrice, some with cracks and knots."""
+    boards, size = len(BOARD_ENDS), 1.6
     y, x = np.mgrid[0:TILE, 0:TILE] / TILE
     row = (y * boards).astype(int)
-    x = x + np.array([0.0, 0.55, 0.2, 0.8, 0.4, 0.05, 0.65, 0.3])[row]
-    gap = np.minimum(y * boards - row, 1 - (y * boards - row)) / boards
-    gap = np.minimum(gap, np.minimum(x % 1, 1 - x % 1))
-    groove = np.exp(-((gap * size / 0.0016) ** 2))
+    across = y * boards - row
+    x = (x + np.array(BOARD_ENDS)[row]) % 1
+    beside, end = np.minimum(across, 1 - across) * (size / boards), np.minimum(x, 1 - x) * size
+    gap = np.minimum(beside, end)
+    groove = np.exp(-((gap / 0.0021) ** 2))
+    # Edges are worn round, and dirt lies along them.
+    dirt = np.exp(-gap / 0.007) * (0.6 + 0.4 * noise(rng, 1.5, first=9).clip(-1.5, 1.5))
     shade, warmth, relief, _ = wood(rng)
     # Every board shows another part of the wood.
     at = rng.integers(0, TILE, (2, boards))
     rows = (np.arange(TILE)[:, None] + at[0][row]) % TILE
     columns = (np.arange(TILE)[None, :] + at[1][row]) % TILE
-    tone = rng.normal(0, 0.09, boards)[row]
-    shade = (0.65 + 0.35 * shade[rows, columns] + tone) * (1 - 0.75 * groove)
-    return shade.clip(0.1, 1.8), warmth[rows, columns], relief[rows, columns] - 0.002 * groove, size
+    tone = rng.normal(0, 0.07, boards)[row]
+    crack = _cracks(rng, boards)
+    nail = np.zeros_like(x)
+    for place in (0.02, 0.5, 0.98):
+        for side in (0.2, 0.8):
+            away = np.hypot((x - place) * size, (across - side) * size / boards)
+            nail = np.maximum(nail, np.exp(-((away / 0.0034) ** 4)))
+    shade = 0.6 + 0.4 * shade[rows, columns] + tone + 0.035 * noise(rng, 1.5, first=8)
+    shade = shade * (1 - 0.8 * groove) * (1 - 0.22 * dirt) * (1 - 0.6 * crack) * (1 - 0.55 * nail)
+    relief = relief[rows, columns] - 0.002 * groove - 0.0006 * crack - 0.0003 * nail
+    return shade.clip(0.08, 1.8), warmth[rows, columns] * (1 - nail), relief, size
+
+
+BOARD_ENDS = (0.0, 0.55, 0.2, 0.8, 0.4, 0.05, 0.65, 0.3, 0.9, 0.48, 0.12, 0.72)
+"""Where the boards of each row of `planks` end [tiles]."""
+
+
+def _cracks(rng: np.random.Generator, boards: int) -> np.ndarray:
+    """Return cracks along some boards, 0 to 1."""
+    line = noise(rng, 1.7, first=5, stretch=30.0)
+    thin = np.exp(-((line / 0.035) ** 2))
+    some = (rng.random(boards) < 0.5)[(np.arange(TILE) * boards // TILE)][:, None]
+    return np.asarray(thin * some * (noise(rng, 1.9, first=3) > 0.7), np.float32)
 
 
 def shell(rng: np.random.Generator) -> Drawn:

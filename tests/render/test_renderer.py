@@ -15,6 +15,7 @@ import pytest
 from render.backend import Backend
 from render.config import Film, material
 from render.errors import ShotError
+from render.frame import Image, LightLayers
 from render.lights.sun_position import sun_direction
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
@@ -44,6 +45,27 @@ def test_camera_and_field_of_view_move_without_a_build(
     moved = renderer.render(make_shot(camera=pose)).light
     assert renderer.timings.build == build_time
     np.testing.assert_array_equal(moved, Renderer(backend).render(make_shot(camera=pose)).light)
+
+
+@pytest.mark.parametrize(("samples", "expected"), [(2, True), (48, False)])
+def test_shadows_of_the_sun_are_denoised_where_samples_are_few(
+    renderer: Renderer,
+    make_shot: Make,
+    monkeypatch: pytest.MonkeyPatch,
+    samples: int,
+    expected: bool,
+) -> None:
+    seen = []
+
+    def clean(layers: LightLayers, mode: str, *, has_soft_lights: bool) -> Image:
+        del mode
+        seen.append(has_soft_lights)
+        return layers.light
+
+    monkeypatch.setattr(renderer._denoiser, "clean", clean)
+    film = Film(size=(32, 32), samples=samples, depth=2, denoise="fast")
+    renderer.render(make_shot(film=film))
+    assert seen == [expected]
 
 
 def test_denoised_frames_repeat(renderer: Renderer, backend: Backend, make_shot: Make) -> None:

@@ -311,3 +311,54 @@ def test_colours_of_needles_are_numbers(renderer: Renderer, make_shot: Make) -> 
     layers = scene.trace(0, range(64), 64)
     assert np.isfinite(layers.albedo).all()
     assert np.isfinite(layers.indirect_albedo).all()
+
+
+@pytest.mark.parametrize(("pattern", "across"), [("slabs", (4, 4)), ("tiles", (6, 6))])
+def test_slabs_show_other_slabs_of_the_tile_and_their_own_tones(
+    renderer: Renderer, pattern: str, across: tuple[int, int]
+) -> None:
+    del renderer
+    import mitsuba as mi
+
+    from render.surfaces.laid_pieces import laid
+
+    rng = np.random.default_rng(3)
+    places = rng.uniform(-20.0, 20.0, (2, 4000))
+    u, v = (mi.Float(p) for p in places)
+    piece = laid(pattern, u, v, mi.UInt32(0), {})
+    found = np.array([piece.u, piece.v])
+    count = np.array(across)[:, None]
+    # The place within a slab stays, so that joints meet.
+    np.testing.assert_allclose((found * count) % 1.0, (places * count) % 1.0, atol=2e-3)
+    numbers = np.floor(places * count)
+    tone = np.array(piece.tone)
+    one = {tuple(n): t for n, t in zip(numbers.T, tone, strict=True)}
+    assert all(abs(one[tuple(n)] - t) < 1e-6 for n, t in zip(numbers.T, tone, strict=True))
+    assert 0.02 < np.std(list(one.values())) < 0.2
+    shown = np.floor(found * count)
+    assert (shown >= 0).all()
+    assert (shown < count).all()
+    assert len({tuple(n) for n in shown.T}) == across[0] * across[1]
+    far = laid(pattern, u, v, mi.UInt32(9), {})
+    np.testing.assert_allclose(np.array(far.tone), 1.0)
+
+
+def test_boards_end_at_other_places_in_each_row(renderer: Renderer) -> None:
+    del renderer
+    import mitsuba as mi
+
+    from render.surfaces.laid_pieces import laid, prepare
+    from render.textures.object_patterns import BOARD_ENDS
+
+    values: dict[str, Any] = {}
+    prepare("planks", values)
+    rows = (np.arange(40) + 0.5) / len(BOARD_ENDS)
+    u = np.linspace(0.0, 3.0, 600)
+    places = np.stack(np.meshgrid(u, rows)).reshape(2, -1)
+    piece = laid("planks", *(mi.Float(p) for p in places), mi.UInt32(0), values)
+    tone = np.array(piece.tone).reshape(len(rows), len(u))
+    changes = np.abs(np.diff(tone, axis=1)) > 1e-4
+    # Boards are as long as a tile: three metres of three tiles have three ends.
+    assert set(changes.sum(axis=1)) <= {2, 3}
+    ends = np.array([u[np.flatnonzero(row)[0]] for row in changes])
+    assert len(np.unique(np.round(ends, 2))) > 30

@@ -47,8 +47,8 @@ ONE_MISTAKE = [
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
-     "unknown key, known: at, cells, foot_radius, footprints, heading_deg, kind, material, "
-     "polygons, scatter, show_forbidden, size, surroundings, unsteppable_slope_deg, "
+     "unknown key, known: at, cells, edging, foot_radius, footprints, heading_deg, kind, "
+     "material, polygons, scatter, show_forbidden, size, surroundings, unsteppable_slope_deg, "
      "water"),
     ("[2, 0.5], radius", "[2, 0.5], §radios", "figures.bug.nodes.foot_l.radios",
      "unknown key, did you mean 'radius'?"),
@@ -173,6 +173,9 @@ ONE_MISTAKE = [
     ("terrain: hills", "terrain: {kind: flat, surroundings: §hils}", "terrain.surroundings",
      "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
      "the text 'hils'; did you mean 'hills'?"),
+    ("terrain: hills", "terrain: {kind: flat, edging: §hegde}", "terrain.edging",
+     "must be 'auto', 'hedge', 'wall', 'railing', 'planters', 'overgrown', 'room' or 'none', is "
+     "the text 'hegde'; did you mean 'hedge'?"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §medow}", "terrain.scatter",
      "no scatter is called 'medow', did you mean 'meadow'? `pronk list scatter` has all 20"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §fern}", "terrain.scatter",

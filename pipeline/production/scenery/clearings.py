@@ -115,6 +115,13 @@ class Clearings:
         found = map_coordinates(self.covered.astype(np.uint8), spot, order=0, mode="constant")
         return np.asarray(found > 0)
 
+    @property
+    def extent(self) -> Array:
+        """Least and greatest x and z of the places where performers are, (2, 2) [m]."""
+        j, i = np.nonzero(self.distances == 0)
+        spots = np.array([[i.min(), j.min()], [i.max(), j.max()]], float)
+        return np.asarray(self.corner) + self.cell * spots
+
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the clearings as arrays."""
         return {

@@ -121,3 +121,30 @@ class FilmView:
             )[:, None]
             result[some] = (blocks | lens).any(axis=1)
         return result
+
+    def in_the_foreground(
+        self, points: Array, heights: Array, radii: Array, share: float
+    ) -> NDArray[np.bool_]:
+        """Return which things (N,) a frame would show nearer than its target.
+
+        Args:
+            points: (N, 3) feet of the things [m].
+            heights: (N,) [m].
+            radii: (N,) [m].
+            share: of the distance to the target up to which they are nearer.
+        """
+        middle = points + np.array([0.0, 0.5, 0.0]) * heights[:, None]
+        size = np.hypot(radii, 0.5 * heights)
+        result = np.zeros(len(points), bool)
+        depth = np.linalg.norm(self.targets - self.eyes, axis=-1)
+        step = max(CHUNK // len(self.eyes), 1)
+        for start in range(0, len(points), step):
+            part = slice(start, start + step)
+            way = middle[part, None] - self.eyes[None]
+            distance = np.linalg.norm(way, axis=-1)
+            along = (way * self.ahead).sum(axis=-1)
+            apart = np.arccos(np.clip(along / np.maximum(distance, 1e-9), -1.0, 1.0))
+            wide = np.arcsin(np.clip(size[part, None] / np.maximum(distance, 1e-9), 0.0, 1.0))
+            seen = apart < self.angles + wide
+            result[part] = (seen & (along - size[part, None] < share * depth)).any(axis=1)
+        return result

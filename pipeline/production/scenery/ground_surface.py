@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.edging.apron import Apron
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_cover import Color, Site, woods
 from pipeline.production.surroundings.rings import border, rim_places, turned
@@ -50,6 +51,7 @@ class GroundSurface:
         land_color: linear mean colour of the material of the land.
         around: number of vertices of a ring of the mesh.
         water: level of the water [m], None without any.
+        apron: around a floor on the terrain, None where all of the terrain is seen.
     """
 
     def __init__(
@@ -60,8 +62,9 @@ class GroundSurface:
         land_color: Color,
         around: int,
         water: float | None = None,
+        apron: Apron | None = None,
     ) -> None:
-        self._land, self._water = land, water
+        self._land, self._water, self._apron = land, water, apron
         self._color, self._land_color = np.asarray(color, float), np.asarray(land_color, float)
         edge = len(border(land.field))
         rings = np.asarray(mesh.vertices[edge:], float)
@@ -88,6 +91,14 @@ class GroundSurface:
         height, normals = field.surface(x, z)
         color = np.broadcast_to(self._color, (len(x), 3)).copy()
         outside = np.flatnonzero(~on_terrain)
+        if self._apron is not None:
+            places = np.stack([x, z], axis=-1)
+            bare = np.flatnonzero(on_terrain)
+            bare = bare[~self._apron.is_floor(places[bare])]
+            height[bare], normals[bare] = self._apron.surface(places[bare])
+            color[bare] = self._land_color
+            on_terrain = on_terrain.copy()
+            on_terrain[bare] = False
         if len(outside):
             ox, oz = x[outside], z[outside]
             low, cover = self._land_at(ox, oz)
@@ -109,6 +120,11 @@ class GroundSurface:
         on_terrain = field.inside(x, z)
         height, _ = field.surface(x, z)
         outside = np.flatnonzero(~on_terrain)
+        if self._apron is not None:
+            places = np.stack([x, z], axis=-1)
+            bare = np.flatnonzero(on_terrain)
+            bare = bare[~self._apron.is_floor(places[bare])]
+            height[bare] = self._apron.height(places[bare])
         if len(outside):
             height[outside] = self._land_at(x[outside], z[outside])[0]
         return height

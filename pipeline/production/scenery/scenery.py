@@ -20,6 +20,9 @@ from render.shot import Mesh
 BUDGET = 1_250_000
 """Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
 
+LEAST_REST = 0.3
+"""Share of the budget that is left to presets, whatever else stands there."""
+
 FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.6
 """Length of a camera's path for which the budget doubles [m], and its greatest factor."""
 
@@ -63,6 +66,7 @@ def scenery_meshes(
     wind: tuple[float, float],
     seed: int,
     detail: float,
+    also: Sequence[Placed] = (),
 ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
     """Return the plants and stones that the cameras of a film see, still and trodden ones.
 
@@ -75,6 +79,7 @@ def scenery_meshes(
         wind: near the ground, along x and z [m/s].
         seed: of the scene.
         detail: 1 for frames 1280 pixels wide.
+        also: what stands there besides.
 
     Raises:
         TooManyTriangles: the densities that the author asks for take too much memory.
@@ -83,7 +88,10 @@ def scenery_meshes(
     fitted = [placement.placed(one) for one in scatter.fitted]
     asked = [placement.placed(one) for one in scatter.asked]
     most = round(scatter.factor * budget(detail, view.path_length))
-    every = [*thinned(fitted, most, detail), *asked]
+    # What stands along a floor takes the place of some of the cover around it.
+    along = sum(int(triangle_counts(placed, detail).sum()) for placed in also)
+    rest = max(most - along, round(LEAST_REST * most))
+    every = [*thinned(fitted, rest, detail), *asked, *also]
     _check_size(every, detail)
     still, trodden = split_trodden(every, treads, detail)
     return meshes(still, detail, wind), TroddenCover.of(trodden, treads, wind, detail)

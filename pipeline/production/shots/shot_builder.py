@@ -15,6 +15,9 @@ from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, 
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
+from pipeline.production.edging.edging_choice import EdgingChoice
+from pipeline.production.edging.floor_mesh import soiled_wall
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.film_view import FilmView
@@ -49,6 +52,7 @@ from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material, Water
 from render.development import Tone
+from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
 
@@ -78,7 +82,10 @@ class ShotBuilder:
         self._around = around = Choice.of(scene)
         self._land = Land.of(take.terrain, around)
         self._scatter = ScatterChoice.of(scene, around)
+        self._edging = EdgingChoice.of(scene, around)
         self.materials = _materials(scene, take, around, self._scatter)
+        if self._edging is not None:
+            self.materials = {**self.materials, **SCENERY_MATERIALS, **MATERIALS_OF_EDGING}
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
@@ -170,7 +177,7 @@ class ShotBuilder:
         return FilmTracks(
             tuple(pose for cut in self._filmed for pose in cut.poses),
             footprint_timeline(self.take, texture) if has_footprints else None,
-            clearings=Clearings.of(self.take) if self._scatter.wanted else None,
+            clearings=Clearings.of(self.take) if self._scatter.wanted or self._edging else None,
         )
 
     def _filmed_cuts(self) -> list[FilmedCut]:
@@ -239,18 +246,39 @@ class ShotBuilder:
                 for mesh in land
             )
         view, treads = FilmView.of(self.poses, self._aspect), Treads.of(self.take)
+        edging = self._edging_of(view)
+        base = self._terrain
+        if edging is not None:
+            land = (land[0], *edging.meshes()) if edging.apron else (*land, *edging.meshes())
+        if edging is not None and edging.cover is not None:
+            base = replace(base, cover=edging.cover)
+            land = tuple(soiled_wall(mesh) if mesh.name == "edge" else mesh for mesh in land)
+        if edging is not None and edging.floor is not None and edging.apron is not None:
+            base = replace(edging.floor, footprints=base.footprints)
+            land = (*land, snowed_cover(edging.apron.mesh(self._around.material), weather))
         material = self.materials[self.take.terrain.material]
-        near = with_relief(self._terrain, material, view, treads, scenery_detail(width))
+        near = with_relief(base, material, view, treads, scenery_detail(width))
         ground = (near, *land)
-        if not self._scatter.wanted:
+        if not self._scatter.wanted and (edging is None or not edging.placed):
             return ground, None
-        still, trodden = self._scenery(land[0], view, treads)
+        still, trodden = self._scenery(land[0], view, treads, edging)
         if trodden:
             trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
         return (*ground, *(frosted(mesh, weather) for mesh in still)), trodden
 
+    def _edging_of(self, view: FilmView) -> Edging | None:
+        """Return the edging of the floor."""
+        if self._edging is None:
+            return None
+        detail = scenery_detail(self.film.size[0])
+        sun = None if self.light.sun is None else sun_direction(self.light.sun)
+        return Edging.of(
+            *(self._edging, self.take.terrain, self._land, self.tracks.clearings, view),
+            *(self._scene.seed, detail, self._terrain.material, sun),
+        )
+
     def _scenery(
-        self, horizon: Mesh, view: FilmView, treads: Treads
+        self, horizon: Mesh, view: FilmView, treads: Treads, edging: Edging | None
     ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         """Return the plants and stones over terrain and land."""
         terrain, around = (
@@ -260,12 +288,14 @@ class ShotBuilder:
         width = self.film.size[0]
         columns = vertices_around(land_detail(width))
         level = None if self._water is None else self._water.level
-        ground = GroundSurface(self._land, horizon, terrain, around, columns, level)
+        apron = edging.apron if edging else None
+        ground = GroundSurface(self._land, horizon, terrain, around, columns, level, apron)
         try:
             return scenery_meshes(
                 *(ground, view, self.tracks.clearings, self._scatter),
                 *(treads, self.light.weather.ground_wind),
                 *(self._scene.seed, scenery_detail(width)),
+                also=edging.placed if edging else (),
             )
         except TooManyTriangles as error:
             problem = Problem("terrain.scatter", str(error))

@@ -24,6 +24,10 @@ SEA_BELOW = 0.35
 """Depth of the sea below the lowest point of the terrain [m]."""
 
 
+NEARER_SEA, SHORE_REACH = 1.4, 90.0
+"""How much nearer the sea is to a floor than to other ground, and within which distance [m]."""
+
+
 class Land:
     """The ground beyond the edge of a terrain.
 
@@ -96,6 +100,9 @@ class Land:
         """Return the heights (N,) of the land at places (N, 2) in the frame of the grid [m]."""
         out = self.beyond(places)
         near = self._near(places, out) / (1.0 + (out / FADE) ** 2)
+        if self.is_platform and self.kind == "sea":
+            # A terrace stands at the shore.
+            out = out * (1.0 + NEARER_SEA * np.exp(-((out / SHORE_REACH) ** 2)))
         return self.level + near + LANDFORMS[self.kind](places, out, self.seed)
 
     def _near(self, places: Array, out: Array) -> Array:

@@ -1,0 +1,218 @@
+"""Edging: floor, apron and border of a scene, put together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.production.edging import room
+from pipeline.production.edging.apron import Apron
+from pipeline.production.edging.border import Border
+from pipeline.production.edging.edging_choice import EdgingChoice
+from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
+from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.edging.joint_growth import grow_in_joints
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.expansion import gathered_meshes
+from pipeline.production.scenery.film_view import FilmView
+from pipeline.production.scenery.placement import Placed
+from pipeline.production.surroundings.land import Land
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import TerrainRecord
+from render.config import MATERIALS, Material
+from render.shot import Mesh
+
+BUILT = ("iron", "dark soil", *room.BUILT)
+"""Materials of what is built along floors."""
+
+WALL = Material.model_validate(
+    {
+        "color": "#c9c3a4",
+        "color2": "#c3bc9b",
+        "roughness": 0.95,
+        "texture": "plaster",
+        "texture_scale": 1.0,
+        "bump": 0.6,
+    }
+)
+"""Of the walls of rooms."""
+
+WEATHERED = Material.model_validate(
+    {
+        "color": "#8d8272",
+        "color2": "#6f6456",
+        "roughness": 0.85,
+        "texture": "wood",
+        "texture_scale": 0.5,
+        "bump": 0.8,
+    }
+)
+"""Of boards that have stood in the rain for years."""
+
+MATERIALS_OF_EDGING: Mapping[str, Material] = {
+    **{f"edging {name}": MATERIALS[name] for name in BUILT},
+    "edging weathered": WEATHERED,
+    "edging wall": WALL,
+}
+
+TREES: Mapping[str, tuple[str, ...]] = {
+    "forest": ("birch", "oak", "spruce"),
+    "hills": ("oak", "birch"),
+    "plain": ("birch", "oak"),
+    "mountains": ("spruce", "birch"),
+}
+"""Trees in a row, by surroundings."""
+
+FOOT_OF_WALL = (("tall grass", 0.5, 0.8), ("fern", 1.6, 0.8), ("buttercup", 0.9, 1.0))
+
+SHORE = (("beach grass", 0.9, 0.8), ("beach grass", 2.1, 1.1), ("stone", 2.4, 1.2))
+
+FOOT_OF_FLOOR = (
+    ("meadow grass", 0.16, 1.0),
+    ("meadow grass", 0.21, 0.7),
+    ("dry grass", 0.5, 0.7),
+    ("daisy", 0.7, 1.0),
+)
+
+BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
+"""What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Edging:
+    """How a floor ends.
+
+    Attributes:
+        floor: mesh that takes the place of the terrain, None where all of that is seen.
+        apron: around it, None where all of the terrain is seen.
+        border: what stands along it.
+        cover: (V, 4) of the terrain's vertices, what soils it, where all of that is seen.
+    """
+
+    floor: Mesh | None
+    apron: Apron | None
+    border: Border
+    cover: NDArray[np.float32] | None = None
+
+    @staticmethod
+    def of(
+        choice: EdgingChoice,
+        terrain: TerrainRecord,
+        land: Land,
+        clearings: Clearings | None,
+        view: FilmView,
+        seed: int,
+        detail: float,
+        material: str,
+        sun: tuple[float, float, float] | None = None,
+    ) -> Edging:
+        """Return the edging of a floor.
+
+        Args:
+            choice: of the scene.
+            terrain: of the take.
+            land: around it.
+            clearings: of the cast.
+            view: of the film.
+            seed: of the scene.
+            detail: 1 for frames 1280 pixels wide.
+            material: of the floor, by name.
+            sun: unit vector towards it, None without one.
+        """
+        is_paved = choice.floor == "paving"
+        is_room = choice.along == "room"
+        eyes = view.eyes[:, [0, 2]] if is_room else None
+        plan = FloorPlan.of(
+            *(terrain, clearings, choice.piece, seed),
+            is_broken=is_paved and not is_room,
+            around=eyes,
+        )
+        if plan is None:
+            corners = terrain.vertices[:, [0, 2]]
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            border = Border(
+                low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun
+            )
+            cover = None
+            if is_paved and clearings is not None:
+                all_of_it = FloorPlan.of_all(terrain, clearings, choice.piece)
+                grow_in_joints(border, all_of_it, land.field)
+                cover = dirt(all_of_it, terrain.vertices.astype(np.float32), seed)
+            border.undergrowth(0.06, FOOT_OF_FLOOR)
+            _stand(border, choice, land, 1.1, None)
+            return Edging(None, None, border, cover)
+        apron = Apron(plan, is_paved and not is_room, seed)
+
+        def height(places: Array) -> Array:
+            inside = (places > plan.ground[0]).all(axis=1) & (places < plan.ground[1]).all(axis=1)
+            return np.where(inside, apron.height(places), land.height(*places.T))
+
+        border = Border(plan.low, plan.high, height, view, clearings, seed, detail, sun)
+        if is_room:
+            room.Room(plan, border).build()
+            return Edging(deck_mesh(plan, material), apron, border)
+        if is_paved:
+            grow_in_joints(border, plan)
+        _stand(border, choice, land, 0.55, None if is_paved else plan.height)
+        floor = paving_mesh(plan, material, seed) if is_paved else deck_mesh(plan, material)
+        return Edging(floor, apron, border)
+
+    @property
+    def placed(self) -> tuple[Placed, ...]:
+        """Plants of the edging."""
+        return tuple(self.border.placed)
+
+    def meshes(self) -> tuple[Mesh, ...]:
+        """Return what is built, and hedges."""
+        border = self.border
+        copies = [(one, "scenery stone") for one in border.stones]
+        copies += [(one, "scenery solid") for one in border.leaves]
+        grown = tuple(
+            replace(mesh, name=mesh.name.replace("scenery", "edging"))
+            for mesh in (gathered_meshes(copies)[0] if copies else ())
+        )
+        return (*grown, *border.carpentry.meshes())
+
+
+def _stand(
+    border: Border, choice: EdgingChoice, land: Land, out: float, deck: float | None
+) -> None:
+    """Let things stand along a floor.
+
+    Args:
+        border: to which they are added.
+        choice: of the scene.
+        land: around.
+        out: distance from the floor [m].
+        deck: height of a floor of boards, None for another.
+    """
+    if deck is not None:
+        border.rim("edging weathered", deck)
+    if choice.along == "overgrown":
+        return
+    level = deck if deck is not None else land.level
+    if choice.along == "hedge":
+        border.benches(-0.55 if deck is None else -0.7, 6.5)
+        border.hedge(out + 0.6, 1.05)
+        border.undergrowth(out + 0.15, FOOT_OF_WALL)
+        border.undergrowth(out + 2.0, BEHIND)
+    elif choice.along == "wall":
+        border.wall(out + 0.5, 0.75)
+        border.undergrowth(out + 0.1, FOOT_OF_WALL)
+        border.undergrowth(out + 1.5, BEHIND)
+    elif choice.along == "railing":
+        border.railing(level, "edging white painted metal")
+        if land.kind == "sea":
+            border.festoon(level, 3.4)
+            border.palms(out + 2.6, 4.6)
+            border.undergrowth(out + 0.6, SHORE)
+    elif choice.along == "planters":
+        border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
+        border.hedge(out + 1.5, 0.9)
+        border.undergrowth(out + 2.6, BEHIND)
+    if land.kind in TREES and choice.along != "railing":
+        border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
+        border.trees(TREES[land.kind], out + 11.0, 8.5, 1.0)

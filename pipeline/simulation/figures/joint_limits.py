@@ -33,8 +33,9 @@ steeply down."""
 STRAIGHT_LIMIT_DEG = 8.0
 """A joint drawn with a smaller bend counts as straight."""
 
-REST_BEND_DEG = {LEG: -18.0, ARM: 26.0}
-"""Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
+REST_BEND_DEG, COLUMN_BEND_DEG = {LEG: -22.0, ARM: 26.0}, -18.0
+"""Rest bend of limbs drawn straight, and of straight legs over soles, as those of people: knees bend
+backward, elbows forward."""
 
 LEVEL, SOLE_AHEAD = 0.6, 0.5
 """Sine of the slope up to which a foot stands on its sole, and the part of the sole that lies
@@ -216,7 +217,10 @@ def mammal_joint_ranges(
         return _root_and_bends(kind, len(steps))
     # In the plane in which the limb swings: forward, and down.
     angles = np.unwrap(np.arctan2(steps[:, 0], -steps[:, 1]))
-    inner = [_inner_range(kind, math.degrees(bend)) for bend in np.diff(angles)]
+    bends = np.degrees(np.diff(angles)).tolist()
+    is_column = kind == LEG and _has_sole(steps) and abs(bends[0]) < STRAIGHT_LIMIT_DEG
+    rest = COLUMN_BEND_DEG if is_column else REST_BEND_DEG[kind]
+    inner = [_inner_range(kind, bend, rest) for bend in bends]
     if kind == ARM:
         base = {
             "pitch": SHOULDER_RANGES["pitch"],
@@ -280,6 +284,12 @@ def is_foot(length: float, steps: Array) -> bool:
     return length < FOOT_LENGTH * float(np.linalg.norm(steps, axis=-1).sum())
 
 
+def _has_sole(steps: Array) -> bool:
+    """Return whether a leg with links (n, 3) after its hip stands on its sole [m]."""
+    foot = float(np.linalg.norm(steps[-1]))
+    return len(steps) > 2 and is_foot(foot, steps) and abs(float(steps[-1, 1])) < LEVEL * foot
+
+
 def _ankle_range(knee: JointRange) -> JointRange:
     """Return the range of an ankle or fetlock, which unlike a knee bends both ways."""
     beyond = math.copysign(math.radians(ANKLE_BACK_DEG), knee.extended - knee.preferred)
@@ -310,17 +320,23 @@ def _hip_pitch(steps: Array, angles: Array, inner: Sequence[JointRange]) -> floa
     """
     turned = angles + np.cumsum([0.0, *(stance.preferred for stance in inner)])
     lengths = np.hypot(steps[:, 0], steps[:, 1])
-    foot = float(np.linalg.norm(steps[-1]))
-    if len(inner) > 1 and is_foot(foot, steps) and abs(steps[-1, 1]) < LEVEL * foot:
-        lengths[-1] *= SOLE_AHEAD
-    return -math.atan2(float(lengths @ np.sin(turned)), float(lengths @ np.cos(turned)))
+    across, along = lengths * np.sin(turned), lengths * np.cos(turned)
+    pitch = -math.atan2(float(across.sum()), float(along.sum()))
+    if _has_sole(steps) and abs(math.cos(float(turned[-1]) + pitch)) < LEVEL:
+        across[-1], along[-1] = SOLE_AHEAD * across[-1], SOLE_AHEAD * along[-1]
+        pitch = -math.atan2(float(across.sum()), float(along.sum()))
+    return pitch
 
 
-def _inner_range(kind: str, bend: float) -> JointRange:
-    """Return the range of an inner joint drawn with `bend` [degrees]."""
-    rest = 0.0
-    if abs(bend) < STRAIGHT_LIMIT_DEG:
-        rest = REST_BEND_DEG[kind]
+def _inner_range(kind: str, bend: float, straight_rest: float) -> JointRange:
+    """Return the range of an inner joint drawn with `bend`.
+
+    Args:
+        kind: of the limb.
+        bend: [degrees].
+        straight_rest: bend at rest of one drawn straight [degrees].
+    """
+    rest = straight_rest if abs(bend) < STRAIGHT_LIMIT_DEG else 0.0
     way = math.copysign(1.0, rest or bend)
     # The drawn bend is always within the limits.
     far = -bend + way * max(MAX_BEND_DEG[kind], abs(bend))

@@ -124,12 +124,12 @@ def test_people_walk_with_nearly_straight_knees() -> None:
     herd, knee, leg = walk.walkers.herd, 3, 0
     bent = np.degrees(np.abs(walk.q[:, leg, knee] - herd.legs.extended[leg, knee]))
     down = walk.standing[:, leg]
-    assert np.median(bent[down]) < 45.0
+    assert np.median(bent[down]) < 36.0
     lands = np.flatnonzero(down[1:] & ~down[:-1]) + 1
     assert bent[lands].max() < 30.0
     node = herd.figures[0].skeleton.legs[leg].links[-1]
     heel = walk.simulation.recorder.positions[:, node, 1]
     lifts = np.flatnonzero(~down[1:] & down[:-1])
-    ankle = heel[down].min()
-    assert (heel[lands] < ankle + 0.04).all()
-    assert (heel[lifts] > ankle + 0.06).all()
+    ankle = np.median(heel[down])
+    assert (heel[lands] < ankle).all()
+    assert (heel[lifts] > ankle + 0.04).all()

@@ -44,7 +44,7 @@ class RollAngles:
     lands_on_heel: bool
 
 
-SOLE, TOES = RollAngles(0.7, 0.25, 0.38, True), RollAngles(0.4, 0.55, 0.1, False)
+SOLE, TOES = RollAngles(0.9, 0.25, 0.38, True), RollAngles(0.4, 0.55, 0.1, False)
 """Feet that stand on their soles, and those that stand on toes or hooves."""
 
 SLOPING_TOE_UP = 0.2

@@ -57,6 +57,7 @@ class Descent:
         room: distance from a limit at which joints begin to slow down, in their range.
         every: steps from one end that is tried to the next.
         less: by which limbs whose joints fold together may fold less, in lengths of the limb.
+        steady: by which the feet of such limbs may turn more than those of others [rad].
         idle: part of the fold of another joint, each as a part of the way to its limit, below which
             a joint is left out.
         apart: difference between folds of joints from which on one begins to catch up with
@@ -69,6 +70,7 @@ class Descent:
     room: float = 0.05
     every: int = 5
     less: float = 0.03
+    steady: float = 0.2
     idle: float = 0.25
     apart: float = 0.3
 
@@ -124,11 +126,36 @@ def fold_curves(batch: LimbBatch, bending: NDArray[np.bool_]) -> list[Array]:
     for row in range(len(extended)):
         limb = batch.rows(np.array([row]))
         together, alone = (_calmest(limb, extended[row], own[:, row]) for own in ends)
-        # Limbs whose joints fold together must fold as far as others.
-        far = distances(limb, np.stack([together[-1], alone[-1]])) / limb.lengths[0]
-        leaves_out = _has_idle_joint(turns[row], alone[-1] - limb.preferred[0])
-        curves.append(together if leaves_out and far[0] < far[1] + DESCENT.less else alone)
+        curves.append(together if _is_better(limb, turns[row], together, alone) else alone)
     return curves
+
+
+def _is_better(limb: LimbBatch, folds: Array, together: Array, alone: Array) -> bool:
+    """Return whether joints that fold together (m, n) fold a limb better than others (m, n).
+
+    They leave no joint idle that is so alone, fold about as far, and keep the foot as steady.
+    """
+    ends = np.stack([together[-1], alone[-1]])
+    far, turned = distances(limb, ends) / limb.lengths[0], _foot_turns(limb, ends)
+    idle = _has_idle_joint(folds, alone[-1] - limb.preferred[0])
+    return idle and far[0] < far[1] + DESCENT.less and turned[0] < turned[1] + DESCENT.steady
+
+
+def _foot_turns(limb: LimbBatch, q: Array) -> Array:
+    """Return how far (m,) the last link of one limb turns to the line from base to tip [rad].
+
+    Args:
+        limb: one.
+        q: (m, n) joint values, compared with those at rest [rad or m].
+    """
+    many = limb.rows(np.zeros(len(q) + 1, dtype=np.int64))
+    pose, last = many.pose(np.concatenate([limb.preferred, q])), int(limb.is_joint[0].sum()) - 1
+    foot, arm = pose.tips - pose.X_BJ[:, last, :3, 3], pose.tips - many.places[:, 0]
+    across = (foot * arm).sum(axis=-1)
+    across /= np.maximum(np.linalg.norm(foot, axis=-1) * np.linalg.norm(arm, axis=-1), 1e-300)
+    angle = np.arccos(np.clip(across, -1.0, 1.0))
+    result: Array = np.abs(angle[1:] - angle[0])
+    return result
 
 
 def _has_idle_joint(folds: Array, turned: Array) -> bool:

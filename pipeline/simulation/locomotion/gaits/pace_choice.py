@@ -51,9 +51,9 @@ HEIGHTS, LEAST_CROUCH = 33, 0.75
 # Duration of a cycle of one that stands, in periods of a pendulum of its size, over 2π.
 PERIOD = 3.0
 
-# Default step height, and that of a walk on two legs, in leg lengths: people lift their toes by a
-# few centimetres (Winter 1992).
-STEP_HEIGHT, UPRIGHT_STEP_HEIGHT = 0.13, 0.085
+# Default step height, and that of a walk on two legs, in leg lengths: people hardly lift their toes
+# (Winter 1992).
+STEP_HEIGHT, UPRIGHT_STEP_HEIGHT = 0.13, 0.1
 
 # Greatest bounce with flights, in leg lengths.
 MAX_FLIGHT_BOUNCE = 0.1

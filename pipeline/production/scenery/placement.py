@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.species import KINDS, Species
 from pipeline.production.surroundings.lattice_noise import fractal, hashed, smoothstep
 from pipeline.simulation.spatial import Array
@@ -104,6 +105,7 @@ class Placement:
         view: of the film.
         clearings: of the performers, None without any.
         seed: of the scene.
+        growth: where plants thrive.
         detail: factor on the distances up to which things are dense, 1 for wide frames.
     """
 
@@ -111,6 +113,7 @@ class Placement:
     view: FilmView
     clearings: Clearings | None
     seed: int
+    growth: Growth
     detail: float = 1.0
 
     def placed(self, wanted: Wanted) -> Placed:
@@ -205,6 +208,10 @@ class Placement:
         here = self._patches(species, wanted, x, z)
         some = np.flatnonzero(here > share)
         x, z, share, here = x[some], z[some], share[some], here[some]
+        here = here * self.growth.share(species.habitat, x, z)
+        thrives = np.flatnonzero(here > share)
+        x, z, share, here = x[thrives], z[thrives], share[thrives], here[thrives]
+        some = some[thrives]
         chance = np.stack([one[some] for one in random[3:]], axis=-1)
         ground = self.ground.at(x, z)
         points = np.stack([x, ground.height, z], axis=-1)
@@ -219,7 +226,7 @@ class Placement:
         here = here * np.where(ground.on_terrain, wanted.on_terrain, wanted.on_land)
         if species.layer == "tree":
             woods = self.ground.woods(x, z, ground.height)
-            here = here * np.where(ground.on_terrain, 1.0, np.maximum(woods, 0.3))
+            here = here * np.where(ground.on_terrain, 1.0, np.maximum(woods, 0.5))
         rank = share / np.maximum(here, 1e-12)
         kept = rank < 1.0
         kept[kept] &= self._is_free(species, wanted, points[kept])
@@ -236,7 +243,7 @@ class Placement:
         if species.cover >= 1.0:
             return np.ones_like(x)
         places = np.stack([x, z], axis=-1)
-        seed = (zlib.crc32(b"patch " + wanted.name.encode()) + self.seed) & 0xFFFFFF
+        seed = (zlib.crc32(b"patch " + (species.family or wanted.name).encode()) + self.seed) & 0xFFFFFF
         value = fractal(places / species.patch, seed, 3)
         # The noise is about normal with a deviation of 0.45.
         low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * species.cover)

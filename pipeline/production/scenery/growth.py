@@ -25,7 +25,7 @@ groves, below trees, or on bare ground as well."""
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""
 
-TRAIL_BEND = 52.0
+TRAIL_BEND = 38.0
 """Size of the bends of trails [m]."""
 TRAIL_HALF = (0.16, 0.62)
 """Distances from the middle of a trail up to which it is bare, and from which nothing is [m]."""
@@ -40,7 +40,7 @@ WORN_BY = 0.35, 1.1
 WORN_SHARE = 0.62
 
 SOILS = {
-    "grass": "#6f5a41",
+    "grass": "#786a52",
     "soil": "#b29a76",
     "rock": "#8b7658",
     "gravel": "#8b7658",
@@ -68,8 +68,8 @@ class Growth:
         places = np.stack([x, z], axis=-1)
         uneven = fractal(places / 1.7, self.seed + 4110, 2)
         trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
-        broad = fractal(places / 9.0, self.seed + 4120, 2)
-        spots = 0.8 * smoothstep(0.55, 0.95, broad + 0.45 * uneven)
+        broad = fractal(places / 5.5, self.seed + 4120, 2)
+        spots = 0.7 * smoothstep(0.6, 1.1, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
         if self.clearings is not None:
             near = 1.0 - smoothstep(*WORN_BY, self.clearings.distance(x, z))

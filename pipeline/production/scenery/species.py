@@ -137,12 +137,12 @@ def _pebbles(seed: int, level: int) -> Prototype:
 
 
 KINDS: dict[str, Species] = {
-    "short grass": _grass("short grass", 150.0, 0.09, cover=0.85, reach=60.0, near=5.0),
+    "short grass": _grass("short grass", 200.0, 0.09, cover=0.85, reach=60.0, near=7.0),
     "meadow grass": _grass(
-        *("meadow grass", 75.0, 0.24), cover=0.45, patch=8.0, near=6.0, family="tall"
+        *("meadow grass", 95.0, 0.24), cover=0.45, patch=8.0, near=8.0, family="tall"
     ),
     "tall grass": _grass(
-        *("tall grass", 60.0, 0.62), cover=0.16, patch=8.0, reach=90.0, near=8.0, family="tall"
+        *("tall grass", 60.0, 0.62), cover=0.16, patch=8.0, reach=90.0, near=11.0, family="tall"
     ),
     "dry grass": _grass(
         "dry grass", 26.0, 0.34, cover=0.45, near=8.0, reach=110.0, patch=6.0, ground=0.25

@@ -29,7 +29,7 @@ BRIGHTEST_MIDDLE = 0.52
 BRIGHT = 0.92
 """99th percentile of the luma."""
 
-CONTRAST = (0.9, 1.65)
+CONTRAST = (0.9, 2.1)
 """Least and greatest contrast."""
 
 MAX_STOPS = 1.75

@@ -37,11 +37,11 @@ HEDGE_BEND, HEDGE_HALF = 150.0, (1.2, 3.2)
 
 WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
-WORN_SHARE = 0.62
+WORN_SHARE = 0.5
 
 SOILS = {
     "grass": "#786a52",
-    "soil": "#b29a76",
+    "soil": "#a89679",
     "rock": "#8b7658",
     "gravel": "#8b7658",
 }
@@ -103,8 +103,8 @@ class Growth:
             return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
         if habitat == "tufts":
             tufts = fractal(places / 0.85, self.seed + 4160, 2)
-            free = free * (0.3 + 0.7 * smoothstep(-0.45, 0.35, tufts))
-        return np.asarray(free * free)
+            free = free * (0.38 + 0.62 * smoothstep(-0.45, 0.35, tufts))
+        return np.asarray(free)
 
     def wear(self, material: Material, weather: Weather, middle: Array) -> GroundWear | None:
         """Return the bare ground around a place (2,) [m], None on ground that wears not."""

@@ -12,13 +12,14 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
-from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.ground_surface import GroundPlaces, GroundSurface
 from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.species import KINDS, Species
 from pipeline.production.surroundings.lattice_noise import fractal, hashed, smoothstep
@@ -54,6 +55,7 @@ class Wanted:
         size: factor on its size.
         on_terrain: whether it may stand on the terrain.
         on_land: whether it may stand on the land around.
+        where: on dry ground, at the edge of water, or below it.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Wanted:
     size: float = 1.0
     on_terrain: bool = True
     on_land: bool = True
+    where: Literal["dry", "shore", "wet"] = "dry"
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +211,8 @@ class Placement:
         here = self._patches(species, wanted, x, z)
         some = np.flatnonzero(here > share)
         x, z, share, here = x[some], z[some], share[some], here[some]
-        here = here * self.growth.share(species.habitat, x, z)
+        if wanted.where == "dry":
+            here = here * self.growth.share(species.habitat, x, z)
         thrives = np.flatnonzero(here > share)
         x, z, share, here = x[thrives], z[thrives], share[thrives], here[thrives]
         some = some[thrives]
@@ -221,8 +225,9 @@ class Placement:
         end = self._reach(species, 0.0)
         here = here * (1.0 - smoothstep(0.7 * end, end, distances))
         steep = np.hypot(ground.normals[:, 0], ground.normals[:, 2]) / ground.normals[:, 1]
-        here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))
-        here = here * ground.dry
+        if wanted.where != "shore":
+            here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))
+        here = here * self._suits(species, wanted, x, z, ground)
         here = here * np.where(ground.on_terrain, wanted.on_terrain, wanted.on_land)
         if species.layer == "tree":
             woods = self.ground.woods(x, z, ground.height)
@@ -230,13 +235,25 @@ class Placement:
         rank = share / np.maximum(here, 1e-12)
         kept = rank < 1.0
         kept[kept] &= self._is_free(species, wanted, points[kept])
-        kept[kept] &= self._lies_level(species, wanted, points[kept], ground.normals[kept])
+        if wanted.where != "shore":
+            # Stones of a shore hide its edge.
+            kept[kept] &= self._lies_level(species, wanted, points[kept], ground.normals[kept])
         if not kept.any():
             return None
         return Placed(
             *(wanted.name, points, ground.normals, ground.color, distances, rank, chance),
             wanted.size,
         ).taken(kept)
+
+    def _suits(
+        self, species: Species, wanted: Wanted, x: Array, z: Array, ground: GroundPlaces
+    ) -> NDArray[np.bool_]:
+        """Return which places (N,) are as dry or wet as is wanted."""
+        if wanted.where == "dry":
+            return ground.dry
+        if wanted.where == "wet":
+            return self.ground.depth(ground.height) > 0.75 * species.height * wanted.size
+        return self.ground.shore(x, z, ground.height)
 
     def _patches(self, species: Species, wanted: Wanted, x: Array, z: Array) -> Array:
         """Return the share (N,) of the full density that patches leave."""

@@ -26,6 +26,18 @@ BY_TEXTURE = {
 }
 """Presets of natural ground by its texture."""
 
+WATERSIDE = (
+    Wanted("stone", 3.5, 2.6, where="shore"),
+    Wanted("stone", 6.0, 1.0, where="shore"),
+    Wanted("reeds", 0.9, 0.42, where="shore"),
+    Wanted("sedge", 0.8, 1.2, where="shore"),
+    Wanted("stone", 1.2, 1.6, where="wet"),
+    Wanted("pebbles", 1.2, where="wet"),
+    Wanted("boulder", 1.5, where="wet"),
+    Wanted("water weed", 1.0, where="wet"),
+)
+"""What grows and lies at the edges of water and below it."""
+
 OF_FLOORS = frozenset({"pavement", "room"})
 """Presets that lie on floors; all others lie on the land around a floor."""
 
@@ -64,6 +76,8 @@ class ScatterChoice:
             else:
                 own, land = scatter.preset, scatter.preset
         fitted = _of_presets(own, land, scatter.density)
+        if fitted and (scene.terrain.water is not None or around.kind == "sea"):
+            fitted = (*fitted, *WATERSIDE)
         asked = tuple(_asked(one) for one in scatter.species)
         return ScatterChoice(fitted, asked, max(scatter.density, 1.0))
 

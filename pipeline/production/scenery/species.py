@@ -145,16 +145,19 @@ KINDS: dict[str, Species] = {
         *("tall grass", 60.0, 0.62), cover=0.16, patch=8.0, reach=90.0, near=11.0, family="tall"
     ),
     "dry grass": _grass(
-        "dry grass", 26.0, 0.34, cover=0.45, near=8.0, reach=110.0, patch=6.0, ground=0.25
+        "dry grass", 46.0, 0.34, cover=0.5, near=9.0, reach=110.0, patch=6.0, ground=0.25
     ),
     "tussock": _grass(
-        "tussock", 12.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
+        "tussock", 17.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
     ),
     "beach grass": _grass(
         "beach grass", 12.0, 0.7, near=10.0, reach=110.0, cover=0.3, patch=6.0, ground=0.35
     ),
     "sedge": _grass("sedge", 40.0, 0.15, cover=0.5, patch=2.2, near=6.0, ground=0.25),
-    "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=8.0, ground=0.1, reach=90.0),
+    "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=3.0, ground=0.1, reach=90.0),
+    "water weed": _grass(
+        *("water weed", 9.0, 1.1), cover=0.3, patch=1.6, ground=0.0, reach=60.0, near=9.0
+    ),
     "wheat": _grass("wheat", 55.0, 0.95, cover=1.0, ground=0.0, reach=120.0),
     "maize": Species(
         *(herbs.maize, 4.0, "solid", 2.2, 0.4),

@@ -186,7 +186,7 @@ def spruce(seed: int, level: int) -> Prototype:
     """Return a spruce: whorls of drooping branches with sprays of needles."""
     rng, shape = np.random.default_rng([seed, 79]), Shape()
     height = 10.0 * rng.uniform(0.9, 1.1)
-    whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (8, 5, 1))[level]
+    whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (10, 6, 1))[level]
     t = (np.arange(whorls) + 0.5) / whorls
     at = height * (0.07 + 0.92 * t**0.92)
     length = 0.235 * height * (1.0 - t) ** 0.82 * (1.0 - 0.25 * np.exp(-t / 0.05)) + 0.06
@@ -210,8 +210,8 @@ def spruce(seed: int, level: int) -> Prototype:
     color = green + along[None, :, None] ** 2 * (tip - green)
     color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
     side = np.cross(out, UP)
-    spread = 1.15 * length[:, None] * (1.1 - 0.72 * along)
-    wide = (0.30, 0.42, 0.62, 1.0)[level]
+    spread = (1.15, 1.15, 1.3, 1.7)[level] * length[:, None] * (1.1 - 0.72 * along)
+    wide = (0.30, 0.42, 0.70, 1.5)[level]
     normals = unit(out + 0.75 * UP)
     for sign in (-1.0, 1.0):
         way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.3, 0.0]

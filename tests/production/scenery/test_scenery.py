@@ -9,6 +9,7 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS, meshes
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.placement import MARGIN, Placement, Wanted
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_meshes, thinned
@@ -88,13 +89,13 @@ def test_places_lie_on_the_triangles_of_the_land(ground: GroundSurface, horizon:
 
 
 def test_a_lower_density_leaves_things_out_and_moves_none(ground: GroundSurface) -> None:
-    placement = Placement(ground, VIEW, None, 3, DETAIL)
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
     many, few = (placement.placed(Wanted("dry grass", d)).points for d in (1.0, 0.3))
     assert 0.15 * len(many) < len(few) < 0.6 * len(many)
     assert {tuple(p) for p in few.round(6)} <= {tuple(p) for p in many.round(6)}
     assert not {
         tuple(p)
-        for p in Placement(ground, VIEW, None, 4, DETAIL)
+        for p in Placement(ground, VIEW, None, 4, Growth(4), DETAIL)
         .placed(Wanted("dry grass", 1.0))
         .points.round(6)
     } & {tuple(p) for p in many.round(6)}
@@ -102,7 +103,7 @@ def test_a_lower_density_leaves_things_out_and_moves_none(ground: GroundSurface)
 
 def test_nothing_solid_stands_in_the_way_of_performers(ground: GroundSurface) -> None:
     where = clearings()
-    placement = Placement(ground, VIEW, where, 3, 1.0)
+    placement = Placement(ground, VIEW, where, 3, Growth(3, where), 1.0)
     stones = placement.placed(Wanted("stone", 3.0)).points
     assert len(stones) > 50
     least = KINDS["stone"].radius + MARGIN["solid"]
@@ -113,7 +114,7 @@ def test_nothing_solid_stands_in_the_way_of_performers(ground: GroundSurface) ->
 
 
 def test_nothing_hides_the_target_of_a_camera(ground: GroundSurface) -> None:
-    bushes = Placement(ground, VIEW, None, 3, 1.0).placed(Wanted("bush", 20.0)).points
+    bushes = Placement(ground, VIEW, None, 3, Growth(3), 1.0).placed(Wanted("bush", 20.0)).points
     assert len(bushes) > 20
     for pose in POSES:
         a, b = (np.array([p[0], p[2]]) for p in (pose.p_WC, pose.p_WT))
@@ -123,7 +124,7 @@ def test_nothing_hides_the_target_of_a_camera(ground: GroundSurface) -> None:
 
 
 def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurface) -> None:
-    placement = Placement(ground, VIEW, None, 3, DETAIL)
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
     placed = [placement.placed(Wanted(name, 1.0)) for name in ("dry grass", "sedge", "boulder")]
     made = [meshes(every, DETAIL) for every in (placed, thinned(placed, 30_000, DETAIL))]
     full, less = (sum(len(mesh.faces) for mesh in some) for some in made)
@@ -135,7 +136,7 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
 def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:
     choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
     first, again = (
-        scenery_meshes(ground, VIEW, clearings(), choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        scenery_meshes(ground, VIEW, clearings(), choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
         for _ in range(2)
     )
     assert [mesh.digest for mesh in first[0]] == [mesh.digest for mesh in again[0]]
@@ -147,7 +148,7 @@ def test_too_many_triangles_are_refused_with_their_memory(
     monkeypatch.setattr("pipeline.production.scenery.scenery.MAX_TRIANGLES", 10_000)
     choice = ScatterChoice((), (Wanted("dry grass", 1.0),))
     with pytest.raises(TooManyTriangles, match=r"GiB; at most 0.01 million .* 'dry grass'"):
-        scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
 
 
 def test_tracks_keep_clearings() -> None:

@@ -124,11 +124,13 @@ class GroundSurface:
         if self._water is None:
             return np.zeros(len(x), bool)
         wet = height < self._water
-        result = np.zeros(len(x), bool)
+        others = np.zeros(len(x), int)
         for angle in np.arange(0.0, 2.0 * np.pi, 0.25 * np.pi):
             there = self.height(x + BANK * np.cos(angle), z + BANK * np.sin(angle))
-            result |= (there < self._water) != wet
-        return result & (height > self._water - DEEP)
+            others += (there < self._water) != wet
+        # What water surrounds is an islet, which stays as it is.
+        near = np.where(wet, others > 1, (others > 0) & (others < 5))
+        return near & (height > self._water - DEEP)
 
     def depth(self, height: Array) -> Array:
         """Return the depth (N,) of the water over ground of a height [m], 0 without any."""

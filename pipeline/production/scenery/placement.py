@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
-from pipeline.production.scenery.ground_surface import GroundPlaces, GroundSurface
+from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.species import KINDS, Species
 from pipeline.production.surroundings.lattice_noise import fractal, hashed, smoothstep
@@ -227,7 +227,10 @@ class Placement:
         steep = np.hypot(ground.normals[:, 0], ground.normals[:, 2]) / ground.normals[:, 1]
         if wanted.where != "shore":
             here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))
-        here = here * self._suits(species, wanted, x, z, ground)
+        likely = np.flatnonzero(here > share)
+        suits = np.zeros(len(here), bool)
+        suits[likely] = self._suits(species, wanted, points[likely], ground.dry[likely])
+        here = here * suits
         here = here * np.where(ground.on_terrain, wanted.on_terrain, wanted.on_land)
         if species.layer == "tree":
             woods = self.ground.woods(x, z, ground.height)
@@ -246,18 +249,22 @@ class Placement:
         ).taken(kept)
 
     def _suits(
-        self, species: Species, wanted: Wanted, x: Array, z: Array, ground: GroundPlaces
+        self, species: Species, wanted: Wanted, points: Array, dry: NDArray[np.bool_]
     ) -> NDArray[np.bool_]:
-        """Return which places (N,) are as dry or wet as is wanted."""
+        """Return which places (N, 3) are as dry or wet as is wanted."""
         if wanted.where == "dry":
-            return ground.dry
+            return dry
+        x, height, z = points.T
+        depth = self.ground.depth(height)
         if wanted.where == "wet":
-            return self.ground.depth(ground.height) > 0.75 * species.height * wanted.size
-        return self.ground.shore(x, z, ground.height)
+            return np.asarray(depth > 0.75 * species.height * wanted.size)
+        near = self.ground.shore(x, z, height)
+        # Plants of a shore stand in the water; stones lie along its edge, too.
+        return np.asarray(near & (species.is_stone | (depth > -0.08)))
 
     def _patches(self, species: Species, wanted: Wanted, x: Array, z: Array) -> Array:
         """Return the share (N,) of the full density that patches leave."""
-        if species.cover >= 1.0:
+        if species.cover >= 1.0 or (wanted.where == "shore" and species.is_stone):
             return np.ones_like(x)
         places = np.stack([x, z], axis=-1)
         seed = (zlib.crc32(b"patch " + (species.family or wanted.name).encode()) + self.seed) & 0xFFFFFF

@@ -27,8 +27,8 @@ BY_TEXTURE = {
 """Presets of natural ground by its texture."""
 
 WATERSIDE = (
-    Wanted("stone", 3.5, 2.6, where="shore"),
-    Wanted("stone", 6.0, 1.0, where="shore"),
+    Wanted("stone", 2.6, 2.4, where="shore"),
+    Wanted("stone", 7.0, 0.9, where="shore"),
     Wanted("reeds", 0.9, 0.42, where="shore"),
     Wanted("sedge", 0.8, 1.2, where="shore"),
     Wanted("stone", 1.2, 1.6, where="wet"),

@@ -134,7 +134,7 @@ THINGS: dict[str, Row] = {
 """Materials of things."""
 
 GROUNDS: dict[str, Row] = {
-    "dry soil":         _row("#8a745c", "#ab9a80", 0.95, ("soil", 2.6, 1.0), steep_color="#85766a"),
+    "dry soil":         _row("#917d67", "#b3a48c", 0.95, ("soil", 2.6, 1.0), steep_color="#85766a"),
     "grass":            _row("#5f6840", "#858155", 0.9,  ("grass", 1.9, 1.0),
                              steep_color="#7d7264"),
     "moss":             _row("#565e33", "#70704a", 0.95, ("grass", 1.1, 0.8),

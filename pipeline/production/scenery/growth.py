@@ -64,17 +64,26 @@ class Growth:
     clearings: Clearings | None = None
 
     def worn(self, x: Array, z: Array) -> Array:
-        """Return the share (N,) of bare soil at places of the world [m]."""
+        """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
         places = np.stack([x, z], axis=-1)
-        uneven = fractal(places / 1.7, self.seed + 4110, 2)
+        uneven = self._uneven(places)
         trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
         broad = fractal(places / 5.5, self.seed + 4120, 2)
         spots = 0.7 * smoothstep(0.6, 1.1, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
+        return np.asarray(np.clip(result, 0.0, 1.0))
+
+    def drawn(self, x: Array, z: Array) -> Array:
+        """Return the share (N,) of soil that shows: grass on the ways of performers lets it through."""
+        result = self.worn(x, z)
         if self.clearings is not None:
             near = 1.0 - smoothstep(*WORN_BY, self.clearings.distance(x, z))
+            uneven = self._uneven(np.stack([x, z], axis=-1))
             result = np.maximum(result, WORN_SHARE * near * smoothstep(-0.5, 0.5, uneven))
-        return np.asarray(np.clip(result, 0.0, 1.0))
+        return result
+
+    def _uneven(self, places: Array) -> Array:
+        return fractal(places / 1.7, self.seed + 4110, 2)
 
     def grove(self, places: Array) -> Array:
         """Return how far inside a grove places (N, 2) are, 0 to 1."""
@@ -115,7 +124,7 @@ class Growth:
         corner = np.round(middle / step) * step - 0.5 * RASTER
         at = (np.arange(TEXELS) + 0.5) * step
         x, z = np.meshgrid(corner[0] + at, corner[1] + at)
-        share = self.worn(x.ravel(), z.ravel()).reshape(x.shape)
+        share = self.drawn(x.ravel(), z.ravel()).reshape(x.shape)
         from_edge = np.minimum(at, RASTER - at)
         fade = smoothstep(0.5, 14.0, from_edge)
         share = share * fade * fade[:, None]

@@ -55,6 +55,8 @@ class Wanted:
         size: factor on its size.
         on_terrain: whether it may stand on the terrain.
         on_land: whether it may stand on the land around.
+        even: whether it has its density all over its patches, as an author wants it, whatever
+            thrives there.
         where: on dry ground, at the edge of water, or below it.
     """
 
@@ -63,6 +65,7 @@ class Wanted:
     size: float = 1.0
     on_terrain: bool = True
     on_land: bool = True
+    even: bool = False
     where: Literal["dry", "shore", "wet"] = "dry"
 
 
@@ -211,7 +214,7 @@ class Placement:
         here = self._patches(species, wanted, x, z)
         some = np.flatnonzero(here > share)
         x, z, share, here = x[some], z[some], share[some], here[some]
-        if wanted.where == "dry":
+        if wanted.where == "dry" and not wanted.even:
             here = here * self.growth.share(species.habitat, x, z)
         thrives = np.flatnonzero(here > share)
         x, z, share, here = x[thrives], z[thrives], share[thrives], here[thrives]

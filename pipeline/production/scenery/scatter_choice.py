@@ -111,4 +111,6 @@ def _of_presets(own: str, land: str, density: float) -> tuple[Wanted, ...]:
 
 def _asked(one: ScatteredSpecies) -> Wanted:
     usual = KINDS[one.species].density
-    return Wanted(one.species, 1.0 if one.density is None else one.density / usual, one.size)
+    if one.density is None:
+        return Wanted(one.species, 1.0, one.size)
+    return Wanted(one.species, one.density / usual, one.size, even=True)

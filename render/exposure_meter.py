@@ -20,7 +20,7 @@ from render.development import LOWEST_WHITE, Development, Image, Tone, developed
 from render.lights.environment_map import smoothstep
 from render.lights.sun_position import sun_elevation_deg
 
-MIDDLE = (0.33, 0.46)
+MIDDLE = (0.38, 0.47)
 """Lowest and highest median of the luma."""
 
 BRIGHTEST_MIDDLE = 0.52

@@ -40,7 +40,7 @@ class WearLookup:
         self._wear, self._values = wear, values
         self._mipmap: Mipmap = share_mipmap(wear.texels)
         values["worn"] = mi.UInt32(self._mipmap.texels)
-        values["soil"] = mi.Color3f(*wear.color)
+        values["soil"] = mi.Color3f(*(dr.opaque(mi.Float, float(c)) for c in wear.color))
         self._soil = device_texture(pattern_mipmap("soil"), values, "clods")
 
     def at(self, si: Any, projection: Projection, shade: Any) -> tuple[Any, Any, Sample]:

@@ -133,7 +133,9 @@ def share_mipmap(shares: NDArray[np.uint8]) -> Mipmap:
     none = (0.0, 1.0)
     levels = []
     for _ in range(LEVELS):
-        levels.append(_packed([plane, *[np.zeros_like(plane)] * 3], [(0.0, MAX_SHADE), *[none] * 3]))
+        levels.append(
+            _packed([plane, *[np.zeros_like(plane)] * 3], [(0.0, MAX_SHADE), *[none] * 3])
+        )
         plane = _halved(plane)
     return Mipmap(np.concatenate(levels), len(shares), 1.0, np.zeros((LEVELS, 1), np.float32))
 

@@ -270,7 +270,9 @@ class Placement:
         if species.cover >= 1.0 or (wanted.where == "shore" and species.is_stone):
             return np.ones_like(x)
         places = np.stack([x, z], axis=-1)
-        seed = (zlib.crc32(b"patch " + (species.family or wanted.name).encode()) + self.seed) & 0xFFFFFF
+        seed = (
+            zlib.crc32(b"patch " + (species.family or wanted.name).encode()) + self.seed
+        ) & 0xFFFFFF
         value = fractal(places / species.patch, seed, 3)
         # The noise is about normal with a deviation of 0.45.
         low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * species.cover)

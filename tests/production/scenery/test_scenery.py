@@ -8,7 +8,7 @@ import pytest
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS, meshes
 from pipeline.production.scenery.film_view import FilmView
-from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.ground_surface import BANK, GroundSurface
 from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.placement import MARGIN, Placement, Wanted
 from pipeline.production.scenery.scatter_choice import ScatterChoice
@@ -131,6 +131,35 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
     assert full > 40_000
     assert 28_000 < less <= 30_000
     assert {mesh.name for mesh in made[0]} <= set(MATERIALS)
+
+
+def test_stones_line_the_shore_and_weeds_stand_under_water(land: Land, horizon: Mesh) -> None:
+    level = float(np.quantile(land.field.heights, 0.4))
+    ground = GroundSurface(land, horizon, GREEN, GREEN, vertices_around(DETAIL), level)
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+    stones = placement.placed(Wanted("stone", 8.0, where="shore")).points
+    assert len(stones) > 30
+    turns = np.arange(0.0, 2.0 * np.pi, 0.25 * np.pi)
+    around = np.array(
+        [
+            ground.height(stones[:, 0] + BANK * np.cos(t), stones[:, 2] + BANK * np.sin(t)) < level
+            for t in turns
+        ]
+    )
+    assert (around.any(axis=0) & ~around.all(axis=0)).mean() > 0.9
+    reeds = placement.placed(Wanted("reeds", 8.0, 0.4, where="shore")).points
+    assert (reeds[:, 1] < level + 0.09).all()
+    weeds = placement.placed(Wanted("water weed", 4.0, 0.1, where="wet")).points
+    assert len(weeds) > 5
+    assert (weeds[:, 1] < level).all()
+
+
+def test_a_density_of_the_authors_own_is_kept_where_nothing_thrives(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+    even, thriving = (
+        len(placement.placed(Wanted("oak", 20.0, even=even)).points) for even in (True, False)
+    )
+    assert even > 1.2 * thriving
 
 
 def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:

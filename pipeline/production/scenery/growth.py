@@ -74,7 +74,7 @@ class Growth:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def drawn(self, x: Array, z: Array) -> Array:
-        """Return the share (N,) of soil that shows: grass on the ways of performers lets it through."""
+        """Return the share (N,) of soil that shows, between the grass on performers' ways too."""
         result = self.worn(x, z)
         if self.clearings is not None:
             near = 1.0 - smoothstep(*WORN_BY, self.clearings.distance(x, z))

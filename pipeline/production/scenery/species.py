@@ -111,7 +111,10 @@ def _tree(make: Make, density: float, height: float, radius: float, **others: fl
 
 def _shrub(kind: str, density: float, height: float, radius: float, **others: float) -> Species:
     values: dict[str, float | str] = {
-        **{"cover": 0.3, "patch": 9.0, "reach": 130.0, "near": 26.0},
+        "cover": 0.3,
+        "patch": 9.0,
+        "reach": 130.0,
+        "near": 26.0,
         **others,
     }
     return Species(

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.growth import RASTER, Growth
 from pipeline.production.scenery.species import KINDS
 from render.config import MATERIALS, Weather
 from render.ground_wear import TEXELS
-from render.surfaces.texture_mapping import share_mipmap
 
 CALM = Weather.model_validate("calm")
 
@@ -67,10 +65,3 @@ def test_ways_of_performers_show_soil() -> None:
     assert more.mean() > 0.1
     away = np.full(200, 3.0)
     np.testing.assert_array_equal(growth.drawn(along, away), growth.worn(along, away))
-
-
-def test_a_mipmap_of_shares_keeps_their_mean() -> None:
-    shares = np.zeros((TEXELS, TEXELS), np.uint8)
-    shares[: TEXELS // 4] = 255
-    last = share_mipmap(shares).texels[-4:] & 255
-    assert last.mean() * 2.0 / 255.0 == pytest.approx(0.25, abs=0.01)

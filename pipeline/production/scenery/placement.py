@@ -306,7 +306,9 @@ class Placement:
         some = np.flatnonzero(free)
         count = len(some)
         heights, radii = np.full(count, height), np.full(count, radius)
-        free[some] = ~self.view.in_the_way(points[some], heights, radii)
+        free[some] = ~self.view.in_the_way(
+            points[some], heights, radii, hides=species.layer == "solid"
+        )
         return free
 
 

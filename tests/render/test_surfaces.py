@@ -322,9 +322,7 @@ def test_worn_ground_shows_soil_in_its_place(renderer: Renderer, make_shot: Make
     texels = np.zeros((TEXELS, TEXELS), np.uint8)
     texels[TEXELS // 2 :, TEXELS // 2 :] = 255
     worn = replace(bare, wear=GroundWear((-1.0, -1.0), 2.0, texels, (0.6, 0.05, 0.05)))
-    before, after = (
-        renderer.render(replace(shot, meshes=(mesh,))).light for mesh in (bare, worn)
-    )
+    before, after = (renderer.render(replace(shot, meshes=(mesh,))).light for mesh in (bare, worn))
     assert worn.digest != bare.digest
     red = after[..., 0] / np.maximum(after.sum(axis=2), 1e-6)
     red -= before[..., 0] / np.maximum(before.sum(axis=2), 1e-6)

@@ -27,6 +27,9 @@ SIGHT_RADIUS = 0.3
 FEET = 0.25
 """Height over the ground down to which a target is to be seen past shrubs and stones [m]."""
 
+BESIDE = 0.7
+"""How much wider at the target the sight past shrubs and stones is [m]."""
+
 MAX_STEP = 15.0
 """Longest step between two poses that adds to the way; longer ones are cuts [m]."""
 
@@ -122,7 +125,8 @@ class FilmView:
             if hides:
                 ground = points[some, 1][:, None] + FEET
                 sight = np.minimum(sight, ground + (1.0 - t) * (self.eyes[:, 1] - ground))
-            blocks = (apart < radii[some, None] + SIGHT_RADIUS) & (top > sight - 0.1)
+            free = SIGHT_RADIUS + (BESIDE * t if hides else 0.0)
+            blocks = (apart < radii[some, None] + free) & (top > sight - 0.1)
             # Nothing may touch the lens, from whichever side.
             eye = np.abs(0.5 * (points[some, 1][:, None] + top) - self.eyes[:, 1])
             lens = (np.hypot(np.linalg.norm(way, axis=-1), eye)) < 0.3 + np.hypot(

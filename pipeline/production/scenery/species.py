@@ -94,7 +94,9 @@ def _flower(kind: str, density: float, height: float, cover: float) -> Species:
     )
 
 
-def _tree(make: Make, density: float, height: float, radius: float, **others: float) -> Species:
+def _tree(
+    make: Make, density: float, height: float, radius: float, **others: float | str
+) -> Species:
     values: dict[str, float | str] = {"cover": 0.6, "patch": 24.0, "habitat": "grove", **others}
     return Species(
         *(make, 3.0 * density, "tree", height, radius),
@@ -109,7 +111,9 @@ def _tree(make: Make, density: float, height: float, radius: float, **others: fl
     )
 
 
-def _shrub(kind: str, density: float, height: float, radius: float, **others: float) -> Species:
+def _shrub(
+    kind: str, density: float, height: float, radius: float, **others: float | str
+) -> Species:
     values: dict[str, float | str] = {
         "cover": 0.3,
         "patch": 9.0,

@@ -24,11 +24,14 @@ AROUND = 7.0
 SIGHT_RADIUS = 0.3
 """Radius around the line of sight to the target that is kept free [m]."""
 
-FEET = 0.25
+FEET = 0.05
 """Height over the ground down to which a target is to be seen past shrubs and stones [m]."""
 
 BESIDE = 0.7
 """How much wider at the target the sight past shrubs and stones is [m]."""
+
+TALLEST = 0.25
+"""By how much shrubs may be higher than their species are as a rule [m]."""
 
 MAX_STEP = 15.0
 """Longest step between two poses that adds to the way; longer ones are cuts [m]."""
@@ -124,7 +127,7 @@ class FilmView:
             top = (points[some, 1] + heights[some])[:, None]
             if hides:
                 ground = points[some, 1][:, None] + FEET
-                sight = np.minimum(sight, ground + (1.0 - t) * (self.eyes[:, 1] - ground))
+                sight = np.minimum(sight, ground + (1.0 - t) * (self.eyes[:, 1] - ground)) - TALLEST
             free = SIGHT_RADIUS + (BESIDE * t if hides else 0.0)
             blocks = (apart < radii[some, None] + free) & (top > sight - 0.1)
             # Nothing may touch the lens, from whichever side.

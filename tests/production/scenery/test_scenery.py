@@ -123,6 +123,15 @@ def test_nothing_hides_the_target_of_a_camera(ground: GroundSurface) -> None:
         assert apart.min() > 0.8
 
 
+def test_no_shrub_hides_the_feet_of_the_target_and_grass_may() -> None:
+    # Half way, where the line of sight to the target is 0.95 m high, to its feet 0.75 m.
+    shrub = np.array([[3.2, 0.0, 2.0]]), np.array([0.6]), np.array([0.3])
+    assert not VIEW.in_the_way(*shrub).any()
+    assert VIEW.in_the_way(*shrub, hides=True).all()
+    aside = np.array([[5.5, 0.0, 0.0]]), *shrub[1:]
+    assert not VIEW.in_the_way(*aside, hides=True).any()
+
+
 def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurface) -> None:
     placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
     placed = [placement.placed(Wanted(name, 1.0)) for name in ("dry grass", "sedge", "boulder")]

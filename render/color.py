@@ -37,6 +37,9 @@ _SIGMOID = (15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232)
 _POWER = 1.15
 _SATURATION = 1.12
 
+SHADOW_SHARE = 0.35
+"""Share of added contrast that what is darker than middle grey has."""
+
 CURVE_SAMPLES = 8192
 """Length of `curve`."""
 
@@ -81,9 +84,13 @@ def curve_index(
         stops: of exposure.
         contrast: of the exposed light about middle grey, in stops per stop.
     """
-    low = np.float32(_MIDDLE_GREY + (_LOW_STOP - _MIDDLE_GREY) / contrast - stops)
-    per_stop = np.float32(contrast * (CURVE_SAMPLES - 1) / (_HIGH_STOP - _LOW_STOP))
-    found = (np.log2(np.maximum(channel, np.float32(1e-12))) - low) * per_stop
+    per_stop = np.float32((CURVE_SAMPLES - 1) / (_HIGH_STOP - _LOW_STOP))
+    grey = np.float32((_MIDDLE_GREY - _LOW_STOP) * per_stop)
+    found = np.log2(np.maximum(channel, np.float32(1e-12))) + np.float32(stops - _MIDDLE_GREY)
+    # Shadows keep most of their light, or what the sun does not reach would be black.
+    low = np.float32(1.0 + SHADOW_SHARE * (contrast - 1.0)) if contrast > 1.0 else contrast
+    found *= np.where(found > 0.0, np.float32(contrast * per_stop), np.float32(low * per_stop))
+    found += grey
     return (np.clip(found, 0, CURVE_SAMPLES - 1) + np.float32(0.5)).astype(np.intp)
 
 

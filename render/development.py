@@ -30,7 +30,7 @@ _SHOULDER = 0.8
 LOWEST_WHITE = 0.68
 """Lowest `Tone.white`; below it even light would look glaring."""
 
-_PALER = 0.6
+_PALER = 0.36
 """Power of the contrast by which the saturation falls: contrast of each channel adds to it."""
 
 _GLARE_FROM = 2.0

@@ -20,7 +20,7 @@ from render.development import LOWEST_WHITE, Development, Image, Tone, developed
 from render.lights.environment_map import smoothstep
 from render.lights.sun_position import sun_elevation_deg
 
-MIDDLE = (0.33, 0.46)
+MIDDLE = (0.38, 0.47)
 """Lowest and highest median of the luma."""
 
 BRIGHTEST_MIDDLE = 0.52
@@ -29,7 +29,7 @@ BRIGHTEST_MIDDLE = 0.52
 BRIGHT = 0.92
 """99th percentile of the luma."""
 
-CONTRAST = (0.9, 1.65)
+CONTRAST = (0.9, 2.1)
 """Least and greatest contrast."""
 
 MAX_STOPS = 1.75

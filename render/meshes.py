@@ -20,6 +20,7 @@ from render.color import linear
 from render.config import Material
 from render.errors import ShotError
 from render.footprints import FootprintRaster
+from render.ground_wear import GroundWear
 from render.shot import Mesh
 from render.surfaces.footprint_lookup import FOOTPRINT_COUNT
 from render.surfaces.material_bsdf import (
@@ -75,6 +76,7 @@ class MeshGroup:
         colors: (V, 3) linear base colours of the vertices, or None.
         given_normals: whether the meshes bring their normals.
         cover: (V, 4) colours and their shares, or None; a mesh with a cover is not merged.
+        wear: bare soil in the ground, or None; a mesh with wear is not merged.
     """
 
     members: tuple[int, ...]
@@ -89,6 +91,7 @@ class MeshGroup:
     colors: NDArray[np.float32] | None
     given_normals: bool
     cover: NDArray[np.float32] | None
+    wear: GroundWear | None
 
 
 def group_meshes(
@@ -103,7 +106,7 @@ def group_meshes(
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
         is_alone = len(mesh.vertices) >= MERGE_LIMIT or mesh.footprints is not None
-        is_alone |= mesh.cover is not None
+        is_alone |= mesh.cover is not None or mesh.wear is not None
         name = mesh.name if is_alone else ""
         extra = tuple(x is not None for x in (mesh.warned, mesh.colors, mesh.normals))
         key = mesh.material, _surface(mesh), mesh.smooth, extra, name
@@ -194,6 +197,7 @@ def _group(
         np.concatenate(colors) * base if colors else None,
         meshes[members[0]].normals is not None,
         meshes[members[0]].cover,
+        meshes[members[0]].wear,
     )
 
 
@@ -228,6 +232,7 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
         group.footprints,
         has_colors=group.colors is not None,
         has_cover=group.cover is not None,
+        wear=group.wear,
     )
     unwrapped = group.unwrapped
     if unwrapped:

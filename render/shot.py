@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from render.config import Film, Light, Material
 from render.development import Development, Tone
 from render.footprints import FootprintRaster
+from render.ground_wear import GroundWear
 from render.panorama_file import file_digest
 from render.plume import Plume, Puff
 from render.water import WaterSurface
@@ -50,6 +51,7 @@ class Mesh:
         owner: name of the performer that it is a part of, or empty. Constant.
         cover: (V, 4) float32 of ground: a linear colour in place of that of the material, and
             its share; or None. Constant over a film.
+        wear: bare soil in this ground, or None. Constant.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Mesh:
     normals: NDArray[np.float32] | None = None
     owner: str = ""
     cover: NDArray[np.float32] | None = None
+    wear: GroundWear | None = None
 
     @cached_property
     def topology(self) -> bytes:
@@ -77,7 +80,8 @@ class Mesh:
         colors = b"" if self.colors is None else b"colors" + self.colors.tobytes()
         bent = b"" if self.normals is None else b"normals"
         cover = b"" if self.cover is None else b"cover" + self.cover.tobytes()
-        extra = rest + footprints + colors + bent + cover
+        wear = b"" if self.wear is None else b"wear" + self.wear.bytes
+        extra = rest + footprints + colors + bent + cover + wear
         content = head.encode() + self.faces.tobytes() + uv + warned + extra
         return hashlib.blake2b(content, digest_size=16).digest()
 

@@ -134,15 +134,15 @@ THINGS: dict[str, Row] = {
 """Materials of things."""
 
 GROUNDS: dict[str, Row] = {
-    "dry soil":         _row("#8c7156", "#ab9678", 0.95, ("soil", 2.6, 1.0), steep_color="#85766a"),
-    "grass":            _row("#5d6b3a", "#87834e", 0.9,  ("grass", 1.9, 1.0),
+    "dry soil":         _row("#917d67", "#b3a48c", 0.95, ("soil", 2.6, 1.0), steep_color="#85766a"),
+    "grass":            _row("#5f6840", "#858155", 0.9,  ("grass", 1.9, 1.0),
                              steep_color="#7d7264"),
-    "moss":             _row("#4d5f25", "#6b7038", 0.95, ("grass", 1.1, 0.8),
+    "moss":             _row("#565e33", "#70704a", 0.95, ("grass", 1.1, 0.8),
                              steep_color="#6d6a64"),
     "sand":             _row("#cfae7b", "#dcc193", 0.9,  ("sand", 2.2, 0.8), steep_color="#b78f5f"),
     "snow":             _row("#e9edf2", "#dfe6ef", 0.7,  ("snow", 2.4, 0.6),
                              steep_color="#706d6c", steep_deg=40),
-    "rock":             _row("#85796c", "#9c9184", 0.85, ("rock", 2.9, 1.2)),
+    "rock":             _row("#85796c", "#9c9184", 0.85, ("rock", 2.9, 0.9)),
     "dark soil":        _row("#4a382a", "#5f4a38", 0.95, ("soil", 2.6, 1.0), steep_color="#6a6058"),
     "mud":              _row("#4b3a2a", "#5b4936", 0.3,  ("mud", 2.2, 1.0), clearcoat=0.4),
     "gravel":           _row("#837d75", "#8f8678", 0.9,  ("gravel", 1.8, 1.0),

@@ -13,6 +13,7 @@ Sources: A. Schneider and N. Vos, The Real-time Volumetric Cloudscapes of Horizo
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from render.config import Clouds
+from render.config import Clouds, Sun
 from render.lights.environment_map import Map, Vector, resized
 from render.lights.key_light import KeyLight
 from render.lights.lattice_noise import fbm2, lattice, puffs
@@ -69,6 +70,11 @@ class CloudLight:
     key: KeyLight
     above: Vector
     below: Vector
+
+
+def cloud_seed(sun: Sun) -> int:
+    """Return the seed of the places of clouds: no two skies of other days or hours are alike."""
+    return zlib.crc32(f"{sun.day} {sun.hour:.4f} {sun.latitude_deg:.4f}".encode())
 
 
 def has_clouds(clouds: Clouds) -> bool:

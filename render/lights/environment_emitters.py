@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from render.config import Light, Moon, Studio, Sun
 from render.lights.cloud_shadows import drift
-from render.lights.clouds import CloudLight, Heaps, has_clouds, heaps, painted
+from render.lights.clouds import CloudLight, Heaps, cloud_seed, has_clouds, heaps, painted
 from render.lights.drifting_sky import DriftingSky
 from render.lights.environment_map import UP, Map, Vector, irradiance, resized, solid_angles
 from render.lights.haze import Haze, haze_of, haze_strength
@@ -129,7 +129,7 @@ def _cloud_light(sky: Map, key: KeyLight) -> CloudLight:
 def _with_veils(sun: Sun, sky: Map, lit: CloudLight, width: int) -> NDArray[np.floating]:
     """Return a sky with its clouds except heaps."""
     name = _name(sun, sky, lit, (width, "veils"))
-    return _remembered(name, width, lambda: painted(sky, sun.clouds, lit, sun.day, width))
+    return _remembered(name, width, lambda: painted(sky, sun.clouds, lit, cloud_seed(sun), width))
 
 
 def _drifting(light: Light, sky: Map, lit: CloudLight, behind: NDArray[np.floating]) -> DriftingSky:
@@ -137,7 +137,7 @@ def _drifting(light: Light, sky: Map, lit: CloudLight, behind: NDArray[np.floati
     sun, width = light.sun or Sun(), behind.shape[1]
 
     def paint(moved: tuple[float, float]) -> Heaps:
-        now = partial(heaps, sky, sun.clouds, lit, sun.day, width, moved)
+        now = partial(heaps, sky, sun.clouds, lit, cloud_seed(sun), width, moved)
         return _remembered(_name(sun, sky, lit, (width, moved)), width, now)
 
     return DriftingSky(behind, paint, light.weather.wind, partial(drift, light))

@@ -20,10 +20,10 @@ COLUMNS, ROWS = 64, 12
 TOP = 0.5
 """Sine of the elevation of the uppermost row."""
 
-HEIGHT_M = 220.0
-"""Height in which the density falls to 1/e [m]."""
+HEIGHT_M = 85.0
+"""Height in which the density falls to 1/e [m]: hills stand in mist with their tops clear."""
 
-_DENSEST = 0.03
+_DENSEST = 0.036
 """Extinction of haze 1 [1/m]: fog through which one sees 130 m."""
 _POWER = 2.2
 """Of the extinction against the number that authors write: small numbers are fine steps."""

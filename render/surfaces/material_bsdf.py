@@ -14,6 +14,7 @@ import mitsuba as mi
 from render.color import linear
 from render.config import Material
 from render.footprints import FootprintRaster
+from render.ground_wear import GroundWear
 from render.surfaces.bsdf_plugins import diffuse_bsdf, glossy_bsdf, thin_bsdf
 from render.surfaces.mitsuba_bsdf import (
     Surface,
@@ -48,6 +49,7 @@ def material_bsdf(
     *,
     has_colors: bool = False,
     has_cover: bool = False,
+    wear: GroundWear | None = None,
 ) -> Any:
     """Return the BSDF of a material, `mi.BSDF`.
 
@@ -59,13 +61,14 @@ def material_bsdf(
         has_colors: whether the surface has the attribute `mitsuba_bsdf.VERTEX_COLOR`, which then
             is its base colour.
         has_cover: whether the surface has the attributes `patterns.COVER_COLOR` and `COVER_SHARE`.
+        wear: bare soil on the ground; the scalar variant leaves it out.
     """
     if material.transmission > 0:
         return mi.load_dict(transmissive_bsdf(material))
     has_pattern = surface != "bare" and material.texture != "none"
     plain = vertex_colors() if has_colors else rgb_texture(material.color)
     is_thin = material.translucency > 0
-    is_ground = is_warned or footprints is not None or has_cover
+    is_ground = is_warned or footprints is not None or has_cover or wear is not None
     if not (has_pattern or is_ground or is_thin) or _is_scalar():
         if is_thin and not has_pattern:
             return mi.load_dict(thin_plugin(material, plain))
@@ -80,7 +83,7 @@ def material_bsdf(
         shader = BodyShader(material)
     else:
         shown = material if has_pattern else material.model_copy(update=_NO_PATTERN)
-        shader = GroundShader(shown, is_warned, footprints, has_cover=has_cover)
+        shader = GroundShader(shown, is_warned, footprints, has_cover=has_cover, wear=wear)
     if is_thin:
         return thin_bsdf(shader, shader.values, material.translucency)
     if is_diffuse(material):

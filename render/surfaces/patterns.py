@@ -18,6 +18,7 @@ import numpy as np
 from render.color import linear
 from render.config import Material
 from render.footprints import FootprintRaster
+from render.ground_wear import GroundWear
 from render.surfaces import laid_pieces
 from render.surfaces.footprint_lookup import FootprintLookup
 from render.surfaces.texture_mapping import (
@@ -32,6 +33,7 @@ from render.surfaces.texture_mapping import (
     pattern_mipmap,
     ragged_wave,
 )
+from render.surfaces.wear_lookup import WearLookup
 from render.textures.layers import (
     BODY_PATCHES,
     LARGE_PATCHES,
@@ -111,6 +113,7 @@ class GroundShader:
         footprints: FootprintRaster | None = None,
         *,
         has_cover: bool = False,
+        wear: GroundWear | None = None,
     ) -> None:
         self._material, self._is_warned, self._has_cover = material, is_warned, has_cover
         # Opaque, so that another lens does not compile the kernel again.
@@ -118,7 +121,7 @@ class GroundShader:
         self._footprints = None
         if footprints is not None:
             self._footprints = FootprintLookup(footprints, self.values)
-        self._first = self._patches = self._rock = None
+        self._first = self._patches = self._rock = self._worn = None
         if material.texture != "none":
             mipmap = pattern_mipmap(material.texture)
             self._first = device_texture(mipmap, self.values, "first")
@@ -126,6 +129,8 @@ class GroundShader:
             laid_pieces.prepare(material.texture, self.values)
         if material.color2 is not None:
             self._patches = device_texture(patch_mipmap(), self.values, "patches")
+        if wear is not None and self._first is not None:
+            self._worn = WearLookup(wear, self.values)
         if has_cover:
             self._uneven = device_texture(patch_mipmap(), self.values, "uneven")
         if material.steep_color is not None:
@@ -166,6 +171,10 @@ class GroundShader:
             if laid_pieces.has_pieces(material.texture):
                 # Worn and stained in places, across the pieces.
                 color *= 1.0 + WORN * (share - 0.5)
+        if self._worn is not None:
+            share, soil, clods = self._worn.at(si, projection, first.shade)
+            color = dr.lerp(color, patterned(soil, clods), share)
+            slopes = _mixed_slopes(slopes, clods, share)
         # The pattern itself breaks up the border: the dark between clods fills first.
         uneven = 0.2 * SOFT_HEIGHT * (ragged + 2.0 * (1.0 - first.shade))
         color = _by_height(material, color, first, si.p.y + uneven)
@@ -281,9 +290,14 @@ def _uv_gradient(si: Any, sample: Sample) -> Any:
 
 def colored(color: tuple[float, float, float], sample: Sample) -> Any:
     """Return an sRGB colour under a pattern as linear `mi.Color3f`."""
+    return patterned(_linear(color), sample)
+
+
+def patterned(color: Any, sample: Sample) -> Any:
+    """Return three linear values under a pattern as `mi.Color3f`."""
     parts = [
         dr.fma(sample.warmth, warm * c, c) * sample.shade
-        for c, warm in zip(_linear(color), WARMTH, strict=True)
+        for c, warm in zip(color, WARMTH, strict=True)
     ]
     return mi.Color3f(*parts)
 

@@ -127,6 +127,19 @@ def patch_mipmap() -> Mipmap:
     return Mipmap(np.concatenate(levels), len(plane), max_slope, squares)
 
 
+def share_mipmap(shares: NDArray[np.uint8]) -> Mipmap:
+    """Return the mipmap of a square of shares, 255 for all; its shade is the share."""
+    plane = shares.astype(np.float32) / np.float32(255)
+    none = (0.0, 1.0)
+    levels = []
+    for _ in range(LEVELS):
+        levels.append(
+            _packed([plane, *[np.zeros_like(plane)] * 3], [(0.0, MAX_SHADE), *[none] * 3])
+        )
+        plane = _halved(plane)
+    return Mipmap(np.concatenate(levels), len(shares), 1.0, np.zeros((LEVELS, 1), np.float32))
+
+
 def _slope(relief: Plane, axis: int, size: float) -> Plane:
     difference = np.roll(relief, -1, axis) - np.roll(relief, 1, axis)
     return np.asarray(difference * (0.5 * len(relief) / size), np.float32)

@@ -21,6 +21,7 @@ class Layer:
 FIRST_LAYER = Layer(1.0, 0.0)
 SECOND_LAYER = Layer(1.37, 37.0)
 ROCK_LAYER = Layer(1.13, 11.0)
+SOIL_LAYER = Layer(1.0, 31.0)
 PATCHES = Layer(9.0, 19.0)
 LARGE_PATCHES = Layer(61.0, 52.0)
 BODY_PATCHES = Layer(1.7, 19.0)

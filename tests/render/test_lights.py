@@ -123,7 +123,8 @@ def test_clouds_are_bright_towards_the_sun_and_dark_below(backend: Backend) -> N
         sun = pixel_directions(512, 256) @ np.array(sun_direction(Sun(hour=15)))
         near = sun > np.cos(np.radians(3))
         np.testing.assert_allclose(image[near], bare[near], rtol=0.05)
-    assert 0.05 < shares[0] < 0.7 * shares[1] < 0.6
+    # Of the skies of other hours, covers of 0.3 hide 0.45 to 0.7 down to the horizon.
+    assert 0.05 < shares[0] < 0.9 * shares[1] < 0.8
 
 
 def test_clouds_repeat_and_differ_from_day_to_day(backend: Backend) -> None:

@@ -16,6 +16,7 @@ import trimesh
 
 from render.config import MATERIALS, Film, Material, light, material
 from render.footprints import BLOCK, FootprintRaster, pack_texels
+from render.ground_wear import TEXELS, GroundWear
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
 
@@ -362,3 +363,23 @@ def test_boards_end_at_other_places_in_each_row(renderer: Renderer) -> None:
     assert set(changes.sum(axis=1)) <= {2, 3}
     ends = np.array([u[np.flatnonzero(row)[0]] for row in changes])
     assert len(np.unique(np.round(ends, 2))) > 30
+
+
+def test_worn_ground_shows_soil_in_its_place(renderer: Renderer, make_shot: Make) -> None:
+    if renderer.backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant shows no worn ground")
+    shot = make_shot(camera=ABOVE, film=FILM)
+    bare = shot.meshes[0]
+    texels = np.zeros((TEXELS, TEXELS), np.uint8)
+    texels[TEXELS // 2 :, TEXELS // 2 :] = 255
+    worn = replace(bare, wear=GroundWear((-1.0, -1.0), 2.0, texels, (0.6, 0.05, 0.05)))
+    before, after = (renderer.render(replace(shot, meshes=(mesh,))).light for mesh in (bare, worn))
+    assert worn.digest != bare.digest
+    red = after[..., 0] / np.maximum(after.sum(axis=2), 1e-6)
+    red -= before[..., 0] / np.maximum(before.sum(axis=2), 1e-6)
+    rows, columns = np.nonzero(red > 0.15)
+    # A pixel is 8.9 cm wide: 1 m of soil from the middle to the right and down.
+    pixel = 2 * 9 * np.tan(np.radians(17.5)) / 64
+    for places in (rows, columns):
+        assert (places.min() - 32) * pixel == pytest.approx(0.0, abs=1.5 * pixel)
+        assert (places.max() + 1 - 32) * pixel == pytest.approx(1.0, abs=1.5 * pixel)

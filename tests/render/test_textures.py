@@ -88,3 +88,14 @@ def test_mip_levels_have_the_same_mean(backend: Backend) -> None:
         found = lookup(mi.UInt32(mipmap.texels), mipmap, u, v, mi.UInt32(level))
         means.append(float(np.array(found.shade).mean()))
     assert means == pytest.approx([means[0]] * LEVELS, abs=0.01)
+
+
+def test_a_mipmap_of_shares_keeps_their_mean(backend: Backend) -> None:
+    if backend.variant.startswith("scalar"):
+        pytest.skip("a kernel needs a variant with arrays")
+    from render.surfaces.texture_mapping import share_mipmap
+
+    shares = np.zeros((TILE, TILE), np.uint8)
+    shares[: TILE // 4] = 255
+    last = share_mipmap(shares).texels[-4:] & 255
+    assert last.mean() * 2.0 / 255.0 == pytest.approx(0.25, abs=0.01)

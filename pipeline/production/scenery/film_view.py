@@ -24,6 +24,15 @@ AROUND = 7.0
 SIGHT_RADIUS = 0.3
 """Radius around the line of sight to the target that is kept free [m]."""
 
+FEET = 0.05
+"""Height over the ground down to which a target is to be seen past shrubs and stones [m]."""
+
+BESIDE = 0.7
+"""How much wider at the target the sight past shrubs and stones is [m]."""
+
+TALLEST = 0.25
+"""By how much shrubs may be higher than their species are as a rule [m]."""
+
 MAX_STEP = 15.0
 """Longest step between two poses that adds to the way; longer ones are cuts [m]."""
 
@@ -91,13 +100,16 @@ class FilmView:
         """Return the distances (N,) of points (N, 3) from the nearest camera [m]."""
         return np.asarray(cKDTree(self.eyes).query(points, workers=1)[0])
 
-    def in_the_way(self, points: Array, heights: Array, radii: Array) -> NDArray[np.bool_]:
+    def in_the_way(
+        self, points: Array, heights: Array, radii: Array, *, hides: bool = False
+    ) -> NDArray[np.bool_]:
         """Return which things (N,) would stand before a camera's target.
 
         Args:
             points: (N, 3) feet of the things [m].
             heights: (N,) [m].
             radii: (N,) [m].
+            hides: whether they must not stand before the feet of the target, either.
         """
         result = np.zeros(len(points), bool)
         far = float(np.linalg.norm(self.targets - self.eyes, axis=-1).max())
@@ -113,7 +125,11 @@ class FilmView:
             apart = np.linalg.norm(way - t[..., None] * flat, axis=-1)
             sight = self.eyes[:, 1] + t * lines[:, 1]
             top = (points[some, 1] + heights[some])[:, None]
-            blocks = (apart < radii[some, None] + SIGHT_RADIUS) & (top > sight - 0.1)
+            if hides:
+                ground = points[some, 1][:, None] + FEET
+                sight = np.minimum(sight, ground + (1.0 - t) * (self.eyes[:, 1] - ground)) - TALLEST
+            free = SIGHT_RADIUS + (BESIDE * t if hides else 0.0)
+            blocks = (apart < radii[some, None] + free) & (top > sight - 0.1)
             # Nothing may touch the lens, from whichever side.
             eye = np.abs(0.5 * (points[some, 1][:, None] + top) - self.eyes[:, 1])
             lens = (np.hypot(np.linalg.norm(way, axis=-1), eye)) < 0.3 + np.hypot(

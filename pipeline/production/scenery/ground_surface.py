@@ -18,6 +18,12 @@ from render.shot import Mesh
 SHORE = 0.12
 """Height over water from which on something grows [m]."""
 
+BANK = 0.6
+"""Distance from the water's edge within which a place is on the shore [m]."""
+
+DEEP = 0.7
+"""Depth of water from which reeds and stones of a shore stand in it no more [m]."""
+
 SLOPE_STEP = 0.4
 """Distance over which the slope of the land is measured [m]."""
 
@@ -128,6 +134,23 @@ class GroundSurface:
         if len(outside):
             height[outside] = self._land_at(x[outside], z[outside])[0]
         return height
+
+    def shore(self, x: Array, z: Array, height: Array) -> NDArray[np.bool_]:
+        """Return which places (N,), whose height is known, are near the edge of the water."""
+        if self._water is None:
+            return np.zeros(len(x), bool)
+        wet = height < self._water
+        others = np.zeros(len(x), int)
+        for angle in np.arange(0.0, 2.0 * np.pi, 0.25 * np.pi):
+            there = self.height(x + BANK * np.cos(angle), z + BANK * np.sin(angle))
+            others += (there < self._water) != wet
+        # What water surrounds is an islet, which stays as it is.
+        near = np.where(wet, others > 1, (others > 0) & (others < 5))
+        return near & (height > self._water - DEEP)
+
+    def depth(self, height: Array) -> Array:
+        """Return the depth (N,) of the water over ground of a height [m], 0 without any."""
+        return np.zeros(len(height)) if self._water is None else self._water - height
 
     def woods(self, x: Array, z: Array, height: Array) -> Array:
         """Return the share (N,) of the land at places (N,) that trees cover."""

@@ -146,7 +146,7 @@ def heather(seed: int, level: int) -> Prototype:
     width = np.full(n, (0.012, 0.02, 0.034)[level])
     tips = add_blades(
         *(shape, rng, roots, heights, 0.55 * heights * out, width),
-        ((0.035, 0.030, 0.014), (0.085, 0.092, 0.036)),
+        ((0.062, 0.055, 0.030), (0.130, 0.132, 0.064)),
         headings=angle,
         segments=1,
     )
@@ -154,7 +154,7 @@ def heather(seed: int, level: int) -> Prototype:
     base = tips[blooming] - 0.25 * heights[blooming, None] * UP
     m = len(base)
     size = 0.3 * heights[blooming]
-    color = np.array([0.24, 0.10, 0.19]) * rng.uniform(0.6, 1.2, (m, 1))
+    color = np.array([0.27, 0.15, 0.22]) * rng.uniform(0.6, 1.2, (m, 1))
     way = UP + 0.4 * rng.normal(size=(m, 3))
     add_leaves(
         *(shape, base, way, rng.normal(size=(m, 3)), size, 0.16 * size * (1 + level), color),
@@ -289,7 +289,7 @@ def moss_cushion(seed: int, level: int) -> Prototype:
     size = rng.uniform(0.008, 0.017, n) * (1.0, 1.5, 2.4)[level]
     add_blades(
         *(shape, rng, roots, size, 0.5 * size, np.full(n, (0.006, 0.012, 0.03)[level])),
-        ((0.050, 0.072, 0.014), (0.135, 0.175, 0.036)),
+        ((0.090, 0.108, 0.032), (0.172, 0.202, 0.062)),
         segments=1,
         headings=angle,
     )

@@ -12,6 +12,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.species import KINDS, Species
 from pipeline.production.surroundings.lattice_noise import fractal, hashed, smoothstep
 from pipeline.simulation.spatial import Array
@@ -53,6 +55,9 @@ class Wanted:
         size: factor on its size.
         on_terrain: whether it may stand on the terrain.
         on_land: whether it may stand on the land around.
+        even: whether it has its density all over its patches, as an author wants it, whatever
+            thrives there.
+        where: on dry ground, at the edge of water, or below it.
     """
 
     name: str
@@ -60,6 +65,8 @@ class Wanted:
     size: float = 1.0
     on_terrain: bool = True
     on_land: bool = True
+    even: bool = False
+    where: Literal["dry", "shore", "wet"] = "dry"
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +111,7 @@ class Placement:
         view: of the film.
         clearings: of the performers, None without any.
         seed: of the scene.
+        growth: where plants thrive.
         detail: factor on the distances up to which things are dense, 1 for wide frames.
     """
 
@@ -111,6 +119,7 @@ class Placement:
     view: FilmView
     clearings: Clearings | None
     seed: int
+    growth: Growth
     detail: float = 1.0
 
     def placed(self, wanted: Wanted) -> Placed:
@@ -205,6 +214,11 @@ class Placement:
         here = self._patches(species, wanted, x, z)
         some = np.flatnonzero(here > share)
         x, z, share, here = x[some], z[some], share[some], here[some]
+        if wanted.where == "dry" and not wanted.even:
+            here = here * self.growth.share(species.habitat, x, z)
+        thrives = np.flatnonzero(here > share)
+        x, z, share, here = x[thrives], z[thrives], share[thrives], here[thrives]
+        some = some[thrives]
         chance = np.stack([one[some] for one in random[3:]], axis=-1)
         ground = self.ground.at(x, z)
         points = np.stack([x, ground.height, z], axis=-1)
@@ -214,16 +228,22 @@ class Placement:
         end = self._reach(species, 0.0)
         here = here * (1.0 - smoothstep(0.7 * end, end, distances))
         steep = np.hypot(ground.normals[:, 0], ground.normals[:, 2]) / ground.normals[:, 1]
-        here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))
-        here = here * ground.dry
+        if wanted.where != "shore":
+            here = here * (1.0 - smoothstep(0.7 * species.steepest, species.steepest, steep))
+        likely = np.flatnonzero(here > share)
+        suits = np.zeros(len(here), bool)
+        suits[likely] = self._suits(species, wanted, points[likely], ground.dry[likely])
+        here = here * suits
         here = here * np.where(ground.on_terrain, wanted.on_terrain, wanted.on_land)
         if species.layer == "tree":
             woods = self.ground.woods(x, z, ground.height)
-            here = here * np.where(ground.on_terrain, 1.0, np.maximum(woods, 0.3))
+            here = here * np.where(ground.on_terrain, 1.0, np.maximum(woods, 0.5))
         rank = share / np.maximum(here, 1e-12)
         kept = rank < 1.0
         kept[kept] &= self._is_free(species, wanted, points[kept])
-        kept[kept] &= self._lies_level(species, wanted, points[kept], ground.normals[kept])
+        if wanted.where != "shore":
+            # Stones of a shore hide its edge.
+            kept[kept] &= self._lies_level(species, wanted, points[kept], ground.normals[kept])
         if not kept.any():
             return None
         return Placed(
@@ -231,12 +251,28 @@ class Placement:
             wanted.size,
         ).taken(kept)
 
+    def _suits(
+        self, species: Species, wanted: Wanted, points: Array, dry: NDArray[np.bool_]
+    ) -> NDArray[np.bool_]:
+        """Return which places (N, 3) are as dry or wet as is wanted."""
+        if wanted.where == "dry":
+            return dry
+        x, height, z = points.T
+        depth = self.ground.depth(height)
+        if wanted.where == "wet":
+            return np.asarray(depth > 0.75 * species.height * wanted.size)
+        near = self.ground.shore(x, z, height)
+        # Plants of a shore stand in the water; stones lie along its edge, too.
+        return np.asarray(near & (species.is_stone | (depth > -0.08)))
+
     def _patches(self, species: Species, wanted: Wanted, x: Array, z: Array) -> Array:
         """Return the share (N,) of the full density that patches leave."""
-        if species.cover >= 1.0:
+        if species.cover >= 1.0 or (wanted.where == "shore" and species.is_stone):
             return np.ones_like(x)
         places = np.stack([x, z], axis=-1)
-        seed = (zlib.crc32(b"patch " + wanted.name.encode()) + self.seed) & 0xFFFFFF
+        seed = (
+            zlib.crc32(b"patch " + (species.family or wanted.name).encode()) + self.seed
+        ) & 0xFFFFFF
         value = fractal(places / species.patch, seed, 3)
         # The noise is about normal with a deviation of 0.45.
         low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * species.cover)
@@ -270,7 +306,9 @@ class Placement:
         some = np.flatnonzero(free)
         count = len(some)
         heights, radii = np.full(count, height), np.full(count, radius)
-        free[some] = ~self.view.in_the_way(points[some], heights, radii)
+        free[some] = ~self.view.in_the_way(
+            points[some], heights, radii, hides=species.layer == "solid"
+        )
         return free
 
 

@@ -26,6 +26,18 @@ BY_TEXTURE = {
 }
 """Presets of natural ground by its texture."""
 
+WATERSIDE = (
+    Wanted("stone", 2.6, 2.4, where="shore"),
+    Wanted("stone", 7.0, 0.9, where="shore"),
+    Wanted("reeds", 0.9, 0.42, where="shore"),
+    Wanted("sedge", 0.8, 1.2, where="shore"),
+    Wanted("stone", 1.2, 1.6, where="wet"),
+    Wanted("pebbles", 1.2, where="wet"),
+    Wanted("boulder", 1.5, where="wet"),
+    Wanted("water weed", 1.0, where="wet"),
+)
+"""What grows and lies at the edges of water and below it."""
+
 OF_FLOORS = frozenset({"pavement", "room"})
 """Presets that lie on floors; all others lie on the land around a floor."""
 
@@ -64,6 +76,8 @@ class ScatterChoice:
             else:
                 own, land = scatter.preset, scatter.preset
         fitted = _of_presets(own, land, scatter.density)
+        if fitted and (scene.terrain.water is not None or around.kind == "sea"):
+            fitted = (*fitted, *WATERSIDE)
         asked = tuple(_asked(one) for one in scatter.species)
         return ScatterChoice(fitted, asked, max(scatter.density, 1.0))
 
@@ -97,4 +111,6 @@ def _of_presets(own: str, land: str, density: float) -> tuple[Wanted, ...]:
 
 def _asked(one: ScatteredSpecies) -> Wanted:
     usual = KINDS[one.species].density
-    return Wanted(one.species, 1.0 if one.density is None else one.density / usual, one.size)
+    if one.density is None:
+        return Wanted(one.species, 1.0, one.size)
+    return Wanted(one.species, one.density / usual, one.size, even=True)

@@ -10,6 +10,7 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import meshes, triangle_counts
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.placement import Placed, Placement
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.species import KINDS
@@ -64,7 +65,7 @@ def scenery_meshes(
     scatter: ScatterChoice,
     treads: Treads,
     wind: tuple[float, float],
-    seed: int,
+    growth: Growth,
     detail: float,
     also: Sequence[Placed] = (),
 ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
@@ -77,14 +78,14 @@ def scenery_meshes(
         scatter: the species.
         treads: of the performers.
         wind: near the ground, along x and z [m/s].
-        seed: of the scene.
+        growth: where plants thrive in the scene.
         detail: 1 for frames 1280 pixels wide.
         also: what stands there besides.
 
     Raises:
         TooManyTriangles: the densities that the author asks for take too much memory.
     """
-    placement = Placement(ground, view, clearings, seed, detail)
+    placement = Placement(ground, view, clearings, growth.seed, growth, detail)
     fitted = [placement.placed(one) for one in scatter.fitted]
     asked = [placement.placed(one) for one in scatter.asked]
     most = round(scatter.factor * budget(detail, view.path_length))

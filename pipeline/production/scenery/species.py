@@ -8,6 +8,7 @@ from functools import lru_cache, partial
 from typing import Literal
 
 from pipeline.production.scenery import grasses, herbs, stones, trees
+from pipeline.production.scenery.growth import Habitat
 from pipeline.production.scenery.prototype import Prototype
 
 Make = Callable[[int, int], Prototype]
@@ -38,6 +39,9 @@ class Species:
         widens: whether far ones are wider, where there are fewer.
         is_stone: whether its surface is rough stone.
         variants: number of shapes.
+        habitat: where it grows; see `growth`.
+        family: species of one family have their patches in the same places, the rarer ones in
+            their middle; alone by default.
     """
 
     make: Make
@@ -57,6 +61,8 @@ class Species:
     widens: bool = False
     is_stone: bool = False
     variants: int = 5
+    habitat: Habitat = "open"
+    family: str = ""
 
     @property
     def bends(self) -> bool:
@@ -64,8 +70,8 @@ class Species:
         return self.layer == "cover" and not self.is_stone
 
 
-def _grass(kind: str, density: float, height: float, **others: float) -> Species:
-    values: dict[str, float] = {"ground": 0.35, **others}
+def _grass(kind: str, density: float, height: float, **others: float | str) -> Species:
+    values: dict[str, float | str] = {"ground": 0.35, "habitat": "tufts", **others}
     return Species(
         partial(grasses.clump, kind),
         density,
@@ -88,11 +94,13 @@ def _flower(kind: str, density: float, height: float, cover: float) -> Species:
     )
 
 
-def _tree(make: Make, density: float, height: float, radius: float, **others: float) -> Species:
-    values: dict[str, float] = {"cover": 0.35, "patch": 60.0, **others}
+def _tree(
+    make: Make, density: float, height: float, radius: float, **others: float | str
+) -> Species:
+    values: dict[str, float | str] = {"cover": 0.6, "patch": 24.0, "habitat": "grove", **others}
     return Species(
-        *(make, density, "tree", height, radius),
-        sizes=(0.6, 1.2),
+        *(make, 3.0 * density, "tree", height, radius),
+        sizes=(0.45, 1.25),
         levels=(14.0, 34.0, 85.0),
         near=95.0,
         reach=700.0,
@@ -103,13 +111,20 @@ def _tree(make: Make, density: float, height: float, radius: float, **others: fl
     )
 
 
-def _shrub(kind: str, density: float, height: float, radius: float, **others: float) -> Species:
-    values: dict[str, float] = {"cover": 0.3, "patch": 9.0, "reach": 130.0, **others}
+def _shrub(
+    kind: str, density: float, height: float, radius: float, **others: float | str
+) -> Species:
+    values: dict[str, float | str] = {
+        "cover": 0.3,
+        "patch": 9.0,
+        "reach": 130.0,
+        "near": 26.0,
+        **others,
+    }
     return Species(
         *(partial(trees.crown_tree, kind), density, "solid", height, radius),
         sizes=(0.55, 1.25),
         levels=(7.0, 18.0, 50.0),
-        near=26.0,
         upright=0.9,
         variants=4,
         **values,  # type: ignore[arg-type]
@@ -129,20 +144,27 @@ def _pebbles(seed: int, level: int) -> Prototype:
 
 
 KINDS: dict[str, Species] = {
-    "short grass": _grass("short grass", 150.0, 0.09, cover=0.85, reach=60.0, near=5.0),
-    "meadow grass": _grass("meadow grass", 75.0, 0.24, cover=0.5, patch=9.0, near=6.0),
-    "tall grass": _grass("tall grass", 34.0, 0.62, cover=0.18, patch=8.0, reach=90.0, near=8.0),
+    "short grass": _grass("short grass", 200.0, 0.09, cover=0.85, reach=60.0, near=7.0),
+    "meadow grass": _grass(
+        *("meadow grass", 95.0, 0.24), cover=0.45, patch=8.0, near=8.0, family="tall"
+    ),
+    "tall grass": _grass(
+        *("tall grass", 60.0, 0.62), cover=0.16, patch=8.0, reach=90.0, near=11.0, family="tall"
+    ),
     "dry grass": _grass(
-        "dry grass", 26.0, 0.34, cover=0.45, near=8.0, reach=110.0, patch=6.0, ground=0.25
+        "dry grass", 46.0, 0.34, cover=0.5, near=9.0, reach=110.0, patch=6.0, ground=0.25
     ),
     "tussock": _grass(
-        "tussock", 12.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
+        "tussock", 17.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
     ),
     "beach grass": _grass(
         "beach grass", 12.0, 0.7, near=10.0, reach=110.0, cover=0.3, patch=6.0, ground=0.35
     ),
     "sedge": _grass("sedge", 40.0, 0.15, cover=0.5, patch=2.2, near=6.0, ground=0.25),
-    "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=8.0, ground=0.1, reach=90.0),
+    "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=3.0, ground=0.1, reach=90.0),
+    "water weed": _grass(
+        *("water weed", 9.0, 1.1), cover=0.3, patch=1.6, ground=0.0, reach=60.0, near=9.0
+    ),
     "wheat": _grass("wheat", 55.0, 0.95, cover=1.0, ground=0.0, reach=120.0),
     "maize": Species(
         *(herbs.maize, 4.0, "solid", 2.2, 0.4),
@@ -197,13 +219,16 @@ KINDS: dict[str, Species] = {
         *(herbs.fallen_leaves, 5.0, "cover", 0.05, 0.4),
         levels=(4.0, 11.0),
         reach=40.0,
-        cover=0.35,
+        cover=0.5,
         upright=0.0,
+        habitat="shade",
     ),
     "twigs": Species(
         *(herbs.twigs, 1.2, "cover", 0.05, 0.3), levels=(3.0, 9.0), reach=30.0, upright=0.0
     ),
-    "bush": _shrub("bush", 0.05, 1.6, 0.9),
+    "bush": _shrub(
+        *("bush", 0.16, 1.6, 0.9), near=60.0, reach=260.0, cover=0.5, patch=5.0, habitat="hedge"
+    ),
     "scrub": _shrub("scrub", 0.3, 0.75, 0.5, cover=0.4),
     "willow scrub": _shrub("willow scrub", 0.22, 0.6, 0.5, cover=0.35),
     "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0),
@@ -215,8 +240,10 @@ KINDS: dict[str, Species] = {
         levels=(2.5, 6.0),
         near=4.5,
         reach=26.0,
-        cover=0.5,
-        patch=2.5,
+        cover=0.45,
+        patch=9.0,
+        habitat="rubble",
+        family="rubble",
         steepest=1.2,
         upright=0.0,
         ground=0.6,
@@ -224,13 +251,15 @@ KINDS: dict[str, Species] = {
         is_stone=True,
     ),
     "stone": Species(
-        *(_stone, 1.1, "solid", 0.2, 0.22),
+        *(_stone, 2.2, "solid", 0.2, 0.22),
         sizes=(0.035, 0.19),
         levels=(4.0, 12.0),
         near=9.0,
         reach=110.0,
-        patch=5.0,
-        cover=0.55,
+        patch=9.0,
+        cover=0.28,
+        habitat="rubble",
+        family="rubble",
         steepest=1.4,
         upright=0.1,
         ground=0.5,
@@ -238,13 +267,15 @@ KINDS: dict[str, Species] = {
         is_stone=True,
     ),
     "boulder": Species(
-        *(_boulder, 0.02, "solid", 0.9, 0.9),
+        *(_boulder, 0.07, "solid", 0.9, 0.9),
         sizes=(0.25, 0.85),
         levels=(5.0, 14.0, 45.0),
         near=34.0,
         reach=260.0,
-        patch=22.0,
-        cover=0.4,
+        patch=9.0,
+        cover=0.12,
+        habitat="rubble",
+        family="rubble",
         steepest=1.6,
         upright=0.2,
         ground=0.5,

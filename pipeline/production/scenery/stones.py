@@ -11,7 +11,7 @@ from pipeline.production.scenery.prototype import Color, Prototype, Shape, mixed
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 
-GREY: Color = (0.215, 0.2, 0.18)
+GREY: Color = (0.262, 0.246, 0.218)
 LICHEN: Color = (0.19, 0.2, 0.105)
 
 

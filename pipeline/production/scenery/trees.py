@@ -67,19 +67,19 @@ class Crown:
 CROWNS: dict[str, Crown] = {
     "oak": Crown(
         8.5, 0.17, 0.22, 1.0, 0.52, 1, 0.27, 900, 0.34, 0.19, 0.62, 15000,
-        (0.052, 0.088, 0.018), (0.150, 0.205, 0.046), (0.085, 0.066, 0.048),
+        (0.074, 0.108, 0.026), (0.178, 0.222, 0.060), (0.085, 0.066, 0.048),
     ),
     "birch": Crown(
         9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.125, 0.72, 12500,
-        (0.075, 0.118, 0.022), (0.200, 0.255, 0.060), (0.55, 0.53, 0.49), sag=0.22, hollow=0.1,
+        (0.092, 0.130, 0.032), (0.225, 0.262, 0.078), (0.55, 0.53, 0.49), sag=0.22, hollow=0.1,
     ),
     "acacia": Crown(
         6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.12, 0.45, 12500,
-        (0.068, 0.092, 0.028), (0.160, 0.185, 0.065), (0.105, 0.080, 0.058), hollow=0.1,
+        (0.082, 0.104, 0.036), (0.178, 0.196, 0.076), (0.105, 0.080, 0.058), hollow=0.1,
     ),
     "bush": Crown(
         1.5, 0.02, 0.08, 1.2, 0.55, 5, 0.016, 420, 0.11, 0.085, 0.58, 3600,
-        (0.052, 0.090, 0.020), (0.145, 0.200, 0.050), (0.090, 0.070, 0.050), hollow=0.2,
+        (0.072, 0.106, 0.028), (0.168, 0.212, 0.062), (0.090, 0.070, 0.050), hollow=0.2,
     ),
     "scrub": Crown(
         0.7, 0.02, 0.06, 1.5, 0.6, 7, 0.0085, 300, 0.065, 0.042, 0.40, 1700,
@@ -107,9 +107,9 @@ def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
     points = random_directions(rng, 4 * count)
     radius = rng.uniform(config.hollow**3, 1.0, 4 * count) ** (1.0 / 3.0)
     # Bulges make boughs with air between them.
-    lobes = random_directions(rng, 9)
+    lobes = random_directions(rng, 8)
     bulge = (points @ lobes.T).max(axis=1) ** 3
-    points = points * (radius * (0.62 + 0.38 * bulge))[:, None]
+    points = points * (radius * (0.46 + 0.54 * bulge))[:, None]
     y = 0.5 * (points[:, 1] + 1.0)
     # The height at which the crown is widest is moved up or down.
     y = y ** (np.log(config.top) / np.log(0.5))
@@ -186,7 +186,7 @@ def spruce(seed: int, level: int) -> Prototype:
     """Return a spruce: whorls of drooping branches with sprays of needles."""
     rng, shape = np.random.default_rng([seed, 79]), Shape()
     height = 10.0 * rng.uniform(0.9, 1.1)
-    whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (8, 5, 1))[level]
+    whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (10, 6, 1))[level]
     t = (np.arange(whorls) + 0.5) / whorls
     at = height * (0.07 + 0.92 * t**0.92)
     length = 0.235 * height * (1.0 - t) ** 0.82 * (1.0 - 0.25 * np.exp(-t / 0.05)) + 0.06
@@ -199,19 +199,19 @@ def spruce(seed: int, level: int) -> Prototype:
     n = whorls * each
     root, out, length = root.reshape(n, 3), out.reshape(n, 3), length.reshape(n)
     droop = np.repeat(0.42 - 0.75 * t, each)
-    along = np.linspace(0.12, 1.0, sprays + 1)[1:]
+    along = np.linspace(0.12, 1.0, sprays + 1)[1:] if sprays > 1 else np.array([0.4])
     sway = along - 0.75 * along**2
     place = (
         root[:, None]
         + (length[:, None] * along)[..., None] * out[:, None]
         - (length[:, None] * (droop[:, None] * along - 0.22 * sway))[..., None] * UP
     )
-    green, tip = np.array([0.032, 0.060, 0.020]), np.array([0.090, 0.132, 0.042])
+    green, tip = np.array([0.044, 0.072, 0.030]), np.array([0.104, 0.142, 0.056])
     color = green + along[None, :, None] ** 2 * (tip - green)
     color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
     side = np.cross(out, UP)
-    spread = 1.15 * length[:, None] * (1.1 - 0.72 * along) * (1.0 if sprays > 1 else 0.6)
-    wide = (0.30, 0.42, 0.62, 1.0)[level]
+    spread = (1.15, 1.15, 1.3, 1.7)[level] * length[:, None] * (1.1 - 0.72 * along)
+    wide = (0.30, 0.42, 0.70, 1.5)[level]
     normals = unit(out + 0.75 * UP)
     for sign in (-1.0, 1.0):
         way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.3, 0.0]

@@ -22,6 +22,7 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
 from pipeline.production.scenery.treads import Treads
@@ -261,6 +262,7 @@ class ShotBuilder:
         ground = (near, *land)
         if not self._scatter.wanted and (edging is None or not edging.placed):
             return ground, None
+        ground = tuple(self._worn(mesh, view) for mesh in ground)
         still, trodden = self._scenery(land[0], view, treads, edging)
         if trodden:
             trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
@@ -276,6 +278,18 @@ class ShotBuilder:
             *(self._edging, self.take.terrain, self._land, self.tracks.clearings, view),
             *(self._scene.seed, detail, self._terrain.material, sun),
         )
+
+    @property
+    def _growth(self) -> Growth:
+        return Growth(self._scene.seed, self.tracks.clearings)
+
+    def _worn(self, mesh: Mesh, view: FilmView) -> Mesh:
+        """Return ground with the bare soil on it."""
+        if mesh.uv is None or mesh.material not in self.materials:
+            return mesh
+        middle = view.targets[:, [0, 2]].mean(axis=0)
+        material = self.materials[mesh.material]
+        return replace(mesh, wear=self._growth.wear(material, self.light.weather, middle))
 
     def _scenery(
         self, horizon: Mesh, view: FilmView, treads: Treads, edging: Edging | None
@@ -294,7 +308,7 @@ class ShotBuilder:
             return scenery_meshes(
                 *(ground, view, self.tracks.clearings, self._scatter),
                 *(treads, self.light.weather.ground_wind),
-                *(self._scene.seed, scenery_detail(width)),
+                *(self._growth, scenery_detail(width)),
                 also=edging.placed if edging else (),
             )
         except TooManyTriangles as error:

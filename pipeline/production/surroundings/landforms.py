@@ -38,7 +38,11 @@ def _rising(places: Array, out: Array, span: tuple[float, float], shape: Shape) 
 
 def _swells(places: Array, out: Array, seed: int, height: float) -> Array:
     """Return gentle swells that set in some tens of metres away."""
-    return _rising(places, out, (8.0, 220.0), lambda p: height * fractal(p / 140.0, seed, 4))
+
+    def swells(p: Array) -> Array:
+        return height * fractal(p / 150.0, seed, 3) + 0.35 * height * fractal(p / 62.0, seed + 5, 2)
+
+    return _rising(places, out, (4.0, 130.0), swells)
 
 
 def _uneven(places: Array, seed: int) -> Array:
@@ -64,7 +68,7 @@ def _hills(places: Array, out: Array, seed: int) -> Array:
         return 420.0 * ridged(p / 2300.0, seed + 30, 6) * _uneven(p, seed + 40)
 
     return (
-        _swells(places, out, seed, 7.0)
+        _swells(places, out, seed, 9.0)
         + _rising(places, out, (120.0, 800.0), near)
         + _rising(places, out, (800.0, 2400.0), middle)
         + _rising(places, out, (2600.0, 4800.0), far)
@@ -98,7 +102,7 @@ def _plain(places: Array, out: Array, seed: int) -> Array:
         return 300.0 * eroded(p / 1900.0, seed + 20) * _uneven(p, seed + 40)
 
     return (
-        _swells(places, out, seed, 4.0)
+        _swells(places, out, seed, 8.0)
         + _rising(places, out, (260.0, 1300.0), middle)
         + _rising(places, out, (2200.0, 4600.0), far)
     )
@@ -133,7 +137,7 @@ def _forest(places: Array, out: Array, seed: int) -> Array:
         return 210.0 * eroded(p / 1200.0, seed + 20) * _uneven(p, seed + 40)
 
     return (
-        _swells(places, out, seed, 4.0)
+        _swells(places, out, seed, 7.0)
         + _rising(places, out, (60.0, 420.0), near)
         + _rising(places, out, (600.0, 2600.0), far)
     )

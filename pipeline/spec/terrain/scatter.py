@@ -19,7 +19,7 @@ from pipeline.spec.suggestions import hint
 
 SPECIES = (
     *("short grass", "meadow grass", "tall grass", "dry grass", "tussock", "beach grass"),
-    *("sedge", "reeds", "wheat", "maize"),
+    *("sedge", "reeds", "water weed", "wheat", "maize"),
     *("daisy", "buttercup", "poppy", "cornflower"),
     *("fern", "heather", "moss cushion", "succulent", "mushroom", "leaves", "twigs"),
     *("bush", "scrub", "willow scrub", "oak", "birch", "acacia", "spruce"),

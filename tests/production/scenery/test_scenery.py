@@ -8,7 +8,8 @@ import pytest
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS, meshes
 from pipeline.production.scenery.film_view import FilmView
-from pipeline.production.scenery.ground_surface import GroundSurface
+from pipeline.production.scenery.ground_surface import BANK, GroundSurface
+from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.placement import MARGIN, Placement, Wanted
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_meshes, thinned
@@ -88,13 +89,13 @@ def test_places_lie_on_the_triangles_of_the_land(ground: GroundSurface, horizon:
 
 
 def test_a_lower_density_leaves_things_out_and_moves_none(ground: GroundSurface) -> None:
-    placement = Placement(ground, VIEW, None, 3, DETAIL)
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
     many, few = (placement.placed(Wanted("dry grass", d)).points for d in (1.0, 0.3))
     assert 0.15 * len(many) < len(few) < 0.6 * len(many)
     assert {tuple(p) for p in few.round(6)} <= {tuple(p) for p in many.round(6)}
     assert not {
         tuple(p)
-        for p in Placement(ground, VIEW, None, 4, DETAIL)
+        for p in Placement(ground, VIEW, None, 4, Growth(4), DETAIL)
         .placed(Wanted("dry grass", 1.0))
         .points.round(6)
     } & {tuple(p) for p in many.round(6)}
@@ -102,7 +103,7 @@ def test_a_lower_density_leaves_things_out_and_moves_none(ground: GroundSurface)
 
 def test_nothing_solid_stands_in_the_way_of_performers(ground: GroundSurface) -> None:
     where = clearings()
-    placement = Placement(ground, VIEW, where, 3, 1.0)
+    placement = Placement(ground, VIEW, where, 3, Growth(3, where), 1.0)
     stones = placement.placed(Wanted("stone", 3.0)).points
     assert len(stones) > 50
     least = KINDS["stone"].radius + MARGIN["solid"]
@@ -113,7 +114,7 @@ def test_nothing_solid_stands_in_the_way_of_performers(ground: GroundSurface) ->
 
 
 def test_nothing_hides_the_target_of_a_camera(ground: GroundSurface) -> None:
-    bushes = Placement(ground, VIEW, None, 3, 1.0).placed(Wanted("bush", 20.0)).points
+    bushes = Placement(ground, VIEW, None, 3, Growth(3), 1.0).placed(Wanted("bush", 20.0)).points
     assert len(bushes) > 20
     for pose in POSES:
         a, b = (np.array([p[0], p[2]]) for p in (pose.p_WC, pose.p_WT))
@@ -122,8 +123,17 @@ def test_nothing_hides_the_target_of_a_camera(ground: GroundSurface) -> None:
         assert apart.min() > 0.8
 
 
+def test_no_shrub_hides_the_feet_of_the_target_and_grass_may() -> None:
+    # Half way, where the line of sight to the target is 0.95 m high, to its feet 0.75 m.
+    shrub = np.array([[3.2, 0.0, 2.0]]), np.array([0.6]), np.array([0.3])
+    assert not VIEW.in_the_way(*shrub).any()
+    assert VIEW.in_the_way(*shrub, hides=True).all()
+    aside = np.array([[5.5, 0.0, 0.0]]), *shrub[1:]
+    assert not VIEW.in_the_way(*aside, hides=True).any()
+
+
 def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurface) -> None:
-    placement = Placement(ground, VIEW, None, 3, DETAIL)
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
     placed = [placement.placed(Wanted(name, 1.0)) for name in ("dry grass", "sedge", "boulder")]
     made = [meshes(every, DETAIL) for every in (placed, thinned(placed, 30_000, DETAIL))]
     full, less = (sum(len(mesh.faces) for mesh in some) for some in made)
@@ -132,10 +142,39 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
     assert {mesh.name for mesh in made[0]} <= set(MATERIALS)
 
 
+def test_stones_line_the_shore_and_weeds_stand_under_water(land: Land, horizon: Mesh) -> None:
+    level = float(np.quantile(land.field.heights, 0.4))
+    ground = GroundSurface(land, horizon, GREEN, GREEN, vertices_around(DETAIL), level)
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+    stones = placement.placed(Wanted("stone", 8.0, where="shore")).points
+    assert len(stones) > 30
+    turns = np.arange(0.0, 2.0 * np.pi, 0.25 * np.pi)
+    around = np.array(
+        [
+            ground.height(stones[:, 0] + BANK * np.cos(t), stones[:, 2] + BANK * np.sin(t)) < level
+            for t in turns
+        ]
+    )
+    assert (around.any(axis=0) & ~around.all(axis=0)).mean() > 0.9
+    reeds = placement.placed(Wanted("reeds", 8.0, 0.4, where="shore")).points
+    assert (reeds[:, 1] < level + 0.09).all()
+    weeds = placement.placed(Wanted("water weed", 4.0, 0.1, where="wet")).points
+    assert len(weeds) > 5
+    assert (weeds[:, 1] < level).all()
+
+
+def test_a_density_of_the_authors_own_is_kept_where_nothing_thrives(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+    even, thriving = (
+        len(placement.placed(Wanted("oak", 20.0, even=even)).points) for even in (True, False)
+    )
+    assert even > 1.2 * thriving
+
+
 def test_the_same_scenery_is_made_again_byte_for_byte(ground: GroundSurface) -> None:
     choice = ScatterChoice((Wanted("meadow grass", 0.3), Wanted("stone", 1.0)), ())
     first, again = (
-        scenery_meshes(ground, VIEW, clearings(), choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        scenery_meshes(ground, VIEW, clearings(), choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
         for _ in range(2)
     )
     assert [mesh.digest for mesh in first[0]] == [mesh.digest for mesh in again[0]]
@@ -147,7 +186,7 @@ def test_too_many_triangles_are_refused_with_their_memory(
     monkeypatch.setattr("pipeline.production.scenery.scenery.MAX_TRIANGLES", 10_000)
     choice = ScatterChoice((), (Wanted("dry grass", 1.0),))
     with pytest.raises(TooManyTriangles, match=r"GiB; at most 0.01 million .* 'dry grass'"):
-        scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), 9, DETAIL)
+        scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
 
 
 def test_tracks_keep_clearings() -> None:

@@ -388,8 +388,8 @@ def test_sound_events_of_take_off_and_landing(level_hops):
     assert {e.cause for e in take.events} <= {"boing", "footfall", "squeak", "squawk"}
     rise = GRAVITY / (take.header.rate * take.header.samples)
     for one, lift, (p, v) in zip(offs, lifts[::n], level_hops.lifts, strict=True):
-        # Measured between two rows, so less by the effect of gravity within one, and of the body, not
-        # of the centre of mass, from which turning legs move it a little.
+        # Measured between two rows, so less by the effect of gravity within one; and of the body,
+        # which turning legs move a little from the centre of mass.
         assert v[1] - 1.1 * float(rise) <= one.strength <= v[1] + 1e-3
         assert one.step + one.fraction == pytest.approx(lift.step + lift.fraction)
         assert np.hypot(one.place[0] - p[0], one.place[2] - p[2]) < p[1]

@@ -1,0 +1,146 @@
+"""Growth: where on the land plants thrive, trees stand together and the ground is trodden bare.
+
+All fields depend on the place in the world and a seed alone. Trails follow the level lines of
+noise, which wind, part and never repeat; they and bare spots are drawn on the ground, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
+from pipeline.simulation.spatial import Array
+from render.color import linear
+from render.config import Material, Weather
+from render.ground_wear import TEXELS, GroundWear
+
+Habitat = Literal["open", "tufts", "grove", "hedge", "shade", "rubble"]
+"""Where a species grows: in the open, there in tufts, in groves, along hedges and the edges of
+groves, below trees, or on bare ground as well."""
+
+RASTER = 128.0
+"""Side of the square on which bare ground is drawn [m]."""
+
+TRAIL_BEND = 38.0
+"""Size of the bends of trails [m]."""
+TRAIL_HALF = (0.16, 0.62)
+"""Distances from the middle of a trail up to which it is bare, and from which nothing is [m]."""
+
+GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
+"""Width of groves [m], and values of their noise between which they begin."""
+HEDGE_BEND, HEDGE_HALF = 150.0, (1.2, 3.2)
+"""Size of the fields between hedges, and half the width of a hedge with its fringe [m]."""
+
+WORN_BY = 0.35, 1.1
+"""Distances from the ways of performers between which they wear the ground down [m]."""
+WORN_SHARE = 0.5
+
+SOILS = {
+    "grass": "#786a52",
+    "soil": "#a89679",
+    "rock": "#8b7658",
+    "gravel": "#8b7658",
+}
+"""Colour of worn ground by the texture of the ground."""
+
+WET = 0.55
+"""Brightness of soaked soil, as a share of dry soil, in sRGB values."""
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """Fields of one scene.
+
+    Attributes:
+        seed: of the scene.
+        clearings: of the performers, None without any.
+    """
+
+    seed: int
+    clearings: Clearings | None = None
+
+    def worn(self, x: Array, z: Array) -> Array:
+        """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
+        places = np.stack([x, z], axis=-1)
+        uneven = self._uneven(places)
+        trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
+        broad = fractal(places / 5.5, self.seed + 4120, 2)
+        spots = 0.7 * smoothstep(0.6, 1.1, broad + 0.45 * uneven)
+        result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
+        return np.asarray(np.clip(result, 0.0, 1.0))
+
+    def drawn(self, x: Array, z: Array) -> Array:
+        """Return the share (N,) of soil that shows, between the grass on performers' ways too."""
+        result = self.worn(x, z)
+        if self.clearings is not None:
+            near = 1.0 - smoothstep(*WORN_BY, self.clearings.distance(x, z))
+            uneven = self._uneven(np.stack([x, z], axis=-1))
+            result = np.maximum(result, WORN_SHARE * near * smoothstep(-0.5, 0.5, uneven))
+        return result
+
+    def _uneven(self, places: Array) -> Array:
+        return fractal(places / 1.7, self.seed + 4110, 2)
+
+    def grove(self, places: Array) -> Array:
+        """Return how far inside a grove places (N, 2) are, 0 to 1."""
+        value = fractal(places / GROVE, self.seed + 4130, 3)
+        return smoothstep(*GROVE_EDGE, value)
+
+    def hedge(self, places: Array) -> Array:
+        """Return how near to the middle of a hedge places (N, 2) are, 0 to 1."""
+        line = 1.0 - smoothstep(*HEDGE_HALF, self._line(places, HEDGE_BEND, 4140))
+        gaps = smoothstep(-0.45, -0.15, fractal(places / 31.0, self.seed + 4150, 2))
+        return np.asarray(line * gaps)
+
+    def share(self, habitat: Habitat, x: Array, z: Array) -> Array:
+        """Return the share (N,) of its full density that a habitat leaves a species."""
+        places = np.stack([x, z], axis=-1)
+        if habitat == "rubble":
+            return np.ones(len(x))
+        if habitat == "grove":
+            return np.maximum(0.04 + 0.96 * self.grove(places), 0.55 * self.hedge(places))
+        if habitat == "hedge":
+            inside = self.grove(places)
+            edge = 4.0 * inside * (1.0 - inside)
+            return np.clip(0.05 + 0.5 * edge + 0.25 * inside + self.hedge(places), 0.0, 1.0)
+        free = 1.0 - self.worn(x, z)
+        if habitat == "shade":
+            return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
+        if habitat == "tufts":
+            tufts = fractal(places / 0.85, self.seed + 4160, 2)
+            free = free * (0.38 + 0.62 * smoothstep(-0.45, 0.35, tufts))
+        return np.asarray(free)
+
+    def wear(self, material: Material, weather: Weather, middle: Array) -> GroundWear | None:
+        """Return the bare ground around a place (2,) [m], None on ground that wears not."""
+        if material.texture not in SOILS:
+            return None
+        soil = SOILS[material.texture]
+        step = RASTER / TEXELS
+        corner = np.round(middle / step) * step - 0.5 * RASTER
+        at = (np.arange(TEXELS) + 0.5) * step
+        x, z = np.meshgrid(corner[0] + at, corner[1] + at)
+        share = self.drawn(x.ravel(), z.ravel()).reshape(x.shape)
+        from_edge = np.minimum(at, RASTER - at)
+        fade = smoothstep(0.5, 14.0, from_edge)
+        share = share * fade * fade[:, None]
+        rgb = np.array([int(soil[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+        wet = min(weather.rain / 0.5, 1.0)
+        r, g, b = linear(rgb * (1.0 + wet * (WET - 1.0))).tolist()
+        texels = np.rint(255.0 * share).astype(np.uint8)
+        return GroundWear((float(corner[0]), float(corner[1])), RASTER, texels, (r, g, b))
+
+    def _line(self, places: Array, bend: float, salt: int) -> Array:
+        """Return about the distances (N,) from winding lines with bends of a size [m]."""
+        seed, step = self.seed + salt, 0.02 * bend
+
+        def value(at: Array) -> Array:
+            return fractal(at / bend, seed, 2)
+
+        here = value(places)
+        slopes = [(value(places + step * np.eye(2)[k]) - here) / step for k in (0, 1)]
+        return np.asarray(np.abs(here) / np.maximum(np.hypot(*slopes), 0.3 / bend))

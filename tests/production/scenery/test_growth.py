@@ -1,0 +1,67 @@
+"""Growth: bare ground bears no grass, trees stand in groves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.growth import RASTER, Growth
+from pipeline.production.scenery.species import KINDS
+from render.config import MATERIALS, Weather
+from render.ground_wear import TEXELS
+
+CALM = Weather.model_validate("calm")
+
+
+def places(count: int = 40_000, half: float = 60.0) -> tuple[np.ndarray, np.ndarray]:
+    x, z = np.random.default_rng(3).uniform(-half, half, (2, count))
+    return x, z
+
+
+def test_bare_ground_bears_no_grass_and_stones_lie_there_as_well() -> None:
+    x, z = places()
+    growth = Growth(5)
+    worn = growth.worn(x, z)
+    # Trails and spots are a small part of the land, and bare in their middle.
+    assert 0.01 < (worn > 0.7).mean() < 0.12
+    bare = worn > 0.9
+    assert growth.share("tufts", x[bare], z[bare]).max() < 0.11
+    assert growth.share("rubble", x[bare], z[bare]).min() == 1.0
+    assert growth.share("tufts", x, z).max() > 0.9
+
+
+def test_trees_stand_in_groves_that_differ_by_the_seed() -> None:
+    x, z = places(half=500.0)
+    shares = [Growth(seed).share("grove", x, z) for seed in (5, 6)]
+    for share in shares:
+        assert 0.08 < (share > 0.5).mean() < 0.6
+        assert (share < 0.2).mean() > 0.3
+    assert np.corrcoef(shares)[0, 1] < 0.5
+    assert KINDS["oak"].habitat == "grove"
+
+
+def test_the_ground_is_drawn_as_bare_as_it_is_for_plants() -> None:
+    growth = Growth(5)
+    wear = growth.wear(MATERIALS["grass"], CALM, np.array([3.0, -4.0]))
+    assert wear is not None
+    step = RASTER / TEXELS
+    j, i = np.random.default_rng(1).integers(200, TEXELS - 200, (2, 500))
+    x, z = wear.corner[0] + (i + 0.5) * step, wear.corner[1] + (j + 0.5) * step
+    np.testing.assert_allclose(wear.texels[j, i] / 255.0, growth.worn(x, z), atol=0.003)
+    # It ends before its edge, so that no edge is seen.
+    assert wear.texels[[0, -1]].max() == wear.texels[:, [0, -1]].max() == 0
+    assert growth.wear(MATERIALS["snow"], CALM, np.zeros(2)) is None
+    wet = growth.wear(MATERIALS["grass"], Weather.model_validate("rain"), np.zeros(2))
+    assert wet is not None
+    assert max(wet.color) < 0.5 * max(wear.color)
+
+
+def test_ways_of_performers_show_soil() -> None:
+    x, z = np.meshgrid(np.arange(-6, 6, 0.1), np.arange(-6, 6, 0.1))
+    distance = np.minimum(np.abs(z) / Clearings.UNIT, 255).astype(np.uint8)
+    growth = Growth(5, Clearings((-6.0, -6.0), 0.1, distance, np.zeros_like(x, bool)))
+    along = np.linspace(-5, 5, 200)
+    more = growth.drawn(along, 0 * along) - growth.worn(along, 0 * along)
+    assert more.mean() > 0.1
+    away = np.full(200, 3.0)
+    np.testing.assert_array_equal(growth.drawn(along, away), growth.worn(along, away))

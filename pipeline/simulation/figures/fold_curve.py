@@ -72,7 +72,7 @@ class Descent:
     less: float = 0.03
     steady: float = 0.2
     idle: float = 0.25
-    apart: float = 0.3
+    apart: float = 0.4
 
 
 @dataclass(frozen=True, slots=True)

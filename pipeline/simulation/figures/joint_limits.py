@@ -34,8 +34,8 @@ STRAIGHT_LIMIT_DEG = 8.0
 """A joint drawn with a smaller bend counts as straight."""
 
 REST_BEND_DEG, COLUMN_BEND_DEG = {LEG: -22.0, ARM: 26.0}, -18.0
-"""Rest bend of limbs drawn straight, and of straight legs over soles, as those of people: knees
-bend backward, elbows forward."""
+"""Rest bend of limbs drawn straight, and of legs with straight knees, as those of people: knees bend
+backward, elbows forward."""
 
 LEVEL, SOLE_AHEAD = 0.6, 0.5
 """Sine of the slope up to which a foot stands on its sole, and the part of the sole that lies
@@ -218,7 +218,7 @@ def mammal_joint_ranges(
     # In the plane in which the limb swings: forward, and down.
     angles = np.unwrap(np.arctan2(steps[:, 0], -steps[:, 1]))
     bends = np.degrees(np.diff(angles)).tolist()
-    is_column = kind == LEG and _has_sole(steps) and abs(bends[0]) < STRAIGHT_LIMIT_DEG
+    is_column = kind == LEG and len(bends) > 0 and abs(bends[0]) < STRAIGHT_LIMIT_DEG
     rest = COLUMN_BEND_DEG if is_column else REST_BEND_DEG[kind]
     inner = [_inner_range(kind, bend, rest) for bend in bends]
     if kind == ARM:

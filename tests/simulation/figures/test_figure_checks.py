@@ -56,7 +56,7 @@ def test_a_sound_figure_has_no_remarks() -> None:
 def test_floating_feet_are_named_with_their_height() -> None:
     fault = only_fault(dog(hind=0.7))
     assert fault.node == "foot2"
-    assert fault.text.startswith("'foot2', 'foot2_m' float 0.098 m above the ground where 'foot1'")
+    assert fault.text.startswith("'foot2', 'foot2_m' float 0.099 m above the ground where 'foot1'")
 
 
 def test_legs_of_unequal_length() -> None:

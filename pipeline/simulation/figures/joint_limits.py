@@ -34,8 +34,8 @@ STRAIGHT_LIMIT_DEG = 8.0
 """A joint drawn with a smaller bend counts as straight."""
 
 REST_BEND_DEG, COLUMN_BEND_DEG = {LEG: -22.0, ARM: 26.0}, -18.0
-"""Rest bend of limbs drawn straight, and of legs with straight knees, as those of people: knees bend
-backward, elbows forward."""
+"""Rest bend of limbs drawn straight, and of legs with straight knees, as those of people: knees
+bend backward, elbows forward."""
 
 LEVEL, SOLE_AHEAD = 0.6, 0.5
 """Sine of the slope up to which a foot stands on its sole, and the part of the sole that lies

@@ -42,7 +42,7 @@ class BodyHeights:
     stand: float = 0.99
     running_crouch: float = 0.86
     walking_crouch: float = 0.97
-    upright_running_crouch: float = 0.93
+    upright_running_crouch: float = 0.91
     upright_crouch: float = 0.975
 
 

@@ -41,6 +41,9 @@ OVERHANG, SOFT = 0.45, 0.03
 """How far the ground at the rim of a thing may be off its slope: relative to its radius, and [m].
 """
 
+SLUMPED = 2.2
+"""The same of stones on a shore, relative to others: they lie where a bank has slumped."""
+
 MARGIN: Mapping[str, float] = {"cover": 0.0, "solid": 0.12, "tree": 1.4}
 """Distance from performers by layer, besides its own radius [m]."""
 
@@ -286,10 +289,13 @@ class Placement:
         if species.layer == "tree":
             return level
         radius = species.radius * wanted.size
+        most = OVERHANG * radius + SOFT
+        if species.is_stone and wanted.where == "shore":
+            most *= SLUMPED
         for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             x, z = points[:, 0] + radius * i, points[:, 2] + radius * j
             plane = points[:, 1] - radius * (normals[:, 0] * i + normals[:, 2] * j) / normals[:, 1]
-            level &= np.abs(self.ground.height(x, z) - plane) < OVERHANG * radius + SOFT
+            level &= np.abs(self.ground.height(x, z) - plane) < most
         return level
 
     def _is_free(self, species: Species, wanted: Wanted, points: Array) -> NDArray[np.bool_]:

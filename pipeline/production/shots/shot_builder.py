@@ -44,6 +44,7 @@ from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.shots.wading import Wading, waders
+from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import Choice
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_mesh import vertices_around
@@ -81,7 +82,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        self._land = Land.of(take.terrain, around)
+        self._drawn = weathered(take.terrain, scene)
+        self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
         self._edging = EdgingChoice.of(scene, around)
         self.materials = _materials(scene, take, around, self._scatter)
@@ -100,7 +102,7 @@ class ShotBuilder:
         self._footprints = self.tracks.footprints
         raster = self._footprints.raster if self._footprints else None
         self._terrain = terrain_mesh(
-            take.terrain, terrain.show_forbidden, raster, smooth=not self._land.is_platform
+            self._drawn, terrain.show_forbidden, raster, smooth=not self._land.is_platform
         )
         floor = floor_name(take.terrain.material)
         self._floor = floor if floor in self.materials else None
@@ -236,7 +238,7 @@ class ShotBuilder:
         What stands still, as one object for all shots, and what performers tread on.
         """
         width, weather = self.film.size[0], self.light.weather
-        meshes = surrounding_meshes(self.take.terrain, self._around, self.materials, width)
+        meshes = surrounding_meshes(self._drawn, self._around, self.materials, width)
         land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
         if self._floor is not None:
             # The floor's walls, and where a floor goes on to a backdrop.

@@ -37,6 +37,8 @@ from pipeline.production.shots.ground_mesh import (
     terrain_mesh,
 )
 from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
+from pipeline.production.shots.group_shapes import MATERIALS as GROUP_MATERIALS
+from pipeline.production.shots.group_shapes import drawn
 from pipeline.production.shots.laid_floor import floor_name, laid
 from pipeline.production.shots.near_relief import with_relief
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
@@ -76,7 +78,7 @@ class ShotBuilder:
     """
 
     def __init__(self, scene: Scene, take: Take, tracks: FilmTracks | None = None) -> None:
-        self.take = take
+        self.take = take = drawn(take, scene)
         self.film = scene.film.resolved()
         self.light = scene.light
         header = take.header
@@ -331,7 +333,7 @@ def _materials(
 ) -> Mapping[str, Material]:
     """Return the materials of take, land and scenery; the author's own override the presets."""
     names = {part.material for part in take.parts} | {take.terrain.material, *around.materials}
-    own = scene.materials
+    own = {**GROUP_MATERIALS, **scene.materials}
     made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
     for name in {take.terrain.material, around.material}:
         made[name] = ground_in_weather(made[name], scene.light.weather)

@@ -38,7 +38,7 @@ STREAK_RADIUS, STREAK_LENGTH = 0.0085, 0.8
 CROWN = (1.0, 0.35, 0.8, 0.2, 0.95, 0.45)
 """Heights of the points of a crown around its rim, as shares of the highest."""
 
-BLADE_WIDTH = 0.5
+BLADE_WIDTH = 0.36
 """Width of a blade as it is drawn, relative to the simulated one."""
 
 

@@ -16,7 +16,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups.member_meshes import RING_SIDES
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import UNSEEN, Mesh, Part, Take
 from pipeline.spec.group import Grass, Group, Rain
@@ -31,6 +30,9 @@ MATERIALS: Mapping[str, Material] = {
         {"color": "#eef3f5", "roughness": 0.0, "transmission": 1.0, "ior": 1.2}
     )
 }
+
+DROP_SIDES = 6
+"""Sides of a simulated drop, which has four rings and two ends."""
 
 STREAK_RADIUS, STREAK_LENGTH = 0.0085, 0.8
 """Radius of a streak and its length, relative to the length of a drop."""
@@ -76,11 +78,11 @@ def _streaks(mesh: Mesh, size: float) -> Array:
         mesh: of the drops, all about their nodes.
         size: length of a drop [m].
     """
-    angle = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)
+    angle = np.arange(DROP_SIDES) * (2.0 * np.pi / DROP_SIDES)
     low, high = -0.5 * STREAK_LENGTH, 0.5 * STREAK_LENGTH
     # Up the inner side of a wall to its rim and down the outer one; both feet are in the ground.
     radii = STREAK_RADIUS * np.array([0.8, 1.0, 1.05, 1.1])
-    rings = np.zeros((4, RING_SIDES, 3))
+    rings = np.zeros((4, DROP_SIDES, 3))
     rings[..., 0] = radii[:, None] * np.sin(angle)
     rings[..., 2] = radii[:, None] * np.cos(angle)
     rings[..., 1] = low

@@ -44,8 +44,9 @@ def weathered(terrain: TerrainRecord, scene: Scene) -> TerrainRecord:
     author = scene.terrain
     name = terrain.material
     material = scene.materials[name] if name in scene.materials else MATERIALS[name]
-    is_pit = isinstance(author, StonesTerrain) and author.water is not None
-    if not is_pit or material.texture not in NATURAL or author.show_forbidden:
+    if not isinstance(author, StonesTerrain) or author.water is None:
+        return terrain
+    if material.texture not in NATURAL or author.show_forbidden:
         return terrain
     return _weathered(terrain, scene.seed, float(author.gap))
 

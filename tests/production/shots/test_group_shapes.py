@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.production.shots.group_shapes import BLADE_WIDTH, RAIN_DROP, drawn
+from pipeline.production.shots.group_shapes import BLADE_WIDTH, DROP_SIDES, RAIN_DROP, drawn
 from pipeline.production.shots.skinning import Skin
+from pipeline.simulation.bodies.groups.member_meshes import RING_SIDES, drop
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
@@ -53,6 +54,11 @@ def test_falling_drops_are_narrow_streaks_and_splashes_are_crowns() -> None:
     for one in thin[struck]:
         away = np.hypot(*(one[:-2, [0, 2]] - one[-1, [0, 2]]).T)
         assert away.min() > 0.6 * away.max()
+
+
+def test_a_streak_has_the_vertices_of_a_drop() -> None:
+    assert len(drop(0.2).vertices) == 4 * DROP_SIDES + 2
+    assert RING_SIDES == DROP_SIDES
 
 
 def test_drops_of_water_are_clear_and_others_are_as_the_author_wants() -> None:

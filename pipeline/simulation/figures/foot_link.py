@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.bend_path import CELLS, BendPath
+from pipeline.simulation.figures.fold_curve import FEWEST_JOINTS
 from pipeline.simulation.figures.joint_limits import LEVEL
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, turn
@@ -58,8 +59,8 @@ class CalmFeet:
     Attributes:
         most: greatest rate while a foot turns as far as it may.
         turning: greatest rate while a foot turns as the tip goes round the base.
-        stretching: factor of both for nearly stretched legs with soles, which are on the ground or
-            near it and go slowly.
+        stretching: factor of both for legs with soles and one knee that are not far folded, so that
+            people stand, walk and sit with level soles.
         nearly: distances between which it begins to count, in lengths of the leg.
         roll: by which feet turn besides, per distance of the tip in leg lengths [rad].
         widening: changes of the range of a foot with the bend of two equal links, of which the one
@@ -75,7 +76,7 @@ class CalmFeet:
     most: float = 1.9
     turning: float = 2.1
     stretching: float = 3.0
-    nearly: tuple[float, float] = (0.72, 0.83)
+    nearly: tuple[float, float] = (0.45, 0.62)
     roll: float = 1.5
     widening: tuple[float, ...] = (2.0, 1.5, 1.0, 0.7)
     sole_widening: tuple[float, ...] = (4.0, 3.0, 2.0, 1.5, 1.0, 0.7)
@@ -301,7 +302,9 @@ def _calm_range(
     first, last = calm.nearly
     stretched = ease(np.clip((e - first) / (last - first), 0.0, 1.0))
     scale, widenings = np.ones_like(e), calm.widening
-    if abs(slopes(last_links(leg))[0]) < LEVEL:
+    # Joints between knee and ankle help to keep a sole level.
+    has_one_knee = int(leg.is_joint[0].sum()) == FEWEST_JOINTS
+    if has_one_knee and abs(slopes(last_links(leg))[0]) < LEVEL:
         scale, widenings = 1.0 + stretched * (calm.stretching - 1.0), calm.sole_widening
     scale = np.where(e < calm.folded, calm.most_folded / calm.most, scale)[:, None]
     at_rest = leg.pose(leg.preferred).tips - leg.places[:, 0]

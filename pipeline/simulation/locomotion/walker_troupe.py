@@ -24,7 +24,6 @@ from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import build_herd
-from pipeline.simulation.locomotion.initial_stance import place_feet
 from pipeline.simulation.locomotion.inventory import (
     NodeTable,
     describe_herd,
@@ -39,9 +38,11 @@ from pipeline.simulation.locomotion.routes.route import plan_route
 from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
 from pipeline.simulation.locomotion.routes.speed_control import advance
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order, chooses_speed
-from pipeline.simulation.locomotion.setting_out import greatest_strides, phase_before_lift
-from pipeline.simulation.locomotion.step_refusals import refuse_missed_steps
-from pipeline.simulation.locomotion.step_sequencer import StepSequencer, take_steps
+from pipeline.simulation.locomotion.stepping.initial_stance import place_feet
+from pipeline.simulation.locomotion.stepping.setting_out import greatest_strides, phase_before_lift
+from pipeline.simulation.locomotion.stepping.step_refusals import refuse_missed_steps
+from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
+from pipeline.simulation.locomotion.stepping.taking_steps import take_steps
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism

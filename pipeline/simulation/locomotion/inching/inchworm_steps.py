@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.inching.inchworm_pose import (
     ground_penetration,
     swing_poses,
 )
-from pipeline.simulation.locomotion.initial_stance import ELSEWHERE
+from pipeline.simulation.locomotion.stepping.initial_stance import ELSEWHERE
 from pipeline.simulation.spatial import Array
 
 MIN_STEP = 0.05

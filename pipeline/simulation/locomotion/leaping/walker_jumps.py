@@ -50,11 +50,9 @@ from pipeline.simulation.locomotion.routes.route import Route, straight_route
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, is_blocked, redirect
 from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
-from pipeline.simulation.locomotion.setting_out import phase_before_lift
-from pipeline.simulation.locomotion.step_sequencer import (
-    StepSequencer,
-    is_astray,
-)
+from pipeline.simulation.locomotion.stepping.setting_out import phase_before_lift
+from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
+from pipeline.simulation.locomotion.stepping.taking_steps import is_astray
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array

@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.foot_placement.step_batch import neutral_positions
 from pipeline.simulation.locomotion.routes.route_progress import START_RAMP_CYCLES
-from pipeline.simulation.locomotion.step_sequencer import StepSequencer
+from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
 from pipeline.simulation.spatial import Array
 
 # World steps before the first lift-off at which a creature sets out again.

@@ -12,13 +12,10 @@ from pipeline.simulation.locomotion.foot_state import hold_up, place_foot
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.route_progress import set_initial_speed, stand_still
-from pipeline.simulation.locomotion.step_sequencer import (
-    StepSequencer,
-    end_route_before,
-    lift_foot,
-    predict_footholds,
-    with_forecast,
-)
+from pipeline.simulation.locomotion.stepping.step_requests import predict_footholds, with_forecast
+from pipeline.simulation.locomotion.stepping.step_sequencer import StepSequencer
+from pipeline.simulation.locomotion.stepping.step_stops import end_route_before
+from pipeline.simulation.locomotion.stepping.taking_steps import lift_foot
 
 ELSEWHERE = (
     "place it elsewhere with `at`, or raise `unsteppable_slope_deg` of the terrain, whose "

@@ -1,0 +1,1 @@
+"""Stepping: when feet lift, where they are to go, and creatures that find no foothold."""

@@ -40,16 +40,14 @@ def sand(rng: np.random.Generator) -> Drawn:
 
 
 def grass(rng: np.random.Generator) -> Drawn:
-    """Draw blades from above."""
-    blades, points = 52_000, 30
+    """Draw blades from above: short, every way, over moss and thatch without waves of its own."""
+    blades, points = 70_000, 24
     along = np.linspace(0, 1, points)[None, :]
-    clump = noise(rng, 1.8, first=5)
+    clump, fine = noise(rng, 1.3, first=11), noise(rng, 1.1, first=34)
     root = rng.uniform(0, TILE, (2, blades, 1))
-    lean = 1.3 * noise(rng, 2.2, first=3)
-    at = root[:, :, 0].astype(np.intp)
-    heading = lean[at[0], at[1]][:, None] + rng.normal(0, 0.9, (blades, 1))
-    heading = heading + rng.normal(0, 0.5, (blades, 1)) * along
-    length = rng.uniform(14, 38, (blades, 1))
+    # Blades of one way in a patch would look combed.
+    heading = rng.uniform(0, 2 * np.pi, (blades, 1)) + rng.normal(0, 0.5, (blades, 1)) * along
+    length = rng.uniform(9, 30, (blades, 1))
     row = (root[0] + length * along * np.sin(heading)).astype(np.intp) % TILE
     column = (root[1] + length * along * np.cos(heading)).astype(np.intp) % TILE
     tall = rng.uniform(0.4, 1.0, (blades, 1)) * np.sin(np.pi * (0.15 + 0.75 * along))
@@ -59,10 +57,11 @@ def grass(rng: np.random.Generator) -> Drawn:
     tint = np.zeros((TILE, TILE))
     top = tall >= height[row, column]
     tint[row[top], column[top]] = np.broadcast_to(rng.normal(0, 1, (blades, 1)), row.shape)[top]
-    relief = 0.006 * height + 0.01 * clump
-    shade = (0.35 + 0.85 * height) * (1 + 0.16 * tint) * (1 + 0.12 * clump)
-    warmth = 0.3 * tint + 0.25 * noise(rng, 1.5, first=4)
-    return shade.clip(0.15, 2.0), warmth.clip(-1, 1), relief, 1.9
+    # Low light turns any wave of the ground into a ripple: the relief is that of blades alone.
+    relief = 0.0035 * height + 0.0012 * clump + 0.0008 * fine
+    shade = (0.5 + 0.65 * height) * (1 + 0.14 * tint) * (1 + 0.13 * clump) * (1 + 0.08 * fine)
+    warmth = 0.3 * tint + 0.22 * clump + 0.2 * noise(rng, 1.5, first=4)
+    return shade.clip(0.2, 2.0), warmth.clip(-1, 1), relief, 1.9
 
 
 def snow(rng: np.random.Generator) -> Drawn:

@@ -13,15 +13,17 @@ Drawn = tuple[Array, Array, Array, float]
 
 
 def soil(rng: np.random.Generator) -> Drawn:
-    """Draw clods, gravel and some stones."""
-    clods, grain = noise(rng, 1.7, first=6), noise(rng, 0.8, first=50)
-    gravel, gravel_tint = pebbles(rng, 90, 0.35)
-    stones, stone_tint = pebbles(rng, 26, 0.16)
-    relief = 0.008 * clods + 0.0002 * grain + 0.0035 * gravel + 0.013 * stones
-    shade = 1 + 0.13 * clods + 0.09 * grain
-    shade += np.where(gravel > 0, 0.22 * gravel_tint, 0) + np.where(
-        stones > 0, 0.15 + 0.22 * stone_tint, 0
-    )
+    """Draw crumbs of soil, gravel and stones of several sizes on all but level ground."""
+    clods, crumbs = noise(rng, 1.2, first=13, last=70), noise(rng, 0.8, first=50)
+    fine, fine_tint = pebbles(rng, 140, 0.3)
+    gravel, gravel_tint = pebbles(rng, 74, 0.2)
+    stones, stone_tint = pebbles(rng, 30, 0.12)
+    # A swell of the ground would show as ripples in low light; what lies on it may be seen.
+    relief = 0.0016 * clods + 0.0003 * crumbs + 0.0022 * fine + 0.005 * gravel + 0.014 * stones
+    shade = 1 + 0.11 * clods + 0.08 * crumbs + 0.08 * noise(rng, 1.6, first=5)
+    for lies, tint, pale in ((fine, fine_tint, 0.0), (gravel, gravel_tint, 0.05)):
+        shade = np.where(lies > 0, 1 + pale + 0.2 * tint, shade)
+    shade = np.where(stones > 0, 1.15 + 0.2 * stone_tint, shade)
     warmth = 0.25 * noise(rng, 1.4, first=5) - 0.5 * (stones > 0) - 0.3 * (gravel > 0)
     return shade.clip(0.3, 1.9), warmth.clip(-1, 1), relief, 2.6
 
@@ -76,29 +78,39 @@ def snow(rng: np.random.Generator) -> Drawn:
 
 
 def rock(rng: np.random.Generator) -> Drawn:
-    """Draw cracked and chipped facets."""
-    first, second, owner = cells(rng, 9, warp=0.35)
-    fine_first, fine_second, _ = cells(rng, 31, warp=0.3)
-    crack = np.exp(-(((second - first) / 0.035) ** 2))
-    chip = np.exp(-(((fine_second - fine_first) / 0.06) ** 2))
-    rough = noise(rng, 1.55, first=6)
-    facet = rng.uniform(-1, 1, 81)[owner]
-    relief = 0.018 * rough + 0.008 * facet - 0.009 * crack - 0.001 * chip
-    shade = 1 + 0.16 * rough + 0.08 * facet - 0.4 * crack - 0.1 * chip
-    shade += 0.07 * noise(rng, 0.5, first=60)
-    warmth = 0.45 * noise(rng, 1.5, first=4)
+    """Draw slabs that cracks part, chipped at their edges, with stones of two sizes on them."""
+    first, second, owner = cells(rng, 7, warp=0.35)
+    fine_first, fine_second, _ = cells(rng, 23, warp=0.3)
+    crack = np.exp(-(((second - first) / 0.04) ** 2))
+    broken = noise(rng, 1.6, first=5) > 0.3
+    chip = np.exp(-(((fine_second - fine_first) / 0.06) ** 2)) * broken
+    rough, grain = noise(rng, 2.0, first=7), noise(rng, 0.9, first=60)
+    facet = rng.uniform(-1, 1, 49)[owner]
+    stones, stone_tint = pebbles(rng, 40, 0.16)
+    grit, grit_tint = pebbles(rng, 95, 0.14)
+    relief = 0.009 * rough + 0.006 * facet - 0.009 * crack - 0.0012 * chip
+    relief += 0.0004 * grain + 0.012 * stones + 0.004 * grit
+    shade = 1 + 0.1 * rough + 0.08 * facet - 0.4 * crack - 0.12 * chip + 0.08 * grain
+    shade += np.where(stones > 0, 0.1 + 0.16 * stone_tint, 0) + 0.16 * grit_tint * (grit > 0)
+    warmth = 0.45 * noise(rng, 1.5, first=4) + 0.15 * stone_tint * (stones > 0)
     return shade.clip(0.25, 1.8), warmth.clip(-1, 1), relief, 2.9
 
 
 def gravel(rng: np.random.Generator) -> Drawn:
-    """Draw overlapping stones."""
-    large, large_tint = pebbles(rng, 34, 0.8)
-    small, small_tint = pebbles(rng, 80, 0.9)
-    over = large > 0
-    relief = np.where(over, 0.006 + 0.022 * large, 0.009 * small)
-    tint = np.where(over, large_tint, small_tint)
-    shade = 0.55 + 0.35 * tint + 0.55 * np.where(over, np.sqrt(large), 0.8 * np.sqrt(small))
-    shade += 0.06 * noise(rng, 0.4, first=80)
+    """Draw stones of three sizes, the larger on the smaller."""
+    cobbles, cobble_tint = pebbles(rng, 17, 0.3)
+    large, large_tint = pebbles(rng, 36, 0.65)
+    small, small_tint = pebbles(rng, 84, 0.9)
+    relief, shade, tint = 0.006 * small, 0.8 * np.sqrt(small), small_tint
+    for lies, own, low, high in (
+        (large, large_tint, 0.004, 0.014),
+        (cobbles, cobble_tint, 0.006, 0.022),
+    ):
+        over = lies > 0
+        relief = np.where(over, low + high * lies, relief)
+        shade = np.where(over, np.sqrt(lies), shade)
+        tint = np.where(over, own, tint)
+    shade = 0.62 + 0.28 * tint + 0.45 * shade + 0.06 * noise(rng, 0.4, first=80)
     return shade.clip(0.15, 2.0), (0.6 * tint).clip(-1, 1), relief, 1.8
 
 

@@ -187,7 +187,8 @@ def _tints(placed: Placed, share: float) -> Array:
     """Return factors (N, 3) on colours: lightness at random, and a share of the ground's hue."""
     light = 0.82 + 0.36 * placed.chance[:, 3:]
     if KINDS[placed.name].widens:
-        light = light * sward(placed.points[:, [0, 2]])
+        # Tufts that differ are seen as tufts; alike they melt into a plain.
+        light = light * (0.8 + 0.4 * placed.chance[:, 1:2]) * sward(placed.points[:, [0, 2]])
     if not share:
         return np.broadcast_to(light, (len(light), 3))
     ratio = placed.color / REFERENCE_GROUND

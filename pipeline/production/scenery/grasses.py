@@ -28,6 +28,7 @@ class Clump:
         ears: number of stalks with a head of seeds.
         ear: colour of the heads.
         ear_length: relative to the height.
+        clover: number of leaves of clover between the blades of every third clump.
     """
 
     blades: int
@@ -43,11 +44,12 @@ class Clump:
     ears: int = 0
     ear: Color = (0.3, 0.24, 0.11)
     ear_length: float = 0.2
+    clover: int = 0
 
 
 CLUMPS: dict[str, Clump] = {
     "short grass": Clump(
-        30, 0.085, 0.0045, 0.095, 0.50, (0.072, 0.096, 0.026), (0.218, 0.282, 0.084), 0.10
+        34, 0.095, 0.0050, 0.100, 0.60, (0.076, 0.100, 0.028), (0.232, 0.296, 0.090), 0.10, clover=9
     ),
     "meadow grass": Clump(
         30, 0.21, 0.0052, 0.10, 0.60, (0.068, 0.092, 0.026), (0.232, 0.286, 0.090), 0.13, ears=1
@@ -113,9 +115,30 @@ def clump(kind: str, seed: int, level: int) -> Prototype:
         headings=headings,
         dry=(config.dry, config.straw),
     )
+    if config.clover and seed % 3 == 0:
+        _add_clover(shape, rng, config, max(round(config.clover * share), 2), level)
     if config.ears:
         _add_ears(shape, rng, config, max(round(config.ears * share), 1), level)
     return shape.prototype()
+
+
+def _add_clover(
+    shape: Shape, rng: np.random.Generator, config: Clump, count: int, level: int
+) -> None:
+    """Add leaves of three leaflets, as of clover, that lie open between the blades."""
+    angle, out = rng.uniform(0, 2 * np.pi, count), config.spread * np.sqrt(rng.uniform(size=count))
+    height = config.height * rng.uniform(0.25, 0.6, count)
+    middle = np.stack([out * np.cos(angle), height, out * np.sin(angle)], axis=-1)
+    turn = rng.uniform(0, 2 * np.pi, (count, 1)) + 2 * np.pi * np.arange(3) / 3
+    way = np.stack([np.cos(turn), np.full_like(turn, 0.15), np.sin(turn)], axis=-1)
+    face = np.array([0.0, 1.0, 0.0]) + 0.3 * rng.normal(size=(count, 3))
+    size = np.repeat(0.017 * rng.uniform(0.7, 1.2, count) * (1.0, 1.3, 1.9)[level], 3)
+    color = np.array([0.105, 0.190, 0.045]) * rng.uniform(0.8, 1.2, (count, 1))
+    add_leaves(
+        *(shape, np.repeat(middle, 3, axis=0), way.reshape(-1, 3), np.repeat(face, 3, axis=0)),
+        *(size, 0.9 * size, np.repeat(color, 3, axis=0)),
+        triangles=2 if level == 0 else 1,
+    )
 
 
 def _calmed(config: Clump, level: int) -> tuple[Color, Color]:

@@ -18,9 +18,9 @@ from render.color import linear
 from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
-Habitat = Literal["open", "tufts", "grove", "hedge", "shade", "rubble"]
-"""Where a species grows: in the open, there in tufts, in groves, along hedges and the edges of
-groves, below trees, or on bare ground as well."""
+Habitat = Literal["open", "tufts", "clumps", "grove", "hedge", "shade", "rubble"]
+"""Where a species grows: in the open, there in tufts or in loose clumps, in groves, along hedges and
+the edges of groves, below trees, or on bare ground as well."""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""
@@ -113,6 +113,10 @@ class Growth:
         if habitat == "tufts":
             tufts = fractal(places / 0.85, self.seed + 4160, 2)
             free = free * (0.38 + 0.62 * smoothstep(-0.45, 0.35, tufts))
+        if habitat == "clumps":
+            # Between clumps a few stand alone.
+            clumps = fractal(places / 1.9, self.seed + 4170, 3)
+            free = free * (0.05 + 0.95 * smoothstep(-0.05, 0.4, clumps))
         return np.asarray(free)
 
     def wear(self, material: Material, weather: Weather, middle: Array) -> GroundWear | None:

@@ -19,7 +19,10 @@ from pipeline.production.scenery.prototype import (
 )
 from pipeline.simulation.spatial import Array
 
-STEM: tuple[Color, Color] = ((0.040, 0.062, 0.016), (0.095, 0.155, 0.035))
+STEM: tuple[Color, Color] = ((0.070, 0.105, 0.028), (0.165, 0.240, 0.065))
+
+STEM_WIDTHS = 0.005, 0.008, 0.012
+"""Widths of stems by level of detail, so that heads far away still stand on something [m]."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,9 @@ class Flower:
 
 FLOWERS: dict[str, Flower] = {
     "daisy": Flower(0.15, 4, 11, 0.017, 0.42, (0.78, 0.77, 0.72), (0.66, 0.40, 0.02)),
-    "buttercup": Flower(0.25, 4, 5, 0.013, 0.95, (0.82, 0.56, 0.015), (0.50, 0.38, 0.02), 0.4),
-    "poppy": Flower(0.40, 3, 4, 0.040, 1.30, (0.68, 0.030, 0.012), (0.020, 0.015, 0.015), 0.55),
-    "cornflower": Flower(0.42, 3, 9, 0.021, 0.50, (0.085, 0.125, 0.68), (0.12, 0.05, 0.35), 0.35),
+    "buttercup": Flower(0.25, 4, 5, 0.014, 0.95, (0.82, 0.56, 0.015), (0.50, 0.38, 0.02), 0.7),
+    "poppy": Flower(0.40, 4, 5, 0.038, 1.05, (0.66, 0.045, 0.016), (0.020, 0.015, 0.015), 1.25),
+    "cornflower": Flower(0.42, 3, 9, 0.021, 0.50, (0.085, 0.125, 0.68), (0.12, 0.05, 0.35), 0.6),
 }
 """Kinds of flowers."""
 
@@ -60,15 +63,17 @@ def flower(kind: str, seed: int, level: int) -> Prototype:
     """Return a group of flowers at a level of detail."""
     config, rng, shape = FLOWERS[kind], np.random.default_rng([seed, 29]), Shape()
     n = config.stems if level < 2 else max(config.stems // 2, 1)
-    angle, out = rng.uniform(0, 2 * np.pi, n), 0.10 * np.sqrt(rng.uniform(size=n))
+    angle, out = rng.uniform(0, 2 * np.pi, n), 0.17 * np.sqrt(rng.uniform(size=n))
     roots = np.stack([out * np.cos(angle), np.zeros(n), out * np.sin(angle)], axis=-1)
-    heights = config.height * rng.uniform(0.7, 1.1, n)
+    heights = config.height * rng.uniform(0.55, 1.15, n)
     tips = add_blades(
-        *(shape, rng, roots, heights, 0.2 * heights, np.full(n, 0.004)), STEM, blunt=0.6
+        *(shape, rng, roots, heights, 0.28 * heights, np.full(n, STEM_WIDTHS[level])),
+        STEM,
+        blunt=0.6,
     )
-    lean = unit(tips - roots + rng.normal(0, 0.25 * config.height, (n, 3)))
+    lean = unit(tips - roots + rng.normal(0, 0.42 * config.height, (n, 3)))
     petals = config.petals if level == 0 else max(config.petals // 2, 3)
-    wide = config.wide * (1.0 if level == 0 else 1.8)
+    wide = config.wide * (1.0 if level == 0 else 1.5)
     turn = 2 * np.pi * (np.arange(petals) + rng.uniform(size=(n, 1))) / petals
     u, w = across(lean)
     ray = np.cos(turn)[..., None] * u[:, None] + np.sin(turn)[..., None] * w[:, None]
@@ -120,13 +125,15 @@ def fern(seed: int, level: int) -> Prototype:
         ahead = np.array([np.cos(heading), 0.0, np.sin(heading)])
         t = (np.arange(each) + 0.6) / each
         rise = rng.uniform(0.75, 1.05)
-        rachis = length * (t[:, None] * ahead * 0.95 + (rise * t * (1.0 - 0.62 * t))[:, None] * UP)
+        # Up from the crown, then over in an arch.
+        out, up = 0.28 * t + 0.56 * t * t, rise * t * (1.35 - 0.85 * t)
+        rachis = length * (out[:, None] * ahead + up[:, None] * UP)
         along = unit(np.gradient(rachis, axis=0) if each > 1 else ahead[None])
         side = unit(np.cross(along, UP))
         face = np.cross(side, along)
         size = 0.34 * length * np.sin(np.pi * (0.12 + 0.88 * t) ** 0.75)
-        green = np.array([0.095, 0.145, 0.034]) * rng.uniform(0.75, 1.2)
-        color = green * (0.65 + 0.6 * t)[:, None]
+        green = np.array([0.165, 0.235, 0.062]) * rng.uniform(0.75, 1.2)
+        color = green * (0.75 + 0.5 * t)[:, None]
         for sign in (-1.0, 1.0):
             way = sign * side + 0.45 * along - 0.18 * UP
             wide = (0.24 if level == 0 else 0.42 if level == 1 else 0.9) * size

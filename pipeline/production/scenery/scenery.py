@@ -16,10 +16,15 @@ from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.species import KINDS
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.scenery.trodden_cover import TroddenCover, split_trodden
+from pipeline.simulation.spatial import Array
 from render.shot import Mesh
 
 BUDGET = 1_250_000
 """Triangles of a wide frame's scenery; beyond it the cover of presets is thinned out."""
+
+SPARED, FAR_FIRST = 4.0, 0.8
+"""Distance up to which cover is spared when it is thinned out [m], for frames 1280 pixels wide,
+and the power of the distance with which more is left out beyond."""
 
 LEAST_REST = 0.3
 """Share of the budget that is left to presets, whatever else stands there."""
@@ -115,12 +120,13 @@ def _check_size(every: Sequence[Placed], detail: float) -> None:
 def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
     """Return placed things within a number of triangles: of cover the highest ranks are left out.
 
-    Ranks are shares of the wanted density, so that all cover is thinned out alike.
+    Ranks are shares of the wanted density, so that all species are thinned out alike; far from
+    the cameras they count for more, as the nearest ground is what is seen blade by blade.
     """
     counts = [triangle_counts(placed, detail) for placed in every]
     is_cover = [KINDS[placed.name].layer == "cover" for placed in every]
     fixed = sum(int(n.sum()) for n, cover in zip(counts, is_cover, strict=True) if not cover)
-    ranks = [p.rank for p, cover in zip(every, is_cover, strict=True) if cover]
+    ranks = [_costs(p, detail) for p, cover in zip(every, is_cover, strict=True) if cover]
     if not ranks:
         return list(every)
     rank = np.concatenate(ranks)
@@ -132,6 +138,12 @@ def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
         return list(every)
     limit = float(rank[order[within]])
     return [
-        placed.taken(placed.rank < limit) if cover else placed
+        placed.taken(_costs(placed, detail) < limit) if cover else placed
         for placed, cover in zip(every, is_cover, strict=True)
     ]
+
+
+def _costs(placed: Placed, detail: float) -> Array:
+    """Return the order (N,) in which things are left out, the highest first."""
+    beyond = np.maximum(placed.distances / (SPARED * detail), 1.0)
+    return np.asarray(placed.rank * beyond**FAR_FIRST)

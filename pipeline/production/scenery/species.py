@@ -70,8 +70,14 @@ class Species:
         return self.layer == "cover" and not self.is_stone
 
 
-def _grass(kind: str, density: float, height: float, **others: float | str) -> Species:
-    values: dict[str, float | str] = {"ground": 0.35, "habitat": "tufts", **others}
+def _grass(
+    kind: str, density: float, height: float, **others: float | str | tuple[float, float]
+) -> Species:
+    values: dict[str, float | str | tuple[float, float]] = {
+        "ground": 0.35,
+        "habitat": "tufts",
+        **others,
+    }
     return Species(
         partial(grasses.clump, kind),
         density,
@@ -144,7 +150,9 @@ def _pebbles(seed: int, level: int) -> Prototype:
 
 
 KINDS: dict[str, Species] = {
-    "short grass": _grass("short grass", 200.0, 0.09, cover=0.85, reach=60.0, near=7.0),
+    "short grass": _grass(
+        *("short grass", 240.0, 0.12), cover=0.9, reach=60.0, near=5.5, sizes=(0.6, 1.5)
+    ),
     "meadow grass": _grass(
         *("meadow grass", 95.0, 0.24), cover=0.45, patch=8.0, near=8.0, family="tall"
     ),
@@ -152,15 +160,37 @@ KINDS: dict[str, Species] = {
         *("tall grass", 60.0, 0.62), cover=0.16, patch=8.0, reach=90.0, near=11.0, family="tall"
     ),
     "dry grass": _grass(
-        "dry grass", 46.0, 0.34, cover=0.5, near=9.0, reach=110.0, patch=6.0, ground=0.25
+        *("dry grass", 70.0, 0.34),
+        cover=0.5,
+        near=9.0,
+        reach=110.0,
+        patch=6.0,
+        ground=0.25,
+        sizes=(0.55, 1.3),
+        habitat="clumps",
     ),
     "tussock": _grass(
-        "tussock", 17.0, 0.42, cover=0.45, near=9.0, reach=110.0, patch=5.0, ground=0.2
+        *("tussock", 26.0, 0.42),
+        cover=0.45,
+        near=9.0,
+        reach=110.0,
+        patch=5.0,
+        ground=0.2,
+        sizes=(0.5, 1.3),
+        habitat="clumps",
     ),
     "beach grass": _grass(
         "beach grass", 12.0, 0.7, near=10.0, reach=110.0, cover=0.3, patch=6.0, ground=0.35
     ),
-    "sedge": _grass("sedge", 40.0, 0.15, cover=0.5, patch=2.2, near=6.0, ground=0.25),
+    "sedge": _grass(
+        *("sedge", 55.0, 0.15),
+        cover=0.5,
+        patch=2.2,
+        near=6.0,
+        ground=0.25,
+        sizes=(0.6, 1.4),
+        habitat="clumps",
+    ),
     "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=3.0, ground=0.1, reach=90.0),
     "water weed": _grass(
         *("water weed", 9.0, 1.1), cover=0.3, patch=1.6, ground=0.0, reach=60.0, near=9.0

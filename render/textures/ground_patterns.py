@@ -19,7 +19,7 @@ def soil(rng: np.random.Generator) -> Drawn:
     gravel, gravel_tint = pebbles(rng, 74, 0.2)
     stones, stone_tint = pebbles(rng, 30, 0.12)
     # A swell of the ground would show as ripples in low light; what lies on it may be seen.
-    relief = 0.0016 * clods + 0.0003 * crumbs + 0.0022 * fine + 0.005 * gravel + 0.014 * stones
+    relief = 0.0016 * clods + 0.0003 * crumbs + 0.0022 * fine + 0.006 * gravel + 0.020 * stones
     shade = 1 + 0.11 * clods + 0.08 * crumbs + 0.08 * noise(rng, 1.6, first=5)
     for lies, tint, pale in ((fine, fine_tint, 0.0), (gravel, gravel_tint, 0.05)):
         shade = np.where(lies > 0, 1 + pale + 0.2 * tint, shade)
@@ -88,10 +88,10 @@ def rock(rng: np.random.Generator) -> Drawn:
     facet = rng.uniform(-1, 1, 49)[owner]
     stones, stone_tint = pebbles(rng, 40, 0.16)
     grit, grit_tint = pebbles(rng, 95, 0.14)
-    relief = 0.009 * rough + 0.006 * facet - 0.009 * crack - 0.0012 * chip
-    relief += 0.0004 * grain + 0.012 * stones + 0.004 * grit
-    shade = 1 + 0.1 * rough + 0.08 * facet - 0.4 * crack - 0.12 * chip + 0.08 * grain
-    shade += np.where(stones > 0, 0.1 + 0.16 * stone_tint, 0) + 0.16 * grit_tint * (grit > 0)
+    relief = 0.012 * rough + 0.008 * facet - 0.012 * crack - 0.0025 * chip
+    relief += 0.0005 * grain + 0.018 * stones + 0.004 * grit
+    shade = 1 + 0.12 * rough + 0.11 * facet - 0.4 * crack - 0.12 * chip + 0.08 * grain
+    shade += np.where(stones > 0, 0.18 + 0.22 * stone_tint, 0) + 0.22 * grit_tint * (grit > 0)
     warmth = 0.45 * noise(rng, 1.5, first=4) + 0.15 * stone_tint * (stones > 0)
     return shade.clip(0.25, 1.8), warmth.clip(-1, 1), relief, 2.9
 

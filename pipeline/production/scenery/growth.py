@@ -19,8 +19,8 @@ from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
 Habitat = Literal["open", "tufts", "clumps", "grove", "hedge", "shade", "rubble"]
-"""Where a species grows: in the open, there in tufts or in loose clumps, in groves, along hedges and
-the edges of groves, below trees, or on bare ground as well."""
+"""Where a species grows: in the open, there in tufts or in loose clumps, in groves, along hedges
+and the edges of groves, below trees, or on bare ground as well."""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""

@@ -142,7 +142,7 @@ GROUNDS: dict[str, Row] = {
     "sand":             _row("#cfae7b", "#dcc193", 0.9,  ("sand", 2.2, 0.8), steep_color="#b78f5f"),
     "snow":             _row("#e9edf2", "#dfe6ef", 0.7,  ("snow", 2.4, 0.6),
                              steep_color="#706d6c", steep_deg=40),
-    "rock":             _row("#85796c", "#9c9184", 0.85, ("rock", 2.9, 0.9)),
+    "rock":             _row("#81766a", "#b3a89b", 0.85, ("rock", 2.9, 0.9)),
     "dark soil":        _row("#4a382a", "#5f4a38", 0.95, ("soil", 2.6, 1.0), steep_color="#6a6058"),
     "mud":              _row("#4b3a2a", "#5b4936", 0.3,  ("mud", 2.2, 1.0), clearcoat=0.4),
     "gravel":           _row("#837d75", "#8f8678", 0.9,  ("gravel", 1.8, 1.0),

@@ -103,8 +103,8 @@ def gravel(rng: np.random.Generator) -> Drawn:
     small, small_tint = pebbles(rng, 84, 0.9)
     relief, shade, tint = 0.006 * small, 0.8 * np.sqrt(small), small_tint
     for lies, own, low, high in (
-        (large, large_tint, 0.004, 0.014),
-        (cobbles, cobble_tint, 0.006, 0.022),
+        (large, large_tint, 0.004, 0.012),
+        (cobbles, cobble_tint, 0.006, 0.016),
     ):
         over = lies > 0
         relief = np.where(over, low + high * lies, relief)

@@ -153,7 +153,7 @@ def heather(seed: int, level: int) -> Prototype:
     width = np.full(n, (0.012, 0.02, 0.034)[level])
     tips = add_blades(
         *(shape, rng, roots, heights, 0.55 * heights * out, width),
-        ((0.062, 0.055, 0.030), (0.130, 0.132, 0.064)),
+        ((0.085, 0.078, 0.042), (0.180, 0.182, 0.088)),
         headings=angle,
         segments=1,
     )
@@ -161,7 +161,7 @@ def heather(seed: int, level: int) -> Prototype:
     base = tips[blooming] - 0.25 * heights[blooming, None] * UP
     m = len(base)
     size = 0.3 * heights[blooming]
-    color = np.array([0.27, 0.15, 0.22]) * rng.uniform(0.6, 1.2, (m, 1))
+    color = np.array([0.34, 0.19, 0.28]) * rng.uniform(0.6, 1.2, (m, 1))
     way = UP + 0.4 * rng.normal(size=(m, 3))
     add_leaves(
         *(shape, base, way, rng.normal(size=(m, 3)), size, 0.16 * size * (1 + level), color),

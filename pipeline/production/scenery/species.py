@@ -216,10 +216,12 @@ KINDS: dict[str, Species] = {
         sizes=(0.5, 1.2),
     ),
     "heather": Species(
-        *(herbs.heather, 7.0, "cover", 0.28, 0.2),
+        *(herbs.heather, 11.0, "cover", 0.28, 0.2),
         near=6.0,
         reach=80.0,
         cover=0.6,
+        sizes=(0.5, 1.35),
+        habitat="clumps",
         widens=True,
     ),
     "moss cushion": Species(

@@ -71,7 +71,8 @@ def test_ground_near_the_camera_is_uneven_and_all_else_stays(plain: Mesh, fine: 
     assert len(fine.faces) > 20 * len(plain.faces)
     height, flat = fine.vertices[:, 1], fine.vertices[:, [0, 2]]
     np.testing.assert_array_equal(fine.uv, flat)
-    assert 0.004 < height.std() < MOST
+    # Low relief between, and stones that stand out of it: a swell would be seen as ripples.
+    assert 0.001 < height.std() < 0.2 * height.max() < MOST
     assert np.abs(height).max() <= MOST
     far = VIEW.distances(fine.vertices.astype(float)) > REACH
     assert not height[far].any()

@@ -88,8 +88,8 @@ def rock(rng: np.random.Generator) -> Drawn:
     facet = rng.uniform(-1, 1, 49)[owner]
     stones, stone_tint = pebbles(rng, 40, 0.16)
     grit, grit_tint = pebbles(rng, 95, 0.14)
-    relief = 0.012 * rough + 0.008 * facet - 0.012 * crack - 0.0025 * chip
-    relief += 0.0005 * grain + 0.018 * stones + 0.004 * grit
+    relief = 0.005 * rough + 0.007 * facet - 0.010 * crack - 0.0015 * chip
+    relief += 0.0005 * grain + 0.020 * stones + 0.004 * grit
     shade = 1 + 0.12 * rough + 0.11 * facet - 0.4 * crack - 0.12 * chip + 0.08 * grain
     shade += np.where(stones > 0, 0.18 + 0.22 * stone_tint, 0) + 0.22 * grit_tint * (grit > 0)
     warmth = 0.45 * noise(rng, 1.5, first=4) + 0.15 * stone_tint * (stones > 0)

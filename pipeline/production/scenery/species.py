@@ -118,21 +118,25 @@ def _tree(
 
 
 def _shrub(
-    kind: str, density: float, height: float, radius: float, **others: float | str
+    kind: str,
+    density: float,
+    height: float,
+    radius: float,
+    **others: float | str | tuple[float, float],
 ) -> Species:
-    values: dict[str, float | str] = {
+    values: dict[str, float | str | tuple[float, float]] = {
         "cover": 0.3,
         "patch": 9.0,
         "reach": 130.0,
         "near": 26.0,
+        "sizes": (0.55, 1.25),
         **others,
     }
     return Species(
         *(partial(trees.crown_tree, kind), density, "solid", height, radius),
-        sizes=(0.55, 1.25),
         levels=(7.0, 18.0, 50.0),
         upright=0.9,
-        variants=4,
+        variants=6,
         **values,  # type: ignore[arg-type]
     )
 
@@ -259,7 +263,13 @@ KINDS: dict[str, Species] = {
         *(herbs.twigs, 1.2, "cover", 0.05, 0.3), levels=(3.0, 9.0), reach=30.0, upright=0.0
     ),
     "bush": _shrub(
-        *("bush", 0.16, 1.6, 0.9), near=60.0, reach=260.0, cover=0.5, patch=5.0, habitat="hedge"
+        *("bush", 0.16, 1.9, 1.2),
+        near=60.0,
+        reach=260.0,
+        cover=0.5,
+        patch=5.0,
+        habitat="hedge",
+        sizes=(0.35, 1.3),
     ),
     "scrub": _shrub("scrub", 0.3, 0.75, 0.5, cover=0.4),
     "willow scrub": _shrub("willow scrub", 0.22, 0.6, 0.5, cover=0.35),

@@ -78,7 +78,7 @@ CROWNS: dict[str, Crown] = {
         (0.082, 0.104, 0.036), (0.178, 0.196, 0.076), (0.105, 0.080, 0.058), hollow=0.1,
     ),
     "bush": Crown(
-        1.5, 0.02, 0.08, 1.2, 0.55, 5, 0.016, 420, 0.11, 0.085, 0.58, 3600,
+        1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.085, 0.58, 3900,
         (0.072, 0.106, 0.028), (0.168, 0.212, 0.062), (0.090, 0.070, 0.050), hollow=0.2,
     ),
     "scrub": Crown(
@@ -162,6 +162,8 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     size = config.leaf * long * rng.uniform(0.65, 1.2, count)
     back = rng.uniform(0.0, config.step, (count, 1)) * skeleton.ways[at]
     loose = 0.7 * config.step * rng.normal(size=(count, 3))
+    # No leaf hangs in the air away from all twigs.
+    loose *= np.minimum(1.0, config.step / np.linalg.norm(loose, axis=1, keepdims=True))
     base = skeleton.nodes[at] - back + loose
     middle = np.array([0.0, 0.5 * (config.low + 0.9) * config.height, 0.0])
     if config.stems > 1:

@@ -142,6 +142,18 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
     assert {mesh.name for mesh in made[0]} <= set(MATERIALS)
 
 
+def test_the_nearest_cover_is_thinned_out_last(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+    every = placement.placed(Wanted("dry grass", 1.0))
+    (kept,) = thinned([every], 20_000, DETAIL)
+    middle = float(np.median(every.distances))
+    near, far = (
+        (kept.distances < middle).sum() / (every.distances < middle).sum(),
+        (kept.distances >= middle).sum() / (every.distances >= middle).sum(),
+    )
+    assert near > 1.3 * far > 0.0
+
+
 def test_stones_line_the_shore_and_weeds_stand_under_water(land: Land, horizon: Mesh) -> None:
     level = float(np.quantile(land.field.heights, 0.4))
     ground = GroundSurface(land, horizon, GREEN, GREEN, vertices_around(DETAIL), level)

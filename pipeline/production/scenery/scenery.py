@@ -120,8 +120,8 @@ def _check_size(every: Sequence[Placed], detail: float) -> None:
 def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
     """Return placed things within a number of triangles: of cover the highest ranks are left out.
 
-    Ranks are shares of the wanted density, so that all species are thinned out alike; far from
-    the cameras they count for more, as the nearest ground is what is seen blade by blade.
+    Ranks are shares of the wanted density, so that all species are thinned out alike, and plants
+    far from the cameras first: single blades are seen near them alone.
     """
     counts = [triangle_counts(placed, detail) for placed in every]
     is_cover = [KINDS[placed.name].layer == "cover" for placed in every]

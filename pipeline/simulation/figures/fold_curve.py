@@ -60,8 +60,8 @@ class Descent:
         steady: by which the feet of such limbs may turn more than those of others [rad].
         idle: part of the fold of another joint, each as a part of the way to its limit, below which
             a joint is left out.
-        apart: difference between folds of joints from which on one begins to catch up with
-            another, as a part of the way to its limit.
+        apart: difference between folds of joints from which on one turns as fast as the fastest to
+            catch up, as a part of the way to its limit.
     """
 
     steps: int = 80
@@ -193,7 +193,7 @@ def _descent(batch: LimbBatch, bending: NDArray[np.bool_], folds: Array) -> Arra
         way = -_without(slope, turned, np.ones_like(slope))
         free = _room(batch, q, way)
         way = -free * _without(slope, turned, free)
-        way = way + _catching_up(batch, q, folds, way, slope)
+        way = way + _catching_up(batch, q, folds, way)
         fall = np.maximum(-(way * slope).sum(axis=1), 1e-12)
         step = way * (DESCENT.shortening * batch.lengths / fall)[:, None]
         largest = np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-300)
@@ -214,7 +214,7 @@ def _folds(batch: LimbBatch, bending: NDArray[np.bool_]) -> Array:
     return result
 
 
-def _catching_up(batch: LimbBatch, q: Array, folds: Array, way: Array, slope: Array) -> Array:
+def _catching_up(batch: LimbBatch, q: Array, folds: Array, way: Array) -> Array:
     """Return how far joints (L, n) turn besides in a step that folds less than others.
 
     A joint on the line from base to tip has no leverage, and would stay straight: a horse's carpus.
@@ -224,7 +224,6 @@ def _catching_up(batch: LimbBatch, q: Array, folds: Array, way: Array, slope: Ar
         q: (L, n) joint values.
         folds: (L, n) see `_folds`.
         way: (L, n) of the step, down the gradient.
-        slope: (L, n) of the distances.
     """
     room = np.maximum(np.abs(folds), 1e-9)
     done = (q - batch.preferred) * np.sign(folds) / room

@@ -27,7 +27,7 @@ class FootState:
         swing_height: (L,) of each leg [m].
         bend: (L, m, 3) deviation of the swings from plain arches, None if all are plain [m].
         lowering: (2, L) of the body for each leg's foothold before `end`, and for that at `end`
-            [m]. It comes within the swing and goes by `release`.
+            [m]. See `present_lowering`.
         held_up: (2, L) whether each foot was held up before this swing and will be after it, 0 or
             1.
         lift_phase: (L,) phase at which the swing began, whole cycles counted; of feet that have not
@@ -107,16 +107,21 @@ SWING_STATE = (
 )
 
 
-def release(since: Array, swing: Array) -> Array:
-    """Return how much of a body's lowering is gone so long after the foot lifted, 0 to 1.
+def present_lowering(feet: FootState, phase: Array, s: Array | float = 1.0) -> Array:
+    """Return how far bodies are lowered (..., L) for their feet [m].
 
     Legs reach as well from a low body, so it need not rise within a short swing.
 
     Args:
-        since: (..., L) and
-        swing: (..., L) duration of the swing, in cycles.
+        feet: (..., L) where they are.
+        phase: (..., L) of their bodies.
+        s: (..., L) fractions of the swings, 1 for standing feet.
     """
-    return ease(np.clip(since / np.maximum(swing, RELEASE), 0.0, 1.0))
+    before, after = feet.lowering[..., 0, :], feet.lowering[..., 1, :]
+    since = (phase - feet.lift_phase) / np.maximum(feet.swing_length, RELEASE)
+    part = np.where(after < before, ease(np.clip(since, 0.0, 1.0)), ease(np.asarray(s)))
+    result: Array = before + part * (after - before)
+    return result
 
 
 def place_foot(feet: FootState, leg: int, hold: Foothold) -> None:
@@ -131,7 +136,7 @@ def place_foot(feet: FootState, leg: int, hold: Foothold) -> None:
 def start_swing(feet: FootState, leg: int, hold: Foothold, phase: float) -> None:
     """Let a foot swing from where it stands to a foothold, from `phase` on."""
     feet.start[leg], feet.end[leg] = feet.end[leg], hold.tip
-    feet.lowering[:, leg] = _lowering(feet, leg, phase), hold.lowering
+    feet.lowering[:, leg] = float(present_lowering(feet, np.array(phase))[leg]), hold.lowering
     feet.held_up[:, leg] = 0.0
     feet.footholds[leg] = hold
     feet.swing_height[leg] = hold.swing_height
@@ -143,15 +148,6 @@ def hold_up(feet: FootState, leg: int, phase: float) -> None:
     feet.swing_height[leg] = 0.0
     if feet.bend is not None:
         feet.bend[leg] = 0.0
-    feet.lowering[:, leg] = _lowering(feet, leg, phase), 0.0
+    feet.lowering[:, leg] = float(present_lowering(feet, np.array(phase))[leg]), 0.0
     feet.held_up[:, leg] = feet.held_up[1, leg], 1.0
     feet.lift_phase[leg], feet.swinging[leg] = phase, True
-
-
-def _lowering(feet: FootState, leg: int, phase: float) -> float:
-    """Return how far a body is lowered for a standing foot [m]."""
-    before, after = feet.lowering[:, leg]
-    if after >= before:
-        return float(after)
-    gone = release(np.array(phase - feet.lift_phase[leg]), feet.swing_length[leg])
-    return float(before + gone * (after - before))

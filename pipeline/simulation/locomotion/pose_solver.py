@@ -30,7 +30,7 @@ from pipeline.simulation.locomotion.body_motion.pelvis_height import (
     PelvisHeight,
     PlannedMotion,
 )
-from pipeline.simulation.locomotion.foot_state import FootState, release
+from pipeline.simulation.locomotion.foot_state import FootState, present_lowering
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
@@ -389,10 +389,7 @@ def total_lowering(herd: Herd, feet: FootState, phase: Array, s: Array) -> Array
         phase: (n, C) of the bodies.
         s: (n, L) fractions of the swings.
     """
-    before, after = feet.lowering[:, 0], feet.lowering[:, 1]
-    rising = release(phase[:, herd.owner] - feet.lift_phase, feet.swing_length)
-    part = np.where(after < before, rising, ease(s))
-    wanted = (before + part * (after - before)) ** 4
+    wanted = present_lowering(feet, phase[:, herd.owner], s) ** 4
     sums = np.zeros((len(s), len(herd.names)))
     for owners, legs in herd.legs_by_rank:
         sums[:, owners] += wanted[:, legs]

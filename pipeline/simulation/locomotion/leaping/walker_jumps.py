@@ -24,7 +24,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.tip_ik import solve_tips
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
-from pipeline.simulation.locomotion.foot_state import place_foot
+from pipeline.simulation.locomotion.foot_state import place_foot, present_lowering
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.hurdle_approach import (
     plan_approach,
@@ -330,7 +330,8 @@ class WalkerJumps:
         progress = self.progress
         place = np.array([c]), progress.distance[c : c + 1], progress.phase[c : c + 1]
         R, p = progress.trajectory.pose(*place, progress.smoothed_fraction[c : c + 1])
-        lowering = (self.feet.lowering[1, self.herd.owner == c] ** 4).sum() ** 0.25
+        low = present_lowering(self.feet, progress.phase[self.herd.owner])
+        lowering = (low[self.herd.owner == c] ** 4).sum() ** 0.25
         return R[0], p[0] - [0.0, lowering, 0.0]
 
     def _advance_jump(self, step: int, c: int, trip: WalkerJump, time: float) -> None:

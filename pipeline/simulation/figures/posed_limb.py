@@ -31,7 +31,7 @@ from pipeline.simulation.figures.figure_frames import (
 )
 from pipeline.simulation.figures.goal_miss import FULL_WEIGHT, GoalMiss, MissWatch
 from pipeline.simulation.figures.key_pose import KEY_STEPS, KEY_TOLERANCE, KeyPoseSearch
-from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.limb_goals import CLEARANCE, Clearance, LimbGoals, pursue
 from pipeline.simulation.figures.pose_knots import CHECKED, Knot, find_knots, weights_of
 from pipeline.simulation.figures.pose_plan import PosePlan
@@ -45,6 +45,10 @@ MAX_JOINT_RATE = 14.0
 
 ROW_STEPS = 10
 """Bound on the steps to the pose of a row."""
+
+LONG_WAY = 0.15
+"""Error of a row's start, in lengths of the limb or radians, from which joints are led away from
+their limits."""
 
 JUMP_RATIO, JUMP_ANGLE, CALM = 1.5, 0.35, 0.6
 """Joints jump that go farther between checks than this ratio of the direct way, unless it is no
@@ -176,8 +180,9 @@ class PosedLimb:
             chosen = rows[(kinds == kind).all(axis=1)]
             start = seeds[chosen]
             # The poses of knots keep clear of obstacles; what lies between follows them.
-            there = replace(goals.rows(chosen), pull=start, clearance=None, dexterity=0.0)
+            there = replace(goals.rows(chosen), clearance=None, dexterity=0.0)
             pose = self.batch.pose(start)
+            there = replace(there, pull=self._unfolded(there, pose))
             if (kind == 2).any():
                 whole = there.only((kind == 2).tolist())
                 pose = pursue(self.batch, start, whole, ROW_STEPS)
@@ -187,6 +192,16 @@ class PosedLimb:
                 part = partial.only((kind > 0).tolist())
                 pose = pursue(self.batch, pose.q, part, ROW_STEPS)
             result[chosen] = pose.q
+        return result
+
+    def _unfolded(self, goals: LimbGoals, start: LimbPose) -> Array:
+        """Return what redundancy leads to (n, k): the start, far from goals the middle of limits.
+
+        A straight limb does not bend towards its own base otherwise.
+        """
+        middle = 0.5 * (self.batch.lower + self.batch.upper)
+        far = np.clip(self._search.cost(goals, start) / LONG_WAY - 1.0, 0.0, 1.0)
+        result: Array = start.q + 0.5 * ease(far)[:, None] * (middle - start.q)
         return result
 
     def _limited(self, q: Array, is_active: NDArray[np.bool_], dt: float) -> Array:
@@ -204,7 +219,8 @@ class PosedLimb:
                 fastest = float(np.abs(step).max())
                 if is_active[row] or self._lags:
                     self._lags = fastest > most
-                    q[row] = before + step * (most / max(fastest, most))
+                    if self._lags:
+                        q[row] = before + step * (most / fastest)
                 before = q[row]
         self._last = q[-1].copy()
         return q

@@ -106,7 +106,7 @@ def test_joint_reaches_its_value_and_returns() -> None:
     np.testing.assert_allclose(posed.place("toe_r"), itself.place("toe_r"), rtol=0, atol=1e-12)
 
 
-FRAMES = {"feet": [0.3, 1.3, 0.35], "body": [0.3, 0.4, 0.35], "world": [1.5, 1.36, -1.3]}
+FRAMES = {"feet": [0.3, 1.3, 0.35], "body": [0.3, 0.4, 0.35], "world": [1.5, 1.3, -1.3]}
 
 
 @pytest.mark.parametrize("frame", FRAMES)

@@ -128,7 +128,11 @@ class PoseSolver:
         self.foot_roll = FootRoll(herd, trajectory.ground)
         self.free_limbs = FreeLimbMotion(herd, free_joints, trajectory.ground, self.row_dt)
         self.avoidance = LimbAvoidance(
-            list(herd.figures), free_joints, authored.surroundings, self.row_dt
+            list(herd.figures),
+            free_joints,
+            authored.surroundings,
+            herd.body_height,
+            self.row_dt,
         )
         self._last_free = np.zeros(len(free_joints.owner))
 

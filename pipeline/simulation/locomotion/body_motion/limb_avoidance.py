@@ -93,10 +93,11 @@ class LimbAvoidance:
         figures: list[Figure],
         free_joints: FreeJoints,
         surroundings: Surroundings,
+        body_height: Array,
         dt: float,
     ) -> None:
         self.joints, self.surroundings = free_joints, surroundings
-        limbs = list(_free_limbs(figures, free_joints))
+        limbs = list(_free_limbs(figures, free_joints, body_height))
         # What hangs on another limb comes after it.
         self._limbs = sorted(limbs, key=lambda limb: limb.above != BODY)
         count = len(free_joints.owner)
@@ -107,7 +108,8 @@ class LimbAvoidance:
         for limb in self._limbs:
             corners = np.concatenate([limb.batch.places[0], limb.batch.tips])
             longest = float(np.linalg.norm(np.diff(corners, axis=0), axis=-1).max())
-            self._spans[limb.joints] = longest + 2.0 * KEEP * float(limb.batch.lengths[0])
+            keep = 2.0 * KEEP * float(limb.batch.lengths[0])
+            self._spans[limb.joints] = longest + keep + float(limb.samples.radii.max())
 
     def apply(self, times: Array, q: Array, R_WB: Array, p_WB: Array, v_WB: Array) -> Array:
         """Return joint values that keep clear.
@@ -205,17 +207,19 @@ class LimbAvoidance:
         for limb, own in zip(self._limbs, joints, strict=True):
             offsets.append(limb.samples.places - self.joints.tree.places[own])
         counts = [len(own) for own in joints]
-        begins = [begins_at(KEEP, limb.batch) for limb in self._limbs]
+        begins = [begins_at(KEEP, limb.batch) + limb.samples.radii for limb in self._limbs]
         return _AllSamples(
             np.repeat(np.arange(len(self._limbs)), counts),
             np.concatenate(joints),
             np.concatenate(offsets),
-            np.repeat(begins, counts),
+            np.concatenate(begins),
         )
 
 
-def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb]:
-    free = iter(joints.limbs)
+def _free_limbs(
+    figures: list[Figure], joints: FreeJoints, body_height: Array
+) -> Iterator[_FreeLimb]:
+    free, at_rest = iter(joints.limbs), joints.tree.pose(joints.limits.preferred)
     for c, figure in enumerate(figures):
         skeleton = figure.skeleton
         for limb in (limb for limb in skeleton.limbs if limb.kind != LEG):
@@ -223,7 +227,11 @@ def _free_limbs(figures: list[Figure], joints: FreeJoints) -> Iterator[_FreeLimb
             above = int(joints.tree.parents[own[0]])
             hung = joints.tree.places[above] if above != BODY else np.zeros(3)
             batch = LimbBatch.of([(skeleton, limb)])
-            # Their lines alone: what lies or hangs close to the ground is not lifted off it.
             samples = samples_of(figure, limb, ())
-            samples = replace(samples, radii=np.zeros_like(samples.radii))
+            # What lies or hangs close to the ground is not lifted off it: its line alone keeps out.
+            at = own[samples.columns]
+            offsets = samples.places - joints.tree.places[at]
+            rest = at_rest[at, :3, 3] + turn(at_rest[at, :3, :3], offsets)
+            gap = body_height[c] + rest[:, 1] - begins_at(KEEP, batch)
+            samples = replace(samples, radii=np.where(gap > 2 * samples.radii, samples.radii, 0.0))
             yield _FreeLimb(c, limb.name, own, above, hung, batch, samples)

@@ -168,6 +168,11 @@ class Members:
             for obstacle in of_node[node]
         ]
 
+    def all_solids(self, name: str) -> list[Obstacle]:
+        """Returns the solids of a member, whether they exist now or not."""
+        of_node = self._solids_by_node()
+        return [solid for node in self._nodes_of(name) for solid in of_node.get(node, ())]
+
     def _measured(self, name: str) -> MemberState:
         recorder, row, root = self._recorder, self._row, self.node(name)
         nodes = self._nodes_of(name)

@@ -19,6 +19,7 @@ from pipeline.simulation.signals import Signal
 from pipeline.simulation.start_overlaps import overlap_notes
 from pipeline.simulation.sunk_notes import sunk_notes
 from pipeline.simulation.take import Take, TakeNote
+from pipeline.simulation.thing_notes import thing_notes
 from pipeline.simulation.troupe import Facts, pushed_troupe
 from pipeline.spec.handled_members import refusal_of_handling
 from pipeline.spec.order_support import performer_kind
@@ -130,6 +131,9 @@ class Simulation:
         place = self.recorder, self.world.clock, self.world.ground
         notes += ground_notes(self._scene.cast, *place)
         notes += sunk_notes(self._scene.cast, self._members, *place)
+        notes += thing_notes(
+            self._scene.cast, self._members, self.recorder, self.world.clock, notes
+        )
         notes += collapse_notes(self._scene.cast, *place)
         self.recorder.add_facts((), (), notes)
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())

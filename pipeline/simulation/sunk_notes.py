@@ -35,7 +35,7 @@ CORNERS = 24
 
 
 @dataclass(frozen=True, eq=False)
-class _Corners:
+class Corners:
     """Outermost corners of all solids of a creature.
 
     Attributes:
@@ -68,7 +68,7 @@ def sunk_notes(
     for member in cast:
         if not isinstance(member, Creature):
             continue
-        corners = _corners_of(member.name, members, recorder)
+        corners = corners_of(member.name, members, recorder)
         if corners is None:
             continue
         depth = _depths(corners, recorder, rows, ground)
@@ -83,7 +83,7 @@ def sunk_notes(
     return notes
 
 
-def _corners_of(name: str, members: Members, recorder: Recorder) -> _Corners | None:
+def corners_of(name: str, members: Members, recorder: Recorder) -> Corners | None:
     """Returns the outermost corners of a creature's solids; None if it has no solids."""
     solids = [(s.name, s.node, s.corners) for s, _ in members.solids(name)]
     solids += [(s.part, s.node, s.corners) for s in skin_solids(name, recorder)]
@@ -93,12 +93,10 @@ def _corners_of(name: str, members: Members, recorder: Recorder) -> _Corners | N
     counts = [len(some) for some in corners]
     nodes = np.repeat([node for _, node, _ in solids], counts)
     names = np.repeat([part for part, _, _ in solids], counts).tolist()
-    return _Corners(nodes, np.concatenate(corners), names)
+    return Corners(nodes, np.concatenate(corners), names)
 
 
-def _depths(
-    corners: _Corners, recorder: Recorder, rows: NDArray[np.int64], ground: Ground
-) -> Array:
+def _depths(corners: Corners, recorder: Recorder, rows: NDArray[np.int64], ground: Ground) -> Array:
     """Returns how deep corners are in the ground (K, P), at right angles to it; 0 outside [m]."""
     nodes, own = np.unique(corners.nodes, return_inverse=True)
     p = recorder.positions[rows][:, nodes]

@@ -25,9 +25,7 @@ def _told(place: str) -> list[TakeNote]:
     return [note for note in notes if "'crate'" in note.text and note.kind == "passes_through"]
 
 
-@pytest.mark.parametrize(
-    ("place", "expected"), [("[0.35, 1.2, 0.4]", 1), ("[0.35, 1.2, 1.4]", 0)]
-)
+@pytest.mark.parametrize(("place", "expected"), [("[0.35, 1.2, 0.4]", 1), ("[0.35, 1.2, 1.4]", 0)])
 def test_a_hand_in_a_thing_is_told_once_with_its_part(place: str, expected: int) -> None:
     notes = _told(place)
     assert len(notes) == expected

@@ -66,7 +66,7 @@ LIGHT = (
         "rim: 0.5}",
         "rim: 0.5}, lamps: [{at: [0.5, 0.8, 0.5], brightness: 0.5, radius: 0}]",
     ),
-    word("haze", "frames", "hour: 16.5", "hour: 16.5, turbidity: 4", base=1),
+    word("haze", "frames", "hour: 16.5", "hour: 16.5, turbidity: 6", base=1),
 )
 
 # --- camera -----------------------------------------------------------------------

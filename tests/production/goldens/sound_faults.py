@@ -116,9 +116,7 @@ SOUND = (
     sound("cut off before the end", from_to(0.4, 0.5, gain(-200)), "no longer heard at 0.415 s"),
     sound("one percent faster", faster(1.01)),
     sound("echo after 100 ms", echo),
-    event(
-        "event at 0.8 of its strength", "film", 3, "softer", strength=lambda e: 0.8 * e.strength
-    ),
+    event("event at 0.8 of its strength", "film", 3, "softer", strength=lambda e: 0.8 * e.strength),
     event("a footfall at 1.25 of its strength", "motion", 4, strength=lambda e: 1.25 * e.strength),
     event("event of another material", "film", 3, material="steel"),
     event("event on another ground", "film", 10, surface="snow"),

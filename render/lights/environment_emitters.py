@@ -79,7 +79,8 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     image = environment.radiance * scale
     if light.weather.snow > 0.0:
         image = _with_snow_light(image, key.scaled(scale), light.weather.snow)
-    haze = haze_of(haze_strength(light), image)
+    glowing = key.scaled(scale) if light.sun is not None and key.is_lit else None
+    haze = haze_of(haze_strength(light), image, glowing)
     if environment.stars is not None:
         height, across = environment.stars.shape[:2]
         image = resized(image, across, height) + environment.stars

@@ -32,6 +32,7 @@ from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
+from pipeline.production.shots.fractured_boulders import fractured
 from pipeline.production.shots.ground_mesh import (
     land_detail,
     mean_color,
@@ -54,6 +55,7 @@ from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_mesh import vertices_around
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material, Water
@@ -86,7 +88,7 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        self._drawn = weathered(take.terrain, scene)
+        self._drawn = fractured(weathered(take.terrain, scene), scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
         self._edging = EdgingChoice.of(scene, around)
@@ -299,7 +301,12 @@ class ShotBuilder:
         own = self.materials[self.take.terrain.material]
         if self._land.is_platform or own.texture not in NATURAL:
             return None
-        return Puddles.of(scene.seed, scene.light.weather, self._land.field.height)
+        visible = VisibleGround(self._land)
+
+        def height(x: Array, z: Array) -> Array:
+            return visible.height(np.stack([x, np.zeros_like(x), z], axis=-1))
+
+        return Puddles.of(scene.seed, scene.light.weather, height)
 
     @cached_property
     def _puddle_surface(self) -> PuddleSurface | None:

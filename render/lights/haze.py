@@ -12,7 +12,6 @@ import numpy as np
 
 from render.config import Light, Sun
 from render.lights.environment_map import Map, Vector, smoothstep
-from render.lights.key_light import KeyLight
 from render.lights.sun_position import sun_elevation_deg
 
 COLUMNS, ROWS = 64, 12
@@ -82,35 +81,38 @@ def natural_strength(sun: Sun) -> float:
     return float(strength + _LOW_SUN * low + _MORNING * morning)
 
 
-def haze_of(strength: float, sky: Map, key: KeyLight | None = None) -> Haze | None:
+def haze_of(strength: float, sky: Map, glow: Map | float = 0.0) -> Haze | None:
     """Return the haze of a strength under a clear sky, None without any.
 
     Args:
         strength: 0 to 1.
         sky: (H, W, 3) map as it lights the scene, without clouds.
-        key: light whose glow is seen through the haze, scaled as the map; None without any.
+        glow: (ROWS, COLUMNS, 3) light of a low sun in it; see `sun_glow`.
     """
     if strength <= 0.0:
         return None
     extinction = _DENSEST * strength**_POWER * _TINT
-    light = _low_sky(sky)
-    return Haze(extinction, HEIGHT_M, light if key is None else light + _glow(key))
+    return Haze(extinction, HEIGHT_M, _low_sky(sky) + glow)
 
 
-def _glow(key: KeyLight) -> Map:
-    """Return the light of a low key light that haze scatters forward, at the table's directions.
+def sun_glow(direction: Vector, irradiance: Vector) -> Map:
+    """Return the light of a low sun that haze scatters forward, at the table's directions.
 
     Source: L. Henyey and J. Greenstein, Diffuse radiation in the galaxy, 1941.
+
+    Args:
+        direction: (3,) unit vector to it.
+        irradiance: (3,) on a plane that faces it, scaled as the map of the sky.
     """
     up = np.linspace(0.0, TOP, ROWS)[:, None]
     around = 2.0 * np.pi * np.arange(COLUMNS) / COLUMNS
     level = np.sqrt(1.0 - up**2)
-    x, y, z = key.direction
+    x, y, z = direction
     cosine = level * (np.sin(around) * x - np.cos(around) * z) + up * y
     g = _FORWARD
     phase = (1.0 - g * g) / (4.0 * np.pi * (1.0 + g * g - 2.0 * g * cosine) ** 1.5)
     low = 1.0 - float(smoothstep(np.array(y / _LOW_BELOW)))
-    return np.asarray(_FORWARD_SHARE * low * phase[..., None] * key.irradiance)
+    return np.asarray(_FORWARD_SHARE * low * phase[..., None] * irradiance)
 
 
 def _low_sky(sky: Map) -> Map:

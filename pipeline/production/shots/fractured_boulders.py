@@ -1,8 +1,8 @@
 """Fractured boulders: boulders as frost and bedding have broken them, as the picture shows them.
 
-For footholds boulders are smooth ellipsoids. In the picture each is cut by planes of its own into
+For footholds boulders are smooth ellipsoids, and the stones of a pit are round and flat. In the picture each is cut by planes of its own into
 faces and edges, and by ledges along the bedding that all of them share, as they come from one
-rock. Where performers tread they stay as they are.
+rock; faces are chipped off the stones of a pit. Where performers tread they stay as they are.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import find_objects, label
 from scipy.spatial import cKDTree
 
 from pipeline.production.scenery.treads import Treads
@@ -22,7 +23,7 @@ from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.natural_terrain import Boulders, scattered_boulders, swells
 from pipeline.spec.scene import Scene
-from pipeline.spec.terrain.kinds import BouldersTerrain
+from pipeline.spec.terrain.kinds import BouldersTerrain, StonesTerrain
 from render.config import MATERIALS
 
 TOPS, SIDES = (2, 4), (5, 7)
@@ -46,6 +47,13 @@ ROUGH, ROUGH_WIDTH = 0.012, 0.16
 LARGE = 0.2
 """Length from which a boulder shows its bedding fully [m]."""
 
+CHIPS, CHIP_AT, CHIP_SLOPE = 5, (0.35, 0.85), (0.5, 1.5)
+"""Number of faces chipped off a stone of a pit, their distances from its middle relative to its
+radius, and their falls per metre."""
+
+SAME = 1e-6
+"""Height over the bed up to which ground belongs to it [m]."""
+
 TREAD_EDGE, RISE_EDGE = 0.09, 0.45
 """Distances from treads over which the picture leaves the true ground, downward and upward [m]."""
 
@@ -67,7 +75,47 @@ def fractured(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord
     if author.show_forbidden or len(terrain.vertices) != shape[0] * shape[1]:
         return terrain
     before = terrain.vertices[:, 1].astype(float)
-    shift = _broken(author, scene.seed).ravel() - before
+    return _away_from_feet(terrain, _broken(author, scene.seed).ravel() - before, take)
+
+
+def chipped(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord:
+    """Return a terrain as it is drawn: with chipped stones, if it is a pit of them in water.
+
+    Args:
+        terrain: with the weathered pit.
+        scene: of the film.
+        take: whose performers tread on it.
+    """
+    if terrain is take.terrain or not isinstance(scene.terrain, StonesTerrain):
+        return terrain
+    shape = terrain.cells[1] + 1, terrain.cells[0] + 1
+    grid = np.asarray(take.terrain.vertices, float).reshape(*shape, 3)
+    height = grid[..., 1]
+    number, count = label(height > height.min() + SAME)
+    rng = np.random.default_rng(scene.seed + 680)
+    cut = np.zeros(shape)
+    ends = set(np.unique(number[:, [0, -1]]).tolist())
+    for k, box in enumerate(find_objects(number), start=1):
+        planes = [rng.uniform(0.0, 2.0 * np.pi, CHIPS), rng.uniform(*CHIP_AT, CHIPS)]
+        planes.append(rng.uniform(*CHIP_SLOPE, CHIPS))
+        if k in ends or count < k:
+            continue
+        own = number[box] == k
+        places = grid[box][..., [0, 2]]
+        radius = float(np.ptp(places[own], axis=0).max()) / 2.0
+        x, z = np.moveaxis(places - places[own].mean(axis=0), -1, 0)
+        chips = [
+            slope * np.maximum(np.cos(way) * x + np.sin(way) * z - at * radius, 0.0)
+            for way, at, slope in zip(*planes, strict=True)
+        ]
+        uneven = 0.5 * ROUGH * np.maximum(1.0 + fractal(places / ROUGH_WIDTH, 690, 3), 0.0)
+        cut[box] += own * (np.max(chips, axis=0) + uneven)
+    return _away_from_feet(terrain, -cut.ravel(), take)
+
+
+def _away_from_feet(terrain: TerrainRecord, shift: Array, take: Take) -> TerrainRecord:
+    """Return a terrain with its heights shifted by (V,) where no performer treads on it [m]."""
+    before = terrain.vertices[:, 1].astype(float)
     # Down to the face of a plane nearly at once; up only away from feet and legs.
     away = _from_treads(terrain.vertices[:, [0, 2]].astype(float), Treads.of(take))
     shift *= smoothstep(0.0, TREAD_EDGE, away)

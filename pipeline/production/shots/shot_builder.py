@@ -32,7 +32,7 @@ from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
-from pipeline.production.shots.fractured_boulders import fractured
+from pipeline.production.shots.fractured_boulders import chipped, fractured
 from pipeline.production.shots.ground_mesh import (
     land_detail,
     mean_color,
@@ -88,7 +88,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        self._drawn = fractured(weathered(take.terrain, scene), scene, take)
+        worn = chipped(weathered(take.terrain, scene), scene, take)
+        self._drawn = fractured(worn, scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
         self._edging = EdgingChoice.of(scene, around)

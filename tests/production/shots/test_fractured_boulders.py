@@ -10,7 +10,13 @@ from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
 from pipeline.production.scenery.treads import Treads
-from pipeline.production.shots.fractured_boulders import RISE_EDGE, TREAD_EDGE, fractured
+from pipeline.production.shots.fractured_boulders import (
+    RISE_EDGE,
+    TREAD_EDGE,
+    chipped,
+    fractured,
+)
+from pipeline.production.shots.weathered_pit import weathered
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -87,3 +93,33 @@ def test_built_and_hatched_boulders_stay(word: str) -> None:
     scene = read_scene(changed.replace("frames: 24", "frames: 2"))
     take = simulate(scene)
     assert fractured(take.terrain, scene, take) is take.terrain
+
+
+PIT = """\
+pronk: 1
+seed: 4
+frames: 24
+terrain: {preset: stones, size: [8, 6], cells: [200, 150], start: -1.6, length: 3.2, gap: 0.2,
+  material: moss, water: {preset: river, level: -0.2}}
+cast: [{figure: spider, at: [-1.2, 0], scale: 0.5, walk: {speed: 0.4}}]
+"""
+
+
+def test_stones_of_a_pit_are_chipped_but_not_under_feet() -> None:
+    scene = read_scene(PIT)
+    take = simulate(scene)
+    worn = weathered(take.terrain, scene)
+    after = chipped(worn, scene, take).vertices[:, 1]
+    lost = worn.vertices[:, 1] - after
+    assert lost.min() >= -1e-9
+    away = away_from_treads(take)
+    np.testing.assert_allclose(lost[away <= 0.0], 0.0, atol=1e-9)
+    # Stones lose their round rims; the bed and the banks stay.
+    x, height = take.terrain.vertices[:, 0], take.terrain.vertices[:, 1]
+    is_stone = (height > height.min() + 1e-6) & (abs(x) < 1.5)
+    assert 0.1 < (lost[is_stone] > 0.04).mean() < 0.7
+    np.testing.assert_array_equal(lost[height < height.min() + 1e-6], 0.0)
+    np.testing.assert_array_equal(lost[abs(x) > 2.5], 0.0)
+    # A dry pit keeps what it has.
+    dry = read_scene(PIT.replace(", water: {preset: river, level: -0.2}", ""))
+    assert chipped(take.terrain, dry, take) is take.terrain

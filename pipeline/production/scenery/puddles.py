@@ -7,7 +7,6 @@ Drops raise rings in it, each for a moment that a hash of its place and its numb
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +15,7 @@ import numpy as np
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.surroundings.lattice_noise import fractal, hashed, smoothstep
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.heightfield import HeightField
 from render.config import Material, Weather
 from render.shot import Mesh
 
@@ -57,8 +57,8 @@ RING_CELL, RING_CYCLE, RING_LIFE = 0.2, 0.7, 0.62
 RING_SPEED, RING_LENGTH, RING_WIDTH, RING_SLOPE = 0.26, 0.05, 0.036, 0.5
 """Speed of a ring [m/s], length of its waves and width of their train [m], greatest slope."""
 
-Height = Callable[[Array, Array], Array]
-"""From x and z (N,) to the height of the ground (N,) [m]."""
+NOWHERE = -1.0
+"""Depth in the noise of ground that is certainly dry."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +68,44 @@ class Puddles:
     Attributes:
         seed: of the scene.
         rain: amount, 0 to 1.
-        height: of the ground.
+        ground: of the terrain, beyond which none are looked for.
     """
 
     seed: int
     rain: float
-    height: Height
+    ground: HeightField
 
     @staticmethod
-    def of(seed: int, weather: Weather, height: Height) -> Puddles | None:
+    def of(seed: int, weather: Weather, ground: HeightField) -> Puddles | None:
         """Return the puddles that a weather leaves on natural ground, None without any."""
-        return Puddles(seed, weather.rain, height) if weather.rain > LEAST_RAIN else None
+        return Puddles(seed, weather.rain, ground) if weather.rain > LEAST_RAIN else None
 
     def depth(self, x: Array, z: Array) -> Array:
         """Return about how deep (N,) places lie in a puddle, negative outside any."""
+        result = np.full(len(x), NOWHERE)
+        some = np.flatnonzero(self.ground.inside(x, z))
+        x, z = x[some], z[some]
+        wet = float(smoothstep(LEAST_RAIN, SOAKED, np.array(self.rain)))
         places = np.stack([x, z], axis=-1)
         noise = 0.45 * fractal(places / 1.5, self.seed + 4210, 2)
         noise += 0.22 * fractal(places / 0.42, self.seed + 4220, 2)
+        noise -= MOST[0] + wet * (MOST[1] - MOST[0])
+        # The ground changes it by a quarter at most.
+        near = np.flatnonzero(noise > MUD[0] - 0.25)
+        noise[near] += self._gathered(x[near], z[near])
+        result[some] = noise
+        return result
+
+    def _gathered(self, x: Array, z: Array) -> Array:
+        """Return how much more water (N,) the shape of the ground gathers, or less."""
+        height = self.ground.height
         sides = [(HOLLOW, 0.0), (-HOLLOW, 0.0), (0.0, HOLLOW), (0.0, -HOLLOW)]
-        right, left, down, up = (self.height(x + a, z + b) for a, b in sides)
-        hollow = 0.25 * (right + left + down + up) - self.height(x, z)
+        right, left, down, up = (height(x + a, z + b) for a, b in sides)
+        hollow = 0.25 * (right + left + down + up) - height(x, z)
         steep = np.hypot(right - left, down - up) / (2.0 * HOLLOW)
-        wet = float(smoothstep(LEAST_RAIN, SOAKED, np.array(self.rain)))
-        least = MOST[0] + wet * (MOST[1] - MOST[0])
-        gathered = 0.25 * np.clip(hollow / HOLLOW_DEPTH, -1.0, 1.0)
-        return np.asarray(noise + gathered - least - smoothstep(*LEVEL, steep))
+        return np.asarray(
+            0.25 * np.clip(hollow / HOLLOW_DEPTH, -1.0, 1.0) - smoothstep(*LEVEL, steep)
+        )
 
     def mud(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of mud in the ground about and below puddles."""
@@ -109,7 +122,7 @@ class Puddles:
         i, j = (np.arange(a, b) for a, b in zip(low, high, strict=True))
         corners = TILE * np.stack(np.meshgrid(i, j), axis=-1).reshape(-1, 2)
         x, z = (corners + 0.5 * TILE).T
-        middle = np.stack([x, self.height(x, z), z], axis=-1)
+        middle = np.stack([x, self.ground.height(x, z), z], axis=-1)
         near = view.tile_distances(middle, np.full(len(x), TILE), around=0.0)
         seen = np.flatnonzero(near < REACH)
         seen = seen[self.depth(x[seen], z[seen]) > 2.0 * RIM[0]]
@@ -138,7 +151,7 @@ class PuddleSurface:
         x, z = (corners[:, None] + spots).reshape(-1, 2).T
         depth = puddles.depth(x, z)
         up = -SUNK + (SUNK + LIFTED) * smoothstep(*RIM, depth)
-        vertices = np.stack([x, puddles.height(x, z) + up, z], axis=-1)
+        vertices = np.stack([x, puddles.ground.height(x, z) + up, z], axis=-1)
         number = np.arange((PARTS + 1) ** 2).reshape(PARTS + 1, PARTS + 1)
         a, b, c, d = (
             part.ravel()

@@ -1,8 +1,9 @@
 """Fractured boulders: boulders as frost and bedding have broken them, as the picture shows them.
 
-For footholds boulders are smooth ellipsoids, and the stones of a pit are round and flat. In the picture each is cut by planes of its own into
-faces and edges, and by ledges along the bedding that all of them share, as they come from one
-rock; faces are chipped off the stones of a pit. Where performers tread they stay as they are.
+For footholds boulders are smooth ellipsoids, and the stones of a pit are round and flat. In the
+picture each boulder is cut by planes of its own into faces and edges, and by ledges along the
+bedding that all of them share, as they come from one rock; faces are chipped off the stones of a
+pit. Where performers tread they stay as they are.
 """
 
 from __future__ import annotations
@@ -50,6 +51,9 @@ LARGE = 0.2
 CHIPS, CHIP_AT, CHIP_SLOPE = 5, (0.35, 0.85), (0.5, 1.5)
 """Number of faces chipped off a stone of a pit, their distances from its middle relative to its
 radius, and their falls per metre."""
+
+STANDING = 0.06
+"""Radius around a limb within which it stands as a film begins [m]."""
 
 SAME = 1e-6
 """Height over the bed up to which ground belongs to it [m]."""
@@ -117,7 +121,7 @@ def _away_from_feet(terrain: TerrainRecord, shift: Array, take: Take) -> Terrain
     """Return a terrain with its heights shifted by (V,) where no performer treads on it [m]."""
     before = terrain.vertices[:, 1].astype(float)
     # Down to the face of a plane nearly at once; up only away from feet and legs.
-    away = _from_treads(terrain.vertices[:, [0, 2]].astype(float), Treads.of(take))
+    away = _from_treads(terrain.vertices[:, [0, 2]].astype(float), take)
     shift *= smoothstep(0.0, TREAD_EDGE, away)
     shift = np.where(shift > 0.0, shift * smoothstep(0.0, RISE_EDGE, away), shift)
     vertices = np.array(terrain.vertices)
@@ -186,9 +190,17 @@ def _rock(boulders: Boulders, k: int, places: Sequence[Array], rng: np.random.Ge
     return np.where(np.hypot(u, v) < WIDEST, top, -np.inf)
 
 
-def _from_treads(places: Array, treads: Treads) -> Array:
-    """Return the distances (N,) of places (N, 2) from the edges of treads [m]."""
-    if not len(treads.places):
+def _from_treads(places: Array, take: Take) -> Array:
+    """Return the distances (N,) of places (N, 2) from where performers tread or stand [m]."""
+    treads = Treads.of(take)
+    # Who stands on the ground as the film begins has not trodden on it.
+    first = np.asarray(take.positions[0], float)[:, [0, 2]]
+    lifts = [c.place for c in take.contacts if c.kind == "lift" and c.other == "terrain"]
+    lifted = np.array(lifts, float).reshape(-1, 3)[:, [0, 2]]
+    middles = np.concatenate([treads.places, lifted, first])
+    stood = np.full(len(lifted) + len(first), STANDING)
+    radii = np.concatenate([treads.radii, stood])
+    if not len(middles):
         return np.full(len(places), np.inf)
-    apart, number = cKDTree(treads.places).query(places, workers=1)
-    return np.maximum(apart - treads.radii[number], 0.0)
+    apart, number = cKDTree(middles).query(places, workers=1)
+    return np.maximum(apart - radii[number], 0.0)

@@ -55,7 +55,6 @@ from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_mesh import vertices_around
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
-from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material, Water
@@ -302,12 +301,7 @@ class ShotBuilder:
         own = self.materials[self.take.terrain.material]
         if self._land.is_platform or own.texture not in NATURAL:
             return None
-        visible = VisibleGround(self._land)
-
-        def height(x: Array, z: Array) -> Array:
-            return visible.height(np.stack([x, np.zeros_like(x), z], axis=-1))
-
-        return Puddles.of(scene.seed, scene.light.weather, height)
+        return Puddles.of(scene.seed, scene.light.weather, self._land.field)
 
     @cached_property
     def _puddle_surface(self) -> PuddleSurface | None:

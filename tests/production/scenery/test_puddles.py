@@ -8,6 +8,7 @@ from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.puddles import LIFTED, SUNK, Puddles, PuddleSurface
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.heightfield import HeightField
 from render.config import Weather
 from render.shot import CameraPose
 
@@ -15,9 +16,17 @@ VIEW = FilmView.of([CameraPose((0.0, 1.2, 6.0), (0.0, 0.2, 0.0))], 16 / 9)
 X, Z = (a.ravel() for a in np.meshgrid(np.arange(-9.0, 9.0, 0.11), np.arange(-9.0, 9.0, 0.11)))
 
 
+AT = np.linspace(-10.0, 10.0, 201)
+
+
+def ground(heights: Array) -> HeightField:
+    """Return ground with heights (201,) along x."""
+    return HeightField(np.tile(heights, (201, 1)), (20.0, 20.0))
+
+
 def sloping(rise: float) -> Puddles:
     """Return the puddles of heavy rain on ground with a slope."""
-    return Puddles(5, 0.6, lambda x, z: rise * np.asarray(x))
+    return Puddles(5, 0.6, ground(rise * AT))
 
 
 def level() -> Puddles:
@@ -31,13 +40,10 @@ def surface(puddles: Puddles) -> PuddleSurface:
 
 
 def test_heavier_rain_leaves_more_puddles_and_a_dry_day_none() -> None:
-    def level_height(x: Array, z: Array) -> Array:
-        return 0.0 * x
-
-    assert Puddles.of(5, Weather(), level_height) is None
+    assert Puddles.of(5, Weather(), ground(0.0 * AT)) is None
     shares = []
     for rain in (0.2, 0.35, 0.6):
-        made = Puddles.of(5, Weather(rain=rain), level_height)
+        made = Puddles.of(5, Weather(rain=rain), ground(0.0 * AT))
         assert made is not None
         shares.append(float((made.depth(X, Z) > 0.0).mean()))
     assert 0.0 < shares[0] < shares[1] < shares[2] < 0.5
@@ -45,7 +51,7 @@ def test_heavier_rain_leaves_more_puddles_and_a_dry_day_none() -> None:
 
 def test_water_gathers_in_hollows_and_runs_off_slopes() -> None:
     assert not (sloping(0.25).depth(X, Z) > 0.0).any()
-    hollows = Puddles(5, 0.6, lambda x, z: -0.08 * np.cos(np.pi * x))
+    hollows = Puddles(5, 0.6, ground(-0.08 * np.cos(np.pi * AT)))
     wet = hollows.depth(X, Z) > 0.0
     low = np.cos(np.pi * X) > 0.7
     high = np.cos(np.pi * X) < -0.7

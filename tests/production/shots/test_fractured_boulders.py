@@ -55,6 +55,8 @@ def test_feet_stand_on_the_true_ground() -> None:
     take, before, after = shown()
     away = away_from_treads(take)
     np.testing.assert_allclose(after[away <= 0.0], before[away <= 0.0], atol=1e-9)
+    standing, _ = cKDTree(take.positions[0][:, [0, 2]]).query(take.terrain.vertices[:, [0, 2]])
+    np.testing.assert_allclose(after[standing < 0.05], before[standing < 0.05], atol=1e-9)
     near = away < 0.5 * TREAD_EDGE
     assert near.any()
     assert (after - before)[near].max() < 0.02
@@ -98,7 +100,7 @@ def test_built_and_hatched_boulders_stay(word: str) -> None:
 PIT = """\
 pronk: 1
 seed: 4
-frames: 24
+frames: 72
 terrain: {preset: stones, size: [8, 6], cells: [200, 150], start: -1.6, length: 3.2, gap: 0.2,
   material: moss, water: {preset: river, level: -0.2}}
 cast: [{figure: spider, at: [-1.2, 0], scale: 0.5, walk: {speed: 0.4}}]

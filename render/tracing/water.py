@@ -39,7 +39,7 @@ _WET_HEIGHT = 0.07
 _LEAST_ROUGHNESS = 6e-4
 """Mean squared slope of the waves that are too short to be in the sum."""
 
-_FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 2.6
+_FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 3.0
 """Depth in which foam lies at a shore [m], and relative to the mean height of the waves."""
 
 _FOAM_SHARE, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.1, 16.0, 0.85, 0.6

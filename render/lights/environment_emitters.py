@@ -22,7 +22,7 @@ from render.lights.cloud_shadows import drift
 from render.lights.clouds import CloudLight, Heaps, cloud_seed, has_clouds, heaps, painted
 from render.lights.drifting_sky import DriftingSky
 from render.lights.environment_map import UP, Map, Vector, irradiance, resized, solid_angles
-from render.lights.haze import Haze, haze_of, haze_strength
+from render.lights.haze import Haze, haze_of, haze_strength, sun_glow
 from render.lights.key_light import CARD_ILLUMINANCE, KeyLight, LightEnvironment, card_illuminance
 from render.lights.outdoor_light import outdoor_light
 from render.lights.panorama_light import panorama_light
@@ -79,7 +79,9 @@ def surroundings(light: Light, ground: Sequence[float], width: int = 1024) -> Su
     image = environment.radiance * scale
     if light.weather.snow > 0.0:
         image = _with_snow_light(image, key.scaled(scale), light.weather.snow)
-    haze = haze_of(haze_strength(light), image)
+    is_sunny = light.sun is not None and key.is_lit
+    glow = sun_glow(key.direction, key.irradiance * scale) if is_sunny else 0.0
+    haze = haze_of(haze_strength(light), image, glow)
     if environment.stars is not None:
         height, across = environment.stars.shape[:2]
         image = resized(image, across, height) + environment.stars

@@ -35,6 +35,12 @@ _CLEAR, _PER_TURBIDITY = 0.085, 0.03
 _OVERCAST, _MORNING, _LOW_SUN = 0.06, 0.07, 0.04
 _RAIN, _SNOW = 0.16, 0.34
 
+_FORWARD, _FORWARD_SHARE = 0.72, 0.22
+"""Asymmetry of the light that haze scatters forward, and the share of the key light in it."""
+
+_LOW_BELOW = 0.42
+"""Sine of the elevation of a sun from which no glow is seen: haze lies in its way at a slant."""
+
 _STUDIO = 0.8
 """Of a studio: 9 % at 5 m, so that a floor goes over into the backdrop without a seam."""
 
@@ -75,17 +81,38 @@ def natural_strength(sun: Sun) -> float:
     return float(strength + _LOW_SUN * low + _MORNING * morning)
 
 
-def haze_of(strength: float, sky: Map) -> Haze | None:
+def haze_of(strength: float, sky: Map, glow: Map | float = 0.0) -> Haze | None:
     """Return the haze of a strength under a clear sky, None without any.
 
     Args:
         strength: 0 to 1.
         sky: (H, W, 3) map as it lights the scene, without clouds.
+        glow: (ROWS, COLUMNS, 3) light of a low sun in it; see `sun_glow`.
     """
     if strength <= 0.0:
         return None
     extinction = _DENSEST * strength**_POWER * _TINT
-    return Haze(extinction, HEIGHT_M, _low_sky(sky))
+    return Haze(extinction, HEIGHT_M, _low_sky(sky) + glow)
+
+
+def sun_glow(direction: Vector, irradiance: Vector) -> Map:
+    """Return the light of a low sun that haze scatters forward, at the table's directions.
+
+    Source: L. Henyey and J. Greenstein, Diffuse radiation in the galaxy, 1941.
+
+    Args:
+        direction: (3,) unit vector to it.
+        irradiance: (3,) on a plane that faces it, scaled as the map of the sky.
+    """
+    up = np.linspace(0.0, TOP, ROWS)[:, None]
+    around = 2.0 * np.pi * np.arange(COLUMNS) / COLUMNS
+    level = np.sqrt(1.0 - up**2)
+    x, y, z = direction
+    cosine = level * (np.sin(around) * x - np.cos(around) * z) + up * y
+    g = _FORWARD
+    phase = (1.0 - g * g) / (4.0 * np.pi * (1.0 + g * g - 2.0 * g * cosine) ** 1.5)
+    low = 1.0 - float(smoothstep(np.array(y / _LOW_BELOW)))
+    return np.asarray(_FORWARD_SHARE * low * phase[..., None] * irradiance)
 
 
 def _low_sky(sky: Map) -> Map:

@@ -20,6 +20,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from render.lights.lattice_noise import noise2
 from render.water import REFRACTIVE_INDEX, WaterSurface
 
 _DEFOCUS_DEPTH = 1.6
@@ -37,6 +38,16 @@ _WET_HEIGHT = 0.07
 
 _LEAST_ROUGHNESS = 6e-4
 """Mean squared slope of the waves that are too short to be in the sum."""
+
+_FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 3.0
+"""Depth in which foam lies at a shore [m], and relative to the mean height of the waves."""
+
+_FOAM_SHARE, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.1, 16.0, 0.85, 0.6
+"""Share of the surface that foam hides where it is thick: on calm water, for each metre of the
+mean height of waves, and at most; and share of light that foam sends back."""
+
+_FOAM_CELLS = (0.31, 0.083)
+"""Widths of patches and of bubbles of foam [m]."""
 
 _OPAQUE = 12.0
 """Optical depth from which water lets nothing more be seen."""
@@ -81,6 +92,9 @@ class Water:
         phases: of the waves.
         extinction: by colour [1/m].
         glow: radiance of endless water at the surface.
+        foam: radiance of foam on the surface.
+        foam_depth: depth up to which foam lies [m].
+        foam_most: share of the surface that foam hides where it is thick.
         pixel: width of a pixel at a distance of 1 m [m].
         mean_focus: mean of the light pattern at some depths, by which it is divided.
     """
@@ -90,6 +104,9 @@ class Water:
     phases: list[mi.Float]
     extinction: mi.Color3f
     glow: mi.Color3f
+    foam: mi.Color3f
+    foam_depth: mi.Float
+    foam_most: mi.Float
     pixel: mi.Float
     mean_focus: tuple[float, ...]
 
@@ -104,16 +121,22 @@ class Water:
         """
         waves = tuple((w.amplitude, *w.k, w.length) for w in surface.waves)
         glow = np.asarray(surface.albedo) * np.asarray(downwelling) / np.pi
+        foam = _FOAM_ALBEDO * np.asarray(downwelling) / np.pi
+        height = math.sqrt(0.5 * sum(w.amplitude**2 for w in surface.waves))
         made = Water(
             waves,
             mi.Float(surface.level),
             [],
             mi.Color3f(list(surface.extinction)),
             mi.Color3f(glow.tolist()),
+            mi.Color3f(foam.tolist()),
+            mi.Float(_FOAM_CALM + _FOAM_PER_HEIGHT * height),
+            mi.Float(min(_FOAM_SHARE + _SHARE_PER_HEIGHT * height, _FOAM_MOST)),
             mi.Float(1e-3),
             _mean_focus(waves),
         )
         dr.make_opaque(made.level, made.extinction, made.glow, made.pixel)
+        dr.make_opaque(made.foam, made.foam_depth, made.foam_most)
         made.set_time(surface, time)
         return made
 
@@ -247,6 +270,23 @@ class Water:
         facing = dr.maximum(-dr.dot(ray.d, n), 0.12)
         is_seen = interface.is_above & (sample.d.y > 0.0)
         return dr.select(is_seen, arriving * share * density / (4.0 * facing), 0.0)
+
+    def foam_share(self, p: Any, depth: Any) -> Any:
+        """Return the share of the surface that foam hides where water is as deep as this [m].
+
+        A ragged line of it lies at the edge and a broken one before that, and both come and go
+        with the waves.
+        """
+        patches = noise2(p.x / _FOAM_CELLS[0], p.z / _FOAM_CELLS[0], 71)
+        bubbles = noise2(p.x / _FOAM_CELLS[1], p.z / _FOAM_CELLS[1], 72)
+        swash = mi.Float(0.0)
+        if self.phases:
+            swash = dr.sin(self.phases[-1] + 5.0 * patches)
+        part = depth / (self.foam_depth * (0.55 + 0.7 * patches + 0.25 * swash))
+        edge = 1.0 - dr.clip(part / 0.45, 0.0, 1.0)
+        line = dr.clip(1.0 - dr.abs(part - 0.8) / 0.22, 0.0, 1.0)
+        thick = edge + 0.75 * line * dr.clip(3.0 * patches - 0.9, 0.0, 1.0)
+        return self.foam_most * dr.clip(thick * (0.1 + 1.5 * patches * bubbles), 0.0, 1.0)
 
     def _height(self, x: Any, z: Any) -> Any:
         height = mi.Float(0.0)

@@ -17,7 +17,7 @@ from render.tracing.haze import Air
 from render.tracing.scene_pair import emitters_of
 from render.tracing.stratification import BSDF_PAIR, EMITTER_PAIR, StepStrata, sample_1d, sample_2d
 from render.tracing.tracer import Sums
-from render.tracing.water import KEY_LIGHT_FROM, Interface, Water
+from render.tracing.water import FAR, KEY_LIGHT_FROM, Interface, Water
 
 _LEAST_CHANCE = 0.15
 """Least chance of a path to be reflected, or to be refracted."""
@@ -56,14 +56,20 @@ def add_water(
     face = water.interface(ray, t)
     passed = _before(air, water, ray, t)
     parts = [mi.Color3f(0.0) for _ in range(3)]
+    # What is refracted first: it tells how deep the water is, and so where foam lies.
     ways = (
-        (face.reflectance, face.reflected, ~face.is_above, EMITTER_PAIR),
         (1.0 - face.reflectance, face.refracted, face.is_above, BSDF_PAIR),
+        (face.reflectance, face.reflected, ~face.is_above, EMITTER_PAIR),
     )
+    foamy: Any = mi.Color3f(0.0)
     for share, direction, is_under, pair in ways:
         way = mi.Ray3f(face.p + _CLEARANCE * direction, direction)
         u = sample_2d(pixels, strata, pair), sample_1d(pixels, strata)
         light, albedo, shining, distance = surface_light(scene, shade, water, way, u, has_lamps)
+        if pair == BSDF_PAIR:
+            depth = dr.minimum(distance, FAR) * dr.abs(direction.y)
+            foam = dr.select(face.is_above, water.foam_share(face.p, depth), 0.0)
+            passed, foamy = passed * (1.0 - foam), passed * foam
         # The disc of the key light is in the glitter, which spreads it over the waves.
         is_key = (distance > KEY_LIGHT_FROM) & dr.isfinite(distance) & (face.is_above != is_under)
         shining = dr.select(is_key, 0.0, shining)
@@ -76,6 +82,7 @@ def add_water(
         shining = shining * left + added
         for i, value in enumerate((light * left, albedo * left, shining)):
             parts[i] += share * passed * finite(value)
+    parts[2] += foamy * water.foam
     parts[2] += passed * _sun_glitter(scene, shade, water, face, ray, sample_2d(pixels, strata, 0))
     for total, part in zip(sums, parts, strict=True):
         dr.scatter(total, dr.gather(mi.Color3f, total, lanes) + part, lanes)

@@ -13,7 +13,7 @@ from render.backend import Backend
 from render.color import linear, luminance
 from render.config import MATERIALS, Weather, light
 from render.frame import LightLayers
-from render.lights.haze import haze_strength
+from render.lights.haze import haze_of, haze_strength, sun_glow
 from render.shot import Mesh
 
 RAYS = 4096
@@ -122,3 +122,23 @@ def test_rain_needs_a_sky_and_thickens_the_haze() -> None:
     dry, wet = light("day"), light({"preset": "day", "weather": "rain"})
     assert haze_strength(wet) > haze_strength(dry)
     assert wet.changes
+
+
+def test_haze_glows_before_a_low_sun_and_not_before_a_high_one() -> None:
+    sky = np.ones((256, 512, 3))
+
+    def glow(elevation_deg: float) -> np.ndarray:
+        up, level = np.sin(np.radians(elevation_deg)), np.cos(np.radians(elevation_deg))
+        # Towards +X, the 16th of 64 columns.
+        added = sun_glow(np.array([level, up, 0.0]), np.ones(3))
+        haze, plain = haze_of(0.2, sky, added), haze_of(0.2, sky)
+        assert haze is not None
+        assert plain is not None
+        np.testing.assert_allclose(haze.light - plain.light, added)
+        return np.asarray(added[0, :, 0])
+
+    low = glow(5.0)
+    assert low.argmax() == 16
+    assert low[16] > 10.0 * low[48] > 0.0
+    np.testing.assert_allclose(glow(40.0), 0.0)
+    assert 0.0 < glow(20.0)[16] < 0.5 * low[16]

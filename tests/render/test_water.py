@@ -120,3 +120,23 @@ def test_water_is_refused_where_only_path_can_trace(
     optics = Optics.of(surface(preset="pond"), np.ones(3))
     with pytest.raises(ShotError, match="there is water, but of a reason; render with"):
         mitsuba_scene.choose_tracer(None, FILM.resolved(), 3, None, optics)
+
+
+def test_foam_lies_in_the_shallows_and_more_of_it_where_waves_break(renderer: Renderer) -> None:
+    import mitsuba as mi
+
+    from render.tracing.water import Water as Optics
+
+    x, z = (20.0 * a for a in np.random.default_rng(3).random((2, 20_000)))
+    p = mi.Point3f(x, np.zeros_like(x), z)
+
+    def mean(waves: str, depth: float) -> float:
+        optics = Optics.of(surface(preset="lake", waves=waves), np.ones(3), 1.7)
+        share = np.array(optics.foam_share(p, mi.Float(depth)))
+        assert share.min() >= 0.0
+        assert share.max() <= 1.0
+        return float(share.mean())
+
+    assert mean("rough", 0.0) > 0.1 > mean("calm", 0.0) > 0.0
+    assert mean("rough", 0.05) > 0.02 > mean("calm", 0.05)
+    assert mean("rough", 2.0) == 0.0

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
+from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from render.color import linear
@@ -58,10 +59,12 @@ class Growth:
     Attributes:
         seed: of the scene.
         clearings: of the performers, None without any.
+        puddles: that rain has left, None without any.
     """
 
     seed: int
     clearings: Clearings | None = None
+    puddles: Puddles | None = None
 
     def worn(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
@@ -80,6 +83,8 @@ class Growth:
             near = 1.0 - smoothstep(*WORN_BY, self.clearings.distance(x, z))
             uneven = self._uneven(np.stack([x, z], axis=-1))
             result = np.maximum(result, WORN_SHARE * near * smoothstep(-0.5, 0.5, uneven))
+        if self.puddles is not None:
+            result = np.maximum(result, self.puddles.mud(x, z))
         return result
 
     def _uneven(self, places: Array) -> Array:
@@ -108,6 +113,8 @@ class Growth:
             edge = 4.0 * inside * (1.0 - inside)
             return np.clip(0.05 + 0.5 * edge + 0.25 * inside + self.hedge(places), 0.0, 1.0)
         free = 1.0 - self.worn(x, z)
+        if self.puddles is not None:
+            free = free * self.puddles.dry(x, z)
         if habitat == "shade":
             return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
         if habitat == "tufts":

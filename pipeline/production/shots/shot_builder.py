@@ -23,6 +23,8 @@ from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
 from pipeline.production.scenery.growth import Growth
+from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
+from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
 from pipeline.production.scenery.treads import Treads
@@ -30,6 +32,7 @@ from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
+from pipeline.production.shots.fractured_boulders import chipped, fractured
 from pipeline.production.shots.ground_mesh import (
     land_detail,
     mean_color,
@@ -47,7 +50,7 @@ from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
-from pipeline.production.surroundings.choice import Choice
+from pipeline.production.surroundings.choice import NATURAL, Choice
 from pipeline.production.surroundings.land import Land
 from pipeline.production.surroundings.land_mesh import vertices_around
 from pipeline.simulation.clock import Clock
@@ -84,11 +87,15 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        self._drawn = weathered(take.terrain, scene)
+        worn = chipped(weathered(take.terrain, scene), scene, take)
+        self._drawn = fractured(worn, scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
         self._edging = EdgingChoice.of(scene, around)
         self.materials = _materials(scene, take, around, self._scatter)
+        self._puddles = self._standing_rain(scene)
+        if self._puddles is not None:
+            self.materials = {**self.materials, **PUDDLE_MATERIALS}
         if self._edging is not None:
             self.materials = {**self.materials, **SCENERY_MATERIALS, **MATERIALS_OF_EDGING}
         clear = frozenset(
@@ -215,6 +222,8 @@ class ShotBuilder:
                     owner=piece.performer,
                 )
             )
+        if self._puddle_surface is not None:
+            meshes.append(self._puddle_surface.at(self._time(frame, part)))
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
         lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
         puffs = self._puffs.at(float((frame - 1 + part) / self.clock.rate))
@@ -285,7 +294,21 @@ class ShotBuilder:
 
     @property
     def _growth(self) -> Growth:
-        return Growth(self._scene.seed, self.tracks.clearings)
+        return Growth(self._scene.seed, self.tracks.clearings, self._puddles)
+
+    def _standing_rain(self, scene: Scene) -> Puddles | None:
+        """Return the puddles on natural ground, None without any."""
+        own = self.materials[self.take.terrain.material]
+        if self._land.is_platform or own.texture not in NATURAL:
+            return None
+        return Puddles.of(scene.seed, scene.light.weather, self._land.field)
+
+    @cached_property
+    def _puddle_surface(self) -> PuddleSurface | None:
+        """What the cameras see of the puddles, None without any."""
+        if self._puddles is None:
+            return None
+        return self._puddles.surface(FilmView.of(self.poses, self._aspect))
 
     def _worn(self, mesh: Mesh, view: FilmView) -> Mesh:
         """Return ground with the bare soil on it."""

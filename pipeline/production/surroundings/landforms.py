@@ -113,20 +113,29 @@ def _dunes(places: Array, out: Array, seed: int) -> Array:
         # Crests lie across the wind, which blows along the second axis.
         bent = _bent(p, seed, 160.0, 40.0) / np.array([260.0, 105.0])
         crest = 1.0 - np.abs(fractal(bent, seed + 10, 3))
-        return 17.0 * np.clip(crest, 0.0, 1.0) ** 1.7
+        return 24.0 * np.clip(crest, 0.0, 1.0) ** 1.7
 
     def great(p: Array) -> Array:
-        return 75.0 * eroded(p / 900.0, seed + 20)
+        # Sand seas: long rounded crests across the wind, each row higher than the last.
+        bent = _bent(p, seed + 3, 520.0, 150.0) / np.array([1150.0, 430.0])
+        crest = 1.0 - np.abs(fractal(bent, seed + 20, 4))
+        return (34.0 + 76.0 * smoothstep(500.0, 1900.0, np.hypot(*p.T))) * _rounded(crest)
 
-    def mesas(p: Array) -> Array:
-        high = fractal(p / 1500.0, seed + 30, 6)
-        return 120.0 * smoothstep(0.10, 0.20, high) + 95.0 * smoothstep(0.20, 0.26, high)
+    def ranges(p: Array) -> Array:
+        # Worn hills half sunk in sand, blue with distance: no edge of them is level or sheer.
+        worn = eroded(_bent(p, seed, 900.0, 180.0) / 1700.0, seed + 30, 6)
+        return 250.0 * worn**1.5 * _uneven(p, seed + 40)
 
     return (
         _rising(places, out, (40.0, 420.0), dunes)
-        + _rising(places, out, (500.0, 2200.0), great)
-        + _rising(places, out, (1900.0, 2700.0), mesas)
+        + _rising(places, out, (260.0, 1200.0), great)
+        + _rising(places, out, (1500.0, 4400.0), ranges)
     )
+
+
+def _rounded(crest: Array) -> Array:
+    """Return the profile of dunes, 0 to 1, from crests of 1 that are as sharp as roofs."""
+    return np.asarray(smoothstep(0.25, 1.06, crest))
 
 
 def _forest(places: Array, out: Array, seed: int) -> Array:

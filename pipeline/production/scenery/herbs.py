@@ -19,9 +19,9 @@ from pipeline.production.scenery.prototype import (
 )
 from pipeline.simulation.spatial import Array
 
-STEM: tuple[Color, Color] = ((0.070, 0.105, 0.028), (0.165, 0.240, 0.065))
+STEM: tuple[Color, Color] = ((0.090, 0.130, 0.036), (0.235, 0.320, 0.105))
 
-STEM_WIDTHS = 0.005, 0.008, 0.012
+STEM_WIDTHS = 0.005, 0.010, 0.018
 """Widths of stems by level of detail, so that heads far away still stand on something [m]."""
 
 
@@ -53,7 +53,7 @@ class Flower:
 FLOWERS: dict[str, Flower] = {
     "daisy": Flower(0.15, 4, 11, 0.017, 0.42, (0.78, 0.77, 0.72), (0.66, 0.40, 0.02)),
     "buttercup": Flower(0.25, 4, 5, 0.014, 0.95, (0.82, 0.56, 0.015), (0.50, 0.38, 0.02), 0.7),
-    "poppy": Flower(0.40, 4, 5, 0.038, 1.05, (0.66, 0.045, 0.016), (0.020, 0.015, 0.015), 1.25),
+    "poppy": Flower(0.40, 5, 5, 0.031, 1.05, (0.66, 0.045, 0.016), (0.020, 0.015, 0.015), 1.25),
     "cornflower": Flower(0.42, 3, 9, 0.021, 0.50, (0.085, 0.125, 0.68), (0.12, 0.05, 0.35), 0.6),
 }
 """Kinds of flowers."""

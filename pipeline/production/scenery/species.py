@@ -155,7 +155,12 @@ def _pebbles(seed: int, level: int) -> Prototype:
 
 KINDS: dict[str, Species] = {
     "short grass": _grass(
-        *("short grass", 240.0, 0.12), cover=0.9, reach=60.0, near=5.5, sizes=(0.6, 1.5)
+        *("short grass", 240.0, 0.12),
+        cover=0.9,
+        reach=60.0,
+        near=5.5,
+        sizes=(0.6, 1.5),
+        levels=(3.0, 10.0),
     ),
     "meadow grass": _grass(
         *("meadow grass", 95.0, 0.24), cover=0.45, patch=8.0, near=8.0, family="tall"
@@ -197,7 +202,13 @@ KINDS: dict[str, Species] = {
     ),
     "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=3.0, ground=0.1, reach=90.0),
     "water weed": _grass(
-        *("water weed", 9.0, 1.1), cover=0.3, patch=1.6, ground=0.0, reach=60.0, near=9.0
+        *("water weed", 9.0, 1.1),
+        cover=0.3,
+        patch=2.2,
+        ground=0.0,
+        reach=60.0,
+        near=9.0,
+        sizes=(0.5, 1.5),
     ),
     "wheat": _grass("wheat", 55.0, 0.95, cover=1.0, ground=0.0, reach=120.0),
     "maize": Species(

@@ -45,7 +45,7 @@ REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
 FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.85, 1.45, 1.08])
 """Factors on the colours of grass in hollows that keep water, and where it has dried."""
 
-STUNTED, LUSH = 0.55, 1.6
+STUNTED, LUSH = 0.65, 1.6
 """Factors on the sizes of grass where the soil is poor and where it is rich."""
 RICH_WIDTH, RICH_EDGE = 2.4, (-0.55, 0.85)
 """Width of rich spots [m], and values of their noise between which they begin."""

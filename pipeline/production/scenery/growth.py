@@ -31,13 +31,13 @@ TRAIL_BEND = 38.0
 TRAIL_HALF = (0.16, 0.62)
 """Distances from the middle of a trail up to which it is bare, and from which nothing is [m]."""
 
-TUFT, TUFT_LEAST, TUFT_EDGE = 0.85, 0.14, (-0.4, 0.4)
+TUFT, TUFT_LEAST, TUFT_EDGE = 0.85, 0.22, (-0.4, 0.4)
 """Width of tufts [m], the share of their density between them, and values of their noise between
 which they begin."""
 CLUMP, CLUMP_LEAST, CLUMP_EDGE = 1.9, 0.05, (-0.05, 0.4)
 """The same of clumps."""
 
-GATHERED: Mapping[Habitat, float] = {"tufts": 0.56, "clumps": 0.39}
+GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "clumps": 0.39}
 """Share of their full density that species have on average where they stand in tufts or clumps."""
 
 GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
@@ -49,7 +49,7 @@ WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
 WORN_SHARE = 0.5
 
-THIN_SHARE = 0.36
+THIN_SHARE = 0.28
 """Share of soil that shows between the tufts of grass."""
 
 SOILS = {

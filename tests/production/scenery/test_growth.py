@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
-from pipeline.production.scenery.growth import GATHERED, RASTER, Growth
+from pipeline.production.scenery.growth import GATHERED, RASTER, TUFT_LEAST, Growth
 from pipeline.production.scenery.species import KINDS
 from render.config import MATERIALS, Weather
 from render.ground_wear import TEXELS
@@ -53,7 +53,7 @@ def test_the_ground_is_drawn_bare_where_plants_find_it_bare_or_stand_thin() -> N
     # Soil shows where grass is thin, not in its tufts.
     free = growth.worn(x, z) == 0.0
     tufts = growth.gathered("tufts", np.stack([x, z], axis=-1))
-    assert drawn[free & (tufts < 0.2)].min() > 0.3
+    assert drawn[free & (tufts < TUFT_LEAST + 0.02)].min() > 0.25
     assert drawn[free & (tufts > 0.99)].max() < 0.01
     # It ends before its edge, so that no edge is seen.
     assert wear.texels[[0, -1]].max() == wear.texels[:, [0, -1]].max() == 0

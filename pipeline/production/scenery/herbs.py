@@ -132,9 +132,9 @@ def _add_rosette(shape: Shape, rng: np.random.Generator, count: int) -> None:
     angle = 2.39996 * np.arange(count) + rng.uniform(-0.3, 0.3, count)
     way = np.stack([np.cos(angle), rng.uniform(0.08, 0.4, count), np.sin(angle)], axis=-1)
     base = 0.012 * unit(way) + 0.012 * UP
-    size = rng.uniform(0.09, 0.17, count)
-    color = np.array([0.095, 0.150, 0.036]) * rng.uniform(0.75, 1.25, (count, 1))
-    add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.24 * size, color, fold=0.3)
+    size = rng.uniform(0.07, 0.14, count)
+    color = np.array([0.130, 0.195, 0.050]) * rng.uniform(0.75, 1.25, (count, 1))
+    add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.27 * size, color, fold=0.25)
 
 
 def clover(seed: int, level: int) -> Prototype:

@@ -304,7 +304,7 @@ KINDS: dict[str, Species] = {
     "pebbles": Species(
         *(_pebbles, 6.0, "cover", 0.04, 0.3),
         levels=(2.5, 6.0),
-        near=4.5,
+        near=7.0,
         reach=26.0,
         cover=0.45,
         patch=9.0,

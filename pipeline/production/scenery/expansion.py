@@ -42,8 +42,13 @@ MATERIALS = {"scenery foliage": FOLIAGE, "scenery solid": SOLID, "scenery stone"
 REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
 """Linear colour of ground on which species have their own colours."""
 
-FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.62, 1.34, 1.10])
+FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.85, 1.45, 1.08])
 """Factors on the colours of grass in hollows that keep water, and where it has dried."""
+
+STUNTED, LUSH = 0.65, 1.6
+"""Factors on the sizes of grass where the soil is poor and where it is rich."""
+RICH_WIDTH, RICH_EDGE = 2.4, (-0.55, 0.85)
+"""Width of rich spots [m], and values of their noise between which they begin."""
 
 Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
 
@@ -127,7 +132,10 @@ def _sizes(placed: Placed) -> Array:
     """Return the sizes (N,): many small, few large."""
     low, high = KINDS[placed.name].sizes
     part = placed.chance[:, 2]
-    return np.asarray(low * (high / low) ** (part**1.4)) * placed.size
+    sizes = np.asarray(low * (high / low) ** (part**1.4)) * placed.size
+    if KINDS[placed.name].widens:
+        sizes = sizes * vigour(placed.points[:, [0, 2]])
+    return sizes
 
 
 def copies(
@@ -165,9 +173,15 @@ def copies(
                 )
 
 
+def vigour(places: Array) -> Array:
+    """Return factors (N,) on the sizes of grass at places (N, 2): tall in spots, short between."""
+    rich = smoothstep(*RICH_EDGE, fractal(places / RICH_WIDTH, 8103, 3))
+    return np.asarray(STUNTED + (LUSH - STUNTED) * rich)
+
+
 def sward(places: Array) -> Array:
     """Return factors (N, 3) on the colours of grass at places (N, 2): fresh here, dry there."""
-    value = fractal(places / 17.0, 8101, 3) + 0.35 * fractal(places / 3.1, 8102, 2)
+    value = fractal(places / 17.0, 8101, 3) + 0.55 * fractal(places / 3.1, 8102, 3)
     dry = smoothstep(-0.5, 0.75, value)[:, None]
     return np.asarray(FRESH + (DRY - FRESH) * dry)
 

@@ -29,6 +29,9 @@ class Clump:
         ear: colour of the heads.
         ear_length: relative to the height.
         clover: number of leaves of clover between the blades of every third clump.
+        segments: of a blade, nearby.
+        wave: by how much blades wind sidewards, relative to their heights.
+        shortest: height of the shortest blades relative to that of the tallest.
     """
 
     blades: int
@@ -45,17 +48,21 @@ class Clump:
     ear: Color = (0.3, 0.24, 0.11)
     ear_length: float = 0.2
     clover: int = 0
+    segments: int = 2
+    wave: float = 0.0
+    shortest: float = 0.3
 
 
 CLUMPS: dict[str, Clump] = {
     "short grass": Clump(
-        34, 0.095, 0.0050, 0.100, 0.60, (0.076, 0.100, 0.028), (0.232, 0.296, 0.090), 0.10, clover=9
+        34, 0.100, 0.0052, 0.100, 0.60, (0.076, 0.100, 0.028), (0.232, 0.296, 0.090), 0.10, clover=9
     ),
     "meadow grass": Clump(
-        30, 0.21, 0.0052, 0.10, 0.60, (0.068, 0.092, 0.026), (0.232, 0.286, 0.090), 0.13, ears=1
+        32, 0.21, 0.0048, 0.10, 0.70, (0.068, 0.092, 0.026), (0.232, 0.286, 0.090), 0.13, ears=1
     ),
     "tall grass": Clump(
-        24, 0.46, 0.0065, 0.09, 0.45, (0.058, 0.082, 0.020), (0.245, 0.275, 0.085), 0.25, ears=4
+        26, 0.46, 0.0052, 0.10, 0.60, (0.058, 0.082, 0.020), (0.245, 0.275, 0.085), 0.25,
+        ears=4, segments=3,
     ),
     "dry grass": Clump(
         40, 0.26, 0.0042, 0.06, 0.65, (0.150, 0.112, 0.050), (0.48, 0.375, 0.185), 0.35,
@@ -78,8 +85,8 @@ CLUMPS: dict[str, Clump] = {
         ears=3, ear=(0.100, 0.055, 0.025), ear_length=0.12,
     ),
     "water weed": Clump(
-        11, 0.95, 0.045, 0.11, 0.55, (0.045, 0.075, 0.022), (0.150, 0.190, 0.050), 0.15,
-        straw=(0.200, 0.140, 0.050),
+        16, 0.85, 0.026, 0.20, 0.55, (0.045, 0.075, 0.022), (0.150, 0.190, 0.050), 0.15,
+        straw=(0.200, 0.140, 0.050), wave=0.11, shortest=0.12,
     ),
     "wheat": Clump(
         12, 0.72, 0.010, 0.08, 0.28, (0.20, 0.145, 0.055), (0.50, 0.370, 0.150), 0.3,
@@ -88,8 +95,14 @@ CLUMPS: dict[str, Clump] = {
 }  # fmt: skip
 """Kinds of grass."""
 
-LEVELS = ((1.0, 2, 1.0), (0.6, 1, 1.5), (0.25, 1, 2.7))
-"""Levels of detail: share of the blades, segments of a blade, factor on its width."""
+LEVELS = ((1.0, 1.0), (0.6, 1.5), (0.25, 2.7))
+"""Levels of detail: share of the blades, factor on their width."""
+
+SEGMENTS_BEYOND = (1, 1)
+"""Segments of a blade at all levels but the first."""
+
+WAVY_SEGMENTS = (6, 4, 3)
+"""Segments of blades that wind."""
 
 CALM = (0.0, 0.3, 0.65)
 """How much of the contrast between the feet and the tips of blades is gone, by level."""
@@ -99,21 +112,28 @@ def clump(kind: str, seed: int, level: int) -> Prototype:
     """Return a clump of grass at a level of detail."""
     config = CLUMPS[kind]
     rng = np.random.default_rng([seed, 17])
-    share, segments, wide = LEVELS[level]
+    share, wide = LEVELS[level]
+    segments = (config.segments, *SEGMENTS_BEYOND)[level]
     n = max(round(config.blades * share), 3)
     angle, out = rng.uniform(0, 2 * np.pi, n), config.spread * np.sqrt(rng.uniform(size=n))
     roots = np.stack([out * np.cos(angle), np.full(n, -0.01), out * np.sin(angle)], axis=-1)
     # Few blades are tall; outer ones are shorter and hang over more.
-    heights = config.height * rng.uniform(0.42, 1.0, n) * (1.0 - 0.25 * out / config.spread)
+    tall = rng.uniform(config.shortest, 1.0, n)
+    heights = config.height * tall * (1.0 - 0.25 * out / config.spread)
     leans = heights * config.lean * rng.uniform(0.3, 1.25, n)
     headings = angle + rng.normal(0.0, 0.45, n) if config.outward else None
-    widths = wide * config.width * rng.uniform(0.7, 1.3, n)
+    # Short blades are narrow, too.
+    slim = 0.6 + 0.55 * heights / config.height
+    widths = wide * config.width * slim * rng.uniform(0.75, 1.25, n)
+    if config.wave:
+        segments = WAVY_SEGMENTS[level]
     shape = Shape()
     add_blades(
         *(shape, rng, roots, heights, leans, widths, _calmed(config, level)),
         segments=segments,
         headings=headings,
         dry=(config.dry, config.straw),
+        wave=config.wave,
     )
     if config.clover and seed % 3 == 0:
         _add_clover(shape, rng, config, max(round(config.clover * share), 2), level)

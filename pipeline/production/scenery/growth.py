@@ -6,6 +6,7 @@ noise, which wind, part and never repeat; they and bare spots are drawn on the g
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -31,6 +32,15 @@ TRAIL_BEND = 38.0
 TRAIL_HALF = (0.16, 0.62)
 """Distances from the middle of a trail up to which it is bare, and from which nothing is [m]."""
 
+TUFT, TUFT_LEAST, TUFT_EDGE = 0.85, 0.22, (-0.4, 0.4)
+"""Width of tufts [m], the share of their density between them, and values of their noise between
+which they begin."""
+CLUMP, CLUMP_LEAST, CLUMP_EDGE = 1.9, 0.05, (-0.05, 0.4)
+"""The same of clumps."""
+
+GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "clumps": 0.39}
+"""Share of their full density that species have on average where they stand in tufts or clumps."""
+
 GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
 """Width of groves [m], and values of their noise between which they begin."""
 HEDGE_BEND, HEDGE_HALF = 150.0, (1.2, 3.2)
@@ -39,6 +49,9 @@ HEDGE_BEND, HEDGE_HALF = 150.0, (1.2, 3.2)
 WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
 WORN_SHARE = 0.5
+
+THIN_SHARE = 0.28
+"""Share of soil that shows between the tufts of grass."""
 
 SOILS = {
     "grass": "#786a52",
@@ -77,12 +90,15 @@ class Growth:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def drawn(self, x: Array, z: Array) -> Array:
-        """Return the share (N,) of soil that shows, between the grass on performers' ways too."""
-        result = self.worn(x, z)
+        """Return the share (N,) of soil that shows, between tufts and on performers' ways too."""
+        places = np.stack([x, z], axis=-1)
+        thin = 1.0 - (self.gathered("tufts", places) - TUFT_LEAST) / (1.0 - TUFT_LEAST)
+        covered = 1.0 - THIN_SHARE * thin
         if self.clearings is not None:
             near = 1.0 - smoothstep(*WORN_BY, self.clearings.distance(x, z))
-            uneven = self._uneven(np.stack([x, z], axis=-1))
-            result = np.maximum(result, WORN_SHARE * near * smoothstep(-0.5, 0.5, uneven))
+            uneven = self._uneven(places)
+            covered = covered * (1.0 - WORN_SHARE * near * smoothstep(-0.5, 0.5, uneven))
+        result = np.maximum(self.worn(x, z), 1.0 - covered)
         if self.puddles is not None:
             result = np.maximum(result, self.puddles.mud(x, z))
         return result
@@ -117,14 +133,20 @@ class Growth:
             free = free * self.puddles.dry(x, z)
         if habitat == "shade":
             return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
+        return np.asarray(free * self.gathered(habitat, places))
+
+    def gathered(self, habitat: Habitat, places: Array) -> Array:
+        """Return the share (N,) of its full density that a species has in and between its tufts.
+
+        Between them a few stand alone.
+        """
         if habitat == "tufts":
-            tufts = fractal(places / 0.85, self.seed + 4160, 2)
-            free = free * (0.38 + 0.62 * smoothstep(-0.45, 0.35, tufts))
+            value = fractal(places / TUFT, self.seed + 4160, 2)
+            return np.asarray(TUFT_LEAST + (1.0 - TUFT_LEAST) * smoothstep(*TUFT_EDGE, value))
         if habitat == "clumps":
-            # Between clumps a few stand alone.
-            clumps = fractal(places / 1.9, self.seed + 4170, 3)
-            free = free * (0.05 + 0.95 * smoothstep(-0.05, 0.4, clumps))
-        return np.asarray(free)
+            value = fractal(places / CLUMP, self.seed + 4170, 3)
+            return np.asarray(CLUMP_LEAST + (1.0 - CLUMP_LEAST) * smoothstep(*CLUMP_EDGE, value))
+        return np.ones(len(places))
 
     def wear(self, material: Material, weather: Weather, middle: Array) -> GroundWear | None:
         """Return the bare ground around a place (2,) [m], None on ground that wears not."""

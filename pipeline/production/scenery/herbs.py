@@ -19,9 +19,9 @@ from pipeline.production.scenery.prototype import (
 )
 from pipeline.simulation.spatial import Array
 
-STEM: tuple[Color, Color] = ((0.070, 0.105, 0.028), (0.165, 0.240, 0.065))
+STEM: tuple[Color, Color] = ((0.090, 0.130, 0.036), (0.235, 0.320, 0.105))
 
-STEM_WIDTHS = 0.005, 0.008, 0.012
+STEM_WIDTHS = 0.005, 0.010, 0.018
 """Widths of stems by level of detail, so that heads far away still stand on something [m]."""
 
 
@@ -38,6 +38,8 @@ class Flower:
         color: of the petals, linear.
         heart: colour of the middle.
         cup: how far petals stand up, 0 to 1.
+        rosette: number of long leaves that lie around the foot.
+        spread: distance of the stems from the foot [m].
     """
 
     height: float
@@ -48,12 +50,19 @@ class Flower:
     color: Color
     heart: Color
     cup: float = 0.15
+    rosette: int = 0
+    spread: float = 0.17
 
 
 FLOWERS: dict[str, Flower] = {
     "daisy": Flower(0.15, 4, 11, 0.017, 0.42, (0.78, 0.77, 0.72), (0.66, 0.40, 0.02)),
     "buttercup": Flower(0.25, 4, 5, 0.014, 0.95, (0.82, 0.56, 0.015), (0.50, 0.38, 0.02), 0.7),
-    "poppy": Flower(0.40, 4, 5, 0.038, 1.05, (0.66, 0.045, 0.016), (0.020, 0.015, 0.015), 1.25),
+    "poppy": Flower(0.40, 5, 5, 0.031, 1.05, (0.66, 0.045, 0.016), (0.020, 0.015, 0.015), 1.25),
+    "dandelion": Flower(
+        *(0.16, 3, 16, 0.015, 0.34, (0.80, 0.50, 0.012), (0.72, 0.42, 0.01), 0.35),
+        rosette=11,
+        spread=0.035,
+    ),
     "cornflower": Flower(0.42, 3, 9, 0.021, 0.50, (0.085, 0.125, 0.68), (0.12, 0.05, 0.35), 0.6),
 }
 """Kinds of flowers."""
@@ -63,7 +72,8 @@ def flower(kind: str, seed: int, level: int) -> Prototype:
     """Return a group of flowers at a level of detail."""
     config, rng, shape = FLOWERS[kind], np.random.default_rng([seed, 29]), Shape()
     n = config.stems if level < 2 else max(config.stems // 2, 1)
-    angle, out = rng.uniform(0, 2 * np.pi, n), 0.17 * np.sqrt(rng.uniform(size=n))
+    angle, out = rng.uniform(0, 2 * np.pi, n), np.sqrt(rng.uniform(size=n))
+    out = config.spread * out
     roots = np.stack([out * np.cos(angle), np.zeros(n), out * np.sin(angle)], axis=-1)
     heights = config.height * rng.uniform(0.55, 1.15, n)
     tips = add_blades(
@@ -102,6 +112,8 @@ def flower(kind: str, seed: int, level: int) -> Prototype:
             *(shape, above, ray.reshape(-1, 3), np.repeat(lean, 4, axis=0), size, 1.2 * size, heart)
         )
     _add_foot(shape, rng, 0.35 * config.height, 7 if level == 0 else 3)
+    if config.rosette:
+        _add_rosette(shape, rng, config.rosette if level == 0 else config.rosette // 2)
     return shape.prototype()
 
 
@@ -113,6 +125,49 @@ def _add_foot(shape: Shape, rng: np.random.Generator, length: float, count: int)
     size = length * rng.uniform(0.5, 1.0, count)
     color = np.array([0.065, 0.11, 0.025]) * rng.uniform(0.7, 1.2, (count, 1))
     add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.3 * size, color)
+
+
+def _add_rosette(shape: Shape, rng: np.random.Generator, count: int) -> None:
+    """Add long leaves that lie around the foot of a herb."""
+    angle = 2.39996 * np.arange(count) + rng.uniform(-0.3, 0.3, count)
+    way = np.stack([np.cos(angle), rng.uniform(0.08, 0.4, count), np.sin(angle)], axis=-1)
+    base = 0.012 * unit(way) + 0.012 * UP
+    size = rng.uniform(0.07, 0.14, count)
+    color = np.array([0.130, 0.195, 0.050]) * rng.uniform(0.75, 1.25, (count, 1))
+    add_leaves(shape, base, way, np.tile(UP, (count, 1)), size, 0.27 * size, color, fold=0.25)
+
+
+def clover(seed: int, level: int) -> Prototype:
+    """Return a low patch of clover: leaves of three leaflets on stalks, and some round heads."""
+    rng, shape = np.random.default_rng([seed, 67]), Shape()
+    n, heads, rays = ((44, 5, 14), (20, 4, 6), (8, 2, 3))[level]
+    wide = (1.0, 1.35, 2.0)[level]
+    angle, out = rng.uniform(0, 2 * np.pi, n + heads), np.sqrt(rng.uniform(size=n + heads))
+    roots = 0.2 * np.stack([out * np.cos(angle), 0 * out, out * np.sin(angle)], axis=-1)
+    heights = rng.uniform(0.03, 0.075, n + heads) * (1.0 - 0.4 * out**2)
+    heights[n:] += 0.045
+    width = np.full(n + heads, 0.003 * wide)
+    tips = add_blades(
+        *(shape, rng, roots, heights, 0.4 * heights, width, STEM), segments=1, blunt=0.6
+    )
+    turn = rng.uniform(0, 2 * np.pi, (n, 1)) + 2 * np.pi * np.arange(3) / 3
+    way = np.stack([np.cos(turn), np.full_like(turn, 0.12), np.sin(turn)], axis=-1)
+    face = np.repeat(UP + 0.3 * rng.normal(size=(n, 3)), 3, axis=0)
+    size = np.repeat(0.017 * rng.uniform(0.7, 1.25, n) * wide, 3)
+    color = np.array([0.110, 0.190, 0.052]) * rng.uniform(0.75, 1.25, (n, 1))
+    add_leaves(
+        *(shape, np.repeat(tips[:n], 3, axis=0), way.reshape(-1, 3), face),
+        *(size, 0.92 * size, np.repeat(color, 3, axis=0)),
+        triangles=2 if level == 0 else 1,
+    )
+    ray = unit(rng.normal(size=(heads * rays, 3)) + 0.6 * UP)
+    size = np.full(len(ray), 0.011 * (1.0 if level == 0 else 1.2))
+    pale = np.array([0.70, 0.60, 0.58]) * rng.uniform(0.8, 1.1, (len(ray), 1))
+    add_leaves(
+        *(shape, np.repeat(tips[n:], rays, axis=0), ray, rng.normal(size=ray.shape)),
+        *(size, 0.5 * wide * size, pale, ray),
+    )
+    return shape.prototype()
 
 
 def fern(seed: int, level: int) -> Prototype:

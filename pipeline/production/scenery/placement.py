@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import GroundSurface
-from pipeline.production.scenery.growth import Growth
+from pipeline.production.scenery.growth import GATHERED, Growth
 from pipeline.production.scenery.species import KINDS, Species
 from pipeline.production.surroundings.lattice_noise import fractal, hashed, smoothstep
 from pipeline.simulation.spatial import Array
@@ -59,7 +59,7 @@ class Wanted:
         on_terrain: whether it may stand on the terrain.
         on_land: whether it may stand on the land around.
         even: whether it has its density all over its patches, as an author wants it, whatever
-            thrives there.
+            thrives there; on average, where it stands in tufts or clumps.
         where: on dry ground, at the edge of water, or below it.
     """
 
@@ -141,7 +141,7 @@ class Placement:
 
     def _pieces(self, species: Species, wanted: Wanted) -> Iterator[Placed]:
         """Yield what stands on each lattice, the coarsest first."""
-        peak = species.density * wanted.density
+        peak = _peak(species, wanted)
         spacing, before, level = COARSEST, 0.0, 0
         while spacing >= FINEST and before < peak:
             density = spacing**-2
@@ -212,13 +212,16 @@ class Placement:
         seed = (zlib.crc32(wanted.name.encode()) + 8191 * self.seed + 131 * level) & 0xFFFFFF
         random = [hashed(i, j, seed + k).astype(float) for k in range(7)]
         x, z = spacing * (i + random[0]), spacing * (j + random[1])
-        share = (before + spacing**-2 * random[2]) / (species.density * wanted.density)
+        share = (before + spacing**-2 * random[2]) / _peak(species, wanted)
         # Most candidates end by what is cheap to know.
         here = self._patches(species, wanted, x, z)
         some = np.flatnonzero(here > share)
         x, z, share, here = x[some], z[some], share[some], here[some]
-        if wanted.where == "dry" and not wanted.even:
-            here = here * self.growth.share(species.habitat, x, z)
+        if wanted.where == "dry":
+            if wanted.even:
+                here = here * self.growth.gathered(species.habitat, np.stack([x, z], axis=-1))
+            else:
+                here = here * self.growth.share(species.habitat, x, z)
         thrives = np.flatnonzero(here > share)
         x, z, share, here = x[thrives], z[thrives], share[thrives], here[thrives]
         some = some[thrives]
@@ -316,6 +319,13 @@ class Placement:
             points[some], heights, radii, hides=species.layer == "solid"
         )
         return free
+
+
+def _peak(species: Species, wanted: Wanted) -> float:
+    """Return the greatest density of a species [1/m^2]."""
+    gathers = wanted.even and wanted.where == "dry"
+    mean = GATHERED.get(species.habitat, 1.0) if gathers else 1.0
+    return species.density * wanted.density / mean
 
 
 def _inverse_error(y: float) -> float:

@@ -13,6 +13,9 @@ Color = tuple[float, float, float]
 
 UP = np.array([0.0, 1.0, 0.0])
 
+TAPER = 0.85
+"""Power of the distance from the tip with which a blade gets wider."""
+
 
 @dataclass(frozen=True, eq=False)
 class Prototype:
@@ -118,6 +121,7 @@ def add_blades(
     variation: float = 0.25,
     dry: tuple[float, Color] = (0.0, (0.3, 0.25, 0.1)),
     blunt: float = 0.0,
+    wave: float = 0.0,
 ) -> Array:
     """Add N blades of grass that bend over, and return their tips (N, 3).
 
@@ -134,6 +138,7 @@ def add_blades(
         variation: of their lightness.
         dry: share of dry blades, and the colour of their tips.
         blunt: width of the tip relative to that of the root.
+        wave: by how much they wind sidewards, relative to their heights.
     """
     n = len(roots)
     heading = rng.uniform(0.0, 2.0 * np.pi, n) if headings is None else headings
@@ -142,10 +147,16 @@ def add_blades(
     turn = heading + rng.normal(0.0, 0.5, n)
     side = np.stack([-np.sin(turn), np.zeros(n), np.cos(turn)], axis=-1)
     t = np.arange(segments + 1) / segments
-    rise = heights[:, None] * (t - 0.22 * t * t)[None]
+    # The more a blade hangs over, the more its tip bows.
+    bow = np.clip(0.1 + 0.3 * leans / np.maximum(heights, 1e-6), 0.1, 0.5)[:, None]
+    rise = heights[:, None] * (t[None] - bow * t**2)
     middle = roots[:, None] + rise[..., None] * UP
     middle = middle + (leans[:, None] * t**2)[..., None] * ahead[:, None]
-    half = 0.5 * widths[:, None] * ((1.0 - t) ** 0.7 * (1.0 - blunt) + blunt)[None]
+    if wave:
+        phase = rng.uniform(0.0, 2.0 * np.pi, n)[:, None]
+        aside = wave * heights[:, None] * t * np.sin(phase + 5.5 * t)
+        middle = middle + aside[..., None] * side[:, None]
+    half = 0.5 * widths[:, None] * ((1.0 - t) ** TAPER * (1.0 - blunt) + blunt)[None]
     left, right = (middle + sign * half[..., None] * side[:, None] for sign in (-1.0, 1.0))
     color = mixed(*colors, t[None].repeat(n, 0))
     is_dry = rng.uniform(size=n) < dry[0]

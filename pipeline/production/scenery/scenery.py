@@ -26,6 +26,10 @@ SPARED, FAR_FIRST = 4.0, 0.8
 """Distance up to which cover is spared when it is thinned out [m], for frames 1280 pixels wide,
 and the power of the distance with which more is left out beyond."""
 
+RARE = 0.4
+"""The place of cover other than grass in the order in which it is left out, relative to grass:
+flowers and leaves are few, and seen."""
+
 LEAST_REST = 0.3
 """Share of the budget that is left to presets, whatever else stands there."""
 
@@ -146,4 +150,5 @@ def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
 def _costs(placed: Placed, detail: float) -> Array:
     """Return the order (N,) in which things are left out, the highest first."""
     beyond = np.maximum(placed.distances / (SPARED * detail), 1.0)
-    return np.asarray(placed.rank * beyond**FAR_FIRST)
+    rare = 1.0 if KINDS[placed.name].widens else RARE
+    return np.asarray(rare * placed.rank * beyond**FAR_FIRST)

@@ -155,7 +155,12 @@ def _pebbles(seed: int, level: int) -> Prototype:
 
 KINDS: dict[str, Species] = {
     "short grass": _grass(
-        *("short grass", 240.0, 0.12), cover=0.9, reach=60.0, near=5.5, sizes=(0.6, 1.5)
+        *("short grass", 270.0, 0.12),
+        cover=0.9,
+        reach=60.0,
+        near=5.5,
+        sizes=(0.6, 1.5),
+        levels=(3.0, 10.0),
     ),
     "meadow grass": _grass(
         *("meadow grass", 95.0, 0.24), cover=0.45, patch=8.0, near=8.0, family="tall"
@@ -197,7 +202,13 @@ KINDS: dict[str, Species] = {
     ),
     "reeds": _grass("reeds", 16.0, 1.9, cover=0.35, patch=3.0, ground=0.1, reach=90.0),
     "water weed": _grass(
-        *("water weed", 9.0, 1.1), cover=0.3, patch=1.6, ground=0.0, reach=60.0, near=9.0
+        *("water weed", 14.0, 1.1),
+        cover=0.3,
+        patch=2.2,
+        ground=0.0,
+        reach=60.0,
+        near=9.0,
+        sizes=(0.35, 1.0),
     ),
     "wheat": _grass("wheat", 55.0, 0.95, cover=1.0, ground=0.0, reach=120.0),
     "maize": Species(
@@ -211,6 +222,19 @@ KINDS: dict[str, Species] = {
     "buttercup": _flower("buttercup", 7.0, 0.26, 0.35),
     "poppy": _flower("poppy", 5.0, 0.42, 0.22),
     "cornflower": _flower("cornflower", 4.0, 0.44, 0.22),
+    "dandelion": _flower("dandelion", 3.0, 0.18, 0.3),
+    "clover": Species(
+        *(herbs.clover, 9.0, "cover", 0.12, 0.2),
+        levels=(2.5, 7.0),
+        near=5.0,
+        reach=32.0,
+        cover=0.28,
+        patch=3.0,
+        upright=0.3,
+        ground=0.15,
+        sizes=(0.7, 1.4),
+        habitat="tufts",
+    ),
     "fern": Species(
         *(herbs.fern, 1.6, "cover", 0.5, 0.5),
         levels=(5.0, 14.0),
@@ -280,7 +304,7 @@ KINDS: dict[str, Species] = {
     "pebbles": Species(
         *(_pebbles, 6.0, "cover", 0.04, 0.3),
         levels=(2.5, 6.0),
-        near=4.5,
+        near=7.0,
         reach=26.0,
         cover=0.45,
         patch=9.0,

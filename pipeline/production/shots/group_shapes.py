@@ -2,8 +2,9 @@
 
 A drop of rain is a spindle of six sides for those who simulate it, and flat when it has struck. In
 the picture it is a narrow open tube of clear water: falling it is a streak, and as it is spread
-where it strikes its rim stands up as the crown of a splash. Blades of grass are drawn narrower.
-Only the meshes differ, vertex by vertex; the nodes that they follow are those of the take.
+where it strikes its rim stands up as the crown of a splash. Blades of grass are drawn narrower,
+short and tall, and winding. Only the meshes differ, vertex by vertex; the nodes that they follow
+are those of the take.
 
 Source: K. Garg and S. Nayar, Photorealistic rendering of rain streaks, 2006, for the width and
     clearness of streaks; A. Worthington, A Study of Splashes, 1908, for their crowns.
@@ -43,6 +44,10 @@ CROWN = (1.0, 0.35, 0.8, 0.2, 0.95, 0.45)
 BLADE_WIDTH = 0.36
 """Width of a blade as it is drawn, relative to the simulated one."""
 
+BLADE_HEIGHTS, BLADE_LEAN, BLADE_WAVE = (0.3, 1.0), 0.2, 0.13
+"""Least and greatest height of a blade relative to the simulated one, and by how much its tip
+leans over and it winds sidewards, relative to its height."""
+
 
 def drawn(take: Take, scene: Scene) -> Take:
     """Return the take with the meshes and materials of its groups as they are drawn."""
@@ -57,7 +62,7 @@ def drawn(take: Take, scene: Scene) -> Take:
             meshes[part.seen] = _with(mesh, _streaks(mesh, rule.size))
             parts[i] = _clear(part)
         else:
-            meshes[part.seen] = _with(mesh, _narrow(mesh))
+            meshes[part.seen] = _with(mesh, _grown(mesh))
     if parts == list(take.parts) and all(a is b for a, b in zip(meshes, take.meshes, strict=True)):
         return take
     return replace(take, meshes=tuple(meshes), parts=tuple(parts))
@@ -93,12 +98,26 @@ def _streaks(mesh: Mesh, size: float) -> Array:
     return np.tile(one, (count, 1))
 
 
-def _narrow(mesh: Mesh) -> Array:
-    """Return the vertices (V, 3) of blades of another width, each about its own middle line."""
+def _grown(mesh: Mesh) -> Array:
+    """Return the vertices (V, 3) of blades that differ: narrower, short and tall, and winding."""
     vertices = np.asarray(mesh.vertices, float).copy()
     blade = mesh.nodes[:, 0]
-    count = np.maximum(np.bincount(blade), 1)
-    for axis in (0, 2):
-        middle = np.bincount(blade, weights=vertices[:, axis]) / count
-        vertices[:, axis] = middle[blade] + BLADE_WIDTH * (vertices[:, axis] - middle[blade])
+    count = int(blade.max()) + 1
+    rng = np.random.default_rng(count)
+    height = rng.uniform(*BLADE_HEIGHTS, count)
+    # One at least is as tall as it was.
+    height[blade[np.argmax(vertices[:, 1])]] = 1.0
+    lean, phase = rng.normal(0.0, BLADE_LEAN, (count, 2)), rng.uniform(0.0, 2 * np.pi, count)
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, blade, vertices[:, 1])
+    np.maximum.at(high, blade, vertices[:, 1])
+    long = np.maximum(high - low, 1e-9)[blade] * height[blade]
+    part = (vertices[:, 1] - low[blade]) / np.maximum(high - low, 1e-9)[blade]
+    wind = BLADE_WAVE * part * np.sin(phase[blade] + 5.0 * part)
+    number = np.maximum(np.bincount(blade), 1)
+    for k, axis in enumerate((0, 2)):
+        middle = (np.bincount(blade, weights=vertices[:, axis]) / number)[blade]
+        aside = lean[blade, k] * part**2 + wind * (np.cos, np.sin)[k](3.0 * phase[blade])
+        vertices[:, axis] = middle + BLADE_WIDTH * (vertices[:, axis] - middle) + long * aside
+    vertices[:, 1] = low[blade] + long * part
     return vertices

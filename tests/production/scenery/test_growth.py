@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
-from pipeline.production.scenery.growth import RASTER, Growth
+from pipeline.production.scenery.growth import GATHERED, RASTER, TUFT_LEAST, Growth
 from pipeline.production.scenery.species import KINDS
 from render.config import MATERIALS, Weather
 from render.ground_wear import TEXELS
@@ -40,14 +40,21 @@ def test_trees_stand_in_groves_that_differ_by_the_seed() -> None:
     assert KINDS["oak"].habitat == "grove"
 
 
-def test_the_ground_is_drawn_as_bare_as_it_is_for_plants() -> None:
+def test_the_ground_is_drawn_bare_where_plants_find_it_bare_or_stand_thin() -> None:
     growth = Growth(5)
     wear = growth.wear(MATERIALS["grass"], CALM, np.array([3.0, -4.0]))
     assert wear is not None
     step = RASTER / TEXELS
     j, i = np.random.default_rng(1).integers(200, TEXELS - 200, (2, 500))
     x, z = wear.corner[0] + (i + 0.5) * step, wear.corner[1] + (j + 0.5) * step
-    np.testing.assert_allclose(wear.texels[j, i] / 255.0, growth.worn(x, z), atol=0.003)
+    drawn = growth.drawn(x, z)
+    np.testing.assert_allclose(wear.texels[j, i] / 255.0, drawn, atol=0.003)
+    assert (drawn >= growth.worn(x, z)).all()
+    # Soil shows where grass is thin, not in its tufts.
+    free = growth.worn(x, z) == 0.0
+    tufts = growth.gathered("tufts", np.stack([x, z], axis=-1))
+    assert drawn[free & (tufts < TUFT_LEAST + 0.02)].min() > 0.25
+    assert drawn[free & (tufts > 0.99)].max() < 0.01
     # It ends before its edge, so that no edge is seen.
     assert wear.texels[[0, -1]].max() == wear.texels[:, [0, -1]].max() == 0
     assert growth.wear(MATERIALS["snow"], CALM, np.zeros(2)) is None
@@ -61,7 +68,18 @@ def test_ways_of_performers_show_soil() -> None:
     distance = np.minimum(np.abs(z) / Clearings.UNIT, 255).astype(np.uint8)
     growth = Growth(5, Clearings((-6.0, -6.0), 0.1, distance, np.zeros_like(x, bool)))
     along = np.linspace(-5, 5, 200)
-    more = growth.drawn(along, 0 * along) - growth.worn(along, 0 * along)
+    untrodden = Growth(5)
+    more = growth.drawn(along, 0 * along) - untrodden.drawn(along, 0 * along)
     assert more.mean() > 0.1
     away = np.full(200, 3.0)
-    np.testing.assert_array_equal(growth.drawn(along, away), growth.worn(along, away))
+    np.testing.assert_array_equal(growth.drawn(along, away), untrodden.drawn(along, away))
+
+
+def test_tufts_and_clumps_leave_the_share_on_average_that_densities_count_on() -> None:
+    at = np.stack(places(half=300.0), axis=-1)
+    for habitat, share in GATHERED.items():
+        for seed in (5, 6):
+            found = Growth(seed).gathered(habitat, at)
+            assert abs(found.mean() - share) < 0.03
+            assert (found < 0.3).mean() > 0.25
+            assert (found > 0.8).mean() > 0.2

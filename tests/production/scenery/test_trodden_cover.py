@@ -18,7 +18,7 @@ pronk: 1
 frames: 36
 terrain:
   {kind: flat, size: [8, 8], cells: [8, 8], material: grass, surroundings: none,
-   scatter: [{species: short grass, density: 60}]}
+   scatter: [{species: short grass, density: 180}]}
 cast: [{figure: horse, walk: {gait: walk}}]
 camera: {distance: 4}
 light: {weather: calm}

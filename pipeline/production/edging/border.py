@@ -312,20 +312,21 @@ class Border:
             size = rng.uniform(0.22, 0.3, (len(points), 1)) * [1.0, 0.85, 1.0]
             self.leaves.append(Copies(lantern(), points, _turns(rows.heading), size, tints))
 
-    def palms(self, out: float, spacing: float) -> None:
-        """Add palms."""
-        rng = np.random.default_rng([self.seed, 458])
-        rows = self.rows(out, spacing, 7.0, 1.3)
+    def palms(self, out: float, spacing: float, size: float = 1.0) -> None:
+        """Add palms; `size` is a factor on their sizes."""
+        rng = np.random.default_rng([self.seed, 458, round(10 * out)])
+        rows = self.rows(out, spacing, 7.0 * size, 1.3)
         n = len(rows.places)
         places = rows.places + rng.normal(0.0, 1.3, (n, 2))
-        kept = self.is_free(places, 7.0, 1.3) & ~self.shades_the_cast(places, 7.5, 2.2)
+        kept = self.is_free(places, 7.0 * size, 1.3)
+        kept &= ~self.shades_the_cast(places, 7.5 * size, 2.2 * size)
         places = places[kept & (rng.uniform(size=n) < 0.8)]
         if not len(places):
             return
         points = self.points(places) - [0.0, 0.1, 0.0]
         level = (self.view.distances(points) / self.detail > 22.0).astype(int)
         variant = rng.integers(0, 4, len(points))
-        scales = rng.uniform(0.6, 1.15, (len(points), 1)) * np.ones(3)
+        scales = size * rng.uniform(0.6, 1.15, (len(points), 1)) * np.ones(3)
         turns = _turns(rng.uniform(0, 2 * np.pi, len(points)))
         tints = rng.uniform(0.85, 1.15, (len(points), 1)) * np.ones(3)
         for k in (0, 1):

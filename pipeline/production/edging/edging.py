@@ -238,6 +238,8 @@ def _stand(
         if land.kind == "sea":
             border.festoon(level, 3.4)
             border.palms(out + 2.6, 4.6)
+            border.palms(out + 7.0, 3.6, 0.55)
+            border.palms(out + 14.0, 4.4, 0.8)
             border.undergrowth(out + 0.6, SHORE)
     elif choice.along == "planters":
         border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)

@@ -105,6 +105,8 @@ class House:
         rng: of what differs from house to house.
         door: of its bays, from the left, which has the door.
         is_shop: whether the ground floor has shop windows.
+        plaster: material of its walls.
+        shuttered: chance that its windows have shutters.
     """
 
     carpentry: Carpentry
@@ -118,6 +120,7 @@ class House:
     door: int
     is_shop: bool = False
     plaster: str = "cream"
+    shuttered: float = 0.65
 
     @property
     def bays(self) -> int:
@@ -133,7 +136,7 @@ class House:
         """Add all of it."""
         wide, deep = self.size
         wood = str(self.rng.choice(WOODS))
-        has_shutters = bool(self.rng.uniform() < 0.65)
+        has_shutters = bool(self.rng.uniform() < self.shuttered)
         # Behind the panes it is solid: nobody looks through to the other side.
         body = (0.0, 0.5 * self.tall, -0.5 * (deep + WALL))
         self.add(self.plaster, body, (wide, self.tall, deep - WALL))
@@ -343,9 +346,9 @@ class House:
         chimney = float(self.rng.choice((-0.3, 0.28, 0.4))) * wide
         self.add("brick", (chimney, self.tall + rise, -0.62 * deep), (0.8, 2.0, 0.55))
         self.add("hewn stone", (chimney, self.tall + rise + 1.0, -0.62 * deep), (0.92, 0.1, 0.67))
-        for k in (-0.2, 0.2):
+        for side in (-0.2, 0.2):
             self.add(
-                "tile red", (chimney + k, self.tall + rise + 1.2, -0.62 * deep), (0.2, 0.34, 0.2)
+                "tile red", (chimney + side, self.tall + rise + 1.2, -0.62 * deep), (0.2, 0.34, 0.2)
             )
 
     def turret(self) -> None:

@@ -31,6 +31,12 @@ GAP = 0.3
 
 SCHOOL_WIDTH, HOUSE_WIDTH = 19.0, 10.5
 
+TRODDEN = 1.2
+"""Distance from the cast at which a path ends [m]."""
+
+LONGEST_PATH = 24
+"""Rows of slabs from a door."""
+
 ALONG = (0.5, 0.38, 0.62, 0.25, 0.75, 0.12, 0.88, 0.0, 1.0)
 """Shares of a side at which a single house is tried."""
 
@@ -141,10 +147,14 @@ def single_house(border: Border, out: float, floor: Array | None, *, is_school: 
     house = House(
         *(border.carpentry, best.place, best.heading, (width, DEEP), 2, level),
         *(_foot(border, best), rng, count // 2, False, "straw" if is_school else "cream"),
+        shuttered=0.0 if is_school else 1.0,
     )
     house.build()
     if is_school:
         house.turret()
+    if floor is None:
+        _planting(border, best, rng)
+        _path(border, house, best, door, rng)
     border.plots.append(best.plot(0.4 if floor is not None else 2.0))
 
 
@@ -238,3 +248,32 @@ def _pavement(house: House, up: float) -> None:
             )
         kerb = (at, up - 0.17, PAVEMENT - 0.1)
         house.add("hewn stone", kerb, (wide / count - 0.02, 0.5, 0.2))
+
+
+def _planting(border: Border, site: Site, rng: np.random.Generator) -> None:
+    """Add shrubs and flowers at the foot of a facade, but for its middle."""
+    for kind, step, out, size in (
+        *(("bush", 1.1, 1.0, 0.8), ("poppy", 0.5, 1.5, 1.1), ("tall grass", 0.45, 0.8, 0.9)),
+    ):
+        at = np.arange(-0.47, 0.48, step / site.width) * site.width
+        at = at + rng.uniform(-0.4, 0.4, len(at)) * step
+        at = at[(np.abs(at - at.mean()) > 2.6) & (rng.uniform(size=len(at)) < 0.8)]
+        front = out + rng.normal(0.0, 0.18, len(at))
+        places = site.place + at[:, None] * site.along - front[:, None] * site.outward
+        places = places[border.is_free(places, 0.8, 0.4)]
+        if len(places):
+            border.add_plants(kind, border.points(places), size, rng)
+
+
+def _path(border: Border, house: House, site: Site, door: float, rng: np.random.Generator) -> None:
+    """Add a path of slabs from the door towards the floor, as far as nobody treads."""
+    for k in range(LONGEST_PATH):
+        out = 1.2 + 0.66 * k
+        place = site.place + door * site.along - out * site.outward
+        if border.clearings is None or border.clearings.distance(*place[:, None])[0] < TRODDEN:
+            return
+        up = float(border.height(place[None])[0]) - house.level
+        for side in (-0.36, 0.36):
+            at = (door + side + rng.normal(0, 0.02), up - 0.05, out + rng.normal(0, 0.02))
+            house.add("hewn stone", at, (0.68, 0.14, 0.62))
+        border.plots.append(Plot(place, site.along, np.array([0.75, 0.36])))

@@ -219,6 +219,16 @@ def test_the_door_of_a_house_is_at_the_head_of_stairs() -> None:
     assert abs(low[:, 2].mean() - 2.0) < 0.4
 
 
+def test_a_school_has_a_path_that_ends_before_the_cast() -> None:
+    made = edging("school", "ground")
+    assert len(made.plots) > 5
+    middles = np.array([plot.middle for plot in made.plots])
+    assert made.border.clearings is not None
+    assert 1.2 < made.border.clearings.distance(*middles.T).min()
+    assert made.floor is None
+    assert made.placed
+
+
 def test_roofs_taper() -> None:
     carpentry = Carpentry()
     carpentry.add("oak", np.zeros(3), (4.0, 2.0, 3.0), top=(1.0, 0.1))

@@ -30,7 +30,7 @@ EAVES = 0.42
 COURSE, TILES = 0.34, 0.95
 """Height of a course of tiles along the slope, and width of those laid together [m]."""
 
-PLASTERS = ("ochre", "rose", "cream", "grey", "sage", "white", "brick")
+PLASTERS = ("ochre", "rose", "cream", "grey", "sage", "white", "brick", "straw")
 """Washes of facades."""
 
 WOODS = ("shutter green", "shutter blue", "shutter brown", "shutter grey")
@@ -60,7 +60,7 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "sage": _plaster("#8f9a83", "#808a74"),
     "straw": _plaster("#d9be84", "#cbae74"),
     "white": _plaster("#ded9cc", "#d0cabb"),
-    "brick": _plaster("#a2593f", "#8d4b36"),
+    "brick": _plaster("#8f5c4b", "#7d4e40"),
     "hewn stone": _plaster("#b3a78f", "#9c917c"),
     "tile red": _dull("#96523a"),
     "tile brown": _dull("#84483a"),
@@ -148,6 +148,7 @@ class House:
                 middle = (bay + 0.5) * wide / self.bays - 0.5 * wide
                 self._wall(middle, low, high, opening)
                 self._window(middle, low, opening, wood, has_shutters and storey > 0)
+        self._gables(wide, deep)
         self._trim(wide, deep)
         self._steps()
         self.roof()
@@ -249,13 +250,27 @@ class House:
 
     def _awning(self, middle: float, up: float, wide: float) -> None:
         """Add a striped awning over a shop window."""
-        cloth = AWNINGS[int(self.place.sum() * 7.3) % len(AWNINGS)]
+        cloth = AWNINGS[PLASTERS.index(self.plaster) % len(AWNINGS)]
         count = max(round(wide / 0.26), 3)
         for k in range(count):
             at = middle + ((k + 0.5) / count - 0.5) * wide
             stripe = cloth if k % 2 == 0 else "awning white"
             self.add(stripe, (at, up - 0.16, 0.62), (wide / count, 0.02, 1.3), 0.5)
             self.add(stripe, (at, up - 0.56, 1.19), (wide / count, 0.2, 0.015))
+
+    def _gables(self, wide: float, deep: float) -> None:
+        """Add windows at both ends, and one under the roof."""
+        storeys = [GROUND_STOREY + STOREY * (k - 1) for k in range(1, self.storeys)]
+        spots = [(up + 1.65, back) for up in storeys for back in (0.3, 0.7)]
+        spots.append((self.tall + 0.9, 0.5))
+        for side in (-0.5, 0.5):
+            for up, part in spots:
+                at = (side * (wide - 0.02), up, -part * deep)
+                self.add("hewn stone", at, (0.10, 1.7, 1.2))
+                self.add("window frame", at, (0.13, 1.45, 0.95))
+                for k in (-0.22, 0.22):
+                    pane = (at[0], up, at[2] + k)
+                    self.add("pane", pane, (0.15, 1.36, 0.4))
 
     def _trim(self, wide: float, deep: float) -> None:
         """Add plinth, string courses and cornice."""

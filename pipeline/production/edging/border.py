@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.masonry import hedge_length, lantern, wall_stone
 from pipeline.production.edging.palms import palm
+from pipeline.production.edging.plot import Plot
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.film_view import FilmView
@@ -77,6 +78,7 @@ class Border:
         stones: copies of stone.
         leaves: copies of hedges.
         placed: plants.
+        plots: built ground.
     """
 
     low: Array
@@ -91,6 +93,7 @@ class Border:
     stones: list[Copies] = field(default_factory=list)
     leaves: list[Copies] = field(default_factory=list)
     placed: list[Placed] = field(default_factory=list)
+    plots: list[Plot] = field(default_factory=list)
 
     def rows(self, out: float, spacing: float, tall: float, radius: float) -> Rows:
         """Return places where something may stand, at a distance from the floor.
@@ -122,6 +125,8 @@ class Border:
         free = np.ones(len(places), bool)
         if self.clearings is not None:
             free &= self.clearings.distance(*places.T) > radius + CLEAR
+        for plot in self.plots:
+            free &= ~plot.holds(places, radius)
         points = self.points(places)
         heights, radii = np.full(len(places), tall), np.full(len(places), radius)
         free &= ~self.view.in_the_way(points, heights, radii)
@@ -307,20 +312,21 @@ class Border:
             size = rng.uniform(0.22, 0.3, (len(points), 1)) * [1.0, 0.85, 1.0]
             self.leaves.append(Copies(lantern(), points, _turns(rows.heading), size, tints))
 
-    def palms(self, out: float, spacing: float) -> None:
-        """Add palms."""
-        rng = np.random.default_rng([self.seed, 458])
-        rows = self.rows(out, spacing, 7.0, 1.3)
+    def palms(self, out: float, spacing: float, size: float = 1.0) -> None:
+        """Add palms; `size` is a factor on their sizes."""
+        rng = np.random.default_rng([self.seed, 458, round(10 * out)])
+        rows = self.rows(out, spacing, 7.0 * size, 1.3)
         n = len(rows.places)
         places = rows.places + rng.normal(0.0, 1.3, (n, 2))
-        kept = self.is_free(places, 7.0, 1.3) & ~self.shades_the_cast(places, 7.5, 2.2)
+        kept = self.is_free(places, 7.0 * size, 1.3)
+        kept &= ~self.shades_the_cast(places, 7.5 * size, 2.2 * size)
         places = places[kept & (rng.uniform(size=n) < 0.8)]
         if not len(places):
             return
         points = self.points(places) - [0.0, 0.1, 0.0]
         level = (self.view.distances(points) / self.detail > 22.0).astype(int)
         variant = rng.integers(0, 4, len(points))
-        scales = rng.uniform(0.6, 1.15, (len(points), 1)) * np.ones(3)
+        scales = size * rng.uniform(0.6, 1.15, (len(points), 1)) * np.ones(3)
         turns = _turns(rng.uniform(0, 2 * np.pi, len(points)))
         tints = rng.uniform(0.85, 1.15, (len(points), 1)) * np.ones(3)
         for k in (0, 1):
@@ -406,6 +412,25 @@ class Border:
             self.carpentry.add(
                 "edging iron", foot + 0.05 * back + [0, 0.42, 0], (0.05, 0.04, 0.42), heading
             )
+
+    def lamps(self, out: float, spacing: float) -> None:
+        """Add lamp posts of cast iron with a lantern each."""
+        rows = self.rows(out, spacing, 3.6, 0.25)
+        if not len(rows.places):
+            return
+        base = self.points(rows.places)
+        iron = "edging iron"
+        for up, wide, high in (
+            *((0.12, 0.34, 0.3), (0.4, 0.22, 0.3), (1.75, 0.09, 2.6), (2.6, 0.16, 0.06)),
+            *((3.08, 0.14, 0.08), (3.56, 0.40, 0.05)),
+        ):
+            self.carpentry.add(iron, base + up * UP, (wide, high, wide), rows.heading)
+        self.carpentry.add(
+            iron, base + 3.68 * UP, (0.40, 0.22, 0.40), rows.heading, top=(0.15, 0.15)
+        )
+        self.carpentry.add(
+            "edging curtained pane", base + 3.33 * UP, (0.24, 0.42, 0.24), rows.heading
+        )
 
     def trees(self, kinds: tuple[str, ...], out: float, spacing: float, size: float) -> None:
         """Add a row of trees, none quite like the next, in whose shade the cast does not stand.

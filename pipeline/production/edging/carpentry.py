@@ -31,6 +31,7 @@ class Carpentry:
         sizes: Array | tuple[float, ...],
         heading: Array | float = 0.0,
         lean: float = 0.0,
+        top: tuple[float, float] = (1.0, 1.0),
     ) -> None:
         """Add boxes.
 
@@ -40,12 +41,14 @@ class Carpentry:
             sizes: (N, 3) or (3,) along their own axes [m].
             heading: (N,) or one, turn about +Y [rad].
             lean: turn about their own first axis [rad].
+            top: factors on length and depth at their tops, which taper roofs and gables.
         """
         centers = np.atleast_2d(np.asarray(centers, float))
         n = len(centers)
         sizes = np.broadcast_to(np.asarray(sizes, float), (n, 3))
         angle = np.broadcast_to(np.asarray(heading, float), (n,))
-        local = _CORNERS[None] * sizes[:, None]
+        tapered = np.where(_CORNERS[:, 1:2] > 0.0, [top[0], 1.0, top[1]], 1.0)
+        local = (tapered * _CORNERS)[None] * sizes[:, None]
         c, s = np.cos(lean), np.sin(lean)
         tipped = local @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
         c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]

@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from pipeline.production.edging import room
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
-from pipeline.production.edging.edging_choice import EdgingChoice
+from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.edging.house import MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
+from pipeline.production.edging.plot import Plot
+from pipeline.production.edging.street import row_of_houses, single_house
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView
@@ -56,6 +59,7 @@ MATERIALS_OF_EDGING: Mapping[str, Material] = {
     **{f"edging {name}": MATERIALS[name] for name in BUILT},
     "edging weathered": WEATHERED,
     "edging wall": WALL,
+    **{f"edging {name}": made for name, made in MATERIALS_OF_HOUSES.items()},
 }
 
 TREES: Mapping[str, tuple[str, ...]] = {
@@ -76,6 +80,18 @@ FOOT_OF_FLOOR = (
     ("dry grass", 0.5, 0.7),
     ("daisy", 0.7, 1.0),
 )
+
+CLOSE = 0.06
+"""Distance of a house from stairs that lead to its door [m]."""
+
+AWAY = 15.0
+"""Distance of houses from a yard of natural ground [m]."""
+
+YARD = 5.0
+"""Ground around the cast before houses on natural ground [m]."""
+
+STEPPED = 0.3
+"""Difference of height from which a house on natural ground stands at its highest part [m]."""
 
 BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
 """What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
@@ -130,6 +146,10 @@ class Edging:
             is_broken=is_paved and not is_room,
             around=eyes,
         )
+        if choice.floor == "ground":
+            return Edging(
+                None, None, _on_ground(choice, terrain, land, clearings, view, seed, detail, sun)
+            )
         if plan is None:
             corners = terrain.vertices[:, [0, 2]]
             low, high = corners.min(axis=0), corners.max(axis=0)
@@ -142,7 +162,7 @@ class Edging:
                 grow_in_joints(border, all_of_it, land.field)
                 cover = dirt(all_of_it, terrain.vertices.astype(np.float32), seed)
             border.undergrowth(0.06, FOOT_OF_FLOOR)
-            _stand(border, choice, land, 1.1, None)
+            _stand(border, choice, land, 1.1, None, terrain.vertices)
             return Edging(None, None, border, cover)
         apron = Apron(plan, is_paved and not is_room, seed)
 
@@ -165,6 +185,11 @@ class Edging:
         """Plants of the edging."""
         return tuple(self.border.placed)
 
+    @property
+    def plots(self) -> tuple[Plot, ...]:
+        """Built ground of the edging."""
+        return tuple(self.border.plots)
+
     def meshes(self) -> tuple[Mesh, ...]:
         """Return what is built, and hedges."""
         border = self.border
@@ -178,7 +203,12 @@ class Edging:
 
 
 def _stand(
-    border: Border, choice: EdgingChoice, land: Land, out: float, deck: float | None
+    border: Border,
+    choice: EdgingChoice,
+    land: Land,
+    out: float,
+    deck: float | None,
+    steps: Array | None = None,
 ) -> None:
     """Let things stand along a floor.
 
@@ -188,17 +218,17 @@ def _stand(
         land: around.
         out: distance from the floor [m].
         deck: height of a floor of boards, None for another.
+        steps: (N, 3) of a floor that is not level.
     """
     if deck is not None:
         border.rim("edging weathered", deck)
     if choice.along == "overgrown":
         return
     level = deck if deck is not None else land.level
-    if choice.along == "hedge":
-        border.benches(-0.55 if deck is None else -0.7, 6.5)
-        border.hedge(out + 0.6, 1.05)
-        border.undergrowth(out + 0.15, FOOT_OF_WALL)
-        border.undergrowth(out + 2.0, BEHIND)
+    if choice.along in HOUSES:
+        _build(border, choice.along, out + 4.6, steps)
+    if choice.along in ("hedge", *HOUSES):
+        _hedge(border, out, has_benches=choice.along not in ("house", "school"), deck=deck)
     elif choice.along == "wall":
         border.wall(out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
@@ -208,6 +238,8 @@ def _stand(
         if land.kind == "sea":
             border.festoon(level, 3.4)
             border.palms(out + 2.6, 4.6)
+            border.palms(out + 7.0, 3.6, 0.55)
+            border.palms(out + 14.0, 4.4, 0.8)
             border.undergrowth(out + 0.6, SHORE)
     elif choice.along == "planters":
         border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
@@ -216,3 +248,49 @@ def _stand(
     if land.kind in TREES and choice.along != "railing":
         border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
         border.trees(TREES[land.kind], out + 11.0, 8.5, 1.0)
+
+
+def _hedge(border: Border, out: float, *, has_benches: bool, deck: float | None) -> None:
+    """Add a clipped hedge with plants at its foot and behind it, and benches before it."""
+    if has_benches:
+        border.benches(-0.55 if deck is None else -0.7, 6.5)
+    border.hedge(out + 0.6, 1.05)
+    border.undergrowth(out + 0.15, FOOT_OF_WALL)
+    border.undergrowth(out + 2.0, BEHIND)
+
+
+def _on_ground(
+    choice: EdgingChoice,
+    terrain: TerrainRecord,
+    land: Land,
+    clearings: Clearings | None,
+    view: FilmView,
+    seed: int,
+    detail: float,
+    sun: tuple[float, float, float] | None,
+) -> Border:
+    """Return what is built on natural ground, around where the cast is."""
+    flat = terrain.vertices[:, [0, 2]]
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    if clearings is not None:
+        low, high = clearings.extent + np.array([[-YARD], [YARD]])
+
+    def height(places: Array) -> Array:
+        inside = land.field.inside(*places.T)
+        return np.where(inside, land.field.surface(*places.T)[0], land.height(*places.T))
+
+    border = Border(low, high, height, view, clearings, seed, detail, sun)
+    steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
+    _build(border, choice.along, AWAY, steps)
+    return border
+
+
+def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
+    """Add houses, or one at some distance from a floor [m], or close to one that is not level."""
+    if word == "houses":
+        row_of_houses(border, out)
+        border.lamps(out - 3.2, 9.0)
+        border.trees(("oak", "birch"), out - 3.3, 8.0, 0.5)
+    else:
+        near = CLOSE if steps is not None else out
+        single_house(border, near, steps, is_school=word == "school")

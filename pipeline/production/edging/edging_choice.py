@@ -20,6 +20,9 @@ BY_SURROUNDINGS = {
 }
 """What stands along paving and along decks, by surroundings."""
 
+HOUSES = ("houses", "house", "school")
+"""What is built on natural ground, too."""
+
 OTHERWISE = {"paving": "wall", "deck": "planters"}
 
 
@@ -28,7 +31,8 @@ class EdgingChoice:
     """How a floor ends.
 
     Attributes:
-        floor: `paving` of slabs that breaks up at its border, or a `deck` of boards.
+        floor: `paving` of slabs that breaks up at its border, a `deck` of boards, or natural
+            `ground`.
         along: what stands along it, a word of `pipeline.spec.terrain.base.Edging`.
         piece: side of a slab [m].
     """
@@ -41,6 +45,8 @@ class EdgingChoice:
     def of(scene: Scene, around: Choice) -> EdgingChoice | None:
         """Return the choice of a scene's author, or what suits the scene; None for no edging."""
         word: str = scene.terrain.edging
+        if word in HOUSES and around.joins != "platform" and around.kind != "none":
+            return EdgingChoice("ground", word, 1.0)
         if around.joins != "platform" or word == "none" or scene.terrain.show_forbidden:
             return None
         name = scene.terrain.material

@@ -11,7 +11,7 @@ from pipeline.production.scenery.prototype import Prototype, Shape, add_leaves, 
 HEIGHT = 6.2
 """Of the trunk of a palm at scale 1 [m]."""
 
-FRONDS, LONG, LEAFLETS = 24, 2.5, (26, 14)
+FRONDS, LONG, LEAFLETS = 32, 2.6, (30, 15)
 """Number of fronds, their length [m], and leaflets on each side by level of detail."""
 
 BARK, GREEN, YELLOW, DEAD = (
@@ -70,7 +70,7 @@ def palm(seed: int, level: int) -> Prototype:
                     axes,
                     face,
                     reach,
-                    np.full(count, (0.075, 0.12)[min(level, 1)]),
+                    np.full(count, (0.085, 0.14)[min(level, 1)]),
                 ),
                 shades,
                 triangles=2 if level == 0 else 1,

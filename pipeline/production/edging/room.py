@@ -36,14 +36,11 @@ CURTAINS = ((0.50, 0.17, 0.10), (0.52, 0.38, 0.20), (0.22, 0.30, 0.20))
 RUG = ("red cloth", "white cloth", "blue cloth")
 """Materials of the bands of a rug, from its border to its middle."""
 
-MOTIF = 0.5
-"""Distance between the motifs of a rug, about [m]."""
+MOTIF = 0.22
+"""Distance between the diamonds along the border of a rug, about [m]."""
 
-MOTIF_CLOTHS = (
-    ("red cloth", "yellow cloth"),
-    ("white cloth", "leather"),
-    ("blue cloth", "red cloth"),
-)
+MEDALLION = ("red cloth", "yellow cloth", "red cloth", "leather", "white cloth", "blue cloth")
+"""Materials of the medallion of a rug, from its outside."""
 
 RUG_HEIGHT = 0.0025
 """Height of a rug over the floor: what stands on it sinks in as far [m]."""
@@ -200,22 +197,32 @@ class Room:
         self._motifs(middle, half - 0.42)
 
     def _motifs(self, middle: Array, half: Array) -> None:
-        """Add diamonds within diamonds to the field of the rug."""
-        counts = np.maximum((2.0 * half / MOTIF).astype(int), 1)
-        step = 2.0 * half / counts
-        i, j = (a.ravel() for a in np.meshgrid(*(np.arange(n) for n in counts)))
-        spots = middle - half + step * (np.stack([i, j], axis=-1) + 0.5)
-        large = np.where((i + j) % 2 == 0, 1.0, 0.42)
-        for k, size in enumerate((0.8, 0.55, 0.26)):
-            up = self.plan.height + RUG_HEIGHT + 0.0003 * (k + 1) - 0.005
-            for number, cloth in enumerate(MOTIF_CLOTHS[k]):
-                chosen = (i + j) % len(MOTIF_CLOTHS[k]) == number
-                some = spots[chosen]
-                if len(some):
-                    centers = np.stack([some[:, 0], np.full(len(some), up), some[:, 1]], axis=-1)
-                    wide = large[chosen] * size * step.min() / np.sqrt(2.0)
-                    sizes = np.stack([wide, np.full_like(wide, 0.01), wide], axis=-1)
-                    self._carpentry.add(f"edging {cloth}", centers, sizes, np.pi / 4)
+        """Add a medallion, smaller ones in the corners, and a border of diamonds to the rug."""
+        least = float(half.min())
+        long = np.array([1.0, 0.0]) if half[0] > half[1] else np.array([0.0, 1.0])
+        self._diamonds(middle[None], 0.62 * least, MEDALLION)
+        beside = middle + np.array([[-1.0], [1.0]]) * long * 0.78 * least
+        if (np.abs(beside - middle) + 0.26 * least < half).all():
+            self._diamonds(beside, 0.2 * least, MEDALLION[2:])
+        corners = middle + np.array([[i, j] for i in (-1, 1) for j in (-1, 1)]) * 0.8 * half
+        self._diamonds(corners, 0.16 * least, MEDALLION[1:4])
+        rim = []
+        for axis in (0, 1):
+            count = max(round(2.0 * half[axis] / MOTIF), 2)
+            along = (np.arange(count + 1) / count - 0.5) * 2.0 * half[axis]
+            for side in (-1.0, 1.0):
+                spots = np.zeros((count + 1, 2))
+                spots[:, axis], spots[:, 1 - axis] = along, side * (half[1 - axis] + 0.2)
+                rim.append(middle + spots)
+        self._diamonds(np.concatenate(rim), 0.055, ("blue cloth", "yellow cloth"))
+
+    def _diamonds(self, spots: Array, half: float, cloths: tuple[str, ...]) -> None:
+        """Add diamonds within diamonds at places (N, 2), the largest half as wide as `half` [m]."""
+        for k, cloth in enumerate(cloths):
+            up = self.plan.height + RUG_HEIGHT + 0.00025 * (k + 1) - 0.005
+            centers = np.stack([spots[:, 0], np.full(len(spots), up), spots[:, 1]], axis=-1)
+            wide = np.sqrt(2.0) * half * (1.0 - k / len(cloths)) ** 1.2
+            self._carpentry.add(f"edging {cloth}", centers, (wide, 0.01, wide), np.pi / 4)
 
     def _shelf(
         self, place: Array, heading: float, outward: Array, rng: np.random.Generator

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.production.edging.plot import Plot
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import meshes, triangle_counts
 from pipeline.production.scenery.film_view import FilmView
@@ -43,6 +44,10 @@ TRIANGLE_BYTES = 215
 """Memory that a triangle takes while frames are rendered, measured [bytes]."""
 
 
+TRUNK = 2.0
+"""Distance of trees from built ground [m]."""
+
+
 class TooManyTriangles(Exception):
     """An author's own densities take too much memory."""
 
@@ -77,6 +82,7 @@ def scenery_meshes(
     growth: Growth,
     detail: float,
     also: Sequence[Placed] = (),
+    plots: Sequence[Plot] = (),
 ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
     """Return the plants and stones that the cameras of a film see, still and trodden ones.
 
@@ -90,13 +96,14 @@ def scenery_meshes(
         growth: where plants thrive in the scene.
         detail: 1 for frames 1280 pixels wide.
         also: what stands there besides.
+        plots: built ground, on which nothing grows.
 
     Raises:
         TooManyTriangles: the densities that the author asks for take too much memory.
     """
     placement = Placement(ground, view, clearings, growth.seed, growth, detail)
-    fitted = [placement.placed(one) for one in scatter.fitted]
-    asked = [placement.placed(one) for one in scatter.asked]
+    fitted = [_off(placement.placed(one), plots) for one in scatter.fitted]
+    asked = [_off(placement.placed(one), plots) for one in scatter.asked]
     most = round(scatter.factor * budget(detail, view.path_length))
     # What stands along a floor takes the place of some of the cover around it.
     along = sum(int(triangle_counts(placed, detail).sum()) for placed in also)
@@ -105,6 +112,14 @@ def scenery_meshes(
     _check_size(every, detail)
     still, trodden = split_trodden(every, treads, detail)
     return meshes(still, detail, wind), TroddenCover.of(trodden, treads, wind, detail)
+
+
+def _off(placed: Placed, plots: Sequence[Plot]) -> Placed:
+    """Return what does not stand on built ground."""
+    margin = TRUNK if KINDS[placed.name].layer == "tree" else KINDS[placed.name].radius
+    for plot in plots:
+        placed = placed.taken(~plot.holds(placed.points[:, [0, 2]], margin))
+    return placed
 
 
 def _check_size(every: Sequence[Placed], detail: float) -> None:

@@ -42,7 +42,8 @@ class Crown:
         young: colour of leaves at the outside of the crown.
         bark: its colour.
         sag: by which twigs hang.
-        hollow: share of the crown, from its middle, that stays without twigs.
+        hollow: share of each lobe, from its middle, that stays without twigs.
+        lobes: of the crown.
     """
 
     height: float
@@ -62,16 +63,18 @@ class Crown:
     bark: Color
     sag: float = 0.0
     hollow: float = 0.35
+    lobes: int = 8
 
 
 CROWNS: dict[str, Crown] = {
     "oak": Crown(
-        8.5, 0.17, 0.22, 1.0, 0.52, 1, 0.27, 900, 0.34, 0.19, 0.62, 15000,
+        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.19, 0.62, 15000,
         (0.074, 0.108, 0.026), (0.178, 0.222, 0.060), (0.085, 0.066, 0.048),
     ),
     "birch": Crown(
         9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.125, 0.72, 12500,
-        (0.092, 0.130, 0.032), (0.225, 0.262, 0.078), (0.55, 0.53, 0.49), sag=0.22, hollow=0.1,
+        (0.092, 0.130, 0.032), (0.225, 0.262, 0.078), (0.55, 0.53, 0.49),
+        sag=0.22, hollow=0.1, lobes=12,
     ),
     "acacia": Crown(
         6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.12, 0.45, 12500,
@@ -79,7 +82,7 @@ CROWNS: dict[str, Crown] = {
     ),
     "bush": Crown(
         1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.085, 0.58, 3900,
-        (0.072, 0.106, 0.028), (0.168, 0.212, 0.062), (0.090, 0.070, 0.050), hollow=0.2,
+        (0.072, 0.106, 0.028), (0.168, 0.212, 0.062), (0.090, 0.070, 0.050), hollow=0.2, lobes=6,
     ),
     "scrub": Crown(
         0.7, 0.02, 0.06, 1.5, 0.6, 7, 0.0085, 300, 0.065, 0.042, 0.40, 1700,
@@ -92,6 +95,12 @@ CROWNS: dict[str, Crown] = {
 }  # fmt: skip
 """Broad-leaved trees and shrubs."""
 
+LOBE, LOBE_FLAT = (0.24, 0.48), 0.74
+"""Least and greatest radius of a lobe relative to the crown, and its height by its width."""
+
+BOUGH = (0.36, 0.82)
+"""Least and greatest distance of the middle of a lobe from that of the crown."""
+
 LEVELS = ((1.0, 1.0, 7, 2), (0.75, 1.2, 5, 1), (0.30, 2.1, 4, 1), (0.08, 4.6, 3, 1))
 """Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
 leaf."""
@@ -102,14 +111,25 @@ what is left of them is noise."""
 
 
 def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
-    """Return points (count, 3) in the crown, more of them near its surface [m]."""
+    """Return about `count` points (N, 3) in the lobes of a crown [m].
+
+    Each bough carries a lobe of its own, larger or smaller and nearer to the trunk or farther out
+    than the next; the sky is seen between them.
+    """
     low, high = config.low * config.height, config.height
-    points = random_directions(rng, 4 * count)
-    radius = rng.uniform(config.hollow**3, 1.0, 4 * count) ** (1.0 / 3.0)
-    # Bulges make boughs with air between them.
-    lobes = random_directions(rng, 8)
-    bulge = (points @ lobes.T).max(axis=1) ** 3
-    points = points * (radius * (0.46 + 0.54 * bulge))[:, None]
+    k = np.arange(config.lobes)
+    around = 2.39996 * k + rng.normal(0.0, 0.45, config.lobes)
+    rise = np.linspace(-0.72, 0.92, config.lobes) + rng.normal(0.0, 0.12, config.lobes)
+    rise = np.clip(rise, -0.85, 0.95)
+    flat = np.sqrt(1.0 - rise**2)
+    way = np.stack([flat * np.cos(around), rise, flat * np.sin(around)], axis=-1)
+    radii = rng.uniform(*LOBE, config.lobes)
+    middles = way * rng.uniform(*BOUGH, (config.lobes, 1))
+    chosen = rng.choice(config.lobes, 2 * count, p=radii**2 / (radii**2).sum())
+    within = rng.uniform(config.hollow**3, 1.0, 2 * count) ** (1.0 / 3.0)
+    inside = (radii[chosen] * within)[:, None] * random_directions(rng, 2 * count)
+    points = middles[chosen] + inside * [1.0, LOBE_FLAT, 1.0]
+    points /= np.abs(points).max(axis=0)
     y = 0.5 * (points[:, 1] + 1.0)
     # The height at which the crown is widest is moved up or down.
     y = y ** (np.log(config.top) / np.log(0.5))
@@ -150,7 +170,7 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     bark = np.asarray(config.bark) * light
     if kind == "birch":
         # Dark bands on white bark, and dark twigs.
-        dark = (rng.uniform(size=len(bark)) < 0.3) | (skeleton.radii < 0.16 * config.foot)
+        dark = (rng.uniform(size=len(bark)) < 0.18) | (skeleton.radii < 0.16 * config.foot)
         bark = np.where(dark[:, None], [0.09, 0.07, 0.06], bark)
     tall, low = (0.03, 0.08, 0.2, 0.42), (0.1, 0.4, 0.8, 2.0)
     least = config.foot * (tall if config.stems == 1 else low)[level]

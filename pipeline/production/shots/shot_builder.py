@@ -337,6 +337,7 @@ class ShotBuilder:
                 *(treads, self.light.weather.ground_wind),
                 *(self._growth, scenery_detail(width)),
                 also=edging.placed if edging else (),
+                plots=edging.plots if edging else (),
             )
         except TooManyTriangles as error:
             problem = Problem("terrain.scatter", str(error))

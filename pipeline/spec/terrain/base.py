@@ -39,7 +39,19 @@ Cells = tuple[CellCount, CellCount]
 Size = tuple[Length, Length]
 Polygons = Literal["triangles", "quads"]
 Surroundings = Literal["auto", "hills", "mountains", "forest", "sea", "plain", "dunes", "none"]
-Edging = Literal["auto", "hedge", "wall", "railing", "planters", "overgrown", "room", "none"]
+Edging = Literal[
+    "auto",
+    "hedge",
+    "wall",
+    "railing",
+    "planters",
+    "houses",
+    "house",
+    "school",
+    "overgrown",
+    "room",
+    "none",
+]
 
 SIZE = "Extent along x and z, centred on the place `at` [m]."
 CELLS = "Number of cells of the grid along x and z."
@@ -95,9 +107,10 @@ class TerrainConfig(ConfigModel):
     edging: Edging = Field(
         "auto",
         description="How a floor on open land ends: with a `hedge`, a dry-stone `wall`, a "
-        "`railing`, `planters`, the walls of a `room`, or `overgrown` with nothing behind. Slabs "
-        "break up at the border, boards have a rim, and level floors are no larger than the cast "
-        "needs. `auto` is what suits floor and surroundings; `none` leaves the whole terrain a "
+        "`railing`, `planters`, a row of `houses`, a single `house` or `school`, the walls of a "
+        "`room`, or `overgrown` with nothing behind. Slabs break up at the border, boards have a "
+        "rim, and level floors are no larger than the cast needs. Houses stand on natural ground, "
+        "too. `auto` is what suits floor and surroundings; `none` leaves the whole terrain a "
         "bare floor.",
     )
     water: Water | None = Field(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,7 +29,7 @@ from render.shot import CameraPose, Mesh
 EYE, TARGET = (6.5, 2.0, 0.0), (0.0, 0.8, 0.0)
 VIEW = FilmView.of((CameraPose(EYE, TARGET),), 1.6)
 PIECE, SEED = 1.2, 5
-WORDS = ("hedge", "wall", "railing", "planters", "overgrown", "room")
+WORDS = ("hedge", "wall", "railing", "planters", "overgrown", "room", "houses", "house", "school")
 
 
 def terrain(size: float = 30.0, heading: float = 0.0) -> TerrainRecord:
@@ -179,6 +181,63 @@ def test_a_room_is_around_cast_and_cameras_and_has_windows_towards_the_sun() -> 
     assert 0.0 < low[:, 1].max() < 0.006
 
 
+def test_houses_are_seen_have_windows_and_stand_where_they_shade_nobody() -> None:
+    made = edging("houses", sun=(-0.6, 0.4, 0.69))
+    assert made.plots
+    panes = next(m for m in made.meshes() if m.material == "edging pane").vertices
+    # The camera looks along -x: facades stand on that side, but not between the cast and the sun.
+    assert panes[:, 1].max() > 4.0
+    plain = edging("houses")
+    far = [plot for plot in plain.plots if plot.middle[0] < -7.0]
+    assert far
+    for plot in made.plots:
+        border = made.border
+        corners = plot.middle + [[dx, dz] for dx in (-3.0, 3.0) for dz in (-3.0, 3.0)]
+        assert not border.shades_the_cast(corners, 6.3, 0.0).any()
+    for placed in made.placed:
+        for plot in made.plots:
+            assert not plot.holds(placed.points[:, [0, 2]], -0.5).any()
+
+
+def test_the_door_of_a_house_is_at_the_head_of_stairs() -> None:
+    record = terrain(12.0)
+    vertices = record.vertices.copy()
+    vertices[:, 1] = np.where(np.abs(vertices[:, 2] - 2.0) < 1.1, 0.6, 0.0)
+    record = replace(record, vertices=vertices)
+    land = Land(record, "hills", "platform", 2)
+    choice = EdgingChoice("paving", "house", PIECE)
+    made = Edging.of(choice, record, land, clearings(), VIEW, SEED, 0.5, "concrete", None)
+    doors = [
+        m.vertices
+        for m in made.meshes()
+        if m.material.startswith("edging shutter") and m.vertices[:, 1].min() < 0.75
+    ]
+    assert doors
+    low = np.concatenate(doors)
+    low = low[low[:, 1] < 0.9]
+    assert low[:, 1].min() == pytest.approx(0.6, abs=0.02)
+    assert abs(low[:, 2].mean() - 2.0) < 0.4
+
+
+def test_a_school_has_a_path_that_ends_before_the_cast() -> None:
+    made = edging("school", "ground")
+    assert len(made.plots) > 5
+    middles = np.array([plot.middle for plot in made.plots])
+    assert made.border.clearings is not None
+    assert 1.2 < made.border.clearings.distance(*middles.T).min()
+    assert made.floor is None
+    assert made.placed
+
+
+def test_roofs_taper() -> None:
+    carpentry = Carpentry()
+    carpentry.add("oak", np.zeros(3), (4.0, 2.0, 3.0), top=(1.0, 0.1))
+    (mesh,) = carpentry.meshes()
+    ridge = mesh.vertices[mesh.vertices[:, 1] > 0.0]
+    assert np.ptp(ridge[:, 2]) == pytest.approx(0.3)
+    assert np.ptp(ridge[:, 0]) == pytest.approx(4.0)
+
+
 def test_boards_have_their_grain_along_their_longest_side() -> None:
     carpentry = Carpentry()
     carpentry.add("oak", np.zeros(3), (0.1, 2.0, 0.05), 0.4)
@@ -200,6 +259,9 @@ def test_boards_have_their_grain_along_their_longest_side() -> None:
         ("{kind: flat, material: tiles, edging: none}", "", None),
         ("{kind: flat, material: tiles, show_forbidden: true}", "", None),
         ("{kind: flat, material: grass, edging: hedge}", "", None),
+        ("{kind: flat, material: grass, edging: school}", "", ("ground", "school", 1.0)),
+        ("{kind: flat, material: tiles, edging: houses}", "", ("paving", "houses", 0.4)),
+        ("{kind: flat, material: tiles, surroundings: none, edging: house}", "", None),
         ("{kind: flat, material: concrete}", "light: studio", None),
     ],
 )

@@ -95,14 +95,14 @@ def chipped(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord:
     shape = terrain.cells[1] + 1, terrain.cells[0] + 1
     grid = np.asarray(take.terrain.vertices, float).reshape(*shape, 3)
     height = grid[..., 1]
-    number, count = label(height > height.min() + SAME)
+    number, _ = label(height > height.min() + SAME)
     rng = np.random.default_rng(scene.seed + 680)
     cut = np.zeros(shape)
     ends = set(np.unique(number[:, [0, -1]]).tolist())
     for k, box in enumerate(find_objects(number), start=1):
         planes = [rng.uniform(0.0, 2.0 * np.pi, CHIPS), rng.uniform(*CHIP_AT, CHIPS)]
         planes.append(rng.uniform(*CHIP_SLOPE, CHIPS))
-        if k in ends or count < k:
+        if k in ends:
             continue
         own = number[box] == k
         places = grid[box][..., [0, 2]]

@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from render.box_filter import box_mean
 from render.color import luminance
 
 Image = NDArray[np.float32]
@@ -61,20 +62,7 @@ def fill_stops(small: Image, stops: float, contrast: float, share: float) -> Ima
 def _smoothed(image: NDArray[np.floating], radius: int) -> NDArray[np.float64]:
     """Return an image (H, W) smoothed but for its edges."""
     exact = np.asarray(image, np.float64)
-    mean = _box_mean(exact, radius)
-    variance = np.maximum(_box_mean(exact * exact, radius) - mean * mean, 0.0)
+    mean = box_mean(exact, radius)
+    variance = np.maximum(box_mean(exact * exact, radius) - mean * mean, 0.0)
     kept = variance / (variance + _EDGE)
-    return _box_mean(kept, radius) * exact + _box_mean(mean - kept * mean, radius)
-
-
-def _box_mean(image: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
-    """Return the mean over squares of `2 radius + 1` pixels, borders repeated."""
-    side = 2 * radius + 1
-    for axis in (0, 1):
-        n = image.shape[axis]
-        wide = np.pad(
-            image, [(radius + 1, radius) if k == axis else (0, 0) for k in (0, 1)], "edge"
-        )
-        sums = wide.cumsum(axis)
-        image = (sums.take(range(side, side + n), axis) - sums.take(range(n), axis)) / side
-    return image
+    return box_mean(kept, radius) * exact + box_mean(mean - kept * mean, radius)

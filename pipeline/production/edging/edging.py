@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.edging import room
+from pipeline.production.edging import furniture, room, stonework
 from pipeline.production.edging.apron import Apron
-from pipeline.production.edging.border import Border
+from pipeline.production.edging.border import Border, Height
 from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
@@ -98,6 +98,34 @@ BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
+class Setting:
+    """Where a floor is, and what is known of its film.
+
+    Attributes:
+        terrain: of the take.
+        land: around it.
+        clearings: of the cast.
+        view: of the film.
+        seed: of the scene.
+        detail: 1 for frames 1280 pixels wide.
+        sun: unit vector towards it, None without one.
+    """
+
+    terrain: TerrainRecord
+    land: Land
+    clearings: Clearings | None
+    view: FilmView
+    seed: int
+    detail: float
+    sun: tuple[float, float, float] | None = None
+
+    def border(self, low: Array, high: Array, height: Height) -> Border:
+        """Return the border of a rectangle on ground of a height."""
+        seen = (self.view, self.clearings, self.seed, self.detail, self.sun)
+        return Border(low, high, height, *seen)
+
+
+@dataclass(frozen=True, eq=False)
 class Edging:
     """How a floor ends.
 
@@ -114,48 +142,25 @@ class Edging:
     cover: NDArray[np.float32] | None = None
 
     @staticmethod
-    def of(
-        choice: EdgingChoice,
-        terrain: TerrainRecord,
-        land: Land,
-        clearings: Clearings | None,
-        view: FilmView,
-        seed: int,
-        detail: float,
-        material: str,
-        sun: tuple[float, float, float] | None = None,
-    ) -> Edging:
-        """Return the edging of a floor.
-
-        Args:
-            choice: of the scene.
-            terrain: of the take.
-            land: around it.
-            clearings: of the cast.
-            view: of the film.
-            seed: of the scene.
-            detail: 1 for frames 1280 pixels wide.
-            material: of the floor, by name.
-            sun: unit vector towards it, None without one.
-        """
+    def of(choice: EdgingChoice, setting: Setting, material: str) -> Edging:
+        """Return the edging of a floor of a material, by its name."""
+        terrain, land, clearings, seed = (
+            *(setting.terrain, setting.land, setting.clearings, setting.seed),
+        )
         is_paved = choice.floor == "paving"
         is_room = choice.along == "room"
-        eyes = view.eyes[:, [0, 2]] if is_room else None
+        eyes = setting.view.eyes[:, [0, 2]] if is_room else None
         plan = FloorPlan.of(
             *(terrain, clearings, choice.piece, seed),
             is_broken=is_paved and not is_room,
             around=eyes,
         )
         if choice.floor == "ground":
-            return Edging(
-                None, None, _on_ground(choice, terrain, land, clearings, view, seed, detail, sun)
-            )
+            return Edging(None, None, _on_ground(choice, setting))
         if plan is None:
             corners = terrain.vertices[:, [0, 2]]
             low, high = corners.min(axis=0), corners.max(axis=0)
-            border = Border(
-                low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun
-            )
+            border = setting.border(low, high, lambda p: land.height(*p.T))
             cover = None
             if is_paved and clearings is not None:
                 all_of_it = FloorPlan.of_all(terrain, clearings, choice.piece)
@@ -170,7 +175,7 @@ class Edging:
             inside = (places > plan.ground[0]).all(axis=1) & (places < plan.ground[1]).all(axis=1)
             return np.where(inside, apron.height(places), land.height(*places.T))
 
-        border = Border(plan.low, plan.high, height, view, clearings, seed, detail, sun)
+        border = setting.border(plan.low, plan.high, height)
         if is_room:
             room.Room(plan, border).build()
             return Edging(deck_mesh(plan, material), apron, border)
@@ -221,7 +226,7 @@ def _stand(
         steps: (N, 3) of a floor that is not level.
     """
     if deck is not None:
-        border.rim("edging weathered", deck)
+        furniture.rim(border, "edging weathered", deck)
     if choice.along == "overgrown":
         return
     level = deck if deck is not None else land.level
@@ -230,19 +235,21 @@ def _stand(
     if choice.along in ("hedge", *HOUSES):
         _hedge(border, out, has_benches=choice.along not in ("house", "school"), deck=deck)
     elif choice.along == "wall":
-        border.wall(out + 0.5, 0.75)
+        stonework.wall(border, out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
         border.undergrowth(out + 1.5, BEHIND)
     elif choice.along == "railing":
-        border.railing(level, "edging white painted metal")
+        furniture.railing(border, level, "edging white painted metal")
         if land.kind == "sea":
-            border.festoon(level, 3.4)
+            furniture.festoon(border, level, 3.4)
             border.palms(out + 2.6, 4.6)
             border.palms(out + 7.0, 3.6, 0.55)
             border.palms(out + 14.0, 4.4, 0.8)
             border.undergrowth(out + 0.6, SHORE)
     elif choice.along == "planters":
-        border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
+        furniture.planters(
+            border, -0.45 if deck is not None else out, 2.9, "edging weathered", level
+        )
         border.hedge(out + 1.5, 0.9)
         border.undergrowth(out + 2.6, BEHIND)
     if land.kind in TREES and choice.along != "railing":
@@ -253,23 +260,15 @@ def _stand(
 def _hedge(border: Border, out: float, *, has_benches: bool, deck: float | None) -> None:
     """Add a clipped hedge with plants at its foot and behind it, and benches before it."""
     if has_benches:
-        border.benches(-0.55 if deck is None else -0.7, 6.5)
+        furniture.benches(border, -0.55 if deck is None else -0.7, 6.5)
     border.hedge(out + 0.6, 1.05)
     border.undergrowth(out + 0.15, FOOT_OF_WALL)
     border.undergrowth(out + 2.0, BEHIND)
 
 
-def _on_ground(
-    choice: EdgingChoice,
-    terrain: TerrainRecord,
-    land: Land,
-    clearings: Clearings | None,
-    view: FilmView,
-    seed: int,
-    detail: float,
-    sun: tuple[float, float, float] | None,
-) -> Border:
+def _on_ground(choice: EdgingChoice, setting: Setting) -> Border:
     """Return what is built on natural ground, around where the cast is."""
+    terrain, land, clearings = setting.terrain, setting.land, setting.clearings
     flat = terrain.vertices[:, [0, 2]]
     low, high = flat.min(axis=0), flat.max(axis=0)
     if clearings is not None:
@@ -279,7 +278,7 @@ def _on_ground(
         inside = land.field.inside(*places.T)
         return np.where(inside, land.field.surface(*places.T)[0], land.height(*places.T))
 
-    border = Border(low, high, height, view, clearings, seed, detail, sun)
+    border = setting.border(low, high, height)
     steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
     _build(border, choice.along, AWAY, steps)
     return border
@@ -289,7 +288,7 @@ def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
     """Add houses, or one at some distance from a floor [m], or close to one that is not level."""
     if word == "houses":
         row_of_houses(border, out)
-        border.lamps(out - 3.2, 9.0)
+        furniture.lamps(border, out - 3.2, 9.0)
         border.trees(("oak", "birch"), out - 3.3, 8.0, 0.5)
     else:
         near = CLOSE if steps is not None else out

@@ -152,7 +152,7 @@ class Edging:
         eyes = setting.view.eyes[:, [0, 2]] if is_room else None
         plan = FloorPlan.of(
             *(terrain, clearings, choice.piece, seed),
-            is_broken=is_paved and not is_room,
+            is_broken=choice.along == "overgrown",
             around=eyes,
         )
         if choice.floor == "ground":
@@ -181,6 +181,8 @@ class Edging:
             return Edging(deck_mesh(plan, material), apron, border)
         if is_paved:
             grow_in_joints(border, plan)
+            if choice.along != "overgrown":
+                stonework.kerb(border, 0.09, plan.height)
         _stand(border, choice, land, 0.55, None if is_paved else plan.height)
         floor = paving_mesh(plan, material, seed) if is_paved else deck_mesh(plan, material)
         return Edging(floor, apron, border)

@@ -49,18 +49,20 @@ def wall(border: Border, out: float, tall: float) -> None:
     add_stones(border, points, scales, np.concatenate(headings), rng)
 
 
-def kerb(border: Border, out: float) -> None:
-    """Add a row of long, low stones, sunk to different depths."""
+def kerb(border: Border, out: float, level: float) -> None:
+    """Add long hewn stones around a floor of slabs at a height [m], a little over it."""
     rng = np.random.default_rng([border.seed, 453])
-    rows = border.rows(out, 0.62, 0.1, 0.2)
+    rows = border.rows(out, 0.9, 0.1, 0.0)
     n = len(rows.places)
     if not n:
         return
-    points = border.points(rows.places) + np.column_stack(
-        [np.zeros(n), rng.normal(0.02, 0.02, n), np.zeros(n)]
-    )
-    scales = rng.uniform([0.5, 0.16, 0.18], [0.68, 0.22, 0.24], (n, 3))
-    add_stones(border, points, scales, rows.heading + rng.normal(0, 0.04, n), rng)
+    spans = border.spans(rows, 0.9, out)
+    points = np.stack([rows.places[:, 0], np.full(n, level - 0.1), rows.places[:, 1]], axis=-1)
+    points[:, 1] += rng.normal(0.012, 0.005, n)
+    points[:, [0, 2]] += rng.normal(0.0, 0.006, (n, 1)) * rows.outward
+    sizes = np.column_stack([spans - rng.uniform(0.006, 0.02, n), np.full((n, 2), (0.22, 0.18))])
+    turned = rows.heading + rng.normal(0.0, 0.004, n)
+    border.carpentry.add("edging hewn stone", points, sizes, turned)
 
 
 def add_stones(

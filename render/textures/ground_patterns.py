@@ -165,7 +165,7 @@ def checker(rng: np.random.Generator) -> Drawn:
 
 
 def slabs(rng: np.random.Generator) -> Drawn:
-    """Draw four by four slabs of stone: worn edges, pits, stains, earth in the joints, some cracks."""
+    """Draw four by four slabs of stone: worn edges, pits, stains, earthy joints, some cracks."""
     across, size = 4, 1.8
     y, x = np.mgrid[0:TILE, 0:TILE] * (across / TILE)
     row, column = y.astype(int), x.astype(int)

@@ -17,7 +17,8 @@ from pipeline.production.edging.floor_plan import FloorPlan
 from pipeline.production.edging.house import MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
-from pipeline.production.edging.street import row_of_houses, single_house
+from pipeline.production.edging.square import furnish
+from pipeline.production.edging.street import PAVEMENT, row_of_houses, single_house
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView
@@ -87,6 +88,12 @@ CLOSE = 0.06
 AWAY = 15.0
 """Distance of houses from a yard of natural ground [m]."""
 
+BEFORE_HOUSES = PAVEMENT + 0.25
+"""Distance of the fronts of houses from the paving of a square [m]."""
+
+SQUARE = 2.8
+"""By which a square before houses is wider than the floors of gardens [m]."""
+
 YARD = 5.0
 """Ground around the cast before houses on natural ground [m]."""
 
@@ -154,6 +161,7 @@ class Edging:
             *(terrain, clearings, choice.piece, seed),
             is_broken=choice.along == "overgrown",
             around=eyes,
+            wider=SQUARE if choice.along == "houses" else 0.0,
         )
         if choice.floor == "ground":
             return Edging(None, None, _on_ground(choice, setting))
@@ -232,10 +240,17 @@ def _stand(
     if choice.along == "overgrown":
         return
     level = deck if deck is not None else land.level
-    if choice.along in HOUSES:
+    if choice.along == "houses":
+        _build(border, choice.along, BEFORE_HOUSES, steps)
+        if steps is None:
+            furnish(border, level)
+        furniture.benches(border, -0.6, 6.5)
+        stonework.wall(border, BEFORE_HOUSES, 1.3)
+        border.undergrowth(BEFORE_HOUSES + 1.2, BEHIND)
+    elif choice.along in HOUSES:
         _build(border, choice.along, out + 4.6, steps)
-    if choice.along in ("hedge", *HOUSES):
-        _hedge(border, out, has_benches=choice.along not in ("house", "school"), deck=deck)
+    if choice.along in ("hedge", "house", "school"):
+        _hedge(border, out, has_benches=choice.along == "hedge", deck=deck)
     elif choice.along == "wall":
         stonework.wall(border, out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
@@ -290,8 +305,7 @@ def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
     """Add houses, or one at some distance from a floor [m], or close to one that is not level."""
     if word == "houses":
         row_of_houses(border, out)
-        furniture.lamps(border, out - 3.2, 9.0)
-        border.trees(("oak", "birch"), out - 3.3, 8.0, 0.5)
+        furniture.lamps(border, out - PAVEMENT - 0.35, 8.0)
     else:
         near = CLOSE if steps is not None else out
         single_house(border, near, steps, is_school=word == "school")

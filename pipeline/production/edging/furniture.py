@@ -165,6 +165,4 @@ def lamps(border: Border, out: float, spacing: float) -> None:
     ):
         border.carpentry.add(iron, base + up * UP, (wide, high, wide), rows.heading)
     border.carpentry.add(iron, base + 3.68 * UP, (0.40, 0.22, 0.40), rows.heading, top=(0.15, 0.15))
-    border.carpentry.add(
-        "edging curtained pane", base + 3.33 * UP, (0.24, 0.42, 0.24), rows.heading
-    )
+    border.carpentry.add("edging lantern glass", base + 3.33 * UP, (0.24, 0.42, 0.24), rows.heading)

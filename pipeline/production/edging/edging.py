@@ -32,17 +32,29 @@ from render.shot import Mesh
 BUILT = ("iron", "dark soil", *room.BUILT)
 """Materials of what is built along floors."""
 
-WALL = Material.model_validate(
-    {
-        "color": "#c9c3a4",
-        "color2": "#c3bc9b",
-        "roughness": 0.95,
-        "texture": "plaster",
-        "texture_scale": 1.0,
-        "bump": 0.6,
-    }
-)
-"""Of the walls of rooms."""
+
+def _painted(color: str) -> Material:
+    """Return the material of walls, smooth and dull."""
+    values = {"color": color, "roughness": 0.95, "texture": "plaster", "texture_scale": 0.7}
+    return Material.model_validate({**values, "bump": 0.12})
+
+
+def _wool(color: str, second: str) -> Material:
+    """Return the material of a rug, with its pile."""
+    values = {"color": color, "color2": second, "roughness": 0.95, "texture": "fur"}
+    return Material.model_validate({**values, "texture_scale": 0.3, "bump": 0.9})
+
+
+MATERIALS_OF_ROOMS: Mapping[str, Material] = {
+    "wall": _painted("#e3d7bb"),
+    "wall sage": _painted("#c3cbb4"),
+    "wall blue": _painted("#b9c6cf"),
+    "panelling": Material.model_validate({"color": "#e2ddd0", "roughness": 0.7}),
+    "rug red": _wool("#7f2f27", "#6b2722"),
+    "rug cream": _wool("#cfc2a4", "#bfb092"),
+    "rug blue": _wool("#2c4266", "#243755"),
+    "rug gold": _wool("#b88f45", "#a67e3a"),
+}
 
 WEATHERED = Material.model_validate(
     {
@@ -59,7 +71,7 @@ WEATHERED = Material.model_validate(
 MATERIALS_OF_EDGING: Mapping[str, Material] = {
     **{f"edging {name}": MATERIALS[name] for name in BUILT},
     "edging weathered": WEATHERED,
-    "edging wall": WALL,
+    **{f"edging {name}": made for name, made in MATERIALS_OF_ROOMS.items()},
     **{f"edging {name}": made for name, made in MATERIALS_OF_HOUSES.items()},
 }
 
@@ -240,15 +252,8 @@ def _stand(
     if choice.along == "overgrown":
         return
     level = deck if deck is not None else land.level
-    if choice.along == "houses":
-        _build(border, choice.along, BEFORE_HOUSES, steps)
-        if steps is None:
-            furnish(border, level)
-        furniture.benches(border, -0.6, 6.5)
-        stonework.wall(border, BEFORE_HOUSES, 1.3)
-        border.undergrowth(BEFORE_HOUSES + 1.2, BEHIND)
-    elif choice.along in HOUSES:
-        _build(border, choice.along, out + 4.6, steps)
+    if choice.along in HOUSES:
+        _town(border, choice.along, out, level, steps)
     if choice.along in ("hedge", "house", "school"):
         _hedge(border, out, has_benches=choice.along == "hedge", deck=deck)
     elif choice.along == "wall":
@@ -272,6 +277,19 @@ def _stand(
     if land.kind in TREES and choice.along != "railing":
         border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
         border.trees(TREES[land.kind], out + 11.0, 8.5, 1.0)
+
+
+def _town(border: Border, word: str, out: float, level: float, steps: Array | None) -> None:
+    """Add houses around a floor, and what stands before those of a square."""
+    if word != "houses":
+        _build(border, word, out + 4.6, steps)
+        return
+    _build(border, word, BEFORE_HOUSES, steps)
+    if steps is None:
+        furnish(border, level)
+    furniture.benches(border, -0.6, 6.5)
+    stonework.wall(border, BEFORE_HOUSES, 1.3)
+    border.undergrowth(BEFORE_HOUSES + 1.2, BEHIND)
 
 
 def _hedge(border: Border, out: float, *, has_benches: bool, deck: float | None) -> None:

@@ -10,6 +10,9 @@ from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.prototype import UP, Shape, add_tubes
 from pipeline.simulation.spatial import Array
 
+LANTERN = 3.33
+"""Height of the light of a lamp post [m]."""
+
 LANTERN_COLORS = ((0.80, 0.22, 0.08), (0.85, 0.52, 0.12), (0.82, 0.72, 0.50), (0.70, 0.12, 0.10))
 """Linear colours of paper lanterns."""
 
@@ -165,4 +168,13 @@ def lamps(border: Border, out: float, spacing: float) -> None:
     ):
         border.carpentry.add(iron, base + up * UP, (wide, high, wide), rows.heading)
     border.carpentry.add(iron, base + 3.68 * UP, (0.40, 0.22, 0.40), rows.heading, top=(0.15, 0.15))
-    border.carpentry.add("edging lantern glass", base + 3.33 * UP, (0.24, 0.42, 0.24), rows.heading)
+    border.carpentry.add(
+        "edging lantern glass", base + LANTERN * UP, (0.13, 0.2, 0.13), rows.heading
+    )
+    for k in range(4):
+        # Bars at the corners: the lantern is open.
+        angle = rows.heading + (k + 0.5) * 0.5 * np.pi
+        aside = np.stack([np.cos(angle), np.zeros(len(base)), -np.sin(angle)], axis=-1)
+        border.carpentry.add(
+            iron, base + 0.19 * aside + LANTERN * UP, (0.022, 0.42, 0.022), rows.heading
+        )

@@ -21,8 +21,8 @@ INWARD = 1.75
 FOUNTAIN_RADIUS, RING, STALL = 1.55, 0.95, 1.5
 """Radii of a fountain, of the ring around a tree and of a stall [m]."""
 
-TREE_SIZE = 0.62
-"""Factor on the sizes of trees in a town."""
+TREE_SIZE, CROWN = 0.62, 2.7
+"""Factor on the sizes of trees in a town, and the radius of their crowns [m]."""
 
 CLOTHS = ("awning red", "awning green", "awning blue")
 
@@ -90,6 +90,7 @@ def _ringed_tree(border: Border, place: Array, level: float, rng: np.random.Gene
     """Add a tree in earth within a ring of stones, where it does not shade the cast."""
     tall = 8.5 * TREE_SIZE
     has_tree = not border.shades_the_cast(place[None], tall, 2.2 * TREE_SIZE)[0]
+    has_tree &= bool(border.is_free(place[None], tall, CROWN)[0])
     foot = np.array([place[0], level, place[1]])
     count = 12
     angle = 2.0 * np.pi * np.arange(count) / count

@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.production.scenery.prototype import (
     UP,
+    Color,
     Prototype,
     Shape,
     add_leaves,
@@ -16,7 +17,6 @@ from pipeline.production.scenery.prototype import (
 )
 from pipeline.production.scenery.stones import rough
 from pipeline.production.surroundings.lattice_noise import smoothstep
-from pipeline.simulation.spatial import Array
 
 SIDES = 28
 """Sides of a shape of revolution."""
@@ -35,6 +35,16 @@ POT = (
 )
 """Of a pot with earth in it [m]."""
 
+VASE = (
+    *((0.0, 0.0), (0.06, 0.0), (0.105, 0.08), (0.1, 0.17), (0.05, 0.25), (0.045, 0.29)),
+    *((0.07, 0.33), (0.06, 0.33), (0.035, 0.29)),
+)
+LAMP = (
+    *((0.0, 0.0), (0.09, 0.0), (0.09, 0.02), (0.03, 0.04), (0.055, 0.14), (0.02, 0.26)),
+    *((0.02, 0.33), (0.19, 0.33), (0.12, 0.56), (0.0, 0.56)),
+)
+"""Of a vase and of a table lamp with its shade [m]."""
+
 STONE, DAMP = (0.33, 0.30, 0.25), (0.14, 0.145, 0.10)
 CLAY = (0.36, 0.165, 0.09)
 LEAF, YOUNG = (0.045, 0.085, 0.022), (0.14, 0.2, 0.05)
@@ -46,8 +56,14 @@ IVY_LEAVES = (900, 520)
 """Number of its leaves by level of detail."""
 
 
-def _turned(profile: tuple[tuple[float, float], ...], color: Array | None = None) -> Shape:
-    """Return a shape of revolution by its radii and heights (K,), from the foot up [m]."""
+def _turned(profile: tuple[tuple[float, float], ...], tone: Color, *, damp: bool = False) -> Shape:
+    """Return a shape of revolution.
+
+    Args:
+        profile: its radii and heights, from the foot up [m].
+        tone: its linear colour.
+        damp: whether it is stone that water has stained.
+    """
     radius, up = np.array(profile).T
     angle = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
     shape = Shape()
@@ -62,8 +78,8 @@ def _turned(profile: tuple[tuple[float, float], ...], color: Array | None = None
         a = np.arange(SIDES)
         b = a + SIDES + 1
         faces = np.concatenate([np.stack([a, b, a + 1], -1), np.stack([a + 1, b, b + 1], -1)])
-        tones = np.asarray(CLAY if color is None else color, float) * np.ones(points.shape)
-        if color is not None:
+        tones = np.asarray(tone, float) * np.ones(points.shape)
+        if damp:
             wet = smoothstep(-0.2, 0.5, rough(2.0 * points.reshape(-1, 3), 7, 3))
             wet = wet * (1.0 - smoothstep(0.0, 0.5, points[..., 1].ravel() % 1.2))
             tones = mixed(STONE, DAMP, 0.75 * wet).reshape(points.shape)
@@ -74,13 +90,25 @@ def _turned(profile: tuple[tuple[float, float], ...], color: Array | None = None
 @lru_cache(maxsize=1)
 def fountain() -> Prototype:
     """Return a basin with a column and a bowl on it."""
-    return _turned(FOUNTAIN, np.asarray(STONE)).prototype()
+    return _turned(FOUNTAIN, STONE, damp=True).prototype()
 
 
 @lru_cache(maxsize=1)
 def pot() -> Prototype:
     """Return a pot of clay."""
-    return _turned(POT).prototype()
+    return _turned(POT, CLAY).prototype()
+
+
+@lru_cache(maxsize=1)
+def vase() -> Prototype:
+    """Return a white vase."""
+    return _turned(VASE, tone=(0.85, 0.85, 0.85)).prototype()
+
+
+@lru_cache(maxsize=1)
+def lamp() -> Prototype:
+    """Return a lamp of pale wood with a shade of paper."""
+    return _turned(LAMP, tone=(0.72, 0.62, 0.46)).prototype()
 
 
 @lru_cache(maxsize=8)

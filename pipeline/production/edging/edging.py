@@ -53,6 +53,7 @@ MATERIALS_OF_ROOMS: Mapping[str, Material] = {
     "rug red": _wool("#7f2f27", "#6b2722"),
     "rug cream": _wool("#cfc2a4", "#bfb092"),
     "rug blue": _wool("#2c4266", "#243755"),
+    "rug green": _wool("#3c5a45", "#33503d"),
     "rug gold": _wool("#b88f45", "#a67e3a"),
 }
 
@@ -97,7 +98,7 @@ FOOT_OF_FLOOR = (
 CLOSE = 0.06
 """Distance of a house from stairs that lead to its door [m]."""
 
-AWAY = 15.0
+AWAY = 19.0
 """Distance of houses from a yard of natural ground [m]."""
 
 BEFORE_HOUSES = PAVEMENT + 0.25

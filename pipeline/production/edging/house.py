@@ -44,7 +44,7 @@ AWNINGS = ("awning red", "awning green", "awning blue")
 
 def _plaster(color: str, second: str) -> Material:
     values = {"color": color, "color2": second, "roughness": 0.95, "texture": "plaster"}
-    return Material.model_validate({**values, "texture_scale": 3.0, "bump": 0.7})
+    return Material.model_validate({**values, "texture_scale": 3.0, "bump": 0.4})
 
 
 def _dull(color: str, roughness: float = 0.8, texture: str = "mottle") -> Material:

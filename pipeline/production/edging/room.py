@@ -20,7 +20,7 @@ from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.prototype import Shape
 from pipeline.simulation.spatial import Array
 
-TALL, THICK = 2.9, 0.16
+TALL, THICK = 3.15, 0.16
 """Height and thickness of walls [m]."""
 
 BAY = 2.1
@@ -181,7 +181,7 @@ class Room:
             place, heading, span = bays.places[k], bays.heading[k], float(spans[k])
             inner = THICK / 2
             for up, high, out in (
-                *((0.075, 0.15, 0.022), (PANEL / 2, PANEL, 0.008), (PANEL, 0.055, 0.04)),
+                *((0.075, 0.15, 0.022), (PANEL / 2, PANEL, 0.008), (PANEL, 0.055, 0.045)),
                 *((TALL - 0.06, 0.12, 0.06), (TALL - 0.15, 0.06, 0.03)),
             ):
                 at = (0.0, up, inner + out / 2)
@@ -189,8 +189,8 @@ class Room:
             count = max(round(span / 0.52), 1)
             for n in range(count):
                 along, wide = ((n + 0.5) / count - 0.5) * span, span / count - 0.1
-                at = (along, 0.5 * (PANEL + 0.12), inner + 0.012)
-                self._add("panelling", place, heading, at, (wide, PANEL - 0.24, 0.014))
+                at = (along, 0.5 * (PANEL + 0.12), inner + 0.02)
+                self._add("panelling", place, heading, at, (wide, PANEL - 0.24, 0.026))
 
     def _scattered_toys(self, rng: np.random.Generator) -> None:
         """Add building blocks that lie near the walls."""

@@ -8,17 +8,17 @@ from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.floor_plan import FloorPlan
 from pipeline.simulation.spatial import Array
 
-BANDS = (("rug red", 0.0), ("rug cream", 0.16), ("rug red", 0.29), ("rug blue", 0.33))
-"""Materials of the bands of a rug from its border to its middle, and where they begin [m]."""
+FIELDS = (("rug red", "rug blue"), ("rug blue", "rug red"), ("rug red", "rug green"))
+"""Materials of the border and of the field, for each rug."""
+
+BEGINS = (0.0, 0.16, 0.29, 0.33)
+"""Where its bands begin, from the border to the middle [m]."""
 
 MOTIF = 0.22
 """Distance between the diamonds along the border, about [m]."""
 
 LATTICE = 0.46
 """Distance between the small motifs of the field, about [m]."""
-
-MEDALLION = ("rug red", "rug gold", "rug red", "rug cream", "rug blue")
-"""Materials of the medallion from its outside."""
 
 HEIGHT = 0.0025
 """Height over the floor: what stands on the rug sinks in as far [m]."""
@@ -37,16 +37,19 @@ def rug(plan: FloorPlan, carpentry: Carpentry, seed: int) -> None:
     half = np.minimum(half, np.minimum(plan.high - middle, middle - plan.low) - 0.5)
     if (half < 0.4).any():
         return
-    for k, (cloth, begin) in enumerate(BANDS):
-        size = 2.0 * (half - begin)
-        up = plan.height + HEIGHT * (k + 1) / len(BANDS) - 0.005
+    outer, field = FIELDS[seed % len(FIELDS)]
+    for k, cloth in enumerate((outer, "rug cream", outer, field)):
+        size = 2.0 * (half - BEGINS[k])
+        up = plan.height + HEIGHT * (k + 1) / len(BEGINS) - 0.005
         center = np.array([middle[0], up, middle[1]])
         carpentry.add(f"edging {cloth}", center, (size[0], 0.01, size[1]))
-    _Motifs(plan.height, carpentry).woven(middle, half - 0.42)
-    _edge(plan.height, carpentry, middle, half, seed)
+    _Motifs(plan.height, carpentry, outer, field).woven(middle, half - 0.42)
+    _edge(plan.height, carpentry, middle, half, seed, outer)
 
 
-def _edge(level: float, carpentry: Carpentry, middle: Array, half: Array, seed: int) -> None:
+def _edge(
+    level: float, carpentry: Carpentry, middle: Array, half: Array, seed: int, cloth: str
+) -> None:
     """Add the bound edge, and fringes at both ends of the longer sides."""
     rng = np.random.default_rng([seed, 487])
     long = int(half[1] > half[0])
@@ -57,7 +60,7 @@ def _edge(level: float, carpentry: Carpentry, middle: Array, half: Array, seed: 
             size = [CORD, CORD, CORD]
             size[2 * axis] = 2.0 * half[axis] + CORD
             center = np.array([at[0], level + 0.3 * CORD, at[1]])
-            carpentry.add("edging rug red", center, tuple(size))
+            carpentry.add(f"edging {cloth}", center, tuple(size))
     across = 1 - long
     count = int(2.0 * half[across] / THREAD)
     for side in (-1.0, 1.0):
@@ -73,23 +76,27 @@ def _edge(level: float, carpentry: Carpentry, middle: Array, half: Array, seed: 
 
 
 class _Motifs:
-    """Adds diamonds within diamonds to a rug at a height [m]."""
+    """Adds diamonds within diamonds to a rug at a height [m] of two materials."""
 
-    def __init__(self, level: float, carpentry: Carpentry) -> None:
+    def __init__(self, level: float, carpentry: Carpentry, outer: str, field: str) -> None:
         self._level, self._carpentry = level, carpentry
+        self._outer, self._field = outer, field
 
     def woven(self, middle: Array, half: Array) -> None:
         """Add a medallion, smaller ones in the corners, a lattice and a border of diamonds."""
-        least = float(half.min())
+        least, medallion = (
+            float(half.min()),
+            (self._outer, "rug gold", self._outer, "rug cream", self._field),
+        )
         axis = int(half[1] > half[0])
         long = np.eye(2)[axis]
         self._lattice(middle, half, 0.95 * least)
-        self._diamonds(middle[None], 0.62 * least, MEDALLION)
+        self._diamonds(middle[None], 0.62 * least, medallion)
         beside = middle + np.array([[-1.0], [1.0]]) * long * 0.78 * least
         if (np.abs(beside - middle) + 0.26 * least < half).all():
-            self._diamonds(beside, 0.2 * least, MEDALLION[2:])
+            self._diamonds(beside, 0.2 * least, medallion[2:])
         corners = middle + np.array([[i, j] for i in (-1, 1) for j in (-1, 1)]) * 0.8 * half
-        self._diamonds(corners, 0.16 * least, MEDALLION[1:4])
+        self._diamonds(corners, 0.16 * least, medallion[1:4])
         rim = []
         for k in (0, 1):
             count = max(round(2.0 * half[k] / MOTIF), 2)
@@ -98,7 +105,7 @@ class _Motifs:
                 spots = np.zeros((count + 1, 2))
                 spots[:, k], spots[:, 1 - k] = along, side * (half[1 - k] + 0.2)
                 rim.append(middle + spots)
-        self._diamonds(np.concatenate(rim), 0.055, ("rug blue", "rug gold"))
+        self._diamonds(np.concatenate(rim), 0.055, (self._field, "rug gold"))
 
     def _lattice(self, middle: Array, half: Array, clear: float) -> None:
         """Add small motifs all over the field but for its middle."""
@@ -108,7 +115,7 @@ class _Motifs:
         odd = (np.rint(spots / LATTICE).sum(axis=1) % 2) == 0
         inside = (np.abs(spots) < half - 0.12).all(axis=1) & (np.abs(spots).sum(axis=1) > clear)
         inside &= (np.abs(np.abs(spots) - 0.8 * half).sum(axis=1)) > 0.22 * float(half.min())
-        self._diamonds(middle + spots[inside & odd], 0.062, ("rug gold", "rug red"))
+        self._diamonds(middle + spots[inside & odd], 0.062, ("rug gold", self._outer))
         self._diamonds(middle + spots[inside & ~odd], 0.036, ("rug cream",))
 
     def _diamonds(self, spots: Array, half: float, cloths: tuple[str, ...]) -> None:

@@ -23,7 +23,7 @@ GREYED, GREY, DARK_GREY = 0.45, (0.60, 0.56, 0.50), (0.45, 0.41, 0.36)
 QUARRIED, SAND, ASH = 0.5, (0.60, 0.545, 0.455), (0.475, 0.45, 0.415)
 """Share of stone in slabs outdoors, and its colours, sRGB."""
 
-BLEACHED, BLEACH, LIME = 0.3, (0.60, 0.51, 0.44), (0.55, 0.44, 0.37)
+BLEACHED, BLEACH, LIME = 0.42, (0.70, 0.62, 0.53), (0.58, 0.49, 0.41)
 """Share of what sun and lime leave on tiles outdoors, and its colours, sRGB."""
 
 

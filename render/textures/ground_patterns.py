@@ -165,27 +165,31 @@ def checker(rng: np.random.Generator) -> Drawn:
 
 
 def slabs(rng: np.random.Generator) -> Drawn:
-    """Draw four by four slabs of concrete: pores, stains, dirt in the joints, and some cracks."""
-    across, size = 4, 4.8
+    """Draw four by four slabs of stone: worn edges, pits, stains, earthy joints, some cracks."""
+    across, size = 4, 1.8
     y, x = np.mgrid[0:TILE, 0:TILE] * (across / TILE)
     row, column = y.astype(int), x.astype(int)
     edge = np.minimum(np.minimum(x - column, 1 - x + column), np.minimum(y - row, 1 - y + row))
     edge = edge * (size / across)
-    ragged = noise(rng, 1.2, first=24)
-    joint = np.exp(-((edge / (0.011 + 0.002 * ragged)) ** 2))
-    dirt = np.exp(-edge / (0.07 + 0.03 * noise(rng, 1.6, first=10).clip(-1.5, 3)).clip(0.02, 1))
-    stain, trowel = noise(rng, 1.7, first=6), noise(rng, 1.8, first=14)
-    sand, (pit, _, _) = noise(rng, 0.5, first=90), cells(rng, 110)
-    pore = np.exp(-((pit / 0.2) ** 2)) * (noise(rng, 1.4, first=12) > 0.7)
+    ragged = noise(rng, 1.2, first=24).clip(-2, 2)
+    edge = edge + 0.0016 * ragged
+    joint = np.exp(-((edge.clip(0) / 0.0072) ** 2))
+    # Feet and wheels have rounded the edges.
+    shoulder = np.clip((edge - 0.005) / 0.026, 0, 1)
+    shoulder = shoulder * (2 - shoulder)
+    dirt = np.exp(-edge.clip(0) / (0.02 + 0.012 * noise(rng, 1.6, first=10).clip(-1, 3)))
+    stain, hewn = noise(rng, 1.7, first=6), noise(rng, 1.5, first=18)
+    sand, (pit, _, _) = noise(rng, 0.5, first=90), cells(rng, 90)
+    pore = np.exp(-((pit / 0.2) ** 2)) * (noise(rng, 1.4, first=12) > 0.5)
     first, second, _ = cells(rng, 3, warp=0.4)
-    crack = np.exp(-(((second - first) / 0.006) ** 2)) * (noise(rng, 1.9, first=4) > 0.9)
-    tone = rng.normal(0, 0.085, (across, across))[row, column]
-    warm = rng.normal(0, 0.12, (across, across))[row, column]
-    shade = 1 + tone + 0.055 * stain + 0.03 * trowel + 0.05 * sand - 0.16 * dirt
-    shade = shade * (1 - 0.7 * joint) * (1 - 0.45 * pore) * (1 - 0.6 * crack)
-    relief = 0.0016 * trowel + 0.0002 * sand - 0.006 * joint - 0.001 * pore - 0.0015 * crack
+    crack = np.exp(-(((second - first) / 0.007) ** 2)) * (noise(rng, 1.9, first=4) > 1.0)
+    tone = rng.normal(0, 0.06, (across, across))[row, column]
+    warm = rng.normal(0, 0.18, (across, across))[row, column]
+    shade = 1 + tone + 0.05 * stain + 0.045 * hewn + 0.05 * sand - 0.16 * dirt
+    shade = shade * (1 - 0.62 * joint) * (1 - 0.4 * pore) * (1 - 0.55 * crack)
+    relief = 0.0007 * hewn + 0.0002 * sand + 0.0034 * shoulder - 0.0008 * pore - 0.001 * crack
     # A joint has the hue of neither slab, so that no step lies in it.
-    warmth = warm * (1 - joint) + 0.3 * dirt + 0.15 * stain
+    warmth = warm * (1 - joint) + 0.35 * dirt + 0.15 * stain
     return shade.clip(0.1, 1.8), warmth.clip(-1, 1), relief, size
 
 

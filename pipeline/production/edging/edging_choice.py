@@ -11,7 +11,7 @@ from render.config import MATERIALS
 PIECES = {"plaster": 4, "tiles": 6, "checker": 6}
 """Number of pieces along a tile of the pattern, by the texture of paving."""
 
-SLAB_FACTOR = 4.8
+SLAB_FACTOR = 1.8
 """Factor on the scale of plaster that is laid in slabs."""
 
 BY_SURROUNDINGS = {

@@ -15,7 +15,7 @@ from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, 
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import soiled_wall
 from pipeline.production.scenery.clearings import Clearings
@@ -287,10 +287,11 @@ class ShotBuilder:
             return None
         detail = scenery_detail(self.film.size[0])
         sun = None if self.light.sun is None else sun_direction(self.light.sun)
-        return Edging.of(
-            *(self._edging, self.take.terrain, self._land, self.tracks.clearings, view),
-            *(self._scene.seed, detail, self._terrain.material, sun),
+        setting = Setting(
+            *(self.take.terrain, self._land, self.tracks.clearings, view),
+            *(self._scene.seed, detail, sun),
         )
+        return Edging.of(self._edging, setting, self._terrain.material)
 
     @property
     def _growth(self) -> Growth:

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from pipeline.production.scenery.birch_bark import add_marks, bark_colors
 from pipeline.production.scenery.branches import Skeleton, add_bark, grown
 from pipeline.production.scenery.prototype import (
     UP,
@@ -166,12 +167,12 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     share, long, sides, triangles = LEVELS[level]
     rng = np.random.default_rng([seed, 73, level])
     shape = Shape()
-    light = 1.0 + 0.25 * rng.uniform(-1.0, 1.0, (len(skeleton.nodes), 1))
-    bark = np.asarray(config.bark) * light
     if kind == "birch":
-        # Dark bands on white bark, and dark twigs.
-        dark = (rng.uniform(size=len(bark)) < 0.18) | (skeleton.radii < 0.16 * config.foot)
-        bark = np.where(dark[:, None], [0.09, 0.07, 0.06], bark)
+        bark = bark_colors(skeleton, config.foot, config.bark, rng)
+        add_marks(shape, skeleton, config.foot, level, rng)
+    else:
+        light = 1.0 + 0.25 * rng.uniform(-1.0, 1.0, (len(skeleton.nodes), 1))
+        bark = np.asarray(config.bark) * light
     tall, low = (0.03, 0.08, 0.2, 0.42), (0.1, 0.4, 0.8, 2.0)
     least = config.foot * (tall if config.stems == 1 else low)[level]
     add_bark(shape, skeleton, bark, least, sides)

@@ -20,7 +20,7 @@ from pipeline.production.scenery.stones import rough
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 
-INNER, LEAF, YOUNG = (0.070, 0.108, 0.030), (0.112, 0.168, 0.042), (0.235, 0.300, 0.085)
+INNER, LEAF, YOUNG = (0.088, 0.134, 0.036), (0.138, 0.200, 0.050), (0.270, 0.335, 0.095)
 """Linear colours of leaves deep inside, at the face, and of new growth."""
 
 BODY = (0.030, 0.040, 0.016)

@@ -7,7 +7,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from pipeline.production.scenery.prototype import UP, Color, Prototype, Shape, add_tubes, mixed, unit
+from pipeline.production.scenery.prototype import (
+    UP,
+    Color,
+    Prototype,
+    Shape,
+    add_tubes,
+    mixed,
+    unit,
+)
 from pipeline.production.scenery.stones import icosphere
 from pipeline.simulation.spatial import Array
 

@@ -20,10 +20,10 @@ from pipeline.production.scenery.stones import rough
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 
-INNER, LEAF, YOUNG = (0.088, 0.134, 0.036), (0.138, 0.200, 0.050), (0.270, 0.335, 0.095)
+INNER, LEAF, YOUNG = (0.120, 0.178, 0.048), (0.172, 0.245, 0.062), (0.300, 0.365, 0.110)
 """Linear colours of leaves deep inside, at the face, and of new growth."""
 
-BODY = (0.030, 0.040, 0.016)
+BODY = (0.066, 0.092, 0.034)
 """Of the dark inside, where branches and shade are."""
 
 LENGTH, HEIGHT, DEPTH = 1.0, 1.0, 0.74
@@ -35,7 +35,7 @@ BODY_SHARE = (0.80, 0.56)
 OVERLAP = 0.09
 """By which shoots reach over the next length, so that no joint shows [m]."""
 
-SHOOTS = ((150, 11, 0.066, 2), (110, 8, 0.098, 2), (84, 5, 0.17, 1))
+SHOOTS = ((150, 11, 0.070, 2), (110, 8, 0.106, 2), (90, 5, 0.20, 1))
 """Shoots, leaves on each, length of a leaf [m] and its triangles by level of detail."""
 
 SHOOT = 0.17
@@ -121,11 +121,8 @@ def _shoots(rng: np.random.Generator, seed: int, count: int) -> tuple[Array, Arr
 def _add_body(shape: Shape) -> None:
     """Add the inside, through which nobody sees; it goes on in the next length."""
     high, deep = BODY_SHARE[0] * HEIGHT, 0.5 * BODY_SHARE[1] * DEPTH
-    section = np.array(
-        [[-0.8 * deep, 0.0], [-deep, 0.45 * high], [-0.9 * deep, 0.86 * high]]
-        + [[-0.55 * deep, high], [0.55 * deep, high]]
-        + [[0.9 * deep, 0.86 * high], [deep, 0.45 * high], [0.8 * deep, 0.0]]
-    )
+    rising = np.array([[0.8, 0.0], [1.0, 0.45], [0.9, 0.86], [0.55, 1.0]]) * [deep, high]
+    section = np.concatenate([rising * [-1.0, 1.0], rising[::-1]])
     n = len(section)
     ends = [np.column_stack([np.full(n, x), section[:, 1], section[:, 0]]) for x in (-0.54, 0.54)]
     out = np.column_stack([np.zeros(n), section[:, 1] - 0.5 * high, 2.0 * section[:, 0]])

@@ -287,7 +287,7 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     color = np.asarray(config.color) + lit[:, None] * (
         np.asarray(config.young) - np.asarray(config.color)
     )
-    color = color * (0.97 + CALM[level] * rng.uniform(-0.25, 0.25, (count, 1)))
+    color = color * (0.97 + CALM[level] * rng.uniform(-0.34, 0.34, (count, 1)))
     normals = unit(0.9 * unit(out) + 0.5 * CALM[level] * unit(face) + 0.25 * UP)
     wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0)
     add_leaves(shape, base, way, face, size, wide * size, color, normals, triangles=triangles)

@@ -90,6 +90,22 @@ class Denoiser:
         soft += layers.air
         return soft
 
+    def clean_blur(self, light: Image, softness: Image, mode: Literal["fast", "high"]) -> Image:
+        """Return light that is also denoised as a whole where it is out of focus.
+
+        What `clean` takes for clean, the colours of surfaces and the sky, is noisy there.
+
+        Args:
+            light: of `clean`.
+            softness: (H, W, 1) how far each pixel is out of focus, 0 to 1.
+            mode: quality.
+
+        Raises:
+            DenoiseError: the denoiser failed.
+        """
+        light = np.ascontiguousarray(light)
+        return light + softness * (self._denoise(light, mode) - light)
+
     def _clean_direct(self, layers: LightLayers, mode: Literal["fast", "high"]) -> Image:
         """Return direct light with clean shadows."""
         known = layers.albedo.max(axis=-1, keepdims=True) > 0.0

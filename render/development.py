@@ -1,8 +1,9 @@
 """Development: scene light as a picture, by exposure, contrast and look.
 
-The order is that of a camera: glare of the lens, darkening towards its corners, the curve of the
-film, and then the grading. Slope, offset, power and saturation are those of the colour decision
-list of the American Society of Cinematographers (ASC CDL 1.2, 2009).
+The order is that of a camera and its darkroom: glare of the lens, darkening towards its corners,
+more exposure of shade, the curve of the film, and then the grading. Slope, offset, power and
+saturation are those of the colour decision list of the American Society of Cinematographers (ASC
+CDL 1.2, 2009).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from render.color import CURVE_SAMPLES, LUMINANCE, curve, curve_index, inset, outset
 from render.config.look import PLAIN, Look
+from render.shadow_fill import fill_stops
 
 Integer = TypeVar("Integer", np.uint8, np.uint16)
 Image = NDArray[np.float32]
@@ -30,7 +32,7 @@ _SHOULDER = 0.8
 LOWEST_WHITE = 0.68
 """Lowest `Tone.white`; below it even light would look glaring."""
 
-_PALER = 0.36
+_PALER = 0.22
 """Power of the contrast by which the saturation falls: contrast of each channel adds to it."""
 
 _GLARE_FROM = 2.0
@@ -109,6 +111,7 @@ def _quantized(light: Image, how: Development, kind: type[Integer]) -> NDArray[I
     top, look = np.iinfo(kind).max, how.look
     glare = _glare(light, how.tone.stops) if look.bloom > 0.0 else None
     dim = _vignette(light.shape[:2], look.vignette) if look.vignette > 0.0 else None
+    fill = _fill(light, how) if look.shadows > 0.0 and how.tone.contrast > 1.0 else None
     out = np.empty(light.shape, kind)
     for band in range(0, len(light), BAND_ROWS):
         rows = slice(band, band + BAND_ROWS)
@@ -119,6 +122,8 @@ def _quantized(light: Image, how: Development, kind: type[Integer]) -> NDArray[I
             )
         if dim is not None:
             seen = seen * dim[rows]
+        if fill is not None:
+            seen = seen * _quadrupled(fill, range(*rows.indices(len(light))), light.shape[1])
         for i, c in enumerate(_tone_mapped(seen, how)):
             out[rows, ..., i] = np.clip(c * top + 0.5, 0, top)
     return out
@@ -171,6 +176,12 @@ def _vignette(size: tuple[int, ...], strength: float) -> Image:
     x = (np.arange(width, dtype=np.float32) + 0.5) / width * 2 - 1
     square = (0.5 * (y[:, None] ** 2 + x**2))[..., None]
     return np.asarray((1 - np.float32(strength) * square * square) ** 2, np.float32)
+
+
+def _fill(light: Image, how: Development) -> Image:
+    """Return the factor of light that opens shade, in a quarter of the size (H, W, 1)."""
+    small = _halved(_halved(np.maximum(light, np.float32(0.0))))
+    return np.exp2(fill_stops(small, how.tone.stops, how.tone.contrast, how.look.shadows))
 
 
 def _glare(light: Image, stops: float) -> Image:

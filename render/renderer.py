@@ -99,9 +99,15 @@ class Renderer:
         with device_memory_errors():
             scene = self.scene_for(shot)
             layers, passes = self._trace(scene, shot, film)
+            with self.timings.timed("trace"):
+                softness = (
+                    scene.softness(shot.moments[-1].camera) if film.denoise != "off" else None
+                )
         with self.timings.timed("denoise"):
             is_noisy = scene.has_soft_lights or film.samples <= FEW_SAMPLES
             light = self._denoiser.clean(layers, film.denoise, has_soft_lights=is_noisy)
+            if softness is not None and film.denoise != "off":
+                light = self._denoiser.clean_blur(light, softness, film.denoise)
         self.timings.frames += 1
         return Frame(light, shot.development, passes)
 

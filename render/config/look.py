@@ -16,7 +16,7 @@ Offsets = tuple[Offset, Offset, Offset]
 Power = Annotated[float, Field(ge=0.2, le=5)]
 Powers = tuple[Power, Power, Power]
 
-_LENS = {"vignette": 0.22, "bloom": 0.3}
+_LENS = {"vignette": 0.22, "bloom": 0.3, "shadows": 0.6}
 
 _PRESETS: dict[str, dict[str, Any]] = {
     "plain": {},
@@ -42,7 +42,13 @@ _PRESETS: dict[str, dict[str, Any]] = {
         "saturation": 0.9,
     },
     "vivid": {**_LENS, "contrast": 1.1, "saturation": 1.32},
-    "bleach": {**_LENS, "contrast": 1.3, "saturation": 0.5, "slope": (1.01, 1.0, 0.98)},
+    "bleach": {
+        **_LENS,
+        "shadows": 0.2,
+        "contrast": 1.3,
+        "saturation": 0.5,
+        "slope": (1.01, 1.0, 0.98),
+    },
     "faded": {
         **_LENS,
         "contrast": 0.9,
@@ -59,6 +65,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
         "slope": (1.03, 1.0, 0.99),
         "vignette": 0.3,
         "bloom": 1.0,
+        "shadows": 0.7,
     },
 }
 
@@ -77,6 +84,9 @@ class Look(PresetModel):
     saturation: float = Field(1.0, ge=0, le=3, description="0 is black and white.")
     black: float = Field(0.0, ge=0, le=0.4, description="Value that black is shown with.")
     white: float = Field(1.0, ge=0.5, le=1, description="Value that white is shown with.")
+    shadows: Unit = Field(
+        0.0, description="How far shade is opened, where contrast was added for the highlights."
+    )
     vignette: Unit = Field(0.0, description="How much darker the corners are; 1 is black.")
     bloom: Unit = Field(0.0, description="Glow around what is very bright.")
 

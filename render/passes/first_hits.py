@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from render.tracing.stratification import PassStrata
 from render.tracing.tracer import PixelLanes
-from render.tracing.wavefront import camera_ray
+from render.tracing.wavefront import camera_ray, central_ray
 
 SKY = 0
 """Number of no object."""
@@ -106,7 +106,7 @@ class FirstHits:
             np.zeros((n, 3), np.float32),
         )
         for pixels in self._lanes.chunks:
-            ray = self._central_ray(sensor, pixels)
+            ray = central_ray(sensor, pixels, self._lanes.size)
             hit = self._scene.ray_intersect_preliminary(ray, coherent=True)
             si = hit.compute_surface_interaction(ray)
             normal = dr.select(hit.is_valid(), si.sh_frame.n, 0.0)
@@ -120,14 +120,6 @@ class FirstHits:
             hits.point[at] = np.array(si.p).T
             hits.normal[at] = np.array(normal).T
         return hits
-
-    def _central_ray(self, sensor: Any, pixels: Any) -> Any:
-        width, height = self._lanes.size
-        film = mi.Point2f(
-            (mi.Float(pixels % width) + 0.5) / width, (mi.Float(pixels // width) + 0.5) / height
-        )
-        ray, _ = sensor.sample_ray(0.0, 0.5, film, mi.Point2f(0.5, 0.5))
-        return mi.Ray3f(ray.o, ray.d)
 
     def _object(self, hit: Any) -> Any:
         """Return the numbers of the objects that are hit."""

@@ -255,6 +255,14 @@ def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStra
     return mi.Ray3f(ray.o, ray.d)
 
 
+def central_ray(sensor: Any, pixels: Any, size: tuple[int, int]) -> Any:
+    """Return a ray through the middle of every pixel and of the lens."""
+    column, row = pixels % size[0], pixels // size[0]
+    film = mi.Point2f((mi.Float(column) + 0.5) / size[0], (mi.Float(row) + 0.5) / size[1])
+    ray, _ = sensor.sample_ray(0.0, 0.5, film, mi.Point2f(0.5, 0.5))
+    return mi.Ray3f(ray.o, ray.d)
+
+
 def _add_direct(
     scene: Any,
     air: Air | None,

@@ -45,6 +45,23 @@ def test_a_vignette_darkens_corners_alone() -> None:
     np.testing.assert_array_equal(dim, dim[::-1, ::-1])
 
 
+def test_shade_is_opened_as_contrast_was_added() -> None:
+    """A wall in the sun beside one in the shade, both with a fine pattern."""
+    pattern = np.where(np.arange(320) % 2, 1.15, 0.85)[None, :, None]
+    scene = np.where(np.arange(320)[None, :, None] < 160, 0.4, 0.02) * pattern
+    scene = np.broadcast_to(scene, (180, 320, 3))
+    tone, open_shade = Tone(0.0, 1.8), {"preset": "plain", "shadows": 0.6}
+    before, after = shown(scene, tone=tone)[90, :, 1], shown(scene, open_shade, tone)[90, :, 1]
+    np.testing.assert_array_equal(after[:140], before[:140])
+    assert after[180:].mean() > 1.3 * before[180:].mean()
+    # Detail in the shade is as distinct as before, and the edge is as sharp but for a few pixels.
+    assert np.ptp(after[200:240]) >= np.ptp(before[200:240])
+    assert abs(np.diff(after[168:, None].reshape(-1, 2).mean(axis=1))).max() < 4
+    for contrast in (1.0, 0.9):
+        even = Tone(0.0, contrast)
+        np.testing.assert_array_equal(shown(scene, open_shade, even), shown(scene, tone=even))
+
+
 def test_only_what_is_very_bright_glares_and_in_its_colour() -> None:
     """Sizes that four does not divide, and rows that are developed in several bands."""
     scene = np.full((303, 157, 3), 0.05)

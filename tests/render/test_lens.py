@@ -123,3 +123,38 @@ def test_each_moment_has_its_own_lens(renderer: Renderer, make_shot: Callable[..
     seen = renderer.render(both).light
     assert np.abs(seen - np.mean(alone, axis=0)).mean() < 0.002
     assert min(np.abs(seen - one).max() for one in alone) > 0.02
+
+
+@pytest.mark.slow
+def test_pixels_are_soft_where_a_circle_of_confusion_reaches(renderer: Renderer) -> None:
+    """A plate too near is soft, and so is as much of what is sharp around it as its disc covers."""
+    shot = seen_through(Lens(RADIUS, FOCUS), 1.0, half=0.05)
+    wall = replace(plate(FOCUS, 3.0), name="wall")
+    shot = replace(shot, meshes=(*shot.meshes, wall))
+    soft = renderer.scene_for(shot).softness(shot.camera)
+    assert soft is not None
+    disc = RADIUS / (2.0 * FOCUS) * 2 * SIZE[1] / 2 / TAN
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]] - (SIZE[0] - 1) / 2
+    side = 0.05 * SIZE[1] / 2 / TAN
+    beyond = np.maximum(abs(x), abs(y)) - side
+    assert soft[beyond < 0.5 * disc].min() == 1.0
+    # The reach is doubled step by step, so that it is exact within a factor of two.
+    assert soft[beyond > 1.1 * disc].max() == 0.0
+    pinhole = seen_through(None, 1.0)
+    assert renderer.scene_for(pinhole).softness(pinhole.camera) is None
+
+
+@pytest.mark.slow
+def test_the_denoiser_cleans_what_is_out_of_focus(renderer: Renderer) -> None:
+    """With four samples, against very many."""
+    shot = seen_through(Lens(RADIUS, FOCUS), 0.9, half=0.1)
+    few = shot.film.model_copy(update={"samples": 4})
+    noisy, clean, true = (
+        renderer.render(replace(shot, film=film)).light
+        for film in (few, few.model_copy(update={"denoise": "fast"}), shot.film)
+    )
+    softness = renderer.scene_for(shot).softness(shot.camera)
+    assert softness is not None
+    soft = softness[..., 0] == 1.0
+    errors = [((picture - true)[soft] ** 2).mean() for picture in (clean, noisy)]
+    assert errors[0] < 0.3 * errors[1]

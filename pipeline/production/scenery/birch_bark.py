@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.production.scenery.branches import Skeleton
 from pipeline.production.scenery.prototype import Color, Shape, across, mixed
@@ -47,7 +48,7 @@ def add_marks(
     pieces = np.flatnonzero(thick & (skeleton.parents[skeleton.parents] >= 0))
     if not len(pieces):
         return
-    every = np.repeat(pieces, SLITS[level])
+    every = np.repeat(pieces, SLITS[level]).astype(np.int64)
     n = len(every)
     turn, part = rng.uniform(0.0, 2.0 * np.pi, n), rng.uniform(size=n)
     # Few are long, none goes round.
@@ -79,7 +80,7 @@ def add_marks(
 def _add_spindles(
     shape: Shape,
     skeleton: Skeleton,
-    pieces: Array,
+    pieces: NDArray[np.int64],
     part: Array,
     turn: Array,
     half: Array,

@@ -324,7 +324,7 @@ def spruce(seed: int, level: int) -> Prototype:
         + (length[:, None] * along)[..., None] * out[:, None]
         - (length[:, None] * (droop[:, None] * along - 0.22 * sway))[..., None] * UP
     )
-    green, tip = np.array([0.066, 0.102, 0.046]), np.array([0.138, 0.182, 0.074])
+    green, tip = np.array([0.094, 0.142, 0.062]), np.array([0.185, 0.240, 0.095])
     color = green + along[None, :, None] ** 2 * (tip - green)
     color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
     side = np.cross(out, UP)

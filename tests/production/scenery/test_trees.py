@@ -36,7 +36,7 @@ def test_birch_bark_is_white_above_its_foot_and_no_mark_goes_round() -> None:
     assert light[skeleton.radii < 0.14 * config.foot].max() < 0.15
     assert light[skeleton.nodes[:, 1] < 0.1].max() < 0.3
     tree = crown_tree("birch", 7, 0)
-    dark = np.abs(tree.colors - np.float32(SLIT)).max(axis=1) < 1e-5
+    dark = np.abs(tree.colors - np.array(SLIT, np.float32)).max(axis=1) < 1e-5
     corners = tree.solid[dark[tree.solid].all(axis=1)]
     normals = tree.normals[corners]
     # Corners of one mark look about the same way.

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.masonry import hedge_length
+from pipeline.production.edging.hedges import hedge_length, hedge_tops
 from pipeline.production.edging.palms import palm
 from pipeline.production.edging.plot import Plot
 from pipeline.production.scenery.clearings import Clearings
@@ -141,9 +141,11 @@ class Border:
             return
         rng = np.random.default_rng([self.seed, 451])
         points = self.points(rows.places) - [0.0, 0.04, 0.0]
-        points[:, [0, 2]] += rng.normal(0.0, 0.03, (len(points), 2))
-        scales = np.array([1.06, tall, 1.0]) * rng.uniform(0.94, 1.08, (len(points), 3))
-        tints = rng.uniform(0.8, 1.2, (len(points), 1)) * np.ones(3)
+        points[:, [0, 2]] += rng.normal(0.0, 0.025, (len(points), 2))
+        scales = np.array([1.0, tall, 1.0]) * rng.uniform(0.97, 1.05, (len(points), 3))
+        scales[:, 1] *= hedge_tops(rows.places, self.seed)
+        # Neighbours of unlike lightness would show where one ends.
+        tints = rng.uniform(0.94, 1.06, (len(points), 1)) * np.ones(3)
         far = self.view.distances(points) / self.detail
         level = np.searchsorted([7.0, 17.0], far)
         variant = rng.integers(0, 4, len(points))

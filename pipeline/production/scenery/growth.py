@@ -45,6 +45,8 @@ GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
 """Width of groves [m], and values of their noise between which they begin."""
 HEDGE_BEND, HEDGE_HALF = 150.0, (1.2, 3.2)
 """Size of the fields between hedges, and half the width of a hedge with its fringe [m]."""
+THICKET = 13.0
+"""Width of thickets of bushes in the open [m]."""
 
 WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
@@ -127,7 +129,9 @@ class Growth:
         if habitat == "hedge":
             inside = self.grove(places)
             edge = 4.0 * inside * (1.0 - inside)
-            return np.clip(0.05 + 0.5 * edge + 0.25 * inside + self.hedge(places), 0.0, 1.0)
+            # In the open, a few thickets.
+            few = 0.3 * smoothstep(0.35, 0.7, fractal(places / THICKET, self.seed + 4180, 2))
+            return np.clip(few + 0.5 * edge + 0.25 * inside + self.hedge(places), 0.0, 1.0)
         free = 1.0 - self.worn(x, z)
         if self.puddles is not None:
             free = free * self.puddles.dry(x, z)

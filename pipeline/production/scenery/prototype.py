@@ -247,7 +247,7 @@ def add_tubes(
         ends: (N, 3) [m].
         start_radii: (N,) [m].
         end_radii: (N,) [m].
-        colors: (N, 3) linear.
+        colors: (N, 3) linear, or (N, 2, 3) of both ends.
         sides: of each tube.
         ways: directions (N, 3) of the rings at both ends; along the tubes by default.
     """
@@ -267,7 +267,7 @@ def add_tubes(
     shape.add(
         np.concatenate(rings, axis=1),
         np.concatenate(normals, axis=1),
-        colors[:, None],
+        colors[:, None] if colors.ndim == 2 else np.repeat(colors, sides, axis=1),
         faces,
         thin=False,
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Literal
 
-from pipeline.production.scenery import grasses, herbs, stones, trees
+from pipeline.production.scenery import clumps, grasses, herbs, stones, trees
 from pipeline.production.scenery.growth import Habitat
 from pipeline.production.scenery.prototype import Prototype
 
@@ -101,11 +101,11 @@ def _flower(kind: str, density: float, height: float, cover: float) -> Species:
 
 
 def _tree(
-    make: Make, density: float, height: float, radius: float, **others: float | str
+    make: Make, density: float, height: float, radius: float, clump: int, **others: float | str
 ) -> Species:
     values: dict[str, float | str] = {"cover": 0.6, "patch": 24.0, "habitat": "grove", **others}
     return Species(
-        *(make, 3.0 * density, "tree", height, radius),
+        *(partial(clumps.tree, make, clump), 3.0 * density, "tree", height, radius),
         sizes=(0.45, 1.25),
         levels=(14.0, 34.0, 85.0),
         near=95.0,
@@ -297,10 +297,10 @@ KINDS: dict[str, Species] = {
     ),
     "scrub": _shrub("scrub", 0.3, 0.75, 0.5, cover=0.4),
     "willow scrub": _shrub("willow scrub", 0.22, 0.6, 0.5, cover=0.35),
-    "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0),
-    "birch": _tree(partial(trees.crown_tree, "birch"), 0.005, 11.0, 2.0),
-    "acacia": _tree(partial(trees.crown_tree, "acacia"), 0.0022, 7.0, 4.2, cover=0.5),
-    "spruce": _tree(trees.spruce, 0.006, 11.5, 2.6),
+    "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0, 3),
+    "birch": _tree(partial(trees.crown_tree, "birch"), 0.005, 11.0, 2.0, 3),
+    "acacia": _tree(partial(trees.crown_tree, "acacia"), 0.0022, 7.0, 4.2, 2, cover=0.5),
+    "spruce": _tree(trees.spruce, 0.006, 13.0, 2.6, 4),
     "pebbles": Species(
         *(_pebbles, 6.0, "cover", 0.04, 0.3),
         levels=(2.5, 6.0),

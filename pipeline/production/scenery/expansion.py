@@ -42,7 +42,7 @@ MATERIALS = {"scenery foliage": FOLIAGE, "scenery solid": SOLID, "scenery stone"
 REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
 """Linear colour of ground on which species have their own colours."""
 
-FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.85, 1.45, 1.08])
+FRESH, DRY = np.array([0.86, 1.0, 0.78]), np.array([1.60, 1.25, 0.95])
 """Factors on the colours of grass in hollows that keep water, and where it has dried."""
 
 STUNTED, LUSH = 0.65, 1.6

@@ -20,9 +20,9 @@ from render.color import linear
 from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
-Habitat = Literal["open", "tufts", "clumps", "grove", "hedge", "shade", "rubble"]
-"""Where a species grows: in the open, there in tufts or in loose clumps, in groves, along hedges
-and the edges of groves, below trees, or on bare ground as well."""
+Habitat = Literal["open", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"]
+"""Where a species grows: in the open, there in tufts, in tufts where nobody walks, or in loose
+clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground as well."""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""
@@ -38,7 +38,7 @@ which they begin."""
 CLUMP, CLUMP_LEAST, CLUMP_EDGE = 1.9, 0.05, (-0.05, 0.4)
 """The same of clumps."""
 
-GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "clumps": 0.39}
+GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "untrodden": 0.60, "clumps": 0.39}
 """Share of their full density that species have on average where they stand in tufts or clumps."""
 
 GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
@@ -50,7 +50,10 @@ WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
 WORN_SHARE = 0.5
 
-THIN_SHARE = 0.28
+WALKED = 0.3, 1.7
+"""Distances from the ways of performers between which tall grass begins [m]."""
+
+THIN_SHARE = 0.14
 """Share of soil that shows between the tufts of grass."""
 
 SOILS = {
@@ -85,7 +88,7 @@ class Growth:
         uneven = self._uneven(places)
         trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
         broad = fractal(places / 5.5, self.seed + 4120, 2)
-        spots = 0.7 * smoothstep(0.6, 1.1, broad + 0.45 * uneven)
+        spots = 0.5 * smoothstep(0.75, 1.25, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
         return np.asarray(np.clip(result, 0.0, 1.0))
 
@@ -133,6 +136,8 @@ class Growth:
             free = free * self.puddles.dry(x, z)
         if habitat == "shade":
             return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
+        if habitat == "untrodden" and self.clearings is not None:
+            free = free * smoothstep(*WALKED, self.clearings.distance(x, z))
         return np.asarray(free * self.gathered(habitat, places))
 
     def gathered(self, habitat: Habitat, places: Array) -> Array:
@@ -140,7 +145,7 @@ class Growth:
 
         Between them a few stand alone.
         """
-        if habitat == "tufts":
+        if habitat in ("tufts", "untrodden"):
             value = fractal(places / TUFT, self.seed + 4160, 2)
             return np.asarray(TUFT_LEAST + (1.0 - TUFT_LEAST) * smoothstep(*TUFT_EDGE, value))
         if habitat == "clumps":

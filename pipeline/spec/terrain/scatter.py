@@ -31,9 +31,9 @@ SCATTER_PRESETS: Mapping[str, Mapping[str, float]] = {
     "none": {},
     "lawn": {"short grass": 1.3, "daisy": 0.5, "clover": 0.7, "dandelion": 0.4},
     "meadow": {
-        "short grass": 0.8,
+        "short grass": 0.6,
         "meadow grass": 1.0,
-        "tall grass": 0.5,
+        "tall grass": 1.4,
         "dry grass": 0.12,
         "clover": 0.8,
         "dandelion": 0.6,

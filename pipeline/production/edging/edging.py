@@ -12,6 +12,7 @@ from pipeline.production.edging import room
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
+from pipeline.production.edging.fence import stand_fence
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
 from pipeline.production.edging.house import MATERIALS_OF_HOUSES
@@ -86,6 +87,11 @@ CLOSE = 0.06
 
 AWAY = 15.0
 """Distance of houses from a yard of natural ground [m]."""
+
+FENCED = 1.5
+"""Distance of a fence or wall from a yard of natural ground [m]."""
+
+FOOT_OF_FENCE = (("tall grass", 0.3, 0.9), ("meadow grass", 0.35, 1.0), ("buttercup", 2.2, 1.0))
 
 YARD = 5.0
 """Ground around the cast before houses on natural ground [m]."""
@@ -229,6 +235,9 @@ def _stand(
         _build(border, choice.along, out + 4.6, steps)
     if choice.along in ("hedge", *HOUSES):
         _hedge(border, out, has_benches=choice.along not in ("house", "school"), deck=deck)
+    elif choice.along == "fence":
+        stand_fence(border, out + 0.4, "edging weathered")
+        border.undergrowth(out + 0.5, FOOT_OF_FENCE)
     elif choice.along == "wall":
         border.wall(out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
@@ -281,7 +290,15 @@ def _on_ground(
 
     border = Border(low, high, height, view, clearings, seed, detail, sun)
     steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
-    _build(border, choice.along, AWAY, steps)
+    if choice.along == "fence":
+        stand_fence(border, FENCED, "edging weathered")
+        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
+    elif choice.along == "wall":
+        border.wall(FENCED, 0.85)
+        border.undergrowth(FENCED + 0.4, FOOT_OF_FENCE)
+        border.undergrowth(FENCED - 0.45, FOOT_OF_FENCE)
+    else:
+        _build(border, choice.along, AWAY, steps)
     return border
 
 

@@ -133,7 +133,8 @@ def _sizes(placed: Placed) -> Array:
     low, high = KINDS[placed.name].sizes
     part = placed.chance[:, 2]
     sizes = np.asarray(low * (high / low) ** (part**1.4)) * placed.size
-    if KINDS[placed.name].widens:
+    # A crop stands even.
+    if KINDS[placed.name].widens and KINDS[placed.name].habitat != "open":
         sizes = sizes * vigour(placed.points[:, [0, 2]])
     return sizes
 

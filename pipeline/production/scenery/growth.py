@@ -14,6 +14,7 @@ import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.puddles import Puddles
+from pipeline.production.scenery.track import Track
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from render.color import linear
@@ -76,17 +77,23 @@ class Growth:
         seed: of the scene.
         clearings: of the performers, None without any.
         puddles: that rain has left, None without any.
+        track: over the meadow, None without one.
     """
 
     seed: int
     clearings: Clearings | None = None
     puddles: Puddles | None = None
+    track: Track | None = None
 
     def worn(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
         places = np.stack([x, z], axis=-1)
         uneven = self._uneven(places)
-        trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
+        if self.track is not None:
+            trail = self.track.bare(places, uneven)
+        else:
+            line = self._line(places, TRAIL_BEND, 4100)
+            trail = 1.0 - smoothstep(*TRAIL_HALF, line - 0.16 * uneven)
         broad = fractal(places / 5.5, self.seed + 4120, 2)
         spots = 0.5 * smoothstep(0.75, 1.25, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)

@@ -220,7 +220,14 @@ KINDS: dict[str, Species] = {
         near=9.0,
         sizes=(0.35, 1.0),
     ),
-    "wheat": _grass("wheat", 55.0, 0.95, cover=1.0, ground=0.0, reach=120.0),
+    "wheat": _grass(
+        *("wheat", 55.0, 0.95),
+        cover=1.0,
+        ground=0.0,
+        reach=120.0,
+        sizes=(0.85, 1.15),
+        habitat="open",
+    ),
     "maize": Species(
         *(herbs.maize, 4.0, "solid", 2.2, 0.4),
         levels=(6.0, 16.0),

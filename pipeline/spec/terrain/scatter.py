@@ -33,7 +33,7 @@ SCATTER_PRESETS: Mapping[str, Mapping[str, float]] = {
     "meadow": {
         "short grass": 0.6,
         "meadow grass": 1.0,
-        "tall grass": 1.4,
+        "tall grass": 1.8,
         "dry grass": 0.12,
         "clover": 0.8,
         "dandelion": 0.6,

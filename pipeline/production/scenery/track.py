@@ -14,7 +14,7 @@ from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 
-LEAST = 4.0
+LEAST = 5.0
 """Length of the ground that a cast uses from which a track is there [m]."""
 
 LONG = 3.0
@@ -26,7 +26,7 @@ ASIDE_DEG = 24.0
 GAUGE = 0.72
 """Distance of a rut from the middle of a cart track [m]."""
 
-RUT, PATH = (0.12, 0.42), (0.2, 0.75)
+RUT, PATH = (0.12, 0.42), (0.08, 0.52)
 """Distances from the middle of a rut or footpath up to which it is bare, and from which nothing
 is [m]."""
 
@@ -94,7 +94,7 @@ class Track:
         bend = fractal(at, self.seed + 4190, 2) * smoothstep(0.0, BEND, beyond)
         apart = np.abs(aside - SWING * bend)
         if not self.has_ruts:
-            return np.asarray(1.0 - smoothstep(*PATH, apart + 0.1 * uneven))
+            return np.asarray(0.9 - 0.9 * smoothstep(*PATH, apart + 0.1 * uneven))
         ruts = 1.0 - smoothstep(*RUT, np.abs(apart - GAUGE) + 0.06 * uneven)
         strip = STRIP * (apart < GAUGE) * smoothstep(-0.4, 0.6, uneven)
         return np.asarray(np.maximum(ruts, strip))

@@ -59,6 +59,7 @@ THIN_SHARE = 0.14
 
 SOILS = {
     "grass": "#786a52",
+    "moss": "#5f4e3a",
     "soil": "#a89679",
     "rock": "#8b7658",
     "gravel": "#8b7658",

@@ -66,6 +66,9 @@ SOILS = {
 }
 """Colour of worn ground by the texture of the ground."""
 
+LIGHTLY = {"moss": 0.45}
+"""Share of the soil that shows where ground is worn, by its texture; all of it on others."""
+
 WET = 0.55
 """Brightness of soaked soil, as a share of dry soil, in sRGB values."""
 
@@ -175,6 +178,7 @@ class Growth:
         fade = smoothstep(0.5, 14.0, from_edge)
         share = share * fade * fade[:, None]
         rgb = np.array([int(soil[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+        share = share * LIGHTLY.get(material.texture, 1.0)
         wet = min(weather.rain / 0.5, 1.0)
         r, g, b = linear(rgb * (1.0 + wet * (WET - 1.0))).tolist()
         texels = np.rint(255.0 * share).astype(np.uint8)

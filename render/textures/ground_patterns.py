@@ -66,6 +66,40 @@ def grass(rng: np.random.Generator) -> Drawn:
     return shade.clip(0.2, 2.0), warmth.clip(-1, 1), relief, 1.9
 
 
+def moss(rng: np.random.Generator) -> Drawn:
+    """Draw cushions of moss of three sizes, with fallen needles and scraps of leaves on them."""
+    shade, relief, tint = np.full((TILE, TILE), 0.62), np.zeros((TILE, TILE)), 0.0
+    for across, share, high, dark in ((70, 0.8, 0.005, 0.66), (31, 0.75, 0.013, 0.7), (14, 0.6, 0.026, 0.74)):
+        dome, own = pebbles(rng, across, share)
+        over = dome > 0
+        # A cushion is dark at its rim, where it meets the next.
+        shade = np.where(over, dark + 0.55 * dome + 0.12 * own, shade)
+        relief = np.where(over, np.maximum(relief, high * dome), relief)
+        tint = np.where(over, own, tint)
+    fuzz, stars = noise(rng, 0.25, first=130), noise(rng, 0.9, first=60)
+    shade = shade * (1 + 0.17 * fuzz + 0.09 * stars) * (1 + 0.1 * noise(rng, 1.5, first=4))
+    relief = relief + 0.0007 * fuzz + 0.0006 * stars
+    warmth = 0.35 * tint + 0.3 * noise(rng, 1.5, first=5)
+    for count, longest, light, brown in ((1500, 34, 0.78, 0.9), (260, 90, 0.6, 0.8)):
+        row, column = _lines(rng, count, longest)
+        shade[row, column] = light * rng.uniform(0.6, 1.4, (count, 1))
+        warmth[row, column] = brown
+        relief[row, column] += 0.0012
+    return shade.clip(0.2, 1.9), warmth.clip(-1, 1), relief, 1.1
+
+
+def _lines(
+    rng: np.random.Generator, count: int, longest: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return rows and columns (N, P) of straight lines up to a length [texels]."""
+    along = np.linspace(0, 1, longest)[None, :]
+    root = rng.uniform(0, TILE, (2, count, 1))
+    heading, length = rng.uniform(0, 2 * np.pi, (count, 1)), rng.uniform(0.4, 1.0, (count, 1))
+    row = root[0] + longest * length * along * np.sin(heading)
+    column = root[1] + longest * length * along * np.cos(heading)
+    return row.astype(np.intp) % TILE, column.astype(np.intp) % TILE
+
+
 def snow(rng: np.random.Generator) -> Drawn:
     """Draw drifts under a crust."""
     drift, crust, grain = (

@@ -16,7 +16,7 @@ from render.textures.layers import (
     Layer,
 )
 
-RELIEFS = frozenset({"soil", "sand", "snow", "rock", "gravel", "mud", "grass"})
+RELIEFS = frozenset({"soil", "sand", "snow", "rock", "gravel", "mud", "grass", "moss"})
 """Patterns that are seen as uneven ground."""
 
 

@@ -12,6 +12,7 @@ from pipeline.production.edging import furniture, room, stonework
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border, Height
 from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
+from pipeline.production.edging.fence import stand_fence
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
 from pipeline.production.edging.house import MATERIALS_OF_HOUSES
@@ -106,6 +107,11 @@ BEFORE_HOUSES = PAVEMENT + 0.25
 
 SQUARE = 2.8
 """By which a square before houses is wider than the floors of gardens [m]."""
+
+FENCED = 1.5
+"""Distance of a fence or wall from a yard of natural ground [m]."""
+
+FOOT_OF_FENCE = (("tall grass", 0.3, 0.9), ("meadow grass", 0.35, 1.0), ("buttercup", 2.2, 1.0))
 
 YARD = 5.0
 """Ground around the cast before houses on natural ground [m]."""
@@ -257,6 +263,9 @@ def _stand(
         _town(border, choice.along, out, level, steps)
     if choice.along in ("hedge", "house", "school"):
         _hedge(border, out, has_benches=choice.along == "hedge", deck=deck)
+    elif choice.along == "fence":
+        stand_fence(border, out + 0.4, "edging weathered")
+        border.undergrowth(out + 0.5, FOOT_OF_FENCE)
     elif choice.along == "wall":
         stonework.wall(border, out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
@@ -316,7 +325,15 @@ def _on_ground(choice: EdgingChoice, setting: Setting) -> Border:
 
     border = setting.border(low, high, height)
     steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
-    _build(border, choice.along, AWAY, steps)
+    if choice.along == "fence":
+        stand_fence(border, FENCED, "edging weathered")
+        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
+    elif choice.along == "wall":
+        stonework.wall(border, FENCED, 0.85)
+        border.undergrowth(FENCED + 0.4, FOOT_OF_FENCE)
+        border.undergrowth(FENCED - 0.45, FOOT_OF_FENCE)
+    else:
+        _build(border, choice.along, AWAY, steps)
     return border
 
 

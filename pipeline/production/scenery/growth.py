@@ -14,15 +14,16 @@ import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.puddles import Puddles
+from pipeline.production.scenery.track import Track
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from render.color import linear
 from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
-Habitat = Literal["open", "tufts", "clumps", "grove", "hedge", "shade", "rubble"]
-"""Where a species grows: in the open, there in tufts or in loose clumps, in groves, along hedges
-and the edges of groves, below trees, or on bare ground as well."""
+Habitat = Literal["open", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"]
+"""Where a species grows: in the open, there in tufts, in tufts where nobody walks, or in loose
+clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground as well."""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""
@@ -38,7 +39,7 @@ which they begin."""
 CLUMP, CLUMP_LEAST, CLUMP_EDGE = 1.9, 0.05, (-0.05, 0.4)
 """The same of clumps."""
 
-GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "clumps": 0.39}
+GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "untrodden": 0.60, "clumps": 0.39}
 """Share of their full density that species have on average where they stand in tufts or clumps."""
 
 GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
@@ -52,16 +53,23 @@ WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
 WORN_SHARE = 0.5
 
-THIN_SHARE = 0.28
+WALKED = 0.3, 1.7
+"""Distances from the ways of performers between which tall grass begins [m]."""
+
+THIN_SHARE = 0.14
 """Share of soil that shows between the tufts of grass."""
 
 SOILS = {
     "grass": "#786a52",
+    "moss": "#5f4e3a",
     "soil": "#a89679",
     "rock": "#8b7658",
     "gravel": "#8b7658",
 }
 """Colour of worn ground by the texture of the ground."""
+
+LIGHTLY = {"moss": 0.45}
+"""Share of the soil that shows where ground is worn, by its texture; all of it on others."""
 
 WET = 0.55
 """Brightness of soaked soil, as a share of dry soil, in sRGB values."""
@@ -75,19 +83,25 @@ class Growth:
         seed: of the scene.
         clearings: of the performers, None without any.
         puddles: that rain has left, None without any.
+        track: over the meadow, None without one.
     """
 
     seed: int
     clearings: Clearings | None = None
     puddles: Puddles | None = None
+    track: Track | None = None
 
     def worn(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
         places = np.stack([x, z], axis=-1)
         uneven = self._uneven(places)
-        trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
+        if self.track is not None:
+            trail = self.track.bare(places, uneven)
+        else:
+            line = self._line(places, TRAIL_BEND, 4100)
+            trail = 1.0 - smoothstep(*TRAIL_HALF, line - 0.16 * uneven)
         broad = fractal(places / 5.5, self.seed + 4120, 2)
-        spots = 0.7 * smoothstep(0.6, 1.1, broad + 0.45 * uneven)
+        spots = 0.5 * smoothstep(0.75, 1.25, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
         return np.asarray(np.clip(result, 0.0, 1.0))
 
@@ -137,6 +151,8 @@ class Growth:
             free = free * self.puddles.dry(x, z)
         if habitat == "shade":
             return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
+        if habitat == "untrodden" and self.clearings is not None:
+            free = free * smoothstep(*WALKED, self.clearings.distance(x, z))
         return np.asarray(free * self.gathered(habitat, places))
 
     def gathered(self, habitat: Habitat, places: Array) -> Array:
@@ -144,7 +160,7 @@ class Growth:
 
         Between them a few stand alone.
         """
-        if habitat == "tufts":
+        if habitat in ("tufts", "untrodden"):
             value = fractal(places / TUFT, self.seed + 4160, 2)
             return np.asarray(TUFT_LEAST + (1.0 - TUFT_LEAST) * smoothstep(*TUFT_EDGE, value))
         if habitat == "clumps":
@@ -166,6 +182,7 @@ class Growth:
         fade = smoothstep(0.5, 14.0, from_edge)
         share = share * fade * fade[:, None]
         rgb = np.array([int(soil[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+        share = share * LIGHTLY.get(material.texture, 1.0)
         wet = min(weather.rain / 0.5, 1.0)
         r, g, b = linear(rgb * (1.0 + wet * (WET - 1.0))).tolist()
         texels = np.rint(255.0 * share).astype(np.uint8)

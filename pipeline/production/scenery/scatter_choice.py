@@ -11,11 +11,12 @@ from pipeline.spec.scene import Scene
 from pipeline.spec.terrain.scatter import SCATTER_PRESETS, ScatteredSpecies
 from render.config import MATERIALS
 
-BY_MATERIAL = {"moss": "moss", "dry soil": "steppe", "dark soil": "pasture"}
+BY_MATERIAL = {"dry soil": "steppe", "dark soil": "pasture"}
 """Presets of ground materials by name."""
 
 BY_TEXTURE = {
     "grass": "meadow",
+    "moss": "moss",
     "soil": "steppe",
     "sand": "dunes",
     "snow": "tundra",

@@ -27,6 +27,7 @@ from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
 from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
+from pipeline.production.scenery.track import Track
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
@@ -293,9 +294,14 @@ class ShotBuilder:
         )
         return Edging.of(self._edging, setting, self._terrain.material)
 
-    @property
-    def _growth(self) -> Growth:
-        return Growth(self._scene.seed, self.tracks.clearings, self._puddles)
+    def _growth(self, view: FilmView) -> Growth:
+        clearings, seed = self.tracks.clearings, self._scene.seed
+        own = self.materials[self.take.terrain.material]
+        is_meadow = own.texture == "grass" and not self._land.is_platform
+        ahead = view.ahead[0, [0, 2]]
+        ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
+        track = Track.of(clearings, ahead, seed) if is_meadow else None
+        return Growth(seed, clearings, self._puddles, track)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
         """Return the puddles on natural ground, None without any."""
@@ -317,7 +323,7 @@ class ShotBuilder:
             return mesh
         middle = view.targets[:, [0, 2]].mean(axis=0)
         material = self.materials[mesh.material]
-        return replace(mesh, wear=self._growth.wear(material, self.light.weather, middle))
+        return replace(mesh, wear=self._growth(view).wear(material, self.light.weather, middle))
 
     def _scenery(
         self, horizon: Mesh, view: FilmView, treads: Treads, edging: Edging | None
@@ -336,7 +342,7 @@ class ShotBuilder:
             return scenery_meshes(
                 *(ground, view, self.tracks.clearings, self._scatter),
                 *(treads, self.light.weather.ground_wind),
-                *(self._growth, scenery_detail(width)),
+                *(self._growth(view), scenery_detail(width)),
                 also=edging.placed if edging else (),
                 plots=edging.plots if edging else (),
             )

@@ -16,7 +16,7 @@ from pipeline.simulation.spatial import Array
 
 Color = tuple[float, float, float]
 
-GRASS: Color = (0.105, 0.115, 0.040)
+GRASS: Color = (0.088, 0.122, 0.034)
 DRY_GRASS: Color = (0.245, 0.205, 0.105)
 WOODS: Color = (0.028, 0.044, 0.016)
 SCREE: Color = (0.185, 0.165, 0.135)
@@ -112,7 +112,7 @@ def _mixed(first: Array | Color, second: Color | Array, share: Array) -> Array:
 def _lush(site: Site) -> Array:
     """Return the ground's own colour going over to meadows, fresh and dry."""
     dry = smoothstep(-0.5, 0.6, site.fractal(170.0, 4))
-    meadow = _mixed(GRASS, DRY_GRASS, 0.75 * dry)
+    meadow = _mixed(GRASS, DRY_GRASS, 0.55 * dry)
     own = np.asarray(site.ground, float)
     # Land keeps something of its near colour, greener than bare soil, to the horizon.
     return 0.45 * own + 0.55 * meadow

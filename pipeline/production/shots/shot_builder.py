@@ -49,6 +49,7 @@ from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.shots.wading import Wading, waders
+from pipeline.production.shots.sunken_stones import sunken
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
 from pipeline.production.surroundings.land import Land
@@ -62,6 +63,9 @@ from render.development import Tone
 from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
+
+DRY_SOIL = 0.05
+"""Least part of the mean linear colour from which soil is that of dry land."""
 
 
 class ShotBuilder:
@@ -87,7 +91,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        worn = chipped(weathered(take.terrain, scene), scene, take)
+        worn = weathered(sunken(take.terrain, scene, take), scene)
+        worn = chipped(worn, scene, take)
         self._drawn = fractured(worn, scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
@@ -294,7 +299,9 @@ class ShotBuilder:
 
     @property
     def _growth(self) -> Growth:
-        return Growth(self._scene.seed, self.tracks.clearings, self._puddles)
+        own = self.materials[self.take.terrain.material]
+        dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
+        return Growth(self._scene.seed, self.tracks.clearings, self._puddles, dry)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
         """Return the puddles on natural ground, None without any."""

@@ -38,7 +38,9 @@ CellCount = Annotated[Integer, Field(ge=2, le=MAX_CELLS)]
 Cells = tuple[CellCount, CellCount]
 Size = tuple[Length, Length]
 Polygons = Literal["triangles", "quads"]
-Surroundings = Literal["auto", "hills", "mountains", "forest", "sea", "plain", "dunes", "none"]
+Surroundings = Literal[
+    "auto", "hills", "mountains", "forest", "sea", "plain", "dunes", "mesas", "none"
+]
 Edging = Literal[
     "auto",
     "hedge",
@@ -100,9 +102,9 @@ class TerrainConfig(ConfigModel):
     surroundings: Surroundings = Field(
         "auto",
         description="The land from the terrain's edge to the horizon: `hills`, `mountains`, "
-        "`forest`, `sea`, `plain`, `dunes` or `none`. `auto`: dunes around sand, mountains around "
-        "snow, rock, gravel and ice, a plain around mud, none around a floor in a studio, hills "
-        "around all else.",
+        "`forest`, `sea`, `plain`, `dunes`, `mesas` or `none`. `auto`: dunes around sand, "
+        "mountains around snow, rock, gravel and ice, a plain around mud, none around a floor in "
+        "a studio, hills around all else.",
     )
     edging: Edging = Field(
         "auto",

@@ -27,7 +27,7 @@ from render.config import Weather
 from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice
 
-SEEN = 1 / 36
+SEEN = 1 / 45
 """Time over which one sees a drop at once [s]."""
 
 
@@ -74,7 +74,7 @@ RAIN = Kind(
     0.3,
     0.0,
     (
-        Layer(0.5, 7.0, 0.6, (0.17, 0.6), 0.0011),
+        Layer(0.9, 7.0, 0.6, (0.17, 0.6), 0.001),
         Layer(7.0, 25.0, 2.0, (0.13, 0.55), 0.003),
         Layer(25.0, 70.0, 7.0, (0.24, 0.8), 0.010),
     ),
@@ -128,7 +128,7 @@ class Precipitation:
             time: since the film began [s].
         """
         # Drops show the bright sky behind and above; flakes are white spheres.
-        rain = 2.1 * ambient + 0.03 * key
+        rain = 1.9 * ambient + 0.03 * key
         snow = 1.8 * ambient + key / (4 * math.pi)
         made = Precipitation(
             mi.Float(weather.rain),

@@ -118,7 +118,7 @@ def _dunes(places: Array, out: Array, seed: int) -> Array:
     def great(p: Array) -> Array:
         # Sand seas: long rounded crests across the wind, each row higher than the last.
         bent = _bent(p, seed + 3, 520.0, 150.0) / np.array([1150.0, 430.0])
-        crest = 1.0 - np.abs(fractal(bent, seed + 20, 4))
+        crest = 1.0 - np.abs(fractal(bent, seed + 20, 2))
         return (34.0 + 76.0 * smoothstep(500.0, 1900.0, np.hypot(*p.T))) * _rounded(crest)
 
     def ranges(p: Array) -> Array:

@@ -209,4 +209,3 @@ def _rock(boulders: Boulders, k: int, places: Sequence[Array], rng: np.random.Ge
     # Beds crop out at the sides; on tops they would be ripples.
     top += share * is_side * BEDDING * (smoothstep(0.3, 1.0, edge) - edge)
     return np.where(np.hypot(u, v) < WIDEST, top, -np.inf)
-

@@ -48,8 +48,8 @@ from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
-from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.sunken_stones import sunken
+from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
 from pipeline.production.surroundings.land import Land

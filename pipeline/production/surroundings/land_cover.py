@@ -150,13 +150,17 @@ def _banded(site: Site) -> Array:
     """Return the beds of table mountains over plains of their own soil, with dry scrub."""
     own = np.asarray(site.ground, float)
     plain = _mixed(own, DRY_GRASS, 0.55 * smoothstep(-0.3, 0.6, site.fractal(140.0, 4)))
-    scrub = smoothstep(0.1, 0.7, site.fractal(48.0, 1, 5)) * (1.0 - smoothstep(0.3, 0.6, site.steepness))
+    scrub = smoothstep(0.1, 0.7, site.fractal(48.0, 1, 5)) * (
+        1.0 - smoothstep(0.3, 0.6, site.steepness)
+    )
     plain = _mixed(plain, SCRUB, 0.45 * scrub)
     level = site.height + 6.0 * site.fractal(160.0, 6)
     band = noise(np.stack([level / 17.0, 0.01 * level], axis=-1), site.seed + 61)
     rock = _mixed(RED_ROCK, PALE_ROCK, smoothstep(-0.5, 0.5, band))
     rock = rock * (0.75 + 0.2 * site.fractal(90.0, 9, 3))[:, None]
-    color = _mixed(plain, 0.5 * own + 0.5 * np.asarray(RED_ROCK), smoothstep(0.22, 0.5, site.steepness))
+    color = _mixed(
+        plain, 0.5 * own + 0.5 * np.asarray(RED_ROCK), smoothstep(0.22, 0.5, site.steepness)
+    )
     return _mixed(color, rock, smoothstep(0.5, 0.9, site.steepness))
 
 

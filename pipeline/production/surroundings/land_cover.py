@@ -74,6 +74,9 @@ def cover(site: Site, kind: str) -> Array:
     )
     ragged = site.out * (1.0 + 0.7 * np.clip(site.fractal(23.0, 8), -1.0, 1.0))
     share = smoothstep(NEAR, FAR, ragged)
+    if kind == "dunes":
+        # Sand is of one colour: the tones of what covers land would be stains on it.
+        share = share * (0.25 + 0.75 * smoothstep(0.45, 0.8, site.steepness))
     return np.concatenate([np.clip(color, 0.004, 0.9), share[:, None]], axis=1)
 
 

@@ -226,9 +226,9 @@ class Water:
             light *= self._shaft_share(self.shafts, origin, direction, distance)
         return light
 
-    def show_shafts(self, to_light: tuple[float, float, float]) -> None:
+    def show_shafts(self, to_light: Any) -> None:
         """Let a camera below the surface see shafts of a key light in this direction in air."""
-        x, y, z = (part / REFRACTIVE_INDEX for part in to_light)
+        x, y, z = (float(part) / REFRACTIVE_INDEX for part in to_light)
         flat = x * x + z * z
         parts = (x, math.sqrt(1.0 - flat) if y > 0.0 else 1.0, z)
         self.shafts = mi.Vector3f(*(dr.opaque(mi.Float, part) for part in parts))

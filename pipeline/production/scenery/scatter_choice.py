@@ -78,8 +78,9 @@ class ScatterChoice:
         fitted = _of_presets(own, land, scatter.density)
         if fitted and (scene.terrain.water is not None or around.kind == "sea"):
             fitted = (*fitted, *WATERSIDE)
-        where = "wet" if _is_drowned(scene) else "dry"
-        asked = tuple(replace(_asked(one), where=where) for one in scatter.species)
+        asked = tuple(_asked(one) for one in scatter.species)
+        if _is_drowned(scene):
+            asked = tuple(replace(one, where="wet") for one in asked)
         return ScatterChoice(fitted, asked, max(scatter.density, 1.0))
 
     @property

@@ -13,7 +13,7 @@ Drawn = tuple[Array, Array, Array, float]
 
 
 def soil(rng: np.random.Generator) -> Drawn:
-    """Draw crumbs of soil, gravel and stones of several sizes on all but level ground."""
+    """Draw crumbs of soil, gravel and stones of several sizes on ground with a cracked crust."""
     clods, crumbs = noise(rng, 1.2, first=13, last=70), noise(rng, 0.8, first=50)
     fine, fine_tint = pebbles(rng, 140, 0.3)
     gravel, gravel_tint = pebbles(rng, 74, 0.2)
@@ -21,6 +21,12 @@ def soil(rng: np.random.Generator) -> Drawn:
     # A swell of the ground would show as ripples in low light; what lies on it may be seen.
     relief = 0.0016 * clods + 0.0003 * crumbs + 0.0022 * fine + 0.006 * gravel + 0.020 * stones
     shade = 1 + 0.11 * clods + 0.08 * crumbs + 0.08 * noise(rng, 1.6, first=5)
+    first, second, _ = cells(rng, 27, warp=0.3)
+    crust = np.clip(1.2 * noise(rng, 1.5, first=3) + 0.1, 0.0, 1.0)
+    crack = np.exp(-(((second - first) / 0.05) ** 2)) * crust
+    grit = noise(rng, 0.3, first=150)
+    relief = relief - 0.004 * crack + 0.0004 * grit
+    shade = shade * (1.0 - 0.3 * crack) * (1.0 + 0.07 * grit)
     for lies, tint, pale in ((fine, fine_tint, 0.0), (gravel, gravel_tint, 0.05)):
         shade = np.where(lies > 0, 1 + pale + 0.2 * tint, shade)
     shade = np.where(stones > 0, 1.15 + 0.2 * stone_tint, shade)

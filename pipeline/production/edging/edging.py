@@ -271,22 +271,32 @@ def _stand(
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
         border.undergrowth(out + 1.5, BEHIND)
     elif choice.along == "railing":
-        furniture.railing(border, level, "edging white painted metal")
-        if land.kind == "sea":
-            furniture.festoon(border, level, 3.4)
-            border.palms(out + 2.6, 4.6)
-            border.palms(out + 7.0, 3.6, 0.55)
-            border.palms(out + 14.0, 4.4, 0.8)
-            border.undergrowth(out + 0.6, SHORE)
+        _railing(border, out, level, by_the_sea=land.kind == "sea")
     elif choice.along == "planters":
-        furniture.planters(
-            border, -0.45 if deck is not None else out, 2.9, "edging weathered", level
-        )
-        border.hedge(out + 1.5, 0.9)
-        border.undergrowth(out + 2.6, BEHIND)
+        _planters(border, out, level, on_deck=deck is not None)
     if land.kind in TREES and choice.along != "railing":
         border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
         border.trees(TREES[land.kind], out + 11.0, 8.5, 1.0)
+
+
+def _railing(border: Border, out: float, level: float, *, by_the_sea: bool) -> None:
+    """Add a railing, by the sea with lanterns, palms and beach grass."""
+    furniture.railing(border, level, "edging white painted metal")
+    if not by_the_sea:
+        return
+    furniture.festoon(border, level, 3.4)
+    border.palms(out + 2.6, 4.6)
+    border.palms(out + 7.0, 3.6, 0.55)
+    border.palms(out + 14.0, 4.4, 0.8)
+    border.undergrowth(out + 0.6, SHORE)
+
+
+def _planters(border: Border, out: float, level: float, *, on_deck: bool) -> None:
+    """Add boxes of flowers, on a deck or beside a floor, before a low hedge."""
+    place = -0.45 if on_deck else out
+    furniture.planters(border, place, 2.9, "edging weathered", level)
+    border.hedge(out + 1.5, 0.9)
+    border.undergrowth(out + 2.6, BEHIND)
 
 
 def _town(border: Border, word: str, out: float, level: float, steps: Array | None) -> None:

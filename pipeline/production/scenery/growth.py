@@ -33,6 +33,15 @@ TRAIL_BEND = 38.0
 TRAIL_HALF = (0.16, 0.62)
 """Distances from the middle of a trail up to which it is bare, and from which nothing is [m]."""
 
+WASH_BEND, WASH_HALF = 27.0, (0.5, 1.7)
+"""Size of the bends of dry beds of streams [m]; distances from the middle of one up to which it is
+bare, and from which nothing of it is left [m]."""
+RUBBLE, RUBBLE_EDGE, RUBBLE_LEAST = 6.5, (0.15, 0.55), 0.22
+"""Width of stony patches of dry land [m], values of their noise between which they begin, and share
+of the stones that lie between them."""
+PALER = 0.16
+"""How much nearer to white the silt of a dry bed is than the paler colour of its soil, in sRGB."""
+
 TUFT, TUFT_LEAST, TUFT_EDGE = 0.85, 0.22, (-0.4, 0.4)
 """Width of tufts [m], the share of their density between them, and values of their noise between
 which they begin."""
@@ -84,12 +93,15 @@ class Growth:
         clearings: of the performers, None without any.
         puddles: that rain has left, None without any.
         track: over the meadow, None without one.
+        dry: whether it is dry land: beds of streams that are dry cross it, and stones lie along
+            them and in patches.
     """
 
     seed: int
     clearings: Clearings | None = None
     puddles: Puddles | None = None
     track: Track | None = None
+    dry: bool = False
 
     def worn(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
@@ -103,6 +115,8 @@ class Growth:
         broad = fractal(places / 5.5, self.seed + 4120, 2)
         spots = 0.5 * smoothstep(0.75, 1.25, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
+        if self.dry:
+            result = np.maximum(result, self.wash(places))
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def drawn(self, x: Array, z: Array) -> Array:
@@ -118,6 +132,18 @@ class Growth:
         if self.puddles is not None:
             result = np.maximum(result, self.puddles.mud(x, z))
         return result
+
+    def wash(self, places: Array) -> Array:
+        """Return how far inside the dry bed of a stream places (N, 2) are, 0 to 1."""
+        away = self._line(places, WASH_BEND, 4180) - 0.35 * self._uneven(places)
+        return 1.0 - smoothstep(*WASH_HALF, away)
+
+    def _rubble(self, places: Array) -> Array:
+        """Return the share (N,) of stones that lie at places (N, 2) of dry land."""
+        inside = self.wash(places)
+        patch = smoothstep(*RUBBLE_EDGE, fractal(places / RUBBLE, self.seed + 4190, 2))
+        share = np.maximum(patch, 4.0 * inside * (1.0 - inside))
+        return np.asarray(RUBBLE_LEAST + (1.0 - RUBBLE_LEAST) * share)
 
     def _uneven(self, places: Array) -> Array:
         return fractal(places / 1.7, self.seed + 4110, 2)
@@ -137,7 +163,7 @@ class Growth:
         """Return the share (N,) of its full density that a habitat leaves a species."""
         places = np.stack([x, z], axis=-1)
         if habitat == "rubble":
-            return np.ones(len(x))
+            return self._rubble(places) if self.dry else np.ones(len(x))
         if habitat == "grove":
             return np.maximum(0.04 + 0.96 * self.grove(places), 0.55 * self.hedge(places))
         if habitat == "hedge":
@@ -183,6 +209,9 @@ class Growth:
         share = share * fade * fade[:, None]
         rgb = np.array([int(soil[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
         share = share * LIGHTLY.get(material.texture, 1.0)
+        if self.dry:
+            pale = np.asarray(material.color if material.color2 is None else material.color2)
+            rgb = pale + PALER * (1.0 - pale)
         wet = min(weather.rain / 0.5, 1.0)
         r, g, b = linear(rgb * (1.0 + wet * (WET - 1.0))).tolist()
         texels = np.rint(255.0 * share).astype(np.uint8)

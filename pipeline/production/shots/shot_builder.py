@@ -49,6 +49,7 @@ from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.production.shots.sunken_stones import sunken
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
@@ -63,6 +64,9 @@ from render.development import Tone
 from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
+
+DRY_SOIL = 0.05
+"""Least part of the mean linear colour from which soil is that of dry land."""
 
 
 class ShotBuilder:
@@ -88,7 +92,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        worn = chipped(weathered(take.terrain, scene), scene, take)
+        worn = weathered(sunken(take.terrain, scene, take), scene)
+        worn = chipped(worn, scene, take)
         self._drawn = fractured(worn, scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
@@ -301,7 +306,8 @@ class ShotBuilder:
         ahead = view.ahead[0, [0, 2]]
         ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
         track = Track.of(clearings, ahead, seed) if is_meadow else None
-        return Growth(seed, clearings, self._puddles, track)
+        is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
+        return Growth(seed, clearings, self._puddles, track, is_dry)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
         """Return the puddles on natural ground, None without any."""

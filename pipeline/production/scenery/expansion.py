@@ -42,7 +42,7 @@ MATERIALS = {"scenery foliage": FOLIAGE, "scenery solid": SOLID, "scenery stone"
 REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
 """Linear colour of ground on which species have their own colours."""
 
-FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.85, 1.45, 1.08])
+FRESH, DRY = np.array([0.86, 1.0, 0.78]), np.array([1.60, 1.25, 0.95])
 """Factors on the colours of grass in hollows that keep water, and where it has dried."""
 
 STUNTED, LUSH = 0.65, 1.6
@@ -133,7 +133,8 @@ def _sizes(placed: Placed) -> Array:
     low, high = KINDS[placed.name].sizes
     part = placed.chance[:, 2]
     sizes = np.asarray(low * (high / low) ** (part**1.4)) * placed.size
-    if KINDS[placed.name].widens:
+    # A crop stands even.
+    if KINDS[placed.name].widens and KINDS[placed.name].habitat != "open":
         sizes = sizes * vigour(placed.points[:, [0, 2]])
     return sizes
 

@@ -163,7 +163,7 @@ def add_blades(
     dead = mixed(np.asarray(dry[1]) * 0.45, dry[1], t[None].repeat(n, 0))
     color = np.where(is_dry[:, None, None], dead, color)
     color = color * (1.0 + variation * rng.uniform(-1.0, 1.0, n))[:, None, None]
-    normal = 0.75 * UP - 0.35 * ahead[:, None] * np.ones_like(t)[None, :, None]
+    normal = 0.6 * UP - 0.55 * ahead[:, None] * np.ones_like(t)[None, :, None]
     last = segments if blunt == 0.0 else segments + 1
     rows = np.stack([left[:, :last], right[:, :last]], axis=2).reshape(n, -1, 3)
     shades = np.repeat(color[:, :last], 2, axis=1)

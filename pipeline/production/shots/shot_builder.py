@@ -15,7 +15,7 @@ from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, 
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import soiled_wall
 from pipeline.production.scenery.clearings import Clearings
@@ -27,6 +27,7 @@ from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
 from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
+from pipeline.production.scenery.track import Track
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
@@ -48,6 +49,7 @@ from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.production.shots.sunken_stones import sunken
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
@@ -62,6 +64,9 @@ from render.development import Tone
 from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
+
+DRY_SOIL = 0.05
+"""Least part of the mean linear colour from which soil is that of dry land."""
 
 
 class ShotBuilder:
@@ -87,7 +92,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        worn = chipped(weathered(take.terrain, scene), scene, take)
+        worn = weathered(sunken(take.terrain, scene, take), scene)
+        worn = chipped(worn, scene, take)
         self._drawn = fractured(worn, scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
@@ -287,14 +293,21 @@ class ShotBuilder:
             return None
         detail = scenery_detail(self.film.size[0])
         sun = None if self.light.sun is None else sun_direction(self.light.sun)
-        return Edging.of(
-            *(self._edging, self.take.terrain, self._land, self.tracks.clearings, view),
-            *(self._scene.seed, detail, self._terrain.material, sun),
+        setting = Setting(
+            *(self.take.terrain, self._land, self.tracks.clearings, view),
+            *(self._scene.seed, detail, sun),
         )
+        return Edging.of(self._edging, setting, self._terrain.material)
 
-    @property
-    def _growth(self) -> Growth:
-        return Growth(self._scene.seed, self.tracks.clearings, self._puddles)
+    def _growth(self, view: FilmView) -> Growth:
+        clearings, seed = self.tracks.clearings, self._scene.seed
+        own = self.materials[self.take.terrain.material]
+        is_meadow = own.texture == "grass" and not self._land.is_platform
+        ahead = view.ahead[0, [0, 2]]
+        ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
+        track = Track.of(clearings, ahead, seed) if is_meadow else None
+        is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
+        return Growth(seed, clearings, self._puddles, track, is_dry)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
         """Return the puddles on natural ground, None without any."""
@@ -316,7 +329,7 @@ class ShotBuilder:
             return mesh
         middle = view.targets[:, [0, 2]].mean(axis=0)
         material = self.materials[mesh.material]
-        return replace(mesh, wear=self._growth.wear(material, self.light.weather, middle))
+        return replace(mesh, wear=self._growth(view).wear(material, self.light.weather, middle))
 
     def _scenery(
         self, horizon: Mesh, view: FilmView, treads: Treads, edging: Edging | None
@@ -335,7 +348,7 @@ class ShotBuilder:
             return scenery_meshes(
                 *(ground, view, self.tracks.clearings, self._scatter),
                 *(treads, self.light.weather.ground_wind),
-                *(self._growth, scenery_detail(width)),
+                *(self._growth(view), scenery_detail(width)),
                 also=edging.placed if edging else (),
                 plots=edging.plots if edging else (),
             )

@@ -10,7 +10,7 @@ import pytest
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
@@ -29,7 +29,7 @@ from render.shot import CameraPose, Mesh
 EYE, TARGET = (6.5, 2.0, 0.0), (0.0, 0.8, 0.0)
 VIEW = FilmView.of((CameraPose(EYE, TARGET),), 1.6)
 PIECE, SEED = 1.2, 5
-WORDS = ("hedge", "wall", "railing", "planters", "overgrown", "room", "houses", "house", "school")
+WORDS = ("hedge", "wall", "fence", "railing", "planters", "overgrown", "room", "houses", "house", "school")
 
 
 def terrain(size: float = 30.0, heading: float = 0.0) -> TerrainRecord:
@@ -59,7 +59,7 @@ def edging(
     record = terrain()
     land = Land(record, "hills", "platform", 2)
     choice = EdgingChoice(floor, word, PIECE)
-    return Edging.of(choice, record, land, clearings(), VIEW, SEED, 0.5, "concrete", sun)
+    return Edging.of(choice, Setting(record, land, clearings(), VIEW, SEED, 0.5, sun), "concrete")
 
 
 def top(mesh: Mesh) -> Array:
@@ -206,7 +206,7 @@ def test_the_door_of_a_house_is_at_the_head_of_stairs() -> None:
     record = replace(record, vertices=vertices)
     land = Land(record, "hills", "platform", 2)
     choice = EdgingChoice("paving", "house", PIECE)
-    made = Edging.of(choice, record, land, clearings(), VIEW, SEED, 0.5, "concrete", None)
+    made = Edging.of(choice, Setting(record, land, clearings(), VIEW, SEED, 0.5), "concrete")
     doors = [
         m.vertices
         for m in made.meshes()

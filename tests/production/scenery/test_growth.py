@@ -83,3 +83,20 @@ def test_tufts_and_clumps_leave_the_share_on_average_that_densities_count_on() -
             assert abs(found.mean() - share) < 0.03
             assert (found < 0.3).mean() > 0.25
             assert (found > 0.8).mean() > 0.2
+
+
+def test_dry_beds_cross_dry_land_and_stones_lie_along_them() -> None:
+    x, z = places()
+    dry, other = Growth(5, dry=True), Growth(5)
+    wash = dry.wash(np.stack([x, z], axis=-1))
+    assert 0.03 < (wash > 0.9).mean() < 0.3
+    assert dry.worn(x, z)[wash > 0.95].min() > 0.94
+    assert (dry.worn(x, z) >= other.worn(x, z)).all()
+    stones = dry.share("rubble", x, z)
+    edge = (wash > 0.4) & (wash < 0.6)
+    assert stones[edge].min() > 0.9
+    assert stones[wash == 0.0].mean() < 0.6
+    wear = dry.wear(MATERIALS["dry soil"], CALM, np.zeros(2))
+    assert wear is not None
+    # The silt is paler than the soil.
+    assert min(wear.color) > 0.3

@@ -15,7 +15,7 @@ from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
 from pipeline.production.edging.fence import stand_fence
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
-from pipeline.production.edging.house import MATERIALS_OF_HOUSES
+from pipeline.production.edging.house_materials import MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import furnish

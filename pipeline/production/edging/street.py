@@ -246,7 +246,7 @@ def _stands(border: Border, site: Site, *, is_near: bool = False) -> bool:
     if border.view.in_the_way(points, one * (tall(site.storeys) + 3.0), 1.2 * one).any():
         return False
     if border.view.in_the_foreground(
-        points, 2.0 * one, one, (0.5 if is_near else 0.8) * FOREGROUND
+        points, 2.0 * one, one, (0.36 if is_near else 0.8) * FOREGROUND
     ).any():
         return False
     return not border.shades_the_cast(places, tall(site.storeys) + 1.5, 0.2).any()

@@ -174,8 +174,8 @@ ONE_MISTAKE = [
      "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
      "the text 'hils'; did you mean 'hills'?"),
     ("terrain: hills", "terrain: {kind: flat, edging: §hegde}", "terrain.edging",
-     "must be 'auto', 'hedge', 'wall', 'fence', 'railing', 'planters', 'houses', 'house', 'school', "
-     "'overgrown', 'room' or 'none', is the text 'hegde'; did you mean 'hedge'?"),
+     "must be 'auto', 'hedge', 'wall', 'fence', 'railing', 'planters', 'houses', 'house', "
+     "'school', 'overgrown', 'room' or 'none', is the text 'hegde'; did you mean 'hedge'?"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §medow}", "terrain.scatter",
      "no scatter is called 'medow', did you mean 'meadow'? `pronk list scatter` has all 20"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §fern}", "terrain.scatter",

@@ -89,7 +89,7 @@ AWAY = 15.0
 """Distance of houses from a yard of natural ground [m]."""
 
 FENCED = 1.5
-"""Distance of a fence or wall from a yard of natural ground [m]."""
+"""Distance of a fence or wall from a floor or from a yard of natural ground [m]."""
 
 FOOT_OF_FENCE = (("tall grass", 0.3, 0.9), ("meadow grass", 0.35, 1.0), ("buttercup", 2.2, 1.0))
 
@@ -231,13 +231,10 @@ def _stand(
     if choice.along == "overgrown":
         return
     level = deck if deck is not None else land.level
-    if choice.along in HOUSES:
+    if choice.along in ("fence", *HOUSES):
         _build(border, choice.along, out + 4.6, steps)
     if choice.along in ("hedge", *HOUSES):
         _hedge(border, out, has_benches=choice.along not in ("house", "school"), deck=deck)
-    elif choice.along == "fence":
-        stand_fence(border, out + 0.4, "edging weathered")
-        border.undergrowth(out + 0.5, FOOT_OF_FENCE)
     elif choice.along == "wall":
         border.wall(out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
@@ -290,10 +287,7 @@ def _on_ground(
 
     border = Border(low, high, height, view, clearings, seed, detail, sun)
     steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
-    if choice.along == "fence":
-        stand_fence(border, FENCED, "edging weathered")
-        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
-    elif choice.along == "wall":
+    if choice.along == "wall":
         border.wall(FENCED, 0.85)
         border.undergrowth(FENCED + 0.4, FOOT_OF_FENCE)
         border.undergrowth(FENCED - 0.45, FOOT_OF_FENCE)
@@ -303,8 +297,14 @@ def _on_ground(
 
 
 def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
-    """Add houses, or one at some distance from a floor [m], or close to one that is not level."""
-    if word == "houses":
+    """Add houses, or one at some distance from a floor [m], or close to one that is not level.
+
+    A fence stands nearer.
+    """
+    if word == "fence":
+        stand_fence(border, FENCED, "edging weathered")
+        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
+    elif word == "houses":
         row_of_houses(border, out)
         border.lamps(out - 3.2, 9.0)
         border.trees(("oak", "birch"), out - 3.3, 8.0, 0.5)

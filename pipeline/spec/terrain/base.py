@@ -108,11 +108,11 @@ class TerrainConfig(ConfigModel):
     edging: Edging = Field(
         "auto",
         description="How a floor on open land ends: with a `hedge`, a dry-stone `wall`, a "
-        "`fence` of split rails, a `railing`, `planters`, a row of `houses`, a single `house` or `school`, the walls of a "
-        "`room`, or `overgrown` with nothing behind. Slabs break up at the border, boards have a "
-        "rim, and level floors are no larger than the cast needs. Houses, walls and "
-        "fences stand on natural ground, too. `auto` is what suits floor and surroundings; `none` leaves the whole terrain a "
-        "bare floor.",
+        "`fence` of split rails, a `railing`, `planters`, a row of `houses`, a single `house` or "
+        "`school`, the walls of a `room`, or `overgrown` with nothing behind. Slabs break up at "
+        "the border, boards have a rim, and level floors are no larger than the cast needs. "
+        "Houses, walls and fences stand on natural ground, too. `auto` is what suits floor and "
+        "surroundings; `none` leaves the whole terrain a bare floor.",
     )
     water: Water | None = Field(
         None,

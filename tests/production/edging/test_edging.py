@@ -29,7 +29,18 @@ from render.shot import CameraPose, Mesh
 EYE, TARGET = (6.5, 2.0, 0.0), (0.0, 0.8, 0.0)
 VIEW = FilmView.of((CameraPose(EYE, TARGET),), 1.6)
 PIECE, SEED = 1.2, 5
-WORDS = ("hedge", "wall", "fence", "railing", "planters", "overgrown", "room", "houses", "house", "school")
+WORDS = (
+    "hedge",
+    "wall",
+    "fence",
+    "railing",
+    "planters",
+    "overgrown",
+    "room",
+    "houses",
+    "house",
+    "school",
+)
 
 
 def terrain(size: float = 30.0, heading: float = 0.0) -> TerrainRecord:

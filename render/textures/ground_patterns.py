@@ -74,10 +74,9 @@ def grass(rng: np.random.Generator) -> Drawn:
 
 def moss(rng: np.random.Generator) -> Drawn:
     """Draw cushions of moss of three sizes, with fallen needles and scraps of leaves on them."""
-    shade, relief, tint = (np.full((TILE, TILE), value) for value in (0.62, 0.0, 0.0))
-    for across, share, high, dark in (
-        *((70, 0.8, 0.005, 0.66), (31, 0.75, 0.013, 0.7), (14, 0.6, 0.026, 0.74)),
-    ):
+    shade, relief, tint = (np.full((TILE, TILE), level) for level in (0.62, 0.0, 0.0))
+    cushions = ((70, 0.8, 0.005, 0.66), (31, 0.75, 0.013, 0.70), (14, 0.6, 0.026, 0.74))
+    for across, share, high, dark in cushions:
         dome, own = pebbles(rng, across, share)
         over = dome > 0
         # A cushion is dark at its rim, where it meets the next.

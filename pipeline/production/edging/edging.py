@@ -109,7 +109,7 @@ SQUARE = 2.8
 """By which a square before houses is wider than the floors of gardens [m]."""
 
 FENCED = 1.5
-"""Distance of a fence or wall from a yard of natural ground [m]."""
+"""Distance of a fence or wall from a floor or from a yard of natural ground [m]."""
 
 FOOT_OF_FENCE = (("tall grass", 0.3, 0.9), ("meadow grass", 0.35, 1.0), ("buttercup", 2.2, 1.0))
 
@@ -261,11 +261,10 @@ def _stand(
     level = deck if deck is not None else land.level
     if choice.along in HOUSES:
         _town(border, choice.along, out, level, steps)
-    if choice.along in ("hedge", "house", "school"):
+    if choice.along == "fence":
+        _build(border, choice.along, out + 4.6, steps)
+    elif choice.along in ("hedge", "house", "school"):
         _hedge(border, out, has_benches=choice.along == "hedge", deck=deck)
-    elif choice.along == "fence":
-        stand_fence(border, out + 0.4, "edging weathered")
-        border.undergrowth(out + 0.5, FOOT_OF_FENCE)
     elif choice.along == "wall":
         stonework.wall(border, out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
@@ -335,10 +334,7 @@ def _on_ground(choice: EdgingChoice, setting: Setting) -> Border:
 
     border = setting.border(low, high, height)
     steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
-    if choice.along == "fence":
-        stand_fence(border, FENCED, "edging weathered")
-        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
-    elif choice.along == "wall":
+    if choice.along == "wall":
         stonework.wall(border, FENCED, 0.85)
         border.undergrowth(FENCED + 0.4, FOOT_OF_FENCE)
         border.undergrowth(FENCED - 0.45, FOOT_OF_FENCE)
@@ -348,8 +344,14 @@ def _on_ground(choice: EdgingChoice, setting: Setting) -> Border:
 
 
 def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
-    """Add houses, or one at some distance from a floor [m], or close to one that is not level."""
-    if word == "houses":
+    """Add houses, or one at some distance from a floor [m], or close to one that is not level.
+
+    A fence stands nearer.
+    """
+    if word == "fence":
+        stand_fence(border, FENCED, "edging weathered")
+        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
+    elif word == "houses":
         row_of_houses(border, out)
         furniture.lamps(border, out - PAVEMENT - 0.35, 8.0)
     else:

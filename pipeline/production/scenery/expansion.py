@@ -50,6 +50,11 @@ STUNTED, LUSH = 0.65, 1.6
 RICH_WIDTH, RICH_EDGE = 2.4, (-0.55, 0.85)
 """Width of rich spots [m], and values of their noise between which they begin."""
 
+TALLER = 0.4
+"""Power of the width of far clumps by which low ones are taller."""
+LOW = 0.3
+"""Height of low species [m]."""
+
 Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
 
 
@@ -155,6 +160,9 @@ def copies(
     if species.widens:
         wide = np.clip((placed.distances / (WIDE_FROM * detail)) ** 0.75, 1.0, WIDEST)
         scales[:, [0, 2]] *= wide[:, None]
+        if species.height < LOW:
+            # Flat ones would melt into a plain.
+            scales[:, 1] *= wide**TALLER
     scales[:, 1] *= 0.85 + 0.3 * placed.chance[:, 3]
     turns = _turns(placed, species.upright)
     tints = _tints(placed, species.ground)
@@ -203,7 +211,7 @@ def _tints(placed: Placed, share: float) -> Array:
     light = 0.82 + 0.36 * placed.chance[:, 3:]
     if KINDS[placed.name].widens:
         # Tufts that differ are seen as tufts; alike they melt into a plain.
-        light = light * (0.8 + 0.4 * placed.chance[:, 1:2]) * sward(placed.points[:, [0, 2]])
+        light = light * (0.7 + 0.6 * placed.chance[:, 1:2]) * sward(placed.points[:, [0, 2]])
     if not share:
         return np.broadcast_to(light, (len(light), 3))
     ratio = placed.color / REFERENCE_GROUND

@@ -394,9 +394,7 @@ def _check_starts(value: tuple[Camera, ...]) -> tuple[Camera, ...]:
 
 Cuts = Annotated[
     tuple[Camera, ...],
-    BeforeValidator(
-        _as_sequence, json_schema_input_type=Literal["auto"] | Camera | list[Camera]
-    ),
+    BeforeValidator(_as_sequence, json_schema_input_type=Literal["auto"] | Camera | list[Camera]),
     AfterValidator(_check_starts),
 ]
 """One camera, or a list of cuts, the first of which starts at 0; or `auto`."""

@@ -81,7 +81,9 @@ def _rendered_on(
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
     if jobs > 1:
-        job = FrameJob(shooting.scene, outputs.take, outputs, backend, wanted, shooting.tracks.tones)
+        job = FrameJob(
+            shooting.scene, outputs.take, outputs, backend, wanted, shooting.tracks.tones
+        )
         split = film_in_processes(
             job,
             jobs,

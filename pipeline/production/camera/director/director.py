@@ -50,9 +50,7 @@ def edit_decisions(
     return tuple(decisions)
 
 
-def _directed(
-    finder: ViewFinder, camera: Camera, frames: range, source: int
-) -> list[EditDecision]:
+def _directed(finder: ViewFinder, camera: Camera, frames: range, source: int) -> list[EditDecision]:
     """Return the cuts of the frames of one camera, counted from 0."""
     assert camera.auto is not None
     tracks, actors = finder.tracks, finder.actors
@@ -65,9 +63,7 @@ def _directed(
     plan = ShotPlan(tracks, actors, _named(camera), PACES[camera.auto], finder.rate)
     shots = plan.shots(frames.start, frames.stop, story)
     chosen = ViewChoice(finder).chosen(shots)
-    return [
-        EditDecision(view.camera, _told(shot, view.light), source) for shot, view in chosen
-    ]
+    return [EditDecision(view.camera, _told(shot, view.light), source) for shot, view in chosen]
 
 
 def _named(camera: Camera) -> tuple[str, ...] | None:
@@ -86,5 +82,3 @@ def _told(shot: PlannedShot, light: float | None) -> str:
     if light is None:
         return shot.reason
     return f"{shot.reason}; key light {math.degrees(light):.0f} degrees from the camera"
-
-

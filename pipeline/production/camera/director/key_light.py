@@ -18,7 +18,7 @@ from render.config import Light
 from render.lights.sun_position import sun_direction
 
 LEAST_ANGLE = math.radians(40.0)
-"""Angle between camera and key light, seen from the subject, below which the light is flat [rad]."""
+"""Angle between camera and key light, as the subject sees them, below which it is flat [rad]."""
 
 MODELLING = (math.radians(60.0), math.radians(110.0))
 """Range of that angle in which the light models best [rad]."""

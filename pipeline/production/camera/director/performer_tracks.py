@@ -76,7 +76,9 @@ class PerformerTracks:
             # The links of creatures hang on one another, those of people on their pelvis.
             jointed[k] = any(
                 take.nodes[i].name == f"{name}.pelvis"
-                or (take.nodes[i].parent >= 0 and take.nodes[take.nodes[i].parent].performer == name)
+                or (
+                    take.nodes[i].parent >= 0 and take.nodes[take.nodes[i].parent].performer == name
+                )
                 for i in own
             )
             places = np.array(take.positions[np.ix_(rows, own)], dtype=float)

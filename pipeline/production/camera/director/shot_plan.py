@@ -10,6 +10,7 @@ Source: S. D. Katz, Film Directing Shot by Shot, 1991 (coverage from wide to clo
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -37,7 +38,7 @@ MOST_LARGER = 4.0
 """Radius of another performer, relative to the first, from which a shot leaves it out."""
 
 MOST_APART = 3.0
-"""Gap between two performers, relative to the sum of their radii, beyond which none shot is of both."""
+"""Gap between two, relative to the sum of their radii, beyond which no shot is of both."""
 
 
 @dataclass(slots=True)
@@ -106,9 +107,7 @@ class ShotPlan:
             close = stop
         return self._on_frame(begin), self._on_frame(close)
 
-    def _chosen(
-        self, start: float, stop: float, story: Sequence[StoryEvent]
-    ) -> list[StoryEvent]:
+    def _chosen(self, start: float, stop: float, story: Sequence[StoryEvent]) -> list[StoryEvent]:
         """Return the events that get a shot of their own, in the order of time."""
         left = [event for event in story if set(event.who) & set(self.actors)]
         chosen: list[StoryEvent] = []
@@ -134,11 +133,15 @@ class ShotPlan:
         self, begin: float, close: float, event: StoryEvent, before: Sequence[PlannedShot]
     ) -> PlannedShot:
         follow = self._together(event.who, event.time)
+        size: ShotSize = "close"
+        if event.kind == "break":
+            # Its pieces fly too far for a frame: whoever breaks it stands for the place.
+            told = [n for n in event.who if self.tracks.jointed[self.tracks.number(n)]]
+            follow, size = (told[0] if told else event.who[0],), "medium"
         last = before[-1]
-        same = last.size == "close" and last.follow == follow
+        if last.size == "close" and last.follow == follow:
+            size = "medium"
         self._shown[follow[0]] = close
-        # A cause has to be seen with its effect: what breaks is shown with what breaks it.
-        size: ShotSize = "medium" if same or event.kind == "break" else "close"
         reason = f"{event.text} at {event.time:.2f} s"
         shot = self._shot(begin, close, size, follow, reason)
         return replace(shot, is_event=True)
@@ -154,7 +157,7 @@ class ShotPlan:
         if length / count < self.pace.least:
             count = max(1, int(length / self.pace.least))
         edges = [self._on_frame(t) for t in np.linspace(begin, end, count + 1)]
-        for a, b in zip(edges, edges[1:], strict=False):
+        for a, b in itertools.pairwise(edges):
             shots.append(self._filler(a, b, shots[-1]))
         return end
 
@@ -167,7 +170,7 @@ class ShotPlan:
         name = min(told, key=lambda n: (self._shown.get(n, -1.0), -round(lively[n], 3)))
         self._shown[name] = end
         size: ShotSize = "close" if last.size == "medium" else "medium"
-        follow = (name,)
+        follow: tuple[str, ...] = (name,)
         if size == "medium":
             near = [n for n in told if n != name and self._is_near(name, n, 0.5 * (begin + end))]
             follow = self._together((name, *near[:1]), 0.5 * (begin + end))

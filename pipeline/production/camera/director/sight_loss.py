@@ -73,7 +73,9 @@ def cropped_frames(path: CameraPath, points: Array, aspect: float) -> NDArray[np
 
 def longest_run(lost: NDArray[np.bool_]) -> int:
     """Return the number of successive samples (S,) in the longest loss."""
-    return max((sum(1 for _ in run) for bad, run in itertools.groupby(lost.tolist()) if bad), default=0)
+    return max(
+        (sum(1 for _ in run) for bad, run in itertools.groupby(lost.tolist()) if bad), default=0
+    )
 
 
 def _is_lost(

@@ -41,7 +41,8 @@ MAX_LOST_SHARE = 0.08
 USUAL_TURN, TURN_RANGE = math.radians(50.0), math.radians(90.0)
 """Turn of the camera at a cut that reads best, and the change that costs `TURN_COST` [rad]."""
 
-TURN_COST = 0.3
+TURN_COST = 1.0
+"""Cost of a turn that differs from it by `TURN_RANGE`."""
 
 Chosen = list[tuple[PlannedShot, CandidateView]]
 
@@ -66,13 +67,10 @@ class ViewChoice:
         """Return the cheapest chain of views, the verified ones among them."""
         while True:
             options = [self.finder.candidates(shot) for shot in shots]
-            options = [
-                tuple(self.finder.known(view) for view in views) for views in options
-            ]
+            options = [tuple(self.finder.known(view) for view in views) for views in options]
             views = self._chain(shots, options)
             fresh = [
-                self.finder.verified(shot, view)
-                for shot, view in zip(shots, views, strict=True)
+                self.finder.verified(shot, view) for shot, view in zip(shots, views, strict=True)
             ]
             if all(a is b for a, b in zip(views, fresh, strict=True)):
                 return views
@@ -138,7 +136,11 @@ class ViewChoice:
         k, is_cut = wrong
         shot, larger = shots[k], shots[k].larger()
         if not is_cut and larger is not None:
-            return [*shots[:k], replace(larger, reason=f"{shot.reason}, wider for a clear sight"), *shots[k + 1 :]]
+            return [
+                *shots[:k],
+                replace(larger, reason=f"{shot.reason}, wider for a clear sight"),
+                *shots[k + 1 :],
+            ]
         if is_cut and shot.is_event and k > 1 and not shots[k - 1].is_event:
             # The filler before an event gives way to it.
             k -= 1

@@ -213,5 +213,3 @@ def _view_cost(angle: int, towards: Array, line: Array | None, shot: PlannedShot
     elif shot.size == "wide":
         cost *= 0.5
     return cost
-
-

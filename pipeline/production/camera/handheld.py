@@ -5,9 +5,8 @@ arms, and tremor. They are functions of the time of the film alone, so that a fr
 way whoever renders it and at any frame rate. The eye stays where it is, so that it goes neither
 into the ground nor into a body.
 
-Source: K. Perlin, An Image Synthesizer, SIGGRAPH 1985 (noise by interpolation of random numbers at
-    integers). R. N. Stiles, Frequency and displacement amplitude relations for normal hand tremor,
-    J. Applied Physiology 40(1), 1976: displacement falls with the square of the frequency.
+Source: Perlin 1985 (noise by interpolation of random numbers at integers). Stiles 1976
+    (displacement falls with the square of the frequency).
 """
 
 from __future__ import annotations

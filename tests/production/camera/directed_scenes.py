@@ -41,7 +41,7 @@ LIGHTS: tuple[Any, ...] = (
     {"studio": {"heading_deg": 70}},
 )
 
-STRIDE = 2
+STRIDE = 1
 """Frames between those that are looked at."""
 
 NEUTRAL = math.sin(math.radians(12.0))
@@ -83,6 +83,7 @@ def directed_scene(seed: int) -> Scene:
         cast.append({"name": f"block{k}", "prop": block, "at": [x, z]})
     scene = {
         "pronk": 1,
+        "fps": 12,
         "duration": rng.choice([3.0, 5.0, 6.0, 7.0]),
         "seed": seed,
         "terrain": {"kind": "flat", "size": [40, 40], "surroundings": "plain"},

@@ -2,7 +2,7 @@
 
 It runs between two who act together, or along the motion of one that travels.
 
-Source: D. Arijon, Grammar of the Film Language, 1976, ch. 4 and 5 (triangle principle).
+Source: Arijon 1976, ch. 4 and 5 (triangle principle).
 """
 
 from __future__ import annotations

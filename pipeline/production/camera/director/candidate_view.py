@@ -12,7 +12,7 @@ from render.config import Camera
 LEAST_TURN = math.radians(30.0)
 """Angle from which the views of neighbouring shots differ [rad].
 
-Source: J. Mascelli, The Five C's of Cinematography, 1965.
+Source: Mascelli 1965.
 """
 
 LEAST_STEP = 1.3

@@ -1,7 +1,6 @@
 """Editing pace: how long the shots of a film are.
 
-Source: D. Bordwell, The Way Hollywood Tells It, 2006 (average shot lengths). W. Murch, In the Blink
-    of an Eye, 2001 (a cut comes before the event that it is made for).
+Source: Bordwell 2006 (average shot lengths). Murch 2001 (a cut comes before its event).
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Light from behind the camera flattens what it falls on; from the side it models, from behind the
 subject it outlines.
 
-Source: J. Alton, Painting with Light, 1949. B. Brown, Motion Picture and Video Lighting, 2007.
+Source: Alton 1949.
 """
 
 from __future__ import annotations

@@ -4,13 +4,13 @@ The film opens with an establishing shot of all. The weightiest events get shots
 begin before them and last beyond them; the time between is divided among those who act. Where
 nothing happens any more, a wider shot closes the film.
 
-Source: S. D. Katz, Film Directing Shot by Shot, 1991 (coverage from wide to close). R. Thompson,
-    C. J. Bowen, Grammar of the Edit, 2009.
+Source: Katz 1991 (coverage from wide to close). Thompson and Bowen 2009.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -87,7 +87,8 @@ class ShotPlan:
     def _tail(self, start: float, stop: float, story: Sequence[StoryEvent]) -> float:
         """Return when the closing shot begins; the end where the action lasts to the end."""
         told = [event.until + self.pace.after for event in story if event.time < stop]
-        dead = max([self.tracks.still_from(self.actors) + TAIL_PAUSE_S, *told, start])
+        still = self.tracks.still_from(self.actors) + TAIL_PAUSE_S
+        dead = self._on_frame(max([still, *told, start]))
         least = max(LEAST_SHOT_S, self.pace.least)
         return dead if stop - dead >= least and dead - start >= 2.0 * least else stop
 
@@ -103,9 +104,12 @@ class ShotPlan:
         begin = event.time - self.pace.before
         until = min(event.until, begin + self.pace.longest - self.pace.after)
         close = max(max(until, event.time) + self.pace.after, begin + self.pace.least)
+        # In frames, so that rounding makes no shot too short.
+        first = self._frame(begin)
+        close = max(self._frame(close), first + self._least_frames) / self.rate
         if stop - close < LEAST_SHOT_S:
             close = stop
-        return self._on_frame(begin), self._on_frame(close)
+        return first / self.rate, close
 
     def _chosen(self, start: float, stop: float, story: Sequence[StoryEvent]) -> list[StoryEvent]:
         """Return the events that get a shot of their own, in the order of time."""
@@ -154,8 +158,7 @@ class ShotPlan:
             shots[-1] = replace(last, end=self._frame(end))
             return end
         count = max(1, round(length / self.pace.usual))
-        if length / count < self.pace.least:
-            count = max(1, int(length / self.pace.least))
+        count = max(1, min(count, round(length * self.rate) // self._least_frames))
         edges = [self._on_frame(t) for t in np.linspace(begin, end, count + 1)]
         for a, b in itertools.pairwise(edges):
             shots.append(self._filler(a, b, shots[-1]))
@@ -217,6 +220,11 @@ class ShotPlan:
         wanted = self.follow if follow is None else follow
         line = self._line(wanted, 0.5 * (begin + end))
         return PlannedShot(self._frame(begin), self._frame(end), size, wanted, line, reason)
+
+    @property
+    def _least_frames(self) -> int:
+        """Frames of the shortest shot."""
+        return math.ceil(max(self.pace.least, LEAST_SHOT_S) * self.rate - 1e-6)
 
     def _frame(self, time: float) -> int:
         return round(time * self.rate)

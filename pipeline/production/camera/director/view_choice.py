@@ -4,8 +4,7 @@ The cheapest chain of candidates is found by dynamic programming: a view costs w
 a cut costs where it jumps or crosses the line of action. A shot that cannot be taken shows more, or
 is left out, and the shot before it goes on.
 
-Source: R. Bellman, Dynamic Programming, 1957. W. H. Press et al., Numerical Recipes, 2007, 16.2
-    (Viterbi). M. Christie, P. Olivier, J.-M. Normand, Camera Control in Computer Graphics, 2008.
+Source: Bellman 1957. Christie et al. 2008.
 """
 
 from __future__ import annotations

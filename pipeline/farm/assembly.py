@@ -62,9 +62,9 @@ def assemble(
         # The cuts that the frames were shot by, whatever a director would decide here.
         tracks = FilmTracks.of_arrays(read_arrays(store, tracks_name(film)))
         shooting = ShotBuilder(order.scene, take, tracks)
-        enter_cuts(run, shooting)
         run.notes += shooting_notes(order.scene, shooting)
         run.refuse_notes()
+        enter_cuts(run, shooting)
         if order.sound:
             write_score(run, take, shooting)
         _fetch_frames(run, store, film, records)

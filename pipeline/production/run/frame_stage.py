@@ -30,9 +30,9 @@ def shooting_of(run: SceneRun) -> ShotBuilder:
         SimulationError: the scene cannot be simulated.
     """
     shooting = ShotBuilder(run.order.scene, take_of(run))
-    enter_cuts(run, shooting)
     run.notes += shooting_notes(run.order.scene, shooting)
     run.refuse_notes()
+    enter_cuts(run, shooting)
     return shooting
 
 

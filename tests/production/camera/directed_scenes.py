@@ -122,10 +122,14 @@ class DirectedFilm:
     jumps: int
 
 
-def directed_film(scene: Scene, take: Take | None = None) -> DirectedFilm:
-    """Simulate and direct a scene, and measure the result."""
-    take = take or simulate(scene)
-    shooting = ShotBuilder(scene, take)
+def directed(scene: Scene) -> ShotBuilder:
+    """Simulate and direct a scene."""
+    return ShotBuilder(scene, simulate(scene))
+
+
+def directed_film(shooting: ShotBuilder) -> DirectedFilm:
+    """Measure what the cuts of a film show."""
+    take, scene = shooting.take, shooting.scene
     cameras = [decision.camera for decision in shooting.decisions]
     rate = float(take.header.rate)
     cuts = shooting.cuts

@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.director.action_line import line_of, side_of
+from pipeline.production.camera.director.action_line import crossing, line_of
 from pipeline.production.camera.director.edit_decision import (
     EditDecision,
     decisions_json,
@@ -119,7 +119,9 @@ def test_the_line_runs_between_two_and_along_the_motion_of_one() -> None:
     assert line_of(tracks(4.0, still_from=0.0), ("one",), 1.0) is None
     assert line_of(own, (), 1.0) is None
     ahead, right = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-    assert [side_of(ahead, v) for v in (ahead, -ahead, right)] == [1, -1, 0]
+    assert [crossing(ahead, ahead, v) for v in (ahead, -ahead, right)] == [0.0, 1.0, 0.5]
+    # A view that is nearly along the line, on its other side.
+    assert crossing(ahead, ahead, right - 0.1 * ahead) == 1.0
 
 
 def test_the_key_light_is_that_of_the_scene() -> None:

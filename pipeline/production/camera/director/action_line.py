@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.production.camera.director.performer_tracks import PerformerTracks
 from pipeline.simulation.spatial import Array
 
-NEUTRAL = 0.17
+NEUTRAL = 0.26
 """Sine of the angle between line and sight below which a view is neutral, along the line."""
 
 TRAVELLING = 0.3
@@ -40,12 +40,15 @@ def line_of(tracks: PerformerTracks, line: tuple[str, ...], time: float) -> Arra
     return way / length if np.isfinite(length) and length > 1e-6 else None
 
 
-def side_of(direction: Array, right: Array) -> int:
-    """Return where a line runs in the picture: 1 to the right, -1 to the left, 0 along the sight.
+def crossing(direction: Array, before: Array, after: Array) -> float:
+    """Return whether a cut crosses a line: 1 if it does, 0.5 if a view is neutral, else 0.
 
     Args:
         direction: (3,) of the line.
-        right: (3,) direction to the right in the picture.
+        before: (3,) direction to the right in the picture before the cut.
+        after: (3,) likewise after it.
     """
-    across = float(direction @ right)
-    return 0 if abs(across) < NEUTRAL else (1 if across > 0.0 else -1)
+    a, b = float(direction @ before), float(direction @ after)
+    if a * b < 0.0 and max(abs(a), abs(b)) > NEUTRAL:
+        return 1.0
+    return 0.5 if min(abs(a), abs(b)) < NEUTRAL else 0.0

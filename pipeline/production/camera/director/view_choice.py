@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.production.camera.director.action_line import line_of, side_of
+from pipeline.production.camera.director.action_line import crossing, line_of
 from pipeline.production.camera.director.candidate_view import CandidateView
 from pipeline.production.camera.director.planned_shot import PlannedShot
 from pipeline.production.camera.director.sight_loss import MAX_LOST_S
@@ -42,6 +42,9 @@ USUAL_TURN, TURN_RANGE = math.radians(50.0), math.radians(90.0)
 
 TURN_COST = 1.0
 """Cost of a turn that differs from it by `TURN_RANGE`."""
+
+NEUTRAL_COST = 4.0
+"""Cost of a cut that crosses a line; half of it that of a view along the line."""
 
 Chosen = list[tuple[PlannedShot, CandidateView]]
 
@@ -99,25 +102,25 @@ class ViewChoice:
         self, shot: PlannedShot, view: CandidateView, following: PlannedShot, later: CandidateView
     ) -> float:
         turn = (view.turn_from(later) - USUAL_TURN) / TURN_RANGE
-        broken = self._is_broken(shot, view, following, later)
-        return TURN_COST * turn * turn + BROKEN_COST * broken
+        crossed = self._crossing(shot, view, following, later)
+        broken = crossed == 1.0 or not view.differs_from(later)
+        return TURN_COST * turn * turn + NEUTRAL_COST * crossed + BROKEN_COST * broken
 
     def _is_broken(
         self, shot: PlannedShot, view: CandidateView, following: PlannedShot, later: CandidateView
     ) -> bool:
         """Return whether a cut jumps, or crosses a line of action."""
-        if not view.differs_from(later):
-            return True
+        crossed = self._crossing(shot, view, following, later) == 1.0
+        return crossed or not view.differs_from(later)
+
+    def _crossing(
+        self, shot: PlannedShot, view: CandidateView, following: PlannedShot, later: CandidateView
+    ) -> float:
+        """Return how far a cut crosses the lines of its shots, see `crossing`."""
         time = following.first / self.finder.rate
-        for line in {shot.line, following.line}:
-            direction = line_of(self.finder.tracks, line, time)
-            if direction is None:
-                continue
-            before = side_of(direction, _right(view, -1))
-            after = side_of(direction, _right(later, 0))
-            if before * after < 0:
-                return True
-        return False
+        lines = [line_of(self.finder.tracks, s.line, time) for s in (shot, following)]
+        sides = _right(view, -1), _right(later, 0)
+        return max((crossing(line, *sides) for line in lines if line is not None), default=0.0)
 
     def _wrong(
         self, shots: Sequence[PlannedShot], views: Sequence[CandidateView]

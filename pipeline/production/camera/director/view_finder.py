@@ -132,7 +132,7 @@ class ViewFinder:
     def _room(self, shot: PlannedShot, framing: AutoFraming) -> float:
         """Return the distance of a shot, relative to the one at which the followed fit."""
         room = SIZES[shot.size].room
-        if shot.size != "wide":
+        if shot.size != "wide" or not framing.followed.names:
             return room
         numbers = [self.tracks.number(name) for name in framing.followed.names]
         told = [k for k in numbers if self.tracks.jointed[k]] or numbers

@@ -1,4 +1,8 @@
-"""Random scenes for a director, and what its cuts show, measured without its own tools."""
+"""Random scenes for a director, and what its cuts show.
+
+Cropping, lines of action, light and sizes are measured by code of their own, on every frame; what
+hides somebody is told by `Visibility`, as the notes on pictures tell it.
+"""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ class Candidate:
     @cached_property
     def score(self) -> Score:
         """The score."""
-        return build_score(self.scene, self.take, self._shooting.poses)[0]
+        return build_score(self._shooting.scene, self.take, self._shooting.poses)[0]
 
     @cached_property
     def _shooting(self) -> ShotBuilder:

@@ -32,7 +32,7 @@ def store_events(run: SceneRun, take: Take) -> bool:
 def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
     with stage(run.reporter, "score", 3, "files") as current:
-        score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
+        score, late = build_score(shooting.scene, take, shooting.poses, run.order.subframe)
         changed = store_events(run, take)
         changed |= write_cues(run.outputs, score, run.whole_film.name)
         current.advance(1)

@@ -12,6 +12,8 @@ from pipeline.errors import Problem, SceneError
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, first_frames
+from pipeline.production.camera.director.director import edit_decisions
+from pipeline.production.camera.director.edit_decision import EditDecision
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
@@ -78,6 +80,7 @@ class ShotBuilder:
         tracks: of the film, computed from the whole take by default.
 
     Attributes:
+        scene: of the film, with the cuts of a director in place of `auto`.
         tracks: of the film.
 
     Raises:
@@ -107,9 +110,13 @@ class ShotBuilder:
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
-        self._scene, self._clear = scene, clear
+        self._clear = clear
         self._filmed: list[FilmedCut] | None = None
-        self.tracks = tracks or self._computed_tracks()
+        decisions = tracks.cuts if tracks else self._decided_cuts(scene)
+        cameras = tuple(decision.camera for decision in decisions)
+        # With the cuts of a director in place of its `auto`.
+        self.scene = self._scene = scene = scene.model_copy(update={"camera": cameras})
+        self.tracks = tracks or self._computed_tracks(decisions)
         self._interpolator = PoseInterpolator(
             self.tracks.poses, first_frames(scene.camera, header.rate)
         )
@@ -171,9 +178,14 @@ class ShotBuilder:
             footprint_count=first.footprint_count,
         )
 
+    @property
+    def decisions(self) -> tuple[EditDecision, ...]:
+        """Cuts of the film, those of a director with their reasons."""
+        return self.tracks.cuts
+
     def camera_faults(self) -> list[CameraFault]:
         """Return what is wrong with the cameras, by their paths and the take."""
-        visibility = Visibility(self.take, VisibleGround(self._land), self._clear)
+        visibility = self._visibility
         filmed = self._filmed if self._filmed is not None else self._filmed_cuts()
         return camera_faults(visibility, self._scene.camera, filmed, self._aspect)
 
@@ -187,7 +199,15 @@ class ShotBuilder:
     def _aspect(self) -> float:
         return self.film.size[0] / self.film.size[1]
 
-    def _computed_tracks(self) -> FilmTracks:
+    @property
+    def _visibility(self) -> Visibility:
+        return Visibility(self.take, VisibleGround(self._land), self._clear)
+
+    def _decided_cuts(self, scene: Scene) -> tuple[EditDecision, ...]:
+        """Return the cuts of a scene, with those of a director in place of `auto`."""
+        return edit_decisions(self._visibility, scene.camera, scene.light, self._aspect)
+
+    def _computed_tracks(self, decisions: tuple[EditDecision, ...]) -> FilmTracks:
         """Return the tracks of the film, from all rows of its take."""
         self._filmed = self._filmed_cuts()
         texture = self.materials[self.take.terrain.material].texture
@@ -196,6 +216,7 @@ class ShotBuilder:
             tuple(pose for cut in self._filmed for pose in cut.poses),
             footprint_timeline(self.take, texture) if has_footprints else None,
             clearings=Clearings.of(self.take) if self._scatter.wanted or self._edging else None,
+            cuts=decisions,
         )
 
     def _filmed_cuts(self) -> list[FilmedCut]:

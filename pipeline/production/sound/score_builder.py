@@ -99,6 +99,8 @@ def _cut_description(cut: Camera) -> str:
         return "moving camera"
     if cut.at is not None:
         return "standing camera" if cut.look_at is not None else f"standing camera, {target}"
+    if isinstance(cut.view, float | int):
+        return f"{cut.view:g} degrees of {target}"
     return f"{cut.view or 'three-quarter'} of {target}"
 
 

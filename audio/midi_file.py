@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections import Counter
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import accumulate
 from math import floor
 from operator import itemgetter
@@ -20,7 +21,8 @@ from audio.notes import Arrangement, Note, arrange
 from audio.quantisation import TimingShifts
 from audio.score import Score, ScoreEvent
 from audio.sound_files import write_sound_file
-from audio.time_grid import TickGrid, tick_grid
+from audio.tempo_report import TempoReport, tempo_report
+from audio.time_grid import TickGrid
 
 # Steps of the pan and reverb controllers [of 127]: finer ones would need more channels. A reverb
 # step is 6 dB around the middle.
@@ -43,6 +45,7 @@ class MidiReport:
         losses: compromises made for want of channels.
         merged_by_frame: frame -> number of events that share the note of another.
         shifts: statistics of the quantisation.
+        tempo: tempo, meter and their errors.
     """
 
     path: Path
@@ -54,20 +57,21 @@ class MidiReport:
     losses: AllocationLosses
     merged_by_frame: dict[int, int]
     shifts: TimingShifts
+    tempo: TempoReport
 
 
 def write_midi(score: Score, path: Path) -> MidiReport:
     """Write a score as MIDI; an equal file is left alone, and on failure the earlier one stays.
 
     Raises:
-        GridError: the frame rate has no exact grid.
+        GridError: the frame rate has no grid.
         ScoreError: an event lies outside the score, or the score is too long for the format.
         SoundFileError: the file could not be written.
     """
     path = Path(path)
     data, arrangement, played, losses = _encode(score)
     events = sum(note.is_first for note in arrangement.notes)
-    grid = tick_grid(score.rate)
+    grid = arrangement.plan.grid
     return MidiReport(
         path=path,
         changed=write_sound_file(path, data),
@@ -78,6 +82,7 @@ def write_midi(score: Score, path: Path) -> MidiReport:
         losses=losses,
         merged_by_frame=dict(sorted(Counter(map(grid.frame_at, losses.merged)).items())),
         shifts=arrangement.shifts,
+        tempo=tempo_report(score, arrangement.plan, [note.onset for note in arrangement.notes]),
     )
 
 
@@ -87,8 +92,8 @@ def midi_bytes(score: Score) -> bytes:
 
 
 def _encode(score: Score) -> tuple[bytes, Arrangement, int, AllocationLosses]:
-    grid = tick_grid(score.rate)
     arrangement = arrange(score)
+    grid = arrangement.plan.grid
     names = sorted({_track_name(score, note.event) for note in arrangement.notes})
     played, losses = _allocate(score, grid, arrangement.notes, names)
     end = grid.tick(score.frames + 1)
@@ -114,7 +119,7 @@ def _allocate(
     for note in notes:
         # A note has at least one tick, even at the very end.
         start = min(grid.tick_at(note.onset), last - 1)
-        end = min(start + grid.ticks(note.seconds), last)
+        end = min(max(grid.tick_at(note.onset + Fraction(note.seconds)), start + 1), last)
         channel_notes.append(
             ChannelNote(
                 track=indices[_track_name(score, note.event)],
@@ -131,7 +136,9 @@ def _allocate(
         )
     # Louder first within a tick and track, so that compromises affect the softest.
     channel_notes.sort(key=_order)
-    return allocate_channels(channel_notes, grid.ticks(_TAIL_SECONDS))
+    return allocate_channels(
+        channel_notes, round(_TAIL_SECONDS * float(score.rate * grid.ticks_per_frame))
+    )
 
 
 def _order(note: ChannelNote) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ import mido
 
 from audio.channel_allocation import ChannelNote
 from audio.controller_curves import BEND_RANGE, CENTERED, FULL_EXPRESSION
-from audio.errors import ScoreError
+from audio.key_signature import score_key
 from audio.notes import Note
 from audio.score import Score
 from audio.time_grid import TickGrid
@@ -46,8 +46,10 @@ def conductor_track(score: Score, grid: TickGrid, notes: tuple[Note, ...]) -> mi
         # The film starts at 00:00:00:00; mido's default is another hour.
         code = _SMPTE_CODES[score.rate]
         head.append(mido.MetaMessage("smpte_offset", frame_rate=code, hours=0))
-    head.append(mido.MetaMessage("set_tempo", tempo=grid.tempo))
-    head.append(mido.MetaMessage("time_signature", numerator=4, denominator=4))
+    end = grid.tick(score.frames + 1)
+    key = score_key(score)
+    if key is not None:
+        head.append(mido.MetaMessage("key_signature", key=key))
     markers = [
         (grid.tick(marker.frame), mido.MetaMessage("marker", text=_encodable(marker.label)))
         for marker in score.markers
@@ -60,8 +62,20 @@ def conductor_track(score: Score, grid: TickGrid, notes: tuple[Note, ...]) -> mi
         for note in notes
         if note.is_first
     ]
-    timed = [*((0, message) for message in head), *markers, *cues]
-    return _track(score.title or "score", timed, grid.tick(score.frames + 1))
+    timed = [*((0, message) for message in head), *_beat_messages(grid, end), *markers, *cues]
+    return _track(score.title or "score", timed, end)
+
+
+def _beat_messages(grid: TickGrid, end: int) -> Iterator[TimedMessage]:
+    """Yield tempos and meters; one after the end would lengthen the file."""
+    for tempo in grid.tempo_track(end).events:
+        if tempo.tick < end:
+            yield tempo.tick, mido.MetaMessage("set_tempo", tempo=tempo.microseconds)
+    for signature in grid.signatures:
+        if signature.tick < end or not signature.tick:
+            beats, unit = signature.meter
+            message = mido.MetaMessage("time_signature", numerator=beats, denominator=unit)
+            yield signature.tick, message
 
 
 def note_track(name: str, notes: list[ChannelNote], end: int) -> mido.MidiTrack:
@@ -114,18 +128,16 @@ def _control_change(note: ChannelNote, tick: int, number: int, value: int) -> Ti
 
 
 def _track(name: str, timed: Iterable[TimedMessage], end: int) -> mido.MidiTrack:
-    """Return a track of messages at absolute ticks; those on one tick keep their order.
-
-    Raises:
-        ScoreError: a gap is longer than the format allows.
-    """
+    """Return a track of messages at absolute ticks; those on one tick keep their order."""
     track = mido.MidiTrack([mido.MetaMessage("track_name", name=_encodable(name))])
     now = 0
     for tick, message in sorted(
         [*timed, (end, mido.MetaMessage("end_of_track"))], key=itemgetter(0)
     ):
-        if tick - now > _MAX_DELTA:
-            raise ScoreError(f"{tick - now} ticks without an event; MIDI files hold {_MAX_DELTA}")
+        while tick - now > _MAX_DELTA:
+            # A silence longer than the format holds is written in parts.
+            track.append(mido.MetaMessage("text", text="", time=_MAX_DELTA))
+            now += _MAX_DELTA
         track.append(message.copy(time=tick - now))
         now = tick
     return track

@@ -19,7 +19,8 @@ from audio.errors import SoundFontError, SoundFontPlayerError
 from audio.midi_file import midi_bytes
 from audio.score import Score
 from audio.soundfont_reader import FRAME_BYTES
-from audio.time_grid import SAMPLE_RATE, sample_at, tick_grid
+from audio.tempo_plan import tempo_plan
+from audio.time_grid import SAMPLE_RATE, sample_at
 from pipeline.foreign_files.reader_process import (
     ReaderMissing,
     ReaderProcessError,
@@ -114,7 +115,7 @@ def _not_installed(error: Exception) -> str:
 
 def _messages(score: Score) -> Iterator[tuple[int, str, int, int, int]]:
     """Yield the messages of all tracks in playing order, as `soundfont_reader` takes them."""
-    grid = tick_grid(score.rate)
+    grid = tempo_plan(score).grid
     file = mido.MidiFile(file=io.BytesIO(midi_bytes(score)), charset="utf-8")
     timed = list[tuple[int, int, Any]]()
     for track in file.tracks:

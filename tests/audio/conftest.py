@@ -32,14 +32,36 @@ class Smf:
     tracks: list[list[tuple[int, int, bytes]]] = field(default_factory=list)
 
     @property
-    def tempo(self) -> int:
-        """Microseconds a beat; fails for more than one tempo."""
-        (tempo,) = [data for track in self.tracks for _, kind, data in track if kind == 0xFF51]
-        return int.from_bytes(tempo)
+    def tempos(self) -> list[tuple[int, int]]:
+        """Ticks and microseconds a beat of all tempo events."""
+        return [
+            (tick, int.from_bytes(data))
+            for track in self.tracks
+            for tick, kind, data in track
+            if kind == 0xFF51
+        ]
+
+    @property
+    def meters(self) -> list[tuple[int, int, int]]:
+        """Tick, beats and unit of all time signatures."""
+        return [
+            (tick, data[0], 2 ** data[1])
+            for track in self.tracks
+            for tick, kind, data in track
+            if kind == 0xFF58
+        ]
 
     def seconds(self, tick: int) -> Fraction:
         """Return the exact time of a tick."""
-        return Fraction(tick * self.tempo, self.division * 1_000_000)
+        (first, *later), time = self.tempos, 0
+        assert first[0] == 0
+        now, tempo = first
+        for start, following in later:
+            if start >= tick:
+                break
+            time += (start - now) * tempo
+            now, tempo = start, following
+        return Fraction(time + (tick - now) * tempo, self.division * 1_000_000)
 
     def texts(self, kind: int) -> list[tuple[int, str]]:
         """Return the texts of one meta type, of all tracks."""
@@ -137,7 +159,10 @@ _END = 0xFF2F
 def _laws(smf: Smf, frames: int, rate: Any, drums: bool = False) -> None:
     """Assert the invariants of every file: length, no overlapping notes, ends at the last frame."""
     end = smf.tracks[0][-1][0]
-    assert smf.seconds(end) == frames / rate
+    # Whole microseconds a beat, and a tick that may not be whole.
+    exact = len(smf.tempos) == 1
+    assert exact or abs(smf.seconds(end) - frames / rate) <= 1e-5 + smf.seconds(1) / 2
+    assert not exact or abs(smf.seconds(end) - frames / rate) <= 1e-5
     for track in smf.tracks:
         assert [tick for tick, kind, _ in track if kind == _END] == [end]
         assert track[-1][1] == _END

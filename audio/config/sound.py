@@ -226,6 +226,11 @@ class Sound(AudioConfig):
     tracks: Literal["performer", "cause"] = Field(
         "performer", description="Whether each performer or each cause has a MIDI track."
     )
+    mpe: bool = Field(
+        False,
+        description="Whether each note has a channel of its own (MPE), so that sounds of one "
+        "instrument bend independently.",
+    )
     volume_db: float = Field(
         0.0, ge=-60, le=24, description="Gain of the whole, score and sound [dB]."
     )

@@ -25,7 +25,8 @@ class Smf:
 
     Attributes:
         division: ticks a beat.
-        tracks: of (tick, status, data); a meta event has status 0xFF00 + type.
+        tracks: of (tick, status, data); a meta event has status 0xFF00 + type, a system exclusive
+            message 0xF000.
     """
 
     division: int
@@ -73,7 +74,7 @@ class Smf:
             (tick, status & 15, data[0], data[1])
             for track in self.tracks
             for tick, status, data in track
-            if status & 0xF0 == 0x90 and status < 0xFF00 and data[1] > 0
+            if status & 0xF0 == 0x90 and status < 0xF000 and data[1] > 0
         )
 
     def played(self) -> list[tuple[int, int, bytes]]:
@@ -106,6 +107,12 @@ def _track(data: bytes) -> list[tuple[int, int, bytes]]:
             kind = 0xFF00 + data[at + 1]
             size, at = _length(data, at + 2)
             events.append((tick, kind, data[at : at + size]))
+            at += size
+            running = 0
+            continue
+        if data[at] == 0xF0:
+            size, at = _length(data, at + 1)
+            events.append((tick, 0xF000, data[at : at + size]))
             at += size
             running = 0
             continue
@@ -166,27 +173,47 @@ def _laws(smf: Smf, frames: int, rate: Any, drums: bool = False) -> None:
     for track in smf.tracks:
         assert [tick for tick, kind, _ in track if kind == _END] == [end]
         assert track[-1][1] == _END
-    sounding: dict[tuple[int, int], int] = {}
-    values: dict[tuple[int, int], bytes] = {}
-    for tick, status, data in smf.played():
-        kind, key = status & 0xF0, (status & 15, data[0] if data else 0)
-        if status >= 0xFF00:
+    sounding: dict[tuple[int, int, int], int] = {}
+    programs: set[tuple[int, int]] = set()
+    resets: set[int] = set()
+    values: dict[tuple[int, int, int], bytes] = {}
+    for tick, port, status, data in _by_port(smf):
+        kind, channel = status & 0xF0, status & 15
+        if status == 0xF000:
+            assert (tick, data) == (0, b"\x7e\x7f\x09\x01\xf7"), "GM System On"
+            resets.add(port)
+        if status >= 0xF000:
             continue
+        assert port in resets, "a port that is not reset at the start"
+        key = port, channel, data[0]
         if kind == 0x90:
             assert key not in sounding, "a note that sounds already"
             sounding[key] = tick
         elif kind == 0x80:
             assert tick > sounding.pop(key), "shorter than a tick"
-        else:
-            held = [key for key in sounding if key[0] == status & 15]
-            is_curve = kind == 0xE0 or (kind == 0xB0 and data[0] == 11)
-            controller = status, data[0] if kind == 0xB0 else -1
-            # A track may repeat a value that holds already.
-            if values.get(controller) != data:
-                assert len(held) <= is_curve, "a change under sounding notes"
+        elif kind == 0xC0:
+            assert (port, channel) not in programs, "a program that changes"
+            assert tick == 0
+            programs.add((port, channel))
+        elif kind == 0xE0 or (kind == 0xB0 and data[0] == 11):
+            controller = port, status, data[0] if kind == 0xB0 else -1
+            held = [each for each in sounding if each[:2] == (port, channel)]
+            assert values.get(controller) == data or len(held) <= 1, "a bend of several notes"
             values[controller] = data
-        assert drums or status & 15 != 9, "the channel of drums"
+        assert drums or channel != 9, "the channel of drums"
     assert not sounding, "a note without an end"
+
+
+def _by_port(smf: Smf) -> list[tuple[int, int, int, bytes]]:
+    """Return (tick, port, status, data) of all events in playing order."""
+    events = []
+    for index, track in enumerate(smf.tracks):
+        (port,) = [data[0] for _, kind, data in track if kind == 0xFF21] or [0]
+        events += [
+            (tick, index, place, port, status, data)
+            for place, (tick, status, data) in enumerate(track)
+        ]
+    return [(tick, port, status, data) for tick, _, _, port, status, data in sorted(events)]
 
 
 @pytest.fixture(scope="session")

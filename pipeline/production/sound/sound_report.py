@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from audio.midi_file import MidiReport
+from audio.midi_file import MidiReport, PlayedPart
 from audio.quantisation import TimingShifts
 from audio.score import Score
 from audio.tempo_report import TempoReport
@@ -22,14 +22,27 @@ def midi_facts(midi: MidiReport, subframe: bool, rate: Fraction) -> dict[str, An
         "left_out_after_the_last_frame": midi.after_the_end,
         "merged": len(midi.losses.merged),
         "merged_by_frame": {str(frame): count for frame, count in midi.merged_by_frame.items()},
-        "heard_from_a_neighbouring_direction": midi.losses.pan_changed,
-        "heard_with_another_reverb": midi.losses.reverb_changed,
         "cut_short": midi.losses.cut_short,
-        "tails_cut": midi.losses.tails_cut,
         "without_their_gesture": midi.losses.without_curve,
+        "parts": [_part_facts(played) for played in midi.parts],
         "subframe": subframe,
         "tempo": _tempo_facts(midi.tempo),
         **({"quantised": _quantisation_facts(midi.shifts, rate)} if midi.shifts.events else {}),
+    }
+
+
+def _part_facts(played: PlayedPart) -> dict[str, Any]:
+    part, losses = played.part, played.losses
+    return {
+        "track": part.key.track,
+        "performer": part.key.performer,
+        "instrument": part.key.instrument,
+        "port": part.port + 1,
+        "channel": part.channel + 1,
+        "notes": len(played.notes),
+        "merged": len(losses.merged),
+        "cut_short": losses.cut_short,
+        "without_their_gesture": losses.without_curve,
     }
 
 

@@ -138,6 +138,11 @@ class TickGrid:
         """Return the time in the film of a tick [s]."""
         return self._frames_at(tick) / self.rate
 
+    def span_tempos(self) -> Iterator[tuple[GridSpan, Fraction]]:
+        """Yield the spans, and the exact microseconds a beat of each."""
+        for span in self.spans:
+            yield span, self._beat_length(span)
+
     def tempo_track(self, end: int) -> TempoTrack:
         """Return the tempo events of a file that ends at a tick."""
         bounds = [*(span.tick for span in self.spans[1:]), max(end, self.spans[-1].tick + 1)]

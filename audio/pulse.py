@@ -182,7 +182,8 @@ def nearest_phase(
             if start + shift < 0:
                 continue
             distances = _distances(onsets, float(unit), float(start + shift))
-            share = float((np.abs(distances) <= 0.5 + 1e-9).mean())
+            # To the resolution of the moves.
+            share = float((np.abs(distances) <= 0.5 + float(step)).mean())
             if share > best_share:
                 best, best_share = start + shift, share
         if best_share >= SHARE_ON_GRID:

@@ -65,7 +65,8 @@ def export_score(
         make_folder(folder / "performers")
         performers = list(write_performers(score, folder / "performers"))
         removed += _remove_others(folder / "performers", (each.path for each in performers))
-    paths += [each.path for each in (*stems, *performers)]
+    paths += [stem.path for stem in stems]
+    paths += [each.path for each in performers]
     if sheet is not None:
         make_folder(folder)
         paths.append(folder / f"{outputs.name}.musicxml")

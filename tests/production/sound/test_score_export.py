@@ -1,4 +1,4 @@
-"""`pronk midi --export`: files for other programs, their records, and what is left of earlier ones."""
+"""`pronk midi --export`: files for other programs, and their records."""
 
 from __future__ import annotations
 
@@ -15,16 +15,18 @@ from pipeline.production.sound.export_kind import ExportKind
 
 
 def test_an_export_is_recorded_and_replaces_the_earlier_one(studio: Any) -> None:
-    two = "cast=[{name: bug, figure: beetle}, {name: ant, figure: beetle, at: [1, 1]}]"
-    outputs = score_only(studio.order(two), Reporter(), [ExportKind.reaper])
+    bug = "{name: bug, figure: beetle, walk: {speed: 0.3}}"
+    ant = "{name: ant, figure: beetle, at: [1, 1], walk: {speed: 0.3}}"
+    two = studio.order("duration=1", f"cast=[{bug}, {ant}]")
+    outputs = score_only(two, Reporter(), [ExportKind.reaper])
     folder = outputs.score_folder
     assert {path.name for path in (folder / "performers").iterdir()} == {"ant.mid", "bug.mid"}
     project = (folder / f"{outputs.name}.rpp").read_text(encoding="utf-8")
     for path in (folder / "stems").iterdir():
         assert f'"stems/{path.name}"' in project
     (folder / "stems" / "old.wav").write_bytes(b"")
-    one = "cast=[{name: bug, figure: beetle}]"
-    score_only(studio.order(one), Reporter(), [ExportKind.performers, ExportKind.stems])
+    one = studio.order("duration=1", f"cast=[{bug}]")
+    score_only(one, Reporter(), [ExportKind.performers, ExportKind.stems])
     assert [path.name for path in (folder / "performers").iterdir()] == ["bug.mid"]
     assert {path.name.split("_")[0] for path in (folder / "stems").iterdir()} == {"bug"}
     files = json.loads(outputs.manifest.read_text(encoding="utf-8"))["files"]

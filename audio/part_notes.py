@@ -8,6 +8,8 @@ alone; with MPE each note has a channel while one is free.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import groupby
+from operator import attrgetter
 
 from audio.controller_curves import ControllerPoint
 from audio.parts import MEMBER_CHANNELS, Part
@@ -61,6 +63,7 @@ def settle_notes(part: Part, notes: list[PartNote]) -> tuple[list[PartNote], Par
         notes: of it, sorted by start, louder ones first; their ends may be shortened and their
             velocities raised.
     """
+    _share_place(notes)
     losses = PartLosses()
     channels = [_Channel(number) for number in (MEMBER_CHANNELS if part.mpe else (part.channel,))]
     played: list[PartNote] = []
@@ -70,6 +73,19 @@ def settle_notes(part: Part, notes: list[PartNote]) -> tuple[list[PartNote], Par
         if channel.add(note, losses):
             played.append(note)
     return played, losses
+
+
+def _share_place(notes: list[PartNote]) -> None:
+    """Give notes of one tick one pan and reverb, which belong to the channel: their mean."""
+    for _, group in groupby(notes, key=attrgetter("start")):
+        struck = list(group)
+        weight = sum(note.velocity for note in struck)
+        pan = sum(note.pan * note.velocity for note in struck)
+        send = sum(note.send * note.velocity for note in struck)
+        for note in struck:
+            # Rounded to the nearest, half upward.
+            note.pan = (2 * pan + weight) // (2 * weight)
+            note.send = (2 * send + weight) // (2 * weight)
 
 
 @dataclass(slots=True)

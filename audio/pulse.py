@@ -176,16 +176,18 @@ def nearest_phase(
     onsets = onsets[np.abs(_distances(onsets, float(unit), float(start))) <= 1.0 + 1e-9]
     if not onsets.size:
         return start
+    shifts = [Fraction(0)]
+    for count in range(1, int(1 / step) + 1):
+        shifts += [count * step, -count * step]
+    starts = [start + shift for shift in shifts if start + shift >= 0]
     best, best_share = start, -1.0
-    for count in range(int(1 / step) + 1):
-        for shift in {count * step: 0, -count * step: 0}:
-            if start + shift < 0:
-                continue
-            distances = _distances(onsets, float(unit), float(start + shift))
-            # To the resolution of the moves.
-            share = float((np.abs(distances) <= 0.5 + float(step)).mean())
-            if share > best_share:
-                best, best_share = start + shift, share
-        if best_share >= SHARE_ON_GRID:
-            break
+    # Exactly, else to the resolution of the moves.
+    for bound in (0.5 + 1e-9, 0.5 + float(step)):
+        for moved in starts:
+            distances = _distances(onsets, float(unit), float(moved))
+            share = float((np.abs(distances) <= bound).mean())
+            if share >= SHARE_ON_GRID:
+                return moved
+            if share > best_share and bound < 0.5 + float(step):
+                best, best_share = moved, share
     return best

@@ -88,6 +88,12 @@ def test_a_key_struck_twice_on_a_tick_is_one_note_the_louder_and_longer() -> Non
     assert losses.merged == [0]
 
 
+def test_notes_of_one_tick_have_one_place() -> None:
+    notes = [note(pan=0, velocity=90), note(pitch=62, pan=90, velocity=30), note(5, pan=127)]
+    played, _ = settle_notes(PART, notes)
+    assert [n.pan for n in played] == [23, 23, 127]
+
+
 def test_a_key_struck_within_its_length_ends_its_earlier_note() -> None:
     played, losses = settle_notes(PART, [slide(), note(4, 14), note(14, 20)])
     assert [(n.start, n.end) for n in played] == [(0, 4), (4, 14), (14, 20)]

@@ -120,5 +120,5 @@ def test_touches_of_a_dance_are_on_the_beats_of_the_file(name: str, rate: Any) -
     # Hands touch others and themselves between the beats, too.
     meant = near[near <= 1]
     assert len(meant) >= len(onsets) / 2
-    # To two ticks, which is the resolution of the bar line.
-    assert (meant <= 0.5 + 2 / plan.grid.ticks_per_frame).mean() >= 0.95
+    # To the resolution of the bar line.
+    assert (meant <= 0.5 + 1 / 40).mean() >= 0.95

@@ -166,10 +166,8 @@ _END = 0xFF2F
 def _laws(smf: Smf, frames: int, rate: Any, drums: bool = False) -> None:
     """Assert the invariants of every file: length, no overlapping notes, ends at the last frame."""
     end = smf.tracks[0][-1][0]
-    # Whole microseconds a beat, and a tick that may not be whole.
-    exact = len(smf.tempos) == 1
-    assert exact or abs(smf.seconds(end) - frames / rate) <= 1e-5 + smf.seconds(1) / 2
-    assert not exact or abs(smf.seconds(end) - frames / rate) <= 1e-5
+    # Whole microseconds a beat, and before bar 1 the nearest tick.
+    assert abs(smf.seconds(end) - frames / rate) <= 1e-5 + smf.seconds(1) / 2
     for track in smf.tracks:
         assert [tick for tick, kind, _ in track if kind == _END] == [end]
         assert track[-1][1] == _END

@@ -37,8 +37,8 @@ _PALER = 0.22
 
 _GLARE_FROM = 2.0
 """Exposed light from which it glares; white paper in the sun is about 1."""
-_GLARE_MOST = 40.0
-"""Exposed light of which no more glares, so that a firefly is no lamp."""
+_GLARE_MOST = 4000.0
+"""Exposed light of which no more glares: as much as a low sun in haze, which has a wide glow."""
 _GLARE_SHARE = 0.16
 """Share of that light that bloom 1 spreads."""
 _GLARE_LEVELS = 4

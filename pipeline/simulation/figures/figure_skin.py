@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.hide.animal import AnimalHide
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL, SWELLING, SolidPiece
 from pipeline.simulation.figures.network import FEELER, HEAD
@@ -233,6 +234,33 @@ def figure_skin(figure: Figure) -> FigureSkin:
 
 def build_figure_skin(figure: Figure) -> FigureSkin:
     """Return the rendered surface of a figure."""
+    if skin_form(figure) == "animal":
+        return _animal_skin(figure)
+    return _plain_skin(figure)
+
+
+def skin_form(figure: Figure) -> str:
+    """Return the form of a figure's skin: what it says, or what suits it."""
+    if figure.skin.form is not None:
+        return figure.skin.form
+    heads = [limb for limb in figure.skeleton.limbs if limb.kind == HEAD]
+    if figure.style != "mammal" or not figure.skeleton.legs:
+        return "plain"
+    # Faces of upright heads are made here.
+    faces = [limb for limb in heads if has_face(figure.skeleton.links[limb.links[-1]])]
+    return "plain" if faces or not heads else "animal"
+
+
+def _animal_skin(figure: Figure) -> FigureSkin:
+    number = _piece_numbers(figure.pieces)
+    hide = AnimalHide(figure)
+    found, covered = hide.skins()
+    skins = {number[link]: skin for link, skin in found.items()}
+    skins |= dict(hide.eyes())
+    return FigureSkin(skins, frozenset(number[link] for link in covered))
+
+
+def _plain_skin(figure: Figure) -> FigureSkin:
     number = _piece_numbers(figure.pieces)
     skeleton = figure.skeleton
     skins, covered = dict[int, Skin](), set[int]()

@@ -1,0 +1,173 @@
+"""Heads of animals: skull, eyes, ears and horns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
+from pipeline.simulation.figures.hide.sheets import Paint, linear_color, outward
+from pipeline.simulation.figures.hide.skulls import Skull
+from pipeline.simulation.figures.hide.stance import Chain, smoothstep
+from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.spatial import UP, Array, cross, normalized
+
+EYE_AROUND = 16
+
+EYE_ANGLES = np.radians([4, 9, 14, 18, 22, 27, 33, 39, 44, 48, 54, 64, 80, 100, 130, 160])
+"""Rings of an eyeball from where it looks [rad]: fine where pupil and iris end."""
+
+PUPIL_DEG, IRIS_DEG = 21.0, 46.0
+
+SOCKET = 1.28
+"""Radius of the lids, in the eye's."""
+
+HEAD_BLEND = 0.34
+"""Width of the union of a head's lumps, in their radius."""
+
+
+@dataclass(frozen=True, eq=False)
+class Head:
+    """A head as it stands.
+
+    Attributes:
+        skull: its shape.
+        back: (3,) where the neck ends [m].
+        axes: (3, 3) rows along, up and to the right.
+        length: of the last link [m].
+        radii: drawn at its back and its tip [m].
+    """
+
+    skull: Skull
+    back: Array
+    axes: Array
+    length: float
+    radii: tuple[float, float]
+
+    @staticmethod
+    def of(chain: Chain, skull: Skull) -> Head:
+        """Return the head at the end of a chain."""
+        along = chain.ways[-1]
+        side = normalized(cross(along, UP)) if abs(along[1]) < 0.98 else np.array([0.0, 0.0, 1.0])
+        axes = np.stack([along, cross(side, along), side])
+        radii = (float(chain.radii[-2]), float(chain.radii[-1]))
+        return Head(skull, chain.points[-2], axes, float(chain.lengths[-1]), radii)
+
+    def radius(self, along: float) -> float:
+        """Return the drawn radius at a share of the head's length [m]."""
+        share = min(max(along, 0.0), 1.0)
+        return self.radii[0] + (self.radii[1] - self.radii[0]) * share
+
+    def place(self, at: tuple[float, float, float], side: float = 1.0) -> Array:
+        """Return a place (3,) on the skull [m]; `side` -1 for the left."""
+        r = self.radius(at[0])
+        # Beyond the tip the head goes on by its radius.
+        ahead = min(at[0], 1.0) * self.length + max(at[0] - 1.0, 0.0) * r / 0.3 * 1.0
+        result: Array = np.array([ahead, at[1] * r, side * at[2] * r]) @ self.axes + self.back
+        return result
+
+    def way(self, direction: tuple[float, float, float], side: float = 1.0) -> Array:
+        """Return a direction (3,) given along, up and to the side."""
+        result: Array = normalized(np.array(direction) * [1.0, 1.0, side]) @ self.axes
+        return result
+
+    def lumps(self) -> Iterator[Lump]:
+        """Yield the skull."""
+        for a, b, r_a, r_b in self.skull.rows:
+            s_a, s_b = self.radius(a[0]), self.radius(b[0])
+            for side in (1.0, -1.0) if a[2] or b[2] else (1.0,):
+                yield cone(
+                    *(self.place(a, side), self.place(b, side)),
+                    *((r_a[0] * s_a, r_a[1] * s_a), (r_b[0] * s_b, r_b[1] * s_b)),
+                    HEAD_BLEND * min(s_a, s_b),
+                    self.axes[1],
+                )
+        size = self.eye_radius
+        for side in (1.0, -1.0):
+            if self.skull.lids:
+                at = self.eye(side) - 0.22 * size * self.way(self.skull.look, side)
+                yield ball(at, (SOCKET * size,) * 3, self.skull.lids * size * 2.0)
+        if self.skull.nose is not None:
+            at, radii, _ = self.skull.nose
+            r = self.radius(at[0])
+            sizes = tuple(r * value for value in radii)
+            yield ball(self.place(at), sizes, 0.25 * r, self.axes)
+        for at, radii in self.skull.holes:
+            r = self.radius(at[0])
+            for side in (1.0, -1.0):
+                sizes = tuple(r * value for value in radii)
+                yield ball(self.place(at, side), sizes, 0.12 * r, self.axes, carved=True)
+
+    @property
+    def eye_radius(self) -> float:
+        """Radius of the eyes [m]."""
+        return self.skull.eye_size * self.radius(self.skull.eye[0])
+
+    def eye(self, side: float) -> Array:
+        """Return the middle of an eye [m]."""
+        return self.place(self.skull.eye, side)
+
+    def paint(self, places: Array) -> Paint:
+        """Return the paint of the head's surface at places (N, 3): nostrils, nose, mouth, lids."""
+        paint = np.zeros((len(places), 4))
+        r = self.radii[1]
+        seen = (places - self.back) @ self.axes.T
+        if self.skull.mouth is not None:
+            x0, y0, x1, y1 = self.skull.mouth
+            a, b = self.place((x0, y0, 0.0)), self.place((x1, y1, 0.0))
+            (ax, ay, _), (bx, by, _) = ((p - self.back) @ self.axes.T for p in (a, b))
+            along = np.clip((seen[:, 0] - ax) / (bx - ax), 0.0, 1.0)
+            off = np.hypot(
+                seen[:, 1] - (ay + along * (by - ay)), np.maximum(ax - seen[:, 0], 0.0) * 1.0
+            )
+            _lay(paint, "#241512", 0.9 * smoothstep(1.6 - off / (0.085 * r)))
+        for at, radii in self.skull.holes:
+            for side in (1.0, -1.0):
+                away = ((places - self.place(at, side)) @ self.axes.T) / (
+                    self.radius(at[0]) * np.array(radii)
+                )
+                off = np.sqrt((away * away).sum(axis=-1))
+                _lay(paint, "#120a08", smoothstep((1.35 - off) / 0.35))
+        if self.skull.nose is not None:
+            at, radii, color = self.skull.nose
+            away = ((places - self.place(at)) @ self.axes.T) / (self.radius(at[0]) * np.array(radii))
+            _lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
+        for side in (1.0, -1.0):
+            off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
+            _lay(paint, "#17100c", 0.92 * smoothstep((1.42 - off) / 0.30))
+        return paint
+
+    def eyeball(self, side: float, iris: str) -> tuple[Solid, Paint]:
+        """Return an eye with iris and pupil, and its paint."""
+        look = self.way(self.skull.look, side)
+        across = normalized(cross(look, self.axes[0]))
+        across = across if across[1] > 0 else -across
+        other = cross(look, across)
+        azimuth = np.arange(EYE_AROUND) * (2.0 * np.pi / EYE_AROUND)
+        flat = np.cos(azimuth)[:, None] * across + np.sin(azimuth)[:, None] * other
+        size = self.eye_radius
+        rings = self.eye(side) + size * (
+            np.cos(EYE_ANGLES)[:, None, None] * look + np.sin(EYE_ANGLES)[:, None, None] * flat
+        )
+        ends = np.stack([self.eye(side) + size * look, self.eye(side) - size * look])
+        solid = outward(loft(rings, ends))
+        angles = np.degrees(np.concatenate([np.repeat(EYE_ANGLES, EYE_AROUND), [0.0, np.pi]]))
+        turned = np.concatenate([np.tile(azimuth, len(EYE_ANGLES)), [0.0, 0.0]])
+        tall, wide = {"round": (1.0, 1.0), "slit": (1.7, 0.45), "bar": (0.65, 1.35)}[self.skull.pupil]
+        shape = np.hypot(np.cos(turned) / tall, np.sin(turned) / wide)
+        paint = np.concatenate([np.tile(linear_color("#d8d0c4"), (len(angles), 1)), np.ones((len(angles), 1))], axis=1)
+        _lay(paint, "#0d0907", smoothstep((IRIS_DEG + 10.0 - angles) / 8.0))
+        _lay(paint, iris, smoothstep((IRIS_DEG - angles) / 6.0))
+        _lay(paint, "#050404", smoothstep((PUPIL_DEG - angles * shape) / 5.0 + 0.5))
+        return solid, paint
+
+
+def _lay(paint: Paint, color: str, share: Array) -> None:
+    """Lay a colour over paint where its share says so."""
+    before = paint[:, 3] * (1.0 - share)
+    total = before + share
+    mix = np.where(total > 1e-9, share / np.maximum(total, 1e-9), 0.0)[:, None]
+    paint[:, :3] += mix * (linear_color(color) - paint[:, :3])
+    paint[:, 3] = total

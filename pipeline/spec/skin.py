@@ -78,6 +78,7 @@ class Skin(ConfigModel):
     toes: Annotated[int, Field(ge=1, le=5)] | None = Field(
         None, description="Toes of a foot: 1 is a whole hoof, 2 a cloven one."
     )
+    claws: bool = Field(True, description="Whether paws have claws.")
     horns: HornName = Field("curved", description="Shape of an animal's horns.")
     tusks: bool = Field(False, description="Whether it has tusks.")
     mane: Hair = Field("none", description="Mane along the neck.")

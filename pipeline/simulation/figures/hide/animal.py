@@ -21,6 +21,7 @@ from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, ho
 from pipeline.simulation.figures.hide.lumps import Lump, ball, mesh_lumps
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
 from pipeline.simulation.figures.hide.sheets import hoof, painted
+from pipeline.simulation.figures.hide.shanks import shank_solid
 from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
 from pipeline.simulation.figures.hide.stance import Chain, Stance
 from pipeline.simulation.figures.hide.feet import foot_way
@@ -36,14 +37,14 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 4600, 2600, 420
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 5000, 2600, 560
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 FIRST_SHANK = 2
 """The first link of a limb that is meshed finer than the trunk."""
 
-SHANK_TRIANGLES, SHANK_CELL = 620, 0.4
-"""Most triangles of a shank, and its cell in its least radius, at first."""
+LIMB_TRIANGLES = 1500
+"""Most triangles of the coarse mesh of a limb that has a material of its own."""
 
 CELLS = 96
 """Cells of the coarse mesh along the longest side of an animal, at first."""
@@ -159,6 +160,7 @@ class AnimalHide:
 
     def _add_leg(self, i: int) -> None:
         limb, chain = self.figure.skeleton.limbs[i], self.stance.chains[i]
+        girths = self._girths(i)
         feet = self.figure.feet if limb.kind == LEG else self._hand()
         runs = list(self._runs(limb.links))
         # A hoof of horn, toes and soles end a leg whose coat goes down to them.
@@ -168,23 +170,33 @@ class AnimalHide:
             patch = self._patch(limb.links[first])
             patch.limbs.append(i)
             patch.covered.update(limb.links[first:after])
-            # Shanks are too thin for the cells of the trunk.
             shank = min(max(first, FIRST_SHANK), after)
-            lumps = list(leg_lumps(chain, first, shank))
-            patch.lumps += lumps
-            if shank < after:
-                radius = float(chain.radii[shank : after + 1].min())
-                lower = list(leg_lumps(chain, shank, after))
-                stub = list(leg_lumps(chain, shank - 1, shank))[:1] if shank > first else []
-                lumps = [*stub, *lower]
-                patch.fine.append((lumps, SHANK_CELL * radius, SHANK_TRIANGLES, False))
+            if shank == after or after < len(limb.links) or first >= FIRST_SHANK:
+                lumps = list(leg_lumps(chain, first, after, girths))
+                patch.lumps += lumps
+            else:
+                patch.lumps += leg_lumps(chain, first, shank, girths)
+                lumps = list(leg_lumps(chain, after - 1, after, girths))
+                solid = shank_solid(chain, shank, girths)
+                paint = self.coat.paint(solid, [i], False)
+                patch.skins.append(self.stance.hide(solid, [i], paint))
             if after == len(limb.links):
-                self._add_foot(i, chain, feet, patch, lumps)
+                self._add_foot(chain, feet, patch, lumps, girths[-1])
+
+    def _girths(self, i: int) -> Array:
+        """Return width and depth (n + 1, 2) of a limb at its nodes, in the drawn radii."""
+        nodes = list(self.figure.anatomy.appendages[i].nodes)
+        girths = self.figure.drawing.girths[nodes, :2].copy()
+        # The girth of a body's node is the body's.
+        girths[0] = 1.0
+        return girths
 
     def _hand(self) -> str:
         return "paws" if self.figure.feet in ("paws", "hooves") else self.figure.feet
 
-    def _add_foot(self, i: int, chain: Chain, feet: str, patch: Patch, lumps: list[Lump]) -> None:
+    def _add_foot(
+        self, chain: Chain, feet: str, patch: Patch, lumps: list[Lump], girths: Array
+    ) -> None:
         limb = chain.limb
         last = limb.links[-1]
         own = self._resolved(self.figure.skeleton.links[last].material)
@@ -199,9 +211,9 @@ class AnimalHide:
             paint = None if differs else painted(len(solid.vertices), DARK_HORN)
             target.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "paws":
-            fine = [*lumps[-1:], *paw_lumps(chain, toes)]
+            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths)]
             patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
-            for solid in paw_claws(chain, toes, 1.7 if toes == 1 else 1.0):
+            for solid in paw_claws(chain, toes) if self.figure.skin.claws else ():
                 paint = painted(len(solid.vertices), DARK_HORN)
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet in ("toes", "claws"):
@@ -357,7 +369,8 @@ class AnimalHide:
             low = np.min([np.minimum(g.a, g.b) - g.reach for g in patch.lumps], axis=0)
             high = np.max([np.maximum(g.a, g.b) + g.reach for g in patch.lumps], axis=0)
             cell = float((high - low).max()) / CELLS
-            yield self._meshed(patch, patch.lumps, cell, MAIN_TRIANGLES, False)
+            most = MAIN_TRIANGLES if patch is self.patches[0] else LIMB_TRIANGLES
+            yield self._meshed(patch, patch.lumps, cell, most, False)
         for lumps, cell, most, is_head in patch.fine:
             yield self._meshed(patch, lumps, cell, most, is_head)
         yield from patch.skins

@@ -28,12 +28,12 @@ def foot_way(chain: Chain) -> Array:
     return normalized(np.array([way[0], 0.0, way[2]]))
 
 
-def paw_lumps(chain: Chain, toes: int) -> Iterator[Lump]:
-    """Yield a pad, and toes side by side."""
+def paw_lumps(chain: Chain, toes: int, girth: Array) -> Iterator[Lump]:
+    """Yield a pad, and toes side by side; `girth` is width and height in the drawn radius."""
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
     side = cross(way, UP)
     axes = np.stack([way, UP, side])
-    wide = 1.15 if toes > 2 else 0.95
+    wide = (1.15 if toes > 2 else 0.95) * float(girth[0])
     yield ball(tip + r * (0.10 * way - 0.25 * UP), (1.15 * r, 0.72 * r, wide * r), 0.5 * r, axes)
     for k in range(toes):
         place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)

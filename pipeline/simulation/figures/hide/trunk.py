@@ -59,13 +59,14 @@ def _girth(figure: Figure, node: int) -> tuple[float, float, float]:
     return float(width), float(height), float(lift)
 
 
-def leg_lumps(chain: Chain, start: int, end: int) -> Iterator[Lump]:
+def leg_lumps(chain: Chain, start: int, end: int, girths: Array) -> Iterator[Lump]:
     """Yield the flesh of some links of a leg or an arm.
 
     Args:
         chain: the limb as it stands.
         start: the first of the links, counted from 0.
         end: the link after the last.
+        girths: (n + 1, 2) width and depth at the nodes, in the drawn radii.
     """
     points, radii, ways = chain.points, chain.radii, chain.ways
     for i in range(start, end):
@@ -77,7 +78,10 @@ def leg_lumps(chain: Chain, start: int, end: int) -> Iterator[Lump]:
         deep = LEG_DEPTH + (0.10 if i == 0 else 0.0)
         bulge = (0.14, 0.20)[i] if i < 2 and upper else NARROW_SHANK
         yield cone(
-            *(a, b, (deep * r_a, LEG_WIDTH * r_a), (LEG_DEPTH * r_b, LEG_WIDTH * r_b), blend),
+            *(a, b),
+            (deep * r_a * girths[i, 1], LEG_WIDTH * r_a * girths[i, 0]),
+            (LEG_DEPTH * r_b * girths[i + 1, 1], LEG_WIDTH * r_b * girths[i + 1, 0]),
+            blend,
             *(FORWARD, bulge),
         )
     for i in range(max(start, 1), end):

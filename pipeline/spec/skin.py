@@ -15,7 +15,7 @@ SkullName = Literal[
 ]
 Hair = Literal["none", "hanging", "upright"]
 TailName = Literal["plain", "hair", "tassel", "brush", "fan"]
-HornName = Literal["straight", "curved", "lyre", "stub"]
+HornName = Literal["straight", "curved", "lyre", "stub", "tusks"]
 ShellName = Literal["plain", "beetle", "ant", "spider", "scorpion", "centipede", "crab"]
 Place = Literal[
     *("belly", "back", "throat", "muzzle", "face", "ears", "mane"),
@@ -80,7 +80,6 @@ class Skin(ConfigModel):
     )
     claws: bool = Field(True, description="Whether paws have claws.")
     horns: HornName = Field("curved", description="Shape of an animal's horns.")
-    tusks: bool = Field(False, description="Whether it has tusks.")
     mane: Hair = Field("none", description="Mane along the neck.")
     tail: TailName = Field("plain", description="What an animal's tail is made of.")
     ear_length: Extent = Field(1.0, description="Length of the ears, in the usual one.")

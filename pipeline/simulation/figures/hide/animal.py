@@ -17,7 +17,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.coat import Coat
 from pipeline.simulation.figures.hide.feet import paw_claws, paw_lumps, spread_toes
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid, tusk_solid
+from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid
 from pipeline.simulation.figures.hide.lumps import Lump, ball, mesh_lumps
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
 from pipeline.simulation.figures.hide.sheets import hoof, painted
@@ -32,18 +32,17 @@ from pipeline.simulation.figures.hide.trunk import (
     tube_lumps,
 )
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
-from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL, WING
+from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
+from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 5000, 2600, 560
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 4000, 2200, 520
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
-FIRST_SHANK = 2
-"""The first link of a limb that is meshed finer than the trunk."""
 
-LIMB_TRIANGLES = 1500
+LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
 
 CELLS = 96
@@ -110,7 +109,7 @@ class AnimalHide:
         """Return the skins by link, and the links that are inside them."""
         figure = self.figure
         body = self.patches[0]
-        body.lumps += [*body_lumps(figure), *haunch_lumps(self.stance)]
+        body.lumps += [*body_lumps(figure), *self._haunches()]
         for i, limb in enumerate(figure.skeleton.limbs):
             if any(figure.skeleton.links[n].shape != "round" for n in limb.links):
                 self.untouched.update(limb.links)
@@ -133,6 +132,10 @@ class AnimalHide:
                 found[link] = merge_skins(made)
             covered |= patch.covered
         return found, covered - set(found)
+
+    def _haunches(self) -> Iterator[Lump]:
+        # Spread legs have no shoulders that stand out.
+        return haunch_lumps(self.stance) if self.figure.style == "mammal" else iter(())
 
     @cached_property
     def _material(self) -> str:
@@ -170,8 +173,8 @@ class AnimalHide:
             patch = self._patch(limb.links[first])
             patch.limbs.append(i)
             patch.covered.update(limb.links[first:after])
-            shank = min(max(first, FIRST_SHANK), after)
-            if shank == after or after < len(limb.links) or first >= FIRST_SHANK:
+            shank = min(max(first, first_shank(limb)), after)
+            if shank == after or after < len(limb.links) or first >= first_shank(limb):
                 lumps = list(leg_lumps(chain, first, after, girths))
                 patch.lumps += lumps
             else:
@@ -256,12 +259,6 @@ class AnimalHide:
         if is_bird:
             patch = self.patches.setdefault(last, Patch())
             patch.skins.append(self.stance.rigid(beak_solid(self.head), last))
-        if self.figure.skin.tusks:
-            for side in (1.0, -1.0):
-                solid = tusk_solid(self.head, side)
-                bearer.skins.append(
-                    self.stance.rigid(solid, last, painted(len(solid.vertices), "#e3d8bd"))
-                )
         if self.figure.skin.mane != "none" and necks:
             nodes = list(self.figure.anatomy.appendages[i].nodes[:-1])
             heights = self.figure.drawing.girths[nodes, 1]
@@ -394,6 +391,12 @@ class AnimalHide:
                 side = -1.0 if piece.name.endswith("_l") else 1.0
                 solid, paint = self.head.eyeball(side, iris)
                 yield number, self.stance.rigid(solid, skull_link, paint)
+
+
+def first_shank(limb: Limb) -> int:
+    """Return the first link of a limb that is too thin for the grid of the trunk."""
+    count = len(limb.links)
+    return 1 if limb.kind == ARM else max(count - (2 if count > 3 else 1), 1)
 
 
 def budgeted(lumps: Sequence[Lump], cell: float, most: int) -> Solid:

@@ -14,9 +14,9 @@ from pipeline.simulation.figures.hide.stance import Chain, smoothstep
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import UP, Array, cross, normalized
 
-EYE_AROUND = 16
+EYE_AROUND = 12
 
-EYE_ANGLES = np.radians([4, 9, 14, 18, 22, 27, 33, 39, 44, 48, 54, 64, 80, 100, 130, 160])
+EYE_ANGLES = np.radians([8, 15, 20, 26, 34, 41, 47, 54, 66, 88, 120, 150])
 """Rings of an eyeball from where it looks [rad]: fine where pupil and iris end."""
 
 PUPIL_DEG, IRIS_DEG = 21.0, 46.0

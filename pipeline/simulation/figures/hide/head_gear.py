@@ -32,6 +32,7 @@ HORN_CURVES = {
         *((0.0, 0.0, 0.0), (-0.08, 0.22, 0.10), (-0.26, 0.44, 0.26)),
         *((-0.42, 0.66, 0.34), (-0.46, 0.88, 0.26), (-0.36, 1.02, 0.16)),
     ),
+    "tusks": ((0.0, 0.0, 0.0), (0.35, -0.30, 0.10), (0.70, -0.40, 0.16), (1.0, -0.26, 0.14)),
     "stub": ((0.0, 0.0, 0.0), (-0.05, 0.5, 0.02), (-0.08, 1.0, 0.04)),
 }
 """Curves of horns along, up and to the side of the head, in their length."""
@@ -47,16 +48,9 @@ def horn_solid(head: Head, chain: Chain, side: float, shape: str) -> Solid:
     radius = float(chain.radii[1:].max())
     if shape == "stub":
         return horn(curve, 1.15 * radius, 0, 0.0, 0.85)
+    if shape == "tusks":
+        return horn(curve, radius, 0, 0.0)
     return horn(curve, 1.25 * radius, 9, 0.16)
-
-
-def tusk_solid(head: Head, side: float) -> Solid:
-    """Return a tusk."""
-    r, length = head.radius(0.8), 1.1 * head.length
-    root = head.place((0.72, -0.42, 0.52), side)
-    line = ((0.0, 0.0, 0.0), (0.30, -0.28, 0.10), (0.62, -0.36, 0.16), (0.95, -0.26, 0.14))
-    axes = head.axes * np.array([[1.0], [1.0], [side]])
-    return horn(root + length * np.array(line) @ axes, 0.20 * r, 0, 0.0)
 
 
 def beak_solid(head: Head) -> Solid:

@@ -11,7 +11,7 @@ Paint = Array
 """(V, 4) linear colour and its share."""
 
 EAR_RINGS, EAR_POINTS = 11, 7
-HORN_RINGS, HORN_POINTS = 34, 10
+HORN_RINGS, HORN_POINTS = 28, 8
 
 
 def linear_color(text: str) -> Array:

@@ -209,6 +209,7 @@ SKULLS: Mapping[str, Skull] = {
         eye_size=0.10,
         pupil="round",
         iris="#5a3a1c",
+        horn=(0.72, -0.40, 0.50),
         ear=(0.18, 0.15, 0.80),
         ear_way=(-0.62, -0.25, 0.55),
         ear_length=1.0,

@@ -16,6 +16,7 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.animal import AnimalHide
+from pipeline.simulation.figures.hide.arthropod import ArthropodHide
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL, SWELLING, SolidPiece
 from pipeline.simulation.figures.network import FEELER, HEAD
@@ -234,8 +235,11 @@ def figure_skin(figure: Figure) -> FigureSkin:
 
 def build_figure_skin(figure: Figure) -> FigureSkin:
     """Return the rendered surface of a figure."""
-    if skin_form(figure) == "animal":
-        return _animal_skin(figure)
+    form = skin_form(figure)
+    if form == "animal":
+        return _hide_skin(figure, AnimalHide(figure))
+    if form == "arthropod":
+        return _hide_skin(figure, ArthropodHide(figure))
     return _plain_skin(figure)
 
 
@@ -243,6 +247,8 @@ def skin_form(figure: Figure) -> str:
     """Return the form of a figure's skin: what it says, or what suits it."""
     if figure.skin.form is not None:
         return figure.skin.form
+    if figure.skin.shell != "plain":
+        return "arthropod"
     heads = [limb for limb in figure.skeleton.limbs if limb.kind == HEAD]
     if figure.style != "mammal" or not figure.skeleton.legs:
         return "plain"
@@ -251,9 +257,8 @@ def skin_form(figure: Figure) -> str:
     return "plain" if faces or not heads else "animal"
 
 
-def _animal_skin(figure: Figure) -> FigureSkin:
+def _hide_skin(figure: Figure, hide: AnimalHide | ArthropodHide) -> FigureSkin:
     number = _piece_numbers(figure.pieces)
-    hide = AnimalHide(figure)
     found, covered = hide.skins()
     skins = {number[link]: skin for link, skin in found.items()}
     skins |= dict(hide.eyes())

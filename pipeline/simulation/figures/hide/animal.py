@@ -15,17 +15,17 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.coat import Coat
-from pipeline.simulation.figures.hide.feet import paw_claws, paw_lumps, spread_toes
+from pipeline.simulation.figures.hide.feet import foot_way, paw_claws, paw_lumps, spread_toes, toe_nails
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid
-from pipeline.simulation.figures.hide.lumps import Lump, ball, mesh_lumps
+from pipeline.simulation.figures.hide.lumps import Lump, ball, cone, mesh_lumps
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
 from pipeline.simulation.figures.hide.sheets import hoof, painted
-from pipeline.simulation.figures.hide.shanks import shank_solid
+from pipeline.simulation.figures.hide.shanks import shank_solid, tail_solid
 from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
 from pipeline.simulation.figures.hide.stance import Chain, Stance
-from pipeline.simulation.figures.hide.feet import foot_way
 from pipeline.simulation.figures.hide.trunk import (
+    FORWARD,
     body_lumps,
     haunch_lumps,
     leg_lumps,
@@ -36,9 +36,9 @@ from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid
-from pipeline.simulation.spatial import Array, rotation
+from pipeline.simulation.spatial import UP, Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 4000, 2200, 520
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3500, 1950, 390
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 
@@ -101,7 +101,9 @@ class AnimalHide:
         self.head: Head | None = None
         if self.head_limb is not None:
             name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
-            self.head = Head.of(self.stance.chains[self.head_limb], SKULLS[name])
+            self.head = Head.of(
+                self.stance.chains[self.head_limb], SKULLS[name], figure.skin.eye_size
+            )
         self.skull_name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
         self.coat = Coat(self.stance, self.head)
 
@@ -179,7 +181,7 @@ class AnimalHide:
                 patch.lumps += lumps
             else:
                 patch.lumps += leg_lumps(chain, first, shank, girths)
-                lumps = list(leg_lumps(chain, after - 1, after, girths))
+                lumps = [_ankle(chain)]
                 solid = shank_solid(chain, shank, girths)
                 paint = self.coat.paint(solid, [i], False)
                 patch.skins.append(self.stance.hide(solid, [i], paint))
@@ -218,6 +220,13 @@ class AnimalHide:
             patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
             for solid in paw_claws(chain, toes) if self.figure.skin.claws else ():
                 paint = painted(len(solid.vertices), DARK_HORN)
+                patch.skins.append(self.stance.rigid(solid, last, paint))
+        elif feet == "plain":
+            tip = chain.points[-1]
+            pad = ball(tip - 0.2 * radius * UP, (1.08 * radius, 0.78 * radius, 1.04 * radius), 0.4 * radius)
+            patch.fine.append(([*lumps[-1:], pad], FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            for solid in toe_nails(chain, toes):
+                paint = painted(len(solid.vertices), "#b3a68f")
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet in ("toes", "claws"):
             for toe, claw in spread_toes(chain, toes):
@@ -296,7 +305,12 @@ class AnimalHide:
             points, radii = chain.points[first : after + 1], chain.radii[first : after + 1].copy()
             if first == 0 and len(radii) > 1:
                 radii[0] = min(radii[0], 2.2 * radii[1])
-            own.lumps += tube_lumps(points, radii, *shape, 0.6)
+            if first == 0:
+                own.lumps += tube_lumps(points[:2], radii[:2], *shape, 0.6)
+            # Beyond its root a tail is too thin for the grid of the trunk.
+            solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0)
+            paint = self.coat.paint(solid, [i], False)
+            own.skins.append(self.stance.hide(solid, [i], paint))
             if word in ("tassel", "brush") and after == len(limb.links):
                 own.lumps += tassel_lumps(chain, word)
 
@@ -391,6 +405,13 @@ class AnimalHide:
                 side = -1.0 if piece.name.endswith("_l") else 1.0
                 solid, paint = self.head.eyeball(side, iris)
                 yield number, self.stance.rigid(solid, skull_link, paint)
+
+
+def _ankle(chain: Chain) -> Lump:
+    """Return the end of a shank, from which its foot grows."""
+    a = chain.points[-1] - 0.35 * chain.spans[-1]
+    r = float(chain.radii[-1])
+    return cone(a, chain.points[-1], (0.8 * r, 0.7 * r), (0.95 * r, 0.85 * r), 0.3 * r, FORWARD)
 
 
 def first_shank(limb: Limb) -> int:

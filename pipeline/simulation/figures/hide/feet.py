@@ -61,6 +61,17 @@ def paw_claws(chain: Chain, toes: int, size: float = 1.0) -> Iterator[Solid]:
         yield tube(curve, r * np.array([0.20, 0.15, 0.03]) * min(size, 1.6), 6)
 
 
+def toe_nails(chain: Chain, toes: int) -> Iterator[Solid]:
+    """Yield the nails around a round foot."""
+    r, tip = float(chain.radii[-1]), chain.points[-1]
+    for k in range(toes):
+        angle = np.radians(-54.0 + 108.0 * (k + 0.5) / toes) * 1.1
+        way = np.array([np.cos(angle), 0.0, np.sin(angle)])
+        at = tip + r * (0.96 * way - 0.72 * UP)
+        curve = np.array([at - 0.02 * r * UP, at + 0.14 * r * UP, at + 0.32 * r * UP - 0.08 * r * way])
+        yield tube(curve, r * np.array([0.24, 0.22, 0.08]), 8, 0.8)
+
+
 def spread_toes(chain: Chain, toes: int) -> Iterator[tuple[Solid, Solid]]:
     """Yield the toes of a bird, a frog or a lizard with their claws."""
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)

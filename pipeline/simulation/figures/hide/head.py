@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,8 +22,11 @@ EYE_ANGLES = np.radians([8, 15, 20, 26, 34, 41, 47, 54, 66, 88, 120, 150])
 
 PUPIL_DEG, IRIS_DEG = 21.0, 46.0
 
-SOCKET = 1.28
-"""Radius of the lids, in the eye's."""
+SOCKET, SOCKET_DEPTH = 1.20, 0.42
+"""Radius of the lids, and depth of their middle below that of the eye, in the eye's radius."""
+
+SUNK = 0.30
+"""Depth of the middle of an eye below the skull, in the eye's radius."""
 
 HEAD_BLEND = 0.34
 """Width of the union of a head's lumps, in their radius."""
@@ -38,6 +42,7 @@ class Head:
         axes: (3, 3) rows along, up and to the right.
         length: of the last link [m].
         radii: drawn at its back and its tip [m].
+        eye_scale: size of the eyes, in the skull's own.
     """
 
     skull: Skull
@@ -45,15 +50,16 @@ class Head:
     axes: Array
     length: float
     radii: tuple[float, float]
+    eye_scale: float = 1.0
 
     @staticmethod
-    def of(chain: Chain, skull: Skull) -> Head:
+    def of(chain: Chain, skull: Skull, eye_scale: float) -> Head:
         """Return the head at the end of a chain."""
         along = chain.ways[-1]
         side = normalized(cross(along, UP)) if abs(along[1]) < 0.98 else np.array([0.0, 0.0, 1.0])
         axes = np.stack([along, cross(side, along), side])
         radii = (float(chain.radii[-2]), float(chain.radii[-1]))
-        return Head(skull, chain.points[-2], axes, float(chain.lengths[-1]), radii)
+        return Head(skull, chain.points[-2], axes, float(chain.lengths[-1]), radii, eye_scale)
 
     def radius(self, along: float) -> float:
         """Return the drawn radius at a share of the head's length [m]."""
@@ -74,7 +80,11 @@ class Head:
         return result
 
     def lumps(self) -> Iterator[Lump]:
-        """Yield the skull."""
+        """Yield the skull with its lids, nose and nostrils."""
+        yield from self._bones()
+        yield from self._features()
+
+    def _bones(self) -> Iterator[Lump]:
         for a, b, r_a, r_b in self.skull.rows:
             s_a, s_b = self.radius(a[0]), self.radius(b[0])
             for side in (1.0, -1.0) if a[2] or b[2] else (1.0,):
@@ -84,10 +94,12 @@ class Head:
                     HEAD_BLEND * min(s_a, s_b),
                     self.axes[1],
                 )
+
+    def _features(self) -> Iterator[Lump]:
         size = self.eye_radius
         for side in (1.0, -1.0):
             if self.skull.lids:
-                at = self.eye(side) - 0.22 * size * self.way(self.skull.look, side)
+                at = self.eye(side) - SOCKET_DEPTH * size * self.way(self.skull.look, side)
                 yield ball(at, (SOCKET * size,) * 3, self.skull.lids * size * 2.0)
         if self.skull.nose is not None:
             at, radii, _ = self.skull.nose
@@ -103,11 +115,24 @@ class Head:
     @property
     def eye_radius(self) -> float:
         """Radius of the eyes [m]."""
-        return self.skull.eye_size * self.radius(self.skull.eye[0])
+        return self.eye_scale * self.skull.eye_size * self.radius(self.skull.eye[0])
 
     def eye(self, side: float) -> Array:
-        """Return the middle of an eye [m]."""
-        return self.place(self.skull.eye, side)
+        """Return the middle of an eye [m]: as deep in its socket as eyes are, where it looks out."""
+        return self._eyes[side]
+
+    @cached_property
+    def _eyes(self) -> dict[float, Array]:
+        rows = list(self._bones())
+        found = {}
+        for side in (1.0, -1.0):
+            at, look = self.place(self.skull.eye, side), self.way(self.skull.look, side)
+            steps = np.linspace(-1.0, 2.0, 121) * self.radius(self.skull.eye[0])
+            line = at + steps[:, None] * look
+            depth = np.min([bone.distance(line) for bone in rows], axis=0)
+            inside = np.flatnonzero(depth < -SUNK * self.eye_radius)
+            found[side] = line[inside[-1]] if len(inside) else at
+        return found
 
     def paint(self, places: Array) -> Paint:
         """Return the paint of the head's surface at places (N, 3): nostrils, nose, mouth, lids."""
@@ -136,7 +161,7 @@ class Head:
             _lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
         for side in (1.0, -1.0):
             off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
-            _lay(paint, "#17100c", 0.92 * smoothstep((1.42 - off) / 0.30))
+            _lay(paint, "#17100c", 0.92 * smoothstep((1.22 - off) / 0.25))
         return paint
 
     def eyeball(self, side: float, iris: str) -> tuple[Solid, Paint]:

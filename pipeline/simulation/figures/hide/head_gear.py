@@ -19,7 +19,7 @@ def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tupl
     way = head.way(skull.ear_way, side)
     opening = head.way((0.75, 0.0, 0.65), side)
     width = length * skull.ear_width * config.ear_width / config.ear_length
-    return ear(head.place(skull.ear, side), way, opening, length, width)
+    return ear(head.place(skull.ear, side), way, opening, length, width, skull.ear_fold)
 
 
 HORN_CURVES = {

@@ -7,9 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.simulation.figures.hide.sheets import outward
+from pipeline.simulation.figures.hide.sheets import outward, tube
 from pipeline.simulation.figures.hide.stance import Chain
-from pipeline.simulation.figures.hide.trunk import LEG_DEPTH, LEG_WIDTH, POINT_OF_JOINT
+from pipeline.simulation.figures.hide.trunk import (
+    LEG_DEPTH,
+    LEG_WIDTH,
+    POINT_OF_JOINT,
+    SPLINE_STEPS,
+    spline,
+)
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 
@@ -24,6 +30,22 @@ KNOB, WAIST = 1.08, 0.84
 
 BONE_OUT = 0.45
 """How far the bone of a bent joint stands out, in the radius there."""
+
+
+def tail_solid(points: Array, radii: Array, start: float) -> Solid:
+    """Return a smooth tail through nodes, closed at both ends.
+
+    Args:
+        points: (n, 3) nodes [m].
+        radii: (n,) drawn at them [m].
+        start: share of the first link that is left to what it grows from.
+    """
+    curve, sizes = spline(points, radii, 2 * SPLINE_STEPS)
+    first = int(round(start * 2 * SPLINE_STEPS))
+    curve, sizes = curve[first:], sizes[first:].copy()
+    # The end is round.
+    sizes[-1] *= 0.55
+    return tube(curve, sizes, AROUND)
 
 
 def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
@@ -43,7 +65,7 @@ def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
         r = radii[i] + (radii[i + 1] - radii[i]) * t
         # Knobs at both ends of a bone; muscles taper into the first joint.
         bone = WAIST + (KNOB - WAIST) * np.abs(2.0 * t - 1.0) ** 2.4
-        shape = np.interp(t, [0.45, 1.0], [0.90, KNOB]) if i == 0 else bone
+        shape = np.interp(t, [0.45, 0.7, 1.0], [0.70, 0.92, KNOB]) if i == 0 else bone
         places.append(points[i] + t[:, None] * (points[i + 1] - points[i]))
         wide = girths[start - 1 + i] + (girths[start + i] - girths[start - 1 + i]) * t[:, None]
         sizes.append((r * shape)[:, None] * wide)

@@ -33,9 +33,11 @@ class Skull:
         ear: place of the root of the right ear.
         ear_way: direction of the right ear: along, up, to the side.
         ear_length, ear_width: length of the ear in that drawn; width in its length.
+        ear_fold: depth of the cup of an ear, in half of its width.
         horn: place of the root of the right horn.
         nose: place, radii and sRGB colour of a bare nose; None without.
         mouth: heights of the mouth line at its corner and its front; None without.
+        lids: softness of the lids' union, in half of the eye's radius; 0 without lids.
         muzzle_from: place along the head from which the muzzle begins.
     """
 
@@ -50,6 +52,7 @@ class Skull:
     ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)
     ear_length: float = 1.0
     ear_width: float = 0.38
+    ear_fold: float = 0.55
     horn: tuple[float, float, float] = (0.12, 0.75, 0.35)
     nose: tuple[tuple[float, float, float], tuple[float, float, float], str] | None = None
     mouth: tuple[float, float, float, float] | None = None
@@ -161,15 +164,15 @@ SKULLS: Mapping[str, Skull] = {
     ),
     "cat": Skull(
         rows=(
-            ((0.10, 0.10, 0), (0.42, 0.12, 0), (0.95, 0.98), (0.90, 0.96)),
-            ((0.40, -0.22, 0.30), (0.62, -0.30, 0.24), (0.50, 0.50), (0.42, 0.44)),
+            ((0.08, 0.10, 0), (0.28, 0.14, 0), (0.95, 0.98), (0.88, 0.98)),
+            ((0.26, -0.28, 0.42), (0.46, -0.32, 0.34), (0.50, 0.52), (0.42, 0.46)),
             ((0.45, -0.15, 0.0), (0.92, -0.10, 0), (0.55, 0.55), (0.70, 0.70)),
             ((0.86, -0.30, 0.36), (0.95, -0.34, 0.34), (0.50, 0.50), (0.46, 0.48)),
             ((0.66, -0.75, 0), (0.90, -0.85, 0), (0.34, 0.44), (0.30, 0.40)),
         ),
-        eye=(0.62, 0.28, 0.56),
-        eye_size=0.24,
-        look=(1.0, 0.12, 0.42),
+        eye=(0.50, 0.30, 0.44),
+        eye_size=0.26,
+        look=(1.0, 0.10, 0.36),
         pupil="slit",
         iris="#8fa33a",
         ear=(0.16, 0.78, 0.58),
@@ -210,21 +213,22 @@ SKULLS: Mapping[str, Skull] = {
         pupil="round",
         iris="#5a3a1c",
         horn=(0.72, -0.40, 0.50),
-        ear=(0.18, 0.15, 0.80),
-        ear_way=(-0.62, -0.25, 0.55),
+        ear=(0.10, 0.40, 0.72),
+        ear_way=(-0.20, -0.80, 0.62),
         ear_length=1.0,
-        ear_width=1.25,
+        ear_width=1.15,
+        ear_fold=0.14,
         lids=0.6,
     ),
     "frog": Skull(
         rows=(
-            ((0.0, 0.0, 0), (0.50, -0.05, 0), (0.74, 1.05), (0.62, 1.0)),
-            ((0.40, -0.10, 0), (1.0, -0.18, 0), (0.62, 1.05), (0.85, 1.15)),
-            ((0.42, 0.50, 0.62), (0.46, 0.50, 0.62), (0.36, 0.36), (0.34, 0.34)),
+            ((0.0, 0.0, 0), (0.40, -0.05, 0), (0.78, 1.05), (0.66, 1.05)),
+            ((0.30, -0.10, 0), (0.95, -0.22, 0), (0.60, 1.05), (0.62, 1.12)),
+            ((0.36, 0.62, 0.56), (0.42, 0.66, 0.56), (0.44, 0.42), (0.42, 0.40)),
         ),
-        eye=(0.45, 0.62, 0.74),
-        eye_size=0.34,
-        look=(0.35, 0.35, 1.0),
+        eye=(0.42, 0.78, 0.62),
+        eye_size=0.40,
+        look=(0.45, 0.45, 1.0),
         pupil="bar",
         iris="#b08a1e",
         holes=(((1.28, 0.30, 0.30), (0.06, 0.08, 0.08)),),

@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.animal import CELLS, budgeted
 from pipeline.simulation.figures.hide.coat import Coat
-from pipeline.simulation.figures.hide.sheets import outward, painted, tube
+from pipeline.simulation.figures.hide.sheets import outward, painted, small_ball, tube
 from pipeline.simulation.figures.hide.shell_parts import (
     antenna_segment,
     claw_solids,
@@ -19,16 +19,20 @@ from pipeline.simulation.figures.hide.shell_parts import (
     mandibles,
     sting_solid,
 )
+from pipeline.simulation.figures.hide.lumps import Lump
 from pipeline.simulation.figures.hide.shells import body_plates
 from pipeline.simulation.figures.hide.stance import Chain, Stance
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, HORN, LEG, TAIL
 from pipeline.simulation.figures.skins import Skin, merge_skins
-from pipeline.simulation.figures.solids import Solid, ball_solid, join_solids
+from pipeline.simulation.figures.solids import Solid, join_solids
 from pipeline.simulation.spatial import UP, Array, normalized
 
-PLATE_TRIANGLES = 5200
-"""Most triangles of the plates of a body."""
+PLATE_TRIANGLES, HEAD_TRIANGLES = 4200, 1800
+"""Most triangles of the plates of a body, and of a head or abdomen of another material."""
+
+MANY_LEGS = 8
+"""Legs beyond which each has fewer triangles."""
 
 SPIDER_EYES = (
     *((0.62, 0.42, 0.24, 0.20), (0.50, 0.46, 0.60, 0.15)),
@@ -69,13 +73,29 @@ class ArthropodHide:
                 covered.update(limb.links)
             elif limb.kind in (LEG, ARM, FEELER, HORN, TAIL):
                 self._add_limb(chain, found, covered)
-        lumps = list(body_plates(self.kind, self.stance))
-        low = np.min([np.minimum(g.a, g.b) - g.reach for g in lumps], axis=0)
-        high = np.max([np.maximum(g.a, g.b) + g.reach for g in lumps], axis=0)
-        solid = budgeted(lumps, float((high - low).max()) / CELLS, PLATE_TRIANGLES)
-        plates = self.stance.hide(solid, trunk, self.coat.paint(solid, trunk, False))
-        found[0] = [plates, *found[0], *self._stalks()]
+        found[0] += self._stalks()
+        for link, lumps in self._plates().items():
+            low = np.min([np.minimum(g.a, g.b) - g.reach for g in lumps], axis=0)
+            high = np.max([np.maximum(g.a, g.b) + g.reach for g in lumps], axis=0)
+            most = PLATE_TRIANGLES if link == 0 else HEAD_TRIANGLES
+            solid = budgeted(lumps, float((high - low).max()) / CELLS, most)
+            paint = self.coat.paint(solid, trunk, False)
+            found.setdefault(link, []).insert(0, self.stance.hide(solid, trunk, paint))
         return {link: merge_skins(skins) for link, skins in found.items()}, covered - set(found)
+
+    def _plates(self) -> dict[int, list[Lump]]:
+        """Return the plates by the link whose part shows them: the body's where they can."""
+        plates = body_plates(self.kind, self.stance)
+        own = self.figure.pieces[0].material or self.figure.material
+        found = {0: plates.pop("body")}
+        for limb in self.figure.skeleton.limbs:
+            lumps = plates.pop(limb.kind, [])
+            if not lumps:
+                continue
+            last = limb.links[-1]
+            material = self.figure.skeleton.links[last].material or self.figure.material
+            found.setdefault(0 if material == own else last, []).extend(lumps)
+        return found
 
     def _add_limb(self, chain: Chain, found: dict[int, list[Skin]], covered: set[int]) -> None:
         """Add the links of a limb, each rigid, to the first link of each run of one material."""
@@ -98,12 +118,12 @@ class ArthropodHide:
         if claw:
             if last:
                 return claw_solids(chain, sign)
-            return [leg_segment(chain, i)]
+            return [leg_segment(chain, i, self._detail)]
         if kind in (LEG, ARM):
-            solids = [leg_segment(chain, i)]
+            solids = [leg_segment(chain, i, self._detail)]
             if i == 0:
                 r = min(float(chain.radii[0]), 1.5 * float(chain.radii[1]))
-                solids.append(ball_solid(chain.points[0], 0.95 * r))
+                solids.append(small_ball(chain.points[0], 0.95 * r))
             if self.kind == "beetle" and i == len(chain.ways) - 2:
                 solids += leg_spines(chain, i)
             if last:
@@ -137,6 +157,10 @@ class ArthropodHide:
             r = self._head_radius
             solids.append(tube(curve, r * np.linspace(0.34, 0.24, 6), 8))
         return [self.stance.rigid(solid, self._head_link) for solid in solids]
+
+    @property
+    def _detail(self) -> float:
+        return 1.0 if len(self.figure.skeleton.legs) <= MANY_LEGS else 0.55
 
     @property
     def _head(self) -> Chain | None:
@@ -176,16 +200,16 @@ class ArthropodHide:
         scale = self.figure.skin.eye_size
         if self.kind == "spider":
             for x, y, z, size in SPIDER_EYES:
-                yield ball_solid(tip + r * np.array([x, y, side * z]), size * r * scale)
+                yield small_ball(tip + r * np.array([x, y, side * z]), size * r * scale)
             return
         if self.kind == "crab":
-            yield ball_solid(self._stalk(side)[1], 0.42 * r * scale)
+            yield small_ball(self._stalk(side)[1], 0.42 * r * scale)
             return
         if self.kind == "scorpion":
-            yield ball_solid(tip + r * np.array([-0.2, 0.62, side * 0.16]), 0.14 * r * scale)
+            yield small_ball(tip + r * np.array([-0.2, 0.62, side * 0.16]), 0.14 * r * scale)
             return
         # Compound eyes: large, drawn out along the side of the head.
-        unit = ball_solid(np.zeros(3), 1.0)
+        unit = small_ball(np.zeros(3), 1.0, 12, 9)
         size = r * scale * np.array([0.46, 0.40, 0.26])
         at = tip + r * np.array([0.18, 0.20, side * 0.86])
         yield outward(Solid(at + size * unit.vertices, unit.faces))
@@ -199,7 +223,7 @@ def _claws(chain: Chain) -> Iterator[Solid]:
     for sign in (-1.0, 1.0):
         way = normalized(out + 0.55 * sign * side)
         curve = np.array([tip, tip + 1.6 * r * way + 0.2 * r * UP, tip + 3.2 * r * way - 0.7 * r * UP])
-        yield tube(curve, r * np.array([0.7, 0.45, 0.08]), 6)
+        yield tube(curve, r * np.array([0.7, 0.45, 0.08]), 5)
 
 
 def _fangs(tip: Array, along: Array, r: float) -> list[Solid]:

@@ -114,6 +114,17 @@ def tube(middle: Array, sizes: Array, points: int, flat: float | Array = 1.0, up
     return outward(loft(rings, ends))
 
 
+def small_ball(centre: Array, radius: float, around: int = 8, rings: int = 5) -> Solid:
+    """Return a sphere of few triangles."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, rings + 2)
+    places = centre + radius * np.sin(angle[1:-1])[:, None] * np.array([1.0, 0.0, 0.0])
+    turn = np.arange(around) * (2.0 * np.pi / around)
+    flat = np.stack([np.zeros(around), np.cos(turn), np.sin(turn)], axis=-1)
+    rings_at = places[:, None] + radius * np.cos(angle[1:-1])[:, None, None] * flat
+    ends = centre + radius * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    return outward(loft(rings_at, ends))
+
+
 def hoof(sole: Array, ahead: Array, radius: float, toes: int) -> Solid:
     """Return a hoof with a sloping wall, whole or cloven.
 

@@ -11,22 +11,28 @@ from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, cross, normalized
 
-AROUND = 10
+AROUND = 8
 """Vertices around a link."""
 
 FEET = 4
 """Segments of the last link of a leg, its tarsus."""
 
 
-def leg_segment(chain: Chain, i: int) -> Solid:
-    """Return one link of a leg, slender at its joints; the last one has the segments of a foot."""
+def leg_segment(chain: Chain, i: int, detail: float) -> Solid:
+    """Return one link of a leg, slender at its joints; the last one has the segments of a foot.
+
+    Args:
+        chain: the leg as it stands.
+        i: number of the link.
+        detail: share of the usual vertices along and around it.
+    """
     a, b = chain.points[i], chain.points[i + 1]
     r_a, r_b = float(chain.radii[i]), float(chain.radii[i + 1])
     if i == 0:
         # The base of a leg is no thicker than its knee, though its hip may be.
         r_a = min(r_a, 1.35 * r_b)
     is_foot = i == len(chain.ways) - 1 and i > 0
-    t = np.linspace(0.0, 1.0, 14 if is_foot else 11)
+    t = np.linspace(0.0, 1.0, round(detail * (14 if is_foot else 9)))
     radii = r_a + (r_b - r_a) * t
     if is_foot:
         shape = 0.95 - 0.22 * np.cos(2.0 * np.pi * FEET * np.clip((t - 0.35) / 0.65, 0.0, 1.0))
@@ -39,7 +45,7 @@ def leg_segment(chain: Chain, i: int) -> Solid:
     # Shells of legs are a little bowed.
     bow = 0.06 * float(chain.lengths[i]) * np.sin(np.pi * t) * (0.0 if is_foot else 1.0)
     middle = middle + bow[:, None] * UP * (1.0 - abs(chain.ways[i][1]))
-    return tube(middle, radii * shape, AROUND)
+    return tube(middle, radii * shape, max(round(detail * AROUND), 6))
 
 
 def leg_spines(chain: Chain, i: int) -> Iterator[Solid]:
@@ -61,11 +67,11 @@ def antenna_segment(chain: Chain, i: int, club: bool = False) -> Solid:
     r_a = min(r_a, 1.4 * r_b) if i == 0 else r_a
     beads = 1 if i == 0 and len(chain.ways) > 1 else max(3, round(float(chain.lengths[i]) / (3.2 * max(r_a, r_b))))
     beads = min(beads, 9)
-    t = np.linspace(0.0, 1.0, 4 * beads + 3)
+    t = np.linspace(0.0, 1.0, 3 * beads + 1)
     shape = 0.92 - 0.26 * np.cos(2.0 * np.pi * beads * t)
     if club and i == len(chain.ways) - 1:
         shape = shape * (1.0 + 1.1 * t**2)
-    return tube(a + t[:, None] * (b - a), (r_a + (r_b - r_a) * t) * shape, 8)
+    return tube(a + t[:, None] * (b - a), (r_a + (r_b - r_a) * t) * shape, 6)
 
 
 def is_claw(chain: Chain) -> bool:

@@ -71,8 +71,8 @@ class Axis:
         return self.body[-1], float(self.radii[-1])
 
 
-def body_plates(kind: str, stance: Stance) -> Iterator[Lump]:
-    """Yield the plates of a body.
+def body_plates(kind: str, stance: Stance) -> dict[str, list[Lump]]:
+    """Return the plates of trunk, head and tail: "body", "head" and "tail".
 
     Args:
         kind: beetle, ant, spider, scorpion, centipede, crab or plain.
@@ -80,15 +80,20 @@ def body_plates(kind: str, stance: Stance) -> Iterator[Lump]:
     """
     axis = Axis.of(stance)
     if kind == "beetle":
-        yield from _beetle(axis)
-    elif kind == "crab":
-        yield from _crab(axis)
-    elif kind == "spider":
-        yield from _spider(axis)
-    elif kind in ("scorpion", "centipede"):
-        yield from _rings(axis, 5 if kind == "scorpion" else 1)
-    else:
-        yield from _waisted(axis, kind == "ant")
+        return {"body": list(_beetle(axis)), HEAD: list(_head(axis, 0.82, 1.05))}
+    if kind == "crab":
+        return {"body": list(_crab(axis))}
+    if kind == "spider":
+        return {
+            "body": list(_spider(axis)),
+            HEAD: list(_spider_head(axis)),
+            TAIL: list(_spider_abdomen(axis)),
+        }
+    if kind in ("scorpion", "centipede"):
+        rings = list(_rings(axis, 5 if kind == "scorpion" else 1))
+        return {"body": rings, HEAD: list(_head(axis, 0.66, 1.15))}
+    abdomen = list(_abdomen(axis, kind == "ant"))
+    return {"body": list(_thorax(axis)), HEAD: list(_head(axis, 0.80, 1.0)), TAIL: abdomen}
 
 
 def _plate(at: Array, radii: tuple[float, float, float], crease: float = CREASE) -> Lump:
@@ -109,9 +114,9 @@ def _beetle(axis: Axis) -> Iterator[Lump]:
     wide = 1.04 * widest
     for side in (-1.0, 1.0):
         # Two wing cases side by side: the seam is the crease between them.
-        off = np.array([0.0, 0.0, 0.46 * wide * side])
+        off = np.array([0.0, 0.0, 0.40 * wide * side])
         case = cone(
-            *(a + off, b + off * 0.92, (0.60 * wide, 0.56 * wide), (0.56 * wide, 0.56 * wide)),
+            *(a + off, b + off * 0.92, (0.60 * wide, 0.62 * wide), (0.56 * wide, 0.62 * wide)),
             *(0.05 * wide, UP),
         )
         case.radii_a[0], case.radii_b[0] = 0.62 * widest, 0.34 * length
@@ -119,7 +124,6 @@ def _beetle(axis: Axis) -> Iterator[Lump]:
     yield _plate(0.5 * (a + b) - [0.0, 0.26 * widest, 0.0], (0.5 * length, 0.42 * widest, 0.82 * widest))
     yield _plate(front, (0.66 * r_f, 0.60 * r_f, 1.10 * r_f), 0.06)
     yield _plate(front - [0.28 * r_f, 0.02 * r_f, 0.0], (0.55 * r_f, 0.56 * r_f, 1.16 * r_f), 0.3)
-    yield from _head(axis, 0.82, 1.05)
 
 
 def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:
@@ -130,12 +134,14 @@ def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:
     for k in range(1, len(axis.head) - 1):
         s = float(axis.head_radii[k])
         yield _plate(axis.head[k], (0.9 * s, 0.62 * s, 0.88 * s))
+    neck = 0.6 * min(r, float(axis.head_radii[0]))
+    yield cone(axis.head[0], at, (0.7 * neck, neck), (0.7 * neck, neck), 0.1 * neck)
     yield _plate(at, (1.05 * r, high * r, wide * r))
     yield _plate(at + [0.62 * r, -0.16 * r, 0.0], (0.55 * r, 0.42 * r, 0.66 * r), 0.3)
 
 
-def _waisted(axis: Axis, is_ant: bool) -> Iterator[Lump]:
-    """Yield head, thorax and abdomen; those of an ant are held together by a thin waist."""
+def _thorax(axis: Axis) -> Iterator[Lump]:
+    """Yield the segments of a body and what joins them."""
     count = len(axis.body)
     for k in range(count):
         r = float(axis.radii[k])
@@ -143,6 +149,10 @@ def _waisted(axis: Axis, is_ant: bool) -> Iterator[Lump]:
     for k in range(count - 1):
         s = 0.55 * float(min(axis.radii[k], axis.radii[k + 1]))
         yield cone(axis.body[k], axis.body[k + 1], (s, s), (s, s), 0.5 * s)
+
+
+def _abdomen(axis: Axis, is_ant: bool) -> Iterator[Lump]:
+    """Yield the segments behind the body; an ant's last one has rings, on a thin waist."""
     rear = list(zip(axis.tail[1:], axis.tail_radii[1:], strict=True))
     before = axis.body[-1]
     for k, (at, radius) in enumerate(rear):
@@ -158,17 +168,26 @@ def _waisted(axis: Axis, is_ant: bool) -> Iterator[Lump]:
         else:
             yield _plate(at, (1.1 * r, 0.85 * r, 0.95 * r))
         before = at
-    yield from _head(axis, 0.80, 1.0)
 
 
 def _spider(axis: Axis) -> Iterator[Lump]:
-    """Yield the shield that carries legs and eyes, and the round abdomen with its spinnerets."""
+    """Yield the shield that carries the legs."""
     front, back = axis.body[0], axis.body[-1]
     r = float(axis.radii.max())
     yield cone(front, back, (0.74 * r, 1.0 * r), (0.70 * r, 1.05 * r), 0.3 * r)
+
+
+def _spider_head(axis: Axis) -> Iterator[Lump]:
+    """Yield the front of the shield, which carries the eyes."""
     if len(axis.head):
         at, s = axis.head[-1], float(axis.head_radii[-1])
         yield _plate(at - [0.35 * s, -0.18 * s, 0.0], (1.15 * s, 0.95 * s, 1.05 * s), 0.5)
+        yield cone(axis.head[0], at, (0.8 * s, s), (0.8 * s, s), 0.3 * s)
+
+
+def _spider_abdomen(axis: Axis) -> Iterator[Lump]:
+    """Yield the round abdomen on its waist, with its spinnerets."""
+    back = axis.body[-1]
     nodes, radii = axis.tail[1:], axis.tail_radii[1:]
     before = back
     for k, at in enumerate(nodes):
@@ -202,8 +221,6 @@ def _rings(axis: Axis, between: int) -> Iterator[Lump]:
             at = np.array([x, float(front[1]), 0.0])
             step = abs(float(places[1] - places[0]))
             yield _plate(at, (0.72 * step, 0.60 * r, 1.10 * r), 0.06)
-    if len(axis.head):
-        yield from _head(axis, 0.66, 1.15)
 
 
 def _crab(axis: Axis) -> Iterator[Lump]:

@@ -174,6 +174,10 @@ def _faults_of_figure(figure: Figure) -> Iterator[Fault]:
         if tip not in sheet.marks:
             message = f"no node is called '{tip}', {hint(tip, sheet.marks)}"
             yield Fault(("parts", tip), message, at_key=True)
+    for i, lump in enumerate(figure.skin.lumps if figure.skin else ()):
+        if lump.node not in sheet.marks:
+            message = f"no node is called '{lump.node}', {hint(lump.node, sheet.marks)}"
+            yield Fault(("skin", "lumps", i, "node"), message)
 
 
 Angle = Annotated[Number, Field(ge=-180, le=180)]

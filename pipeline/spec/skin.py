@@ -9,19 +9,22 @@ from pydantic import Field
 from pipeline.spec.model_base import ConfigModel, Name, Number, Positive
 
 Form = Literal["animal", "arthropod", "plain"]
+# fmt: off
 SkullName = Literal[
-    *("horse", "deer", "camel", "kangaroo", "dog", "cat", "mouse", "elephant"),
-    *("frog", "lizard", "bird"),
+    "horse", "deer", "camel", "kangaroo", "dog", "cat", "mouse", "elephant", "frog", "lizard",
+    "bird",
 ]
+# fmt: on
 Hair = Literal["none", "hanging", "upright"]
 TailName = Literal["plain", "hair", "tassel", "brush", "fan"]
 HornName = Literal["straight", "curved", "lyre", "stub", "tusks"]
 ShellName = Literal["plain", "beetle", "ant", "spider", "scorpion", "centipede", "crab"]
+# fmt: off
 Place = Literal[
-    *("belly", "back", "throat", "muzzle", "face", "ears", "mane"),
-    *("legs", "shins", "feet", "arms", "tail", "tail tip", "neck", "body", "shell", "seam"),
-    *("spots", "patches", "stripes"),
+    "belly", "back", "throat", "muzzle", "face", "ears", "mane", "legs", "shins", "feet", "arms",
+    "tail", "tail tip", "neck", "body", "spots", "patches", "stripes",
 ]
+# fmt: on
 
 SkinColor = Annotated[
     str,

@@ -261,8 +261,15 @@ def _hide_skin(figure: Figure, hide: AnimalHide | ArthropodHide) -> FigureSkin:
     number = _piece_numbers(figure.pieces)
     found, covered = hide.skins()
     skins = {number[link]: skin for link, skin in found.items()}
+    inside = {number[link] for link in covered}
+    # What is no part of the hide grows together by itself.
+    for limb in figure.skeleton.limbs:
+        if not hide.untouched.isdisjoint(limb.links):
+            for run in skin_runs(limb, figure.skeleton):
+                skins[number[run[0]]] = limb_skin(run, figure.skeleton.links, 0.0)
+                inside.update(number[link] for link in run[1:])
     skins |= dict(hide.eyes())
-    return FigureSkin(skins, frozenset(number[link] for link in covered))
+    return FigureSkin(skins, frozenset(inside))
 
 
 def _plain_skin(figure: Figure) -> FigureSkin:

@@ -15,17 +15,27 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.coat import Coat
-from pipeline.simulation.figures.hide.feet import foot_way, paw_claws, paw_lumps, spread_toes, toe_nails
+from pipeline.simulation.figures.hide.feet import (
+    foot_way,
+    paw_claws,
+    paw_lumps,
+    spread_toes,
+    toe_nails,
+)
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid
-from pipeline.simulation.figures.hide.lumps import Lump, ball, cone, mesh_lumps
+from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
+from pipeline.simulation.figures.hide.shanks import (
+    ankle_lump,
+    first_shank,
+    shank_solid,
+    tail_solid,
+)
 from pipeline.simulation.figures.hide.sheets import hoof, painted
-from pipeline.simulation.figures.hide.shanks import shank_solid, tail_solid
 from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
 from pipeline.simulation.figures.hide.stance import Chain, Stance
 from pipeline.simulation.figures.hide.trunk import (
-    FORWARD,
     body_lumps,
     haunch_lumps,
     leg_lumps,
@@ -33,9 +43,7 @@ from pipeline.simulation.figures.hide.trunk import (
 )
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
 from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
-from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.figures.skins import Skin, merge_skins
-from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, rotation
 
 MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3500, 1950, 390
@@ -53,9 +61,6 @@ HEAD_CELL, FOOT_CELL = 0.13, 0.24
 
 DEFAULT_TOES = {"hooves": 1, "paws": 4, "toes": 4, "claws": 5, "plain": 0}
 """Toes of a foot that says no number."""
-
-PROBE_CELLS = 2.0
-"""Cell of the mesh that tells how many triangles there will be, in that wanted."""
 
 DARK_HORN = "#2b231d"
 
@@ -181,7 +186,7 @@ class AnimalHide:
                 patch.lumps += lumps
             else:
                 patch.lumps += leg_lumps(chain, first, shank, girths)
-                lumps = [_ankle(chain)]
+                lumps = [ankle_lump(chain)]
                 solid = shank_solid(chain, shank, girths)
                 paint = self.coat.paint(solid, [i], False)
                 patch.skins.append(self.stance.hide(solid, [i], paint))
@@ -223,7 +228,9 @@ class AnimalHide:
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet == "plain":
             tip = chain.points[-1]
-            pad = ball(tip - 0.2 * radius * UP, (1.08 * radius, 0.78 * radius, 1.04 * radius), 0.4 * radius)
+            pad = ball(
+                tip - 0.2 * radius * UP, (1.08 * radius, 0.78 * radius, 1.04 * radius), 0.4 * radius
+            )
             patch.fine.append(([*lumps[-1:], pad], FOOT_CELL * radius, FOOT_TRIANGLES, False))
             for solid in toe_nails(chain, toes):
                 paint = painted(len(solid.vertices), "#b3a68f")
@@ -269,8 +276,8 @@ class AnimalHide:
             patch = self.patches.setdefault(last, Patch())
             patch.skins.append(self.stance.rigid(beak_solid(self.head), last))
         if self.figure.skin.mane != "none" and necks:
-            nodes = list(self.figure.anatomy.appendages[i].nodes[:-1])
-            heights = self.figure.drawing.girths[nodes, 1]
+            on_neck = list(self.figure.anatomy.appendages[i].nodes[:-1])
+            heights = self.figure.drawing.girths[on_neck, 1]
             solid = mane_solid(chain, self.figure.skin.mane, self.head, heights)
             color = next((p.color for p in self.figure.skin.paint if p.where == "mane"), "#17120f")
             self.patches[0].skins.append(
@@ -319,7 +326,8 @@ class AnimalHide:
     def _add_twig(self, i: int) -> None:
         limb, chain = self.figure.skeleton.limbs[i], self.stance.chains[i]
         head = self.head
-        assert head is not None and self.head_limb is not None
+        assert head is not None
+        assert self.head_limb is not None
         skull_link = self.figure.skeleton.limbs[self.head_limb].links[-1]
         on_head = min(
             float(np.linalg.norm(chain.points[0] - p))
@@ -342,33 +350,29 @@ class AnimalHide:
         patch.skins.append(self.stance.rigid(solid, skull_link, paint))
 
     def _add_lumps(self) -> None:
+        """Add the flesh that the figure's words ask for."""
         figure = self.figure
         names = figure.drawing.names
         radii = figure.drawing.radii * figure.scale
         placed = {n: figure.points[n] for n in figure.anatomy.body}
         bearer: dict[int, Patch] = dict.fromkeys(placed, self.patches[0])
-        for i, (chain, appendage) in enumerate(
-            zip(self.stance.chains, figure.anatomy.appendages, strict=True)
-        ):
+        for chain, appendage in zip(self.stance.chains, figure.anatomy.appendages, strict=True):
             for k, (node, point) in enumerate(zip(appendage.nodes, chain.points, strict=True)):
                 placed.setdefault(node, point)
-                patch = self._patch(chain.limb.links[max(k - 1, 0)])
-                bearer.setdefault(node, patch)
-                if i in patch.limbs:
-                    continue
+                bearer.setdefault(node, self._patch(chain.limb.links[max(k - 1, 0)]))
+        on_skull = (
+            () if self.head_limb is None else figure.anatomy.appendages[self.head_limb].nodes[-2:]
+        )
         for word in figure.skin.lumps:
             node = names.index(word.node)
             r = float(radii[node])
             turn = rotation(SIDEWAYS, np.radians(word.turn_deg))
             axes = np.eye(3) @ turn.T
-            lump = ball(
-                *(placed[node] + r * np.array(word.at), tuple(r * v for v in word.radii)),
-                *(word.blend * r, axes, word.carve),
-            )
+            at, radii_of = placed[node] + r * np.array(word.at), [r * v for v in word.radii]
+            lump = ball(at, radii_of, word.blend * r, axes, word.carve)
             lumps = [lump, lump.mirrored()] if word.mirror else [lump]
             bearer[node].lumps += lumps
-            head_nodes = figure.anatomy.appendages[self.head_limb].nodes[-2:] if self.head_limb is not None else ()
-            if node in head_nodes:
+            if node in on_skull:
                 for fine in bearer[node].fine:
                     if fine[3]:
                         fine[0].extend(lumps)
@@ -390,9 +394,7 @@ class AnimalHide:
         self, patch: Patch, lumps: list[Lump], cell: float, most: int, is_head: bool
     ) -> Skin:
         solid = budgeted(lumps, cell, most)
-        return self.stance.hide(
-            solid, patch.limbs, self.coat.paint(solid, patch.limbs, is_head)
-        )
+        return self.stance.hide(solid, patch.limbs, self.coat.paint(solid, patch.limbs, is_head))
 
     def eyes(self) -> Iterator[tuple[int, Skin]]:
         """Yield the numbers of the pieces of the eyes, and their skins."""
@@ -405,23 +407,3 @@ class AnimalHide:
                 side = -1.0 if piece.name.endswith("_l") else 1.0
                 solid, paint = self.head.eyeball(side, iris)
                 yield number, self.stance.rigid(solid, skull_link, paint)
-
-
-def _ankle(chain: Chain) -> Lump:
-    """Return the end of a shank, from which its foot grows."""
-    a = chain.points[-1] - 0.35 * chain.spans[-1]
-    r = float(chain.radii[-1])
-    return cone(a, chain.points[-1], (0.8 * r, 0.7 * r), (0.95 * r, 0.85 * r), 0.3 * r, FORWARD)
-
-
-def first_shank(limb: Limb) -> int:
-    """Return the first link of a limb that is too thin for the grid of the trunk."""
-    count = len(limb.links)
-    return 1 if limb.kind == ARM else max(count - (2 if count > 3 else 1), 1)
-
-
-def budgeted(lumps: Sequence[Lump], cell: float, most: int) -> Solid:
-    """Return the union of lumps with at most about `most` triangles."""
-    # The number of triangles goes by the area, which a coarse mesh tells in a tenth of the time.
-    coarse = len(mesh_lumps(lumps, PROBE_CELLS * cell).faces) * PROBE_CELLS**2
-    return mesh_lumps(lumps, cell * max(1.0, float(np.sqrt(coarse / most))))

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.hide.animal import CELLS, budgeted
+from pipeline.simulation.figures.hide.animal import CELLS
 from pipeline.simulation.figures.hide.coat import Coat
+from pipeline.simulation.figures.hide.lumps import Lump, budgeted
 from pipeline.simulation.figures.hide.sheets import outward, painted, small_ball, tube
 from pipeline.simulation.figures.hide.shell_parts import (
     antenna_segment,
@@ -19,7 +20,6 @@ from pipeline.simulation.figures.hide.shell_parts import (
     mandibles,
     sting_solid,
 )
-from pipeline.simulation.figures.hide.lumps import Lump
 from pipeline.simulation.figures.hide.shells import body_plates
 from pipeline.simulation.figures.hide.stance import Chain, Stance
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
@@ -28,8 +28,8 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid, join_solids
 from pipeline.simulation.spatial import UP, Array, normalized
 
-PLATE_TRIANGLES, HEAD_TRIANGLES = 4200, 1800
-"""Most triangles of the plates of a body, and of a head or abdomen of another material."""
+PLATE_TRIANGLES = {"body": 4200, HEAD: 900, TAIL: 1800}
+"""Most triangles of the plates of a trunk, and of a head or abdomen of another material."""
 
 MANY_LEGS = 8
 """Legs beyond which each has fewer triangles."""
@@ -52,6 +52,7 @@ class ArthropodHide:
     def __init__(self, figure: Figure) -> None:
         self.figure, self.stance = figure, Stance(figure)
         self.kind = figure.skin.shell
+        self.untouched: set[int] = set()
         self.coat = Coat(self.stance, None)
 
     def skins(self) -> tuple[dict[int, Skin], set[int]]:
@@ -77,7 +78,7 @@ class ArthropodHide:
         for link, lumps in self._plates().items():
             low = np.min([np.minimum(g.a, g.b) - g.reach for g in lumps], axis=0)
             high = np.max([np.maximum(g.a, g.b) + g.reach for g in lumps], axis=0)
-            most = PLATE_TRIANGLES if link == 0 else HEAD_TRIANGLES
+            most = PLATE_TRIANGLES[self.figure.skeleton.links[link].kind]
             solid = budgeted(lumps, float((high - low).max()) / CELLS, most)
             paint = self.coat.paint(solid, trunk, False)
             found.setdefault(link, []).insert(0, self.stance.hide(solid, trunk, paint))
@@ -210,9 +211,9 @@ class ArthropodHide:
             return
         # Compound eyes: large, drawn out along the side of the head.
         unit = small_ball(np.zeros(3), 1.0, 12, 9)
-        size = r * scale * np.array([0.46, 0.40, 0.26])
+        sizes = r * scale * np.array([0.46, 0.40, 0.26])
         at = tip + r * np.array([0.18, 0.20, side * 0.86])
-        yield outward(Solid(at + size * unit.vertices, unit.faces))
+        yield outward(Solid(at + sizes * unit.vertices, unit.faces))
 
 
 def _claws(chain: Chain) -> Iterator[Solid]:
@@ -222,7 +223,9 @@ def _claws(chain: Chain) -> Iterator[Solid]:
     side = normalized(np.cross(out, UP))
     for sign in (-1.0, 1.0):
         way = normalized(out + 0.55 * sign * side)
-        curve = np.array([tip, tip + 1.6 * r * way + 0.2 * r * UP, tip + 3.2 * r * way - 0.7 * r * UP])
+        curve = np.array(
+            [tip, tip + 1.6 * r * way + 0.2 * r * UP, tip + 3.2 * r * way - 0.7 * r * UP]
+        )
         yield tube(curve, r * np.array([0.7, 0.45, 0.08]), 5)
 
 
@@ -232,13 +235,23 @@ def _fangs(tip: Array, along: Array, r: float) -> list[Solid]:
     solids = []
     for sign in (-1.0, 1.0):
         root = tip + r * (0.45 * along - 0.15 * UP + 0.36 * sign * side)
-        curve = np.array([root, root + r * (0.62 * along - 0.42 * UP), root + r * (0.66 * along - 1.05 * UP)])
+        curve = np.array(
+            [root, root + r * (0.62 * along - 0.42 * UP), root + r * (0.66 * along - 1.05 * UP)]
+        )
         solids.append(tube(curve, r * np.array([0.34, 0.36, 0.22]), 9))
         fang = curve[-1]
-        bent = np.array([fang, fang + r * (0.1 * along - 0.3 * UP), fang - r * (0.12 * along + 0.55 * UP)])
+        bent = np.array(
+            [fang, fang + r * (0.1 * along - 0.3 * UP), fang - r * (0.12 * along + 0.55 * UP)]
+        )
         solids.append(tube(bent, r * np.array([0.17, 0.12, 0.02]), 6))
         palp = tip + r * (0.30 * along - 0.2 * UP + 0.72 * sign * side)
-        line = np.array([palp, palp + r * (0.9 * along + 0.35 * UP + 0.25 * sign * side), palp + r * (1.75 * along - 0.25 * UP + 0.1 * sign * side)])
+        line = np.array(
+            [
+                palp,
+                palp + r * (0.9 * along + 0.35 * UP + 0.25 * sign * side),
+                palp + r * (1.75 * along - 0.25 * UP + 0.1 * sign * side),
+            ]
+        )
         solids.append(tube(line, r * np.array([0.20, 0.20, 0.24]), 8))
     return solids
 

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeline.simulation.figures.hide.head import Head, _lay
-from pipeline.simulation.figures.hide.sheets import Paint
+from pipeline.simulation.figures.hide.head import Head
+from pipeline.simulation.figures.hide.sheets import Paint, lay
 from pipeline.simulation.figures.hide.stance import Stance, smoothstep
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array, cross, normalized
 
 PATTERN_SIZES: Mapping[str, float] = {"spots": 0.42, "patches": 0.75, "stripes": 0.55}
 """Distance of a pattern's figures, in the body's radius."""
+
+
+LIMB_PLACES: Mapping[str, tuple[str, float, float]] = {
+    "legs": ("leg", 0.18, 0.15),
+    "shins": ("leg", 0.58, 0.16),
+    "feet": ("leg", 0.90, 0.08),
+    "arms": ("arm", 0.50, 0.30),
+    "tail": ("tail", 0.05, 0.10),
+    "tail tip": ("tail", 0.72, 0.12),
+}
+"""Kind of limb of a part, where along it the part begins, and how softly, in its length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +42,8 @@ class Coat:
     head: Head | None
 
     @cached_property
-    def _girth(self) -> float:
+    def girth(self) -> float:
+        """Greatest radius of the body [m]."""
         figure = self.stance.figure
         return float(figure.drawing.radii[list(figure.anatomy.body)].max()) * figure.scale
 
@@ -52,7 +63,7 @@ class Coat:
         for layer in config.paint:
             share = at.share(layer.where, layer.size)
             if share is not None:
-                _lay(paint, layer.color, layer.share * share)
+                lay(paint, layer.color, layer.share * share)
         if is_head and self.head is not None:
             over = self.head.paint(solid.vertices)
             keep = (1.0 - over[:, 3:]) * paint[:, 3:]
@@ -70,7 +81,7 @@ class _Places:
         self._normals = vertex_normals(solid)
         stance = coat.stance
         figure = stance.figure
-        body = stance._body_distance(self._places)
+        body = stance.body_distance(self._places)
         found = [body]
         self._limbs = limbs
         self._along = [np.zeros(len(body))]
@@ -82,8 +93,10 @@ class _Places:
         self._part = np.argmin(found, axis=0)
         self._kinds = ["body", *(figure.skeleton.limbs[i].kind for i in limbs)]
 
-    def _of(self, kinds: tuple[str, ...]) -> NDArray[np.bool_]:
-        return np.isin(self._part, [k for k, kind in enumerate(self._kinds) if kind in kinds])
+    def _of(self, kinds: tuple[str, ...]) -> Array:
+        """Return 1 on limbs of some kinds, 0 elsewhere."""
+        own = [k for k, kind in enumerate(self._kinds) if kind in kinds]
+        return np.isin(self._part, own).astype(float)
 
     def _share_along(self, kind: str, first: float, soft: float) -> Array:
         """Return the share of limbs of a kind beyond a share of their length."""
@@ -99,53 +112,52 @@ class _Places:
 
     def share(self, place: str, size: float | None) -> Array | None:
         """Return the share (V,) of a part, None where the surface has nothing of it."""
-        up, p = self._normals[:, 1], self._places
-        flesh = self._of(("body", "leg", "arm"))
-        trunk = self._of(("body",))
-        match place:
-            case "belly":
-                near = smoothstep((0.45 - arc_all(self, "leg")) / 0.2)
-                return smoothstep((-up - 0.15) / 0.5) * np.where(trunk, 1.0, np.where(flesh, near * 0.8, 0.0))
-            case "back":
-                return smoothstep((up - 0.25) / 0.5) * np.where(trunk, 1.0, 0.0)
-            case "body":
-                return np.where(trunk | flesh, 1.0, 0.0)
-            case "throat":
-                head = self._of(("head",))
-                return smoothstep((-up - 0.1) / 0.4) * head
-            case "neck":
-                return np.where(self._of(("head",)) & (not self._is_head), 1.0, 0.0)
-            case "face":
-                return np.full(len(p), 1.0 if self._is_head else 0.0)
-            case "muzzle":
-                head = self._coat.head
-                if not self._is_head or head is None:
-                    return None
-                x = ((p - head.back) * head.axes[0]).sum(axis=-1) / head.length
-                return smoothstep((x - head.skull.muzzle_from) / 0.16 + 0.5)
-            case "legs":
-                return self._share_along("leg", 0.18, 0.15)
-            case "shins":
-                return self._share_along("leg", 0.58, 0.16)
-            case "feet":
-                return self._share_along("leg", 0.90, 0.08)
-            case "arms":
-                return self._share_along("arm", 0.5, 0.3)
-            case "tail":
-                return self._share_along("tail", 0.05, 0.1)
-            case "tail tip":
-                return self._share_along("tail", 0.72, 0.12)
-            case "spots" | "patches" | "stripes":
-                return self._pattern(place, size)
-        return None
+        if place in PATTERN_SIZES:
+            return self._pattern(place, size)
+        if place in LIMB_PLACES:
+            return self._share_along(*LIMB_PLACES[place])
+        places: dict[str, Callable[[], Array | None]] = {
+            "belly": self._belly,
+            "back": lambda: smoothstep((self._up - 0.25) / 0.5) * self._of(("body",)),
+            "body": lambda: self._of(("body", "leg", "arm")),
+            "throat": lambda: smoothstep((-self._up - 0.1) / 0.4) * self._of(("head",)),
+            "neck": self._neck,
+            "face": lambda: np.full(len(self._places), 1.0 if self._is_head else 0.0),
+            "muzzle": self._muzzle,
+        }
+        # Ears and manes have surfaces of their own.
+        return places[place]() if place in places else None
+
+    def _neck(self) -> Array:
+        return np.zeros(len(self._places)) if self._is_head else self._of(("head",))
+
+    @property
+    def _up(self) -> Array:
+        return np.asarray(self._normals[:, 1])
+
+    def _belly(self) -> Array:
+        """Return the share of the underside, which ends on the thighs."""
+        near = smoothstep((0.45 - self._share_along("leg", 0.5, 1.0)) / 0.2)
+        limbs = 0.8 * near * self._of(("leg", "arm"))
+        under = smoothstep((-self._up - 0.15) / 0.5)
+        return under * np.maximum(self._of(("body",)), limbs)
+
+    def _muzzle(self) -> Array | None:
+        head = self._coat.head
+        if not self._is_head or head is None:
+            return None
+        x = ((self._places - head.back) * head.axes[0]).sum(axis=-1) / head.length
+        return smoothstep((x - head.skull.muzzle_from) / 0.16 + 0.5)
 
     def _pattern(self, kind: str, size: float | None) -> Array:
         """Return a pattern of the coat, symmetric on no side."""
         p = self._places
-        step = (size or PATTERN_SIZES[kind]) * self._coat._girth
+        step = (size or PATTERN_SIZES[kind]) * self._coat.girth
         if kind == "stripes":
-            wave = p[:, 0] / step + 0.35 * np.sin(p[:, 1] / step * 1.7) + 0.2 * np.sin(
-                p[:, 2] / step * 2.3
+            wave = (
+                p[:, 0] / step
+                + 0.35 * np.sin(p[:, 1] / step * 1.7)
+                + 0.2 * np.sin(p[:, 2] / step * 2.3)
             )
             top = smoothstep((self._normals[:, 1] + 0.9) / 0.6)
             return smoothstep((np.sin(2.0 * np.pi * wave) - 0.15) / 0.35) * top
@@ -153,11 +165,6 @@ class _Places:
         if kind == "spots":
             return smoothstep((0.36 - nearest) / 0.10)
         return smoothstep((second - nearest - 0.10) / 0.06)
-
-
-def arc_all(places: _Places, kind: str) -> Array:
-    """Return how far along limbs of a kind places lie, 0 to 1; 0 elsewhere."""
-    return places._share_along(kind, 0.5, 1.0)
 
 
 def arc_share(points: Array, places: Array) -> Array:

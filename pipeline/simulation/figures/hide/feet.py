@@ -23,8 +23,12 @@ def foot_way(chain: Chain) -> Array:
         out = chain.points[-1] - chain.points[0]
         level = np.array([out[0], 0.0, out[2]])
         # Legs that hang point their feet ahead, legs that spread point them outward.
-        spread = float(np.linalg.norm(level)) > 0.7 * abs(float(out[1])) and abs(out[2]) > abs(out[0])
-        way = level + [0.6 * abs(out[2]), 0.0, 0.0] if spread else np.array([1.0, 0.0, 0.0])
+        spread = float(np.linalg.norm(level)) > 0.7 * abs(float(out[1])) and abs(out[2]) > abs(
+            out[0]
+        )
+        way = (
+            level + np.array([0.6 * abs(out[2]), 0.0, 0.0]) if spread else np.array([1.0, 0.0, 0.0])
+        )
     return normalized(np.array([way[0], 0.0, way[2]]))
 
 
@@ -56,7 +60,11 @@ def paw_claws(chain: Chain, toes: int, size: float = 1.0) -> Iterator[Solid]:
         ahead = 1.05 + 0.45 * (1.0 - 0.30 * place**2) + 0.7 * thick
         root = tip + r * (ahead * way - (0.90 - thick) * UP + off * side)
         curve = np.array(
-            [root, root + size * r * (0.32 * way - 0.05 * UP), root + size * r * (0.50 * way - 0.34 * UP)]
+            [
+                root,
+                root + size * r * (0.32 * way - 0.05 * UP),
+                root + size * r * (0.50 * way - 0.34 * UP),
+            ]
         )
         yield tube(curve, r * np.array([0.20, 0.15, 0.03]) * min(size, 1.6), 6)
 
@@ -68,8 +76,10 @@ def toe_nails(chain: Chain, toes: int) -> Iterator[Solid]:
         angle = np.radians(-54.0 + 108.0 * (k + 0.5) / toes) * 1.1
         way = np.array([np.cos(angle), 0.0, np.sin(angle)])
         at = tip + r * (0.96 * way - 0.72 * UP)
-        curve = np.array([at - 0.02 * r * UP, at + 0.14 * r * UP, at + 0.32 * r * UP - 0.08 * r * way])
-        yield tube(curve, r * np.array([0.24, 0.22, 0.08]), 8, 0.8)
+        curve = np.array(
+            [at - 0.02 * r * UP, at + 0.14 * r * UP, at + 0.32 * r * UP - 0.08 * r * way]
+        )
+        yield tube(curve, r * np.array([0.24, 0.22, 0.08]), 6, 0.8)
 
 
 def spread_toes(chain: Chain, toes: int) -> Iterator[tuple[Solid, Solid]]:
@@ -99,5 +109,11 @@ def spread_toes(chain: Chain, toes: int) -> Iterator[tuple[Solid, Solid]]:
         )
         toe = tube(curve, r * thick * np.array([0.75, 0.60, 0.52, 0.40]), 8)
         tipped = curve[-1] + 0.15 * r * ahead
-        claw = np.array([tipped, tipped + 0.5 * r * ahead + 0.1 * r * UP, tipped + 0.95 * r * ahead - 0.22 * r * UP])
+        claw = np.array(
+            [
+                tipped,
+                tipped + 0.5 * r * ahead + 0.1 * r * UP,
+                tipped + 0.95 * r * ahead - 0.22 * r * UP,
+            ]
+        )
         yield toe, tube(claw, r * thick * np.array([0.36, 0.25, 0.04]), 6)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
-from pipeline.simulation.figures.hide.sheets import Paint, linear_color, outward
+from pipeline.simulation.figures.hide.sheets import Paint, lay, linear_color, outward
 from pipeline.simulation.figures.hide.skulls import Skull
 from pipeline.simulation.figures.hide.stance import Chain, smoothstep
 from pipeline.simulation.figures.solids import Solid, loft
@@ -24,6 +24,9 @@ PUPIL_DEG, IRIS_DEG = 21.0, 46.0
 
 SOCKET, SOCKET_DEPTH = 1.20, 0.42
 """Radius of the lids, and depth of their middle below that of the eye, in the eye's radius."""
+
+SCLERA = "#1e1611"
+"""Colour of what is seen of an eye around its iris: animals show no white."""
 
 SUNK = 0.30
 """Depth of the middle of an eye below the skull, in the eye's radius."""
@@ -102,15 +105,14 @@ class Head:
                 at = self.eye(side) - SOCKET_DEPTH * size * self.way(self.skull.look, side)
                 yield ball(at, (SOCKET * size,) * 3, self.skull.lids * size * 2.0)
         if self.skull.nose is not None:
-            at, radii, _ = self.skull.nose
-            r = self.radius(at[0])
-            sizes = tuple(r * value for value in radii)
-            yield ball(self.place(at), sizes, 0.25 * r, self.axes)
-        for at, radii in self.skull.holes:
-            r = self.radius(at[0])
+            place, extent, _ = self.skull.nose
+            r = self.radius(place[0])
+            yield ball(self.place(place), [r * v for v in extent], 0.25 * r, self.axes)
+        for hole, extent in self.skull.holes:
+            r = self.radius(hole[0])
             for side in (1.0, -1.0):
-                sizes = tuple(r * value for value in radii)
-                yield ball(self.place(at, side), sizes, 0.12 * r, self.axes, carved=True)
+                sizes = [r * value for value in extent]
+                yield ball(self.place(hole, side), sizes, 0.12 * r, self.axes, carved=True)
 
     @property
     def eye_radius(self) -> float:
@@ -118,7 +120,7 @@ class Head:
         return self.eye_scale * self.skull.eye_size * self.radius(self.skull.eye[0])
 
     def eye(self, side: float) -> Array:
-        """Return the middle of an eye [m]: as deep in its socket as eyes are, where it looks out."""
+        """Return the middle of an eye [m], which lies in its socket where it looks out."""
         return self._eyes[side]
 
     @cached_property
@@ -147,21 +149,23 @@ class Head:
             off = np.hypot(
                 seen[:, 1] - (ay + along * (by - ay)), np.maximum(ax - seen[:, 0], 0.0) * 1.0
             )
-            _lay(paint, "#241512", 0.9 * smoothstep(1.6 - off / (0.085 * r)))
+            lay(paint, "#241512", 0.9 * smoothstep(1.6 - off / (0.085 * r)))
         for at, radii in self.skull.holes:
             for side in (1.0, -1.0):
                 away = ((places - self.place(at, side)) @ self.axes.T) / (
                     self.radius(at[0]) * np.array(radii)
                 )
                 off = np.sqrt((away * away).sum(axis=-1))
-                _lay(paint, "#120a08", smoothstep((1.35 - off) / 0.35))
+                lay(paint, "#120a08", smoothstep((1.35 - off) / 0.35))
         if self.skull.nose is not None:
             at, radii, color = self.skull.nose
-            away = ((places - self.place(at)) @ self.axes.T) / (self.radius(at[0]) * np.array(radii))
-            _lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
+            away = ((places - self.place(at)) @ self.axes.T) / (
+                self.radius(at[0]) * np.array(radii)
+            )
+            lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
         for side in (1.0, -1.0):
             off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
-            _lay(paint, "#17100c", 0.92 * smoothstep((1.22 - off) / 0.25))
+            lay(paint, "#17100c", 0.92 * smoothstep((1.22 - off) / 0.25))
         return paint
 
     def eyeball(self, side: float, iris: str) -> tuple[Solid, Paint]:
@@ -180,19 +184,13 @@ class Head:
         solid = outward(loft(rings, ends))
         angles = np.degrees(np.concatenate([np.repeat(EYE_ANGLES, EYE_AROUND), [0.0, np.pi]]))
         turned = np.concatenate([np.tile(azimuth, len(EYE_ANGLES)), [0.0, 0.0]])
-        tall, wide = {"round": (1.0, 1.0), "slit": (1.7, 0.45), "bar": (0.65, 1.35)}[self.skull.pupil]
+        pupils = {"round": (1.0, 1.0), "slit": (1.7, 0.45), "bar": (0.65, 1.35)}
+        tall, wide = pupils[self.skull.pupil]
         shape = np.hypot(np.cos(turned) / tall, np.sin(turned) / wide)
-        paint = np.concatenate([np.tile(linear_color("#d8d0c4"), (len(angles), 1)), np.ones((len(angles), 1))], axis=1)
-        _lay(paint, "#0d0907", smoothstep((IRIS_DEG + 10.0 - angles) / 8.0))
-        _lay(paint, iris, smoothstep((IRIS_DEG - angles) / 6.0))
-        _lay(paint, "#050404", smoothstep((PUPIL_DEG - angles * shape) / 5.0 + 0.5))
+        paint = np.concatenate(
+            [np.tile(linear_color(SCLERA), (len(angles), 1)), np.ones((len(angles), 1))], axis=1
+        )
+        lay(paint, "#0d0907", smoothstep((IRIS_DEG + 10.0 - angles) / 8.0))
+        lay(paint, iris, smoothstep((IRIS_DEG - angles) / 6.0))
+        lay(paint, "#050404", smoothstep((PUPIL_DEG - angles * shape) / 5.0 + 0.5))
         return solid, paint
-
-
-def _lay(paint: Paint, color: str, share: Array) -> None:
-    """Lay a colour over paint where its share says so."""
-    before = paint[:, 3] * (1.0 - share)
-    total = before + share
-    mix = np.where(total > 1e-9, share / np.maximum(total, 1e-9), 0.0)[:, None]
-    paint[:, :3] += mix * (linear_color(color) - paint[:, :3])
-    paint[:, 3] = total

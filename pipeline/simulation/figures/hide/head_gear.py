@@ -75,5 +75,7 @@ def beak_solid(head: Head) -> Solid:
     )
     rings = rings @ head.axes + head.back
     along = normalized(head.axes[0])
-    ends = np.stack([rings[0].mean(axis=0) - 0.2 * r0 * along, rings[-1].mean(axis=0) + 0.05 * r0 * along])
+    ends = np.stack(
+        [rings[0].mean(axis=0) - 0.2 * r0 * along, rings[-1].mean(axis=0) + 0.05 * r0 * along]
+    )
     return outward(loft(rings, ends))

@@ -24,6 +24,9 @@ SIDE = np.array([0.0, 0.0, 1.0])
 TIGHT_CELLS = 2.0
 """Distance around lumps that is sampled beside their blend, in cells."""
 
+PROBE_CELLS = 2.0
+"""Cell of the mesh that tells how many triangles there will be, in that wanted."""
+
 BULGE_EXPONENT = np.log(0.5) / np.log(0.36)
 """Places the thickest point of a muscle at about a third of its length."""
 
@@ -104,14 +107,19 @@ def cone(
     """Return a tapered lump with elliptic cross-sections.
 
     Args:
-        a, b: (3,) ends [m].
+        a: (3,) its first end [m].
+        b: (3,) its second end [m].
         r_a: radii upward and to the side at `a` [m].
         r_b: the same at `b`.
         blend: width of its union [m].
         up: about (3,) the direction of the first radii.
         bulge: greatest thickness beyond a cone, as a fraction.
     """
-    axes = axes_along(b - a, up) if float(np.abs(b - a).max()) > 0.0 else axes_along(up * 0 + [1, 0, 0], up)
+    axes = (
+        axes_along(b - a, up)
+        if float(np.abs(b - a).max()) > 0.0
+        else axes_along(up * 0 + [1, 0, 0], up)
+    )
     radii = [np.array([0.5 * (up_r + side_r), up_r, side_r]) for up_r, side_r in (r_a, r_b)]
     return Lump(a, b, radii[0], radii[1], axes, blend, bulge)
 
@@ -166,3 +174,10 @@ def _joined(before: Array, distance: Array, lump: Lump) -> Array:
     near = np.maximum(lump.blend - np.abs(a - b), 0.0) / max(lump.blend, 1e-9)
     joined: Array = sign * (np.minimum(a, b) - 0.25 * lump.blend * near * near)
     return joined
+
+
+def budgeted(lumps: Sequence[Lump], cell: float, most: int) -> Solid:
+    """Return the union of lumps with at most about `most` triangles."""
+    # The number of triangles goes by the area, which a coarse mesh tells in a tenth of the time.
+    coarse = len(mesh_lumps(lumps, PROBE_CELLS * cell).faces) * PROBE_CELLS**2
+    return mesh_lumps(lumps, cell * max(1.0, float(np.sqrt(coarse / most))))

@@ -73,7 +73,7 @@ def _upright(middle: Array, up: Array, r: Array, tall: Array) -> Solid:
 
 def hair_solid(chain: Chain, kind: str) -> Solid:
     """Return a tail of long hair, or a fan of plumes."""
-    curve, radii = spline(chain.points, chain.radii, 6)
+    curve, _ = spline(chain.points, chain.radii, 6)
     t = np.linspace(0.0, 1.0, len(curve))
     widest = float(chain.radii[1:].max())
     if kind == "fan":
@@ -90,7 +90,7 @@ def hair_solid(chain: Chain, kind: str) -> Solid:
 
 def tassel_lumps(chain: Chain, kind: str) -> Iterator[Lump]:
     """Yield the tuft at the end of a tail, or the bush along all of it."""
-    curve, radii = spline(chain.points, chain.radii, 6)
+    curve, _ = spline(chain.points, chain.radii, 6)
     widest = float(chain.radii[1:].max())
     if kind == "tassel":
         a, b = curve[-3], curve[-1]
@@ -98,7 +98,9 @@ def tassel_lumps(chain: Chain, kind: str) -> Iterator[Lump]:
         yield cone(a, b, (0.8 * widest,) * 2, (1.9 * widest,) * 2, 0.5 * widest)
         yield cone(b, low, (1.9 * widest,) * 2, (0.3 * widest,) * 2, 0.5 * widest)
         return
-    sizes = np.interp(np.linspace(0, 1, len(curve)), [0, 0.3, 0.65, 0.9, 1], [0.9, 1.7, 2.1, 1.4, 0.4])
+    sizes = np.interp(
+        np.linspace(0, 1, len(curve)), [0, 0.3, 0.65, 0.9, 1], [0.9, 1.7, 2.1, 1.4, 0.4]
+    )
     for k in range(len(curve) - 1):
         ends = [(widest * float(sizes[j]),) * 2 for j in (k, k + 1)]
         yield cone(curve[k], curve[k + 1], ends[0], ends[1], 0.3 * widest)

@@ -7,15 +7,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.simulation.figures.hide.lumps import Lump, cone
 from pipeline.simulation.figures.hide.sheets import outward, tube
 from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.hide.trunk import (
+    FORWARD,
     LEG_DEPTH,
     LEG_WIDTH,
     POINT_OF_JOINT,
     SPLINE_STEPS,
     spline,
 )
+from pipeline.simulation.figures.network import ARM
+from pipeline.simulation.figures.skeleton import Limb
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 
@@ -41,7 +45,7 @@ def tail_solid(points: Array, radii: Array, start: float) -> Solid:
         start: share of the first link that is left to what it grows from.
     """
     curve, sizes = spline(points, radii, 2 * SPLINE_STEPS)
-    first = int(round(start * 2 * SPLINE_STEPS))
+    first = round(start * 2 * SPLINE_STEPS)
     curve, sizes = curve[first:], sizes[first:].copy()
     # The end is round.
     sizes[-1] *= 0.55
@@ -85,7 +89,7 @@ def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
     for i in range(start, len(chain.points) - 1):
         bend = chain.ways[i - 1] - chain.ways[i]
         sharp = float(np.linalg.norm(bend))
-        if sharp < 0.25 or i == len(chain.points) - 2 and i > start:
+        if sharp < 0.25 or (i == len(chain.points) - 2 and i > start):
             continue
         # The point of a hock or an elbow: what looks outward moves outward.
         out, r = bend / sharp, float(chain.radii[i])
@@ -96,3 +100,16 @@ def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
         rings = rings + (push * looks**2 * np.exp(-(away**2) * 1.5))[..., None] * out
     ends = np.stack([middle[0], middle[-1] + 0.6 * wide[-1] * ways[-1]])
     return outward(loft(rings, ends))
+
+
+def ankle_lump(chain: Chain) -> Lump:
+    """Return the end of a shank, from which its foot grows."""
+    a = chain.points[-1] - 0.35 * chain.spans[-1]
+    r = float(chain.radii[-1])
+    return cone(a, chain.points[-1], (0.8 * r, 0.7 * r), (0.95 * r, 0.85 * r), 0.3 * r, FORWARD)
+
+
+def first_shank(limb: Limb) -> int:
+    """Return the first link of a limb that is too thin for the grid of the trunk."""
+    count = len(limb.links)
+    return 1 if limb.kind == ARM else max(count - (2 if count > 3 else 1), 1)

@@ -23,8 +23,18 @@ def linear_color(text: str) -> Array:
 def painted(count: int, color: str, share: float | Array = 1.0) -> Paint:
     """Return one colour for `count` vertices."""
     return np.concatenate(
-        [np.tile(linear_color(color), (count, 1)), np.broadcast_to(share, (count,))[:, None]], axis=1
+        [np.tile(linear_color(color), (count, 1)), np.broadcast_to(share, (count,))[:, None]],
+        axis=1,
     )
+
+
+def lay(paint: Paint, color: str, share: Array) -> None:
+    """Lay a colour over paint where its share says so."""
+    before = paint[:, 3] * (1.0 - share)
+    total = before + share
+    mix = np.where(total > 1e-9, share / np.maximum(total, 1e-9), 0.0)[:, None]
+    paint[:, :3] += mix * (linear_color(color) - paint[:, :3])
+    paint[:, 3] = total
 
 
 def outward(solid: Solid) -> Solid:
@@ -66,7 +76,9 @@ def ear(
         face = sides + bowl[:, None] * front
         rings.append(np.concatenate([back, face[::-1]]))
         inner.append(np.concatenate([np.zeros(EAR_POINTS), 1.0 - np.abs(u[::-1]) ** 3]))
-    ends = np.stack([rings[0].mean(axis=0) - 0.02 * length * way, rings[-1].mean(axis=0) + 0.02 * length * way])
+    ends = np.stack(
+        [rings[0].mean(axis=0) - 0.02 * length * way, rings[-1].mean(axis=0) + 0.02 * length * way]
+    )
     solid = outward(loft(np.array(rings), ends))
     return solid, np.concatenate([np.concatenate(inner), [0.0, 0.0]])
 
@@ -92,7 +104,9 @@ def horn(curve: Array, radius: float, rings: int, relief: float, blunt: float = 
     return tube(middle, sizes, HORN_POINTS)
 
 
-def tube(middle: Array, sizes: Array, points: int, flat: float | Array = 1.0, up: Array | None = None) -> Solid:
+def tube(
+    middle: Array, sizes: Array, points: int, flat: float | Array = 1.0, up: Array | None = None
+) -> Solid:
     """Return a tube of rings around a curve (n, 3), with radii (n,) [m].
 
     Args:
@@ -146,9 +160,14 @@ def hoof(sole: Array, ahead: Array, radius: float, toes: int) -> Solid:
         # Longer at the front than at the back; the toes of a cloven one are pointed.
         front = 1.0 + (0.16 if toes == 1 else 0.30) * np.cos(angle)
         x = wide[:, None] * front * np.cos(angle) + forward[:, None]
-        z = wide[:, None] * narrow * np.sin(angle) * (1.0 - 0.22 * (toes > 1) * np.cos(angle)) + away
+        z = (
+            wide[:, None] * narrow * np.sin(angle) * (1.0 - 0.22 * (toes > 1) * np.cos(angle))
+            + away
+        )
         y = np.repeat(heights[:, None], 14, axis=1)
-        places = sole + radius * (x[..., None] * ahead + y[..., None] * [0, 1, 0] + z[..., None] * side)
+        places = sole + radius * (
+            x[..., None] * ahead + y[..., None] * [0, 1, 0] + z[..., None] * side
+        )
         ends = places.mean(axis=1)[[0, -1]]
         parts.append(outward(loft(places, ends)))
     starts = np.cumsum([0, *(len(p.vertices) for p in parts[:-1])])

@@ -65,7 +65,11 @@ def antenna_segment(chain: Chain, i: int, club: bool = False) -> Solid:
     a, b = chain.points[i], chain.points[i + 1]
     r_a, r_b = float(chain.radii[i]), float(chain.radii[i + 1])
     r_a = min(r_a, 1.4 * r_b) if i == 0 else r_a
-    beads = 1 if i == 0 and len(chain.ways) > 1 else max(3, round(float(chain.lengths[i]) / (3.2 * max(r_a, r_b))))
+    beads = (
+        1
+        if i == 0 and len(chain.ways) > 1
+        else max(3, round(float(chain.lengths[i]) / (3.2 * max(r_a, r_b))))
+    )
     beads = min(beads, 9)
     t = np.linspace(0.0, 1.0, 3 * beads + 1)
     shape = 0.92 - 0.26 * np.cos(2.0 * np.pi * beads * t)
@@ -121,7 +125,9 @@ def sting_solid(chain: Chain) -> Solid:
     t = np.linspace(0.0, 1.0, 16)
     line = a - 0.7 * r * way + t[:, None] * (b - a + 0.7 * r * way)
     line = line + (0.55 * r * np.clip(t - 0.45, 0, 1) ** 2 * 4.0)[:, None] * down
-    shape = np.interp(t, [0, 0.1, 0.32, 0.5, 0.62, 0.8, 1.0], [0.5, 0.85, 1.2, 0.95, 0.45, 0.22, 0.03])
+    shape = np.interp(
+        t, [0, 0.1, 0.32, 0.5, 0.62, 0.8, 1.0], [0.5, 0.85, 1.2, 0.95, 0.45, 0.22, 0.03]
+    )
     return tube(line, r * shape, 12)
 
 
@@ -133,7 +139,13 @@ def mandibles(tip: Array, along: Array, radius: float, size: float) -> list[Soli
     for sign in (-1.0, 1.0):
         line = ((0.35, 0.48, 0.20), (1.05, 0.72, 0.26), (1.55, 0.52, 0.30), (1.80, 0.06, 0.32))
         points = np.array(
-            [tip + radius * (1.0 + (size - 1.0) * (a > 0.5)) * (a * along + sign * s * side + d * down) for a, s, d in line]
+            [
+                tip
+                + radius
+                * (1.0 + (size - 1.0) * (a > 0.5))
+                * (a * along + sign * s * side + d * down)
+                for a, s, d in line
+            ]
         )
         s = np.linspace(0.0, 1.0, 10)
         curve = np.stack([np.interp(s, np.linspace(0, 1, 4), points[:, k]) for k in range(3)], -1)

@@ -121,7 +121,9 @@ def _beetle(axis: Axis) -> Iterator[Lump]:
         )
         case.radii_a[0], case.radii_b[0] = 0.62 * widest, 0.34 * length
         yield case
-    yield _plate(0.5 * (a + b) - [0.0, 0.26 * widest, 0.0], (0.5 * length, 0.42 * widest, 0.82 * widest))
+    yield _plate(
+        0.5 * (a + b) - [0.0, 0.26 * widest, 0.0], (0.5 * length, 0.42 * widest, 0.82 * widest)
+    )
     yield _plate(front, (0.66 * r_f, 0.60 * r_f, 1.10 * r_f), 0.06)
     yield _plate(front - [0.28 * r_f, 0.02 * r_f, 0.0], (0.55 * r_f, 0.56 * r_f, 1.16 * r_f), 0.3)
 
@@ -137,7 +139,7 @@ def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:
     neck = 0.6 * min(r, float(axis.head_radii[0]))
     yield cone(axis.head[0], at, (0.7 * neck, neck), (0.7 * neck, neck), 0.1 * neck)
     yield _plate(at, (1.05 * r, high * r, wide * r))
-    yield _plate(at + [0.62 * r, -0.16 * r, 0.0], (0.55 * r, 0.42 * r, 0.66 * r), 0.3)
+    yield _plate(at + np.array([0.62 * r, -0.16 * r, 0.0]), (0.55 * r, 0.42 * r, 0.66 * r), 0.3)
 
 
 def _thorax(axis: Axis) -> Iterator[Lump]:
@@ -164,7 +166,9 @@ def _abdomen(axis: Axis, is_ant: bool) -> Iterator[Lump]:
             for j in range(4):
                 x = 0.62 - 0.42 * j
                 size = r * (0.94, 1.02, 0.92, 0.62)[j]
-                yield _plate(at + [x * r, 0.0, 0.0], (0.62 * size, 0.86 * size, 0.92 * size), 0.05)
+                yield _plate(
+                    at + np.array([x * r, 0.0, 0.0]), (0.62 * size, 0.86 * size, 0.92 * size), 0.05
+                )
         else:
             yield _plate(at, (1.1 * r, 0.85 * r, 0.95 * r))
         before = at
@@ -194,8 +198,10 @@ def _spider_abdomen(axis: Axis) -> Iterator[Lump]:
         s = float(radii[k])
         yield cone(before, at, (0.30 * s, 0.30 * s), (0.4 * s, 0.4 * s), 0.1 * s)
         if k == len(nodes) - 1:
-            yield _plate(at + [0.0, 0.10 * s, 0.0], (1.20 * s, 0.92 * s, 0.98 * s))
-            yield _plate(at + [-0.25 * s, 0.14 * s, 0.0], (1.0 * s, 0.90 * s, 1.02 * s), 0.4)
+            yield _plate(at + np.array([0.0, 0.10 * s, 0.0]), (1.20 * s, 0.92 * s, 0.98 * s))
+            yield _plate(
+                at + np.array([-0.25 * s, 0.14 * s, 0.0]), (1.0 * s, 0.90 * s, 1.02 * s), 0.4
+            )
             for side in (-1.0, 1.0):
                 tip = at + s * np.array([-1.34, -0.14, 0.13 * side])
                 yield cone(at - [s, 0, 0], tip, (0.16 * s,) * 2, (0.08 * s,) * 2, 0.1 * s)
@@ -213,7 +219,10 @@ def _rings(axis: Axis, between: int) -> Iterator[Lump]:
     else:
         front, r_f = line[0]
         yield _plate(front, (1.1 * float(r_f), 0.62 * float(r_f), 1.12 * float(r_f)), 0.1)
-        start, end = float(front[0]) - 0.55 * float(r_f), float(axis.body[-1][0]) - 0.75 * float(axis.radii[-1])
+        start, end = (
+            float(front[0]) - 0.55 * float(r_f),
+            float(axis.body[-1][0]) - 0.75 * float(axis.radii[-1]),
+        )
         places = np.linspace(start, end, between + 1)
         xs, rs = axis.body[::-1, 0], axis.radii[::-1]
         for x in places:
@@ -227,9 +236,11 @@ def _crab(axis: Axis) -> Iterator[Lump]:
     """Yield a broad carapace with teeth along its front edge."""
     middle = axis.body.mean(axis=0)
     r = float(axis.radii.max())
-    yield _plate(middle + [0.08 * r, 0.10 * r, 0.0], (0.98 * r, 0.52 * r, 1.42 * r))
-    yield _plate(middle + [0.10 * r, -0.10 * r, 0.0], (0.95 * r, 0.40 * r, 1.36 * r), 0.05)
-    yield _plate(middle + [-0.45 * r, 0.05 * r, 0.0], (0.62 * r, 0.46 * r, 0.95 * r), 0.6)
+    yield _plate(middle + np.array([0.08 * r, 0.10 * r, 0.0]), (0.98 * r, 0.52 * r, 1.42 * r))
+    yield _plate(
+        middle + np.array([0.10 * r, -0.10 * r, 0.0]), (0.95 * r, 0.40 * r, 1.36 * r), 0.05
+    )
+    yield _plate(middle + np.array([-0.45 * r, 0.05 * r, 0.0]), (0.62 * r, 0.46 * r, 0.95 * r), 0.6)
     for side in (-1.0, 1.0):
         for k in range(5):
             angle = np.radians(24.0 + 13.5 * k)

@@ -11,7 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-Row = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float], tuple[float, float]]
+Row = tuple[
+    tuple[float, float, float], tuple[float, float, float], tuple[float, float], tuple[float, float]
+]
 """Both ends, and the radii upward and to the side at both."""
 
 Hole = tuple[tuple[float, float, float], tuple[float, float, float]]

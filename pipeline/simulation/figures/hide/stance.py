@@ -40,7 +40,7 @@ _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 def smoothstep(s: Array) -> Array:
     """Return a smooth step from 0 at 0 to 1 at 1."""
     s = np.clip(s, 0.0, 1.0)
-    return s * s * (3.0 - 2.0 * s)
+    return np.asarray(s * s * (3.0 - 2.0 * s), dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +152,7 @@ class Stance:
         nodes = self.figure.anatomy.appendages[number].nodes
         links = [skeleton.links[i] for i in limb.links]
         points = [self.placed(limb.links[0], links[0].ends[0])]
-        points += [
-            self.placed(i, link.ends[1]) for i, link in zip(limb.links, links, strict=True)
-        ]
+        points += [self.placed(i, link.ends[1]) for i, link in zip(limb.links, links, strict=True)]
         radii = self.figure.drawing.radii[list(nodes)] * self.figure.scale
         return Chain(limb, np.array(points), radii)
 
@@ -175,7 +173,7 @@ class Stance:
         chains = [self.chains[i] for i in limbs]
         if not chains:
             return links, share
-        body = self._body_distance(places)
+        body = self.body_distance(places)
         each = [chain.distances(places) for chain in chains]
         near = np.array([distances.min(axis=0) for distances in each])
         best = near.argmin(axis=0)
@@ -185,7 +183,7 @@ class Stance:
             other = np.sort(near, axis=0)[1]
         for k, (chain, distances) in enumerate(zip(chains, each, strict=True)):
             mine = np.flatnonzero(best == k)
-            width = ROOT_WIDTH * float(chain.radii[: 2].mean())
+            width = ROOT_WIDTH * float(chain.radii[:2].mean())
             off = smoothstep(0.5 + 0.5 * (body[mine] - own[mine]) / width)
             if len(chains) > 1:
                 off *= smoothstep((other[mine] - own[mine]) / (0.5 * width))
@@ -196,7 +194,7 @@ class Stance:
             share[mine] = at - lower
         return links, share
 
-    def _body_distance(self, places: Array) -> Array:
+    def body_distance(self, places: Array) -> Array:
         """Return the distances (N,) of places from the body [m]."""
         figure, nodes = self.figure, list(self.figure.anatomy.body)
         bones = list(figure.anatomy.bones) or [(nodes[0], nodes[0])]

@@ -143,13 +143,11 @@ def _thigh(leg: Chain, size: float) -> Iterator[Lump]:
     outward = float(np.sign(hip[2]))
     back = hip + size * r * np.array([-0.52, 0.05, 0.10 * outward])
     low = knee + 0.35 * leg.spans[1] * 0.6 + r_k * np.array([-0.35, 0.0, 0.05 * outward])
-    yield cone(
-        *(back, low, (0.72 * r, 0.62 * r), (0.85 * r_k, 0.72 * r_k), 0.55 * r, FORWARD, 0.08),
-    )
-    yield cone(
-        *(hip + r * np.array([0.25, 0.0, 0.12 * outward]), knee),
-        *((0.8 * r, 0.62 * r), (1.15 * r_k, 0.95 * r_k), 0.5 * r, FORWARD),
-    )
+    ends = (0.72 * r, 0.62 * r), (0.85 * r_k, 0.72 * r_k)
+    yield cone(back, low, *ends, 0.55 * r, FORWARD, 0.08)
+    front = hip + r * np.array([0.25, 0.0, 0.12 * outward])
+    ends = (0.8 * r, 0.62 * r), (1.15 * r_k, 0.95 * r_k)
+    yield cone(front, knee, *ends, 0.5 * r, FORWARD)
 
 
 def spline(points: Array, radii: Array, steps: int = SPLINE_STEPS) -> tuple[Array, Array]:
@@ -208,7 +206,9 @@ def tube_lumps(
     for i in range(len(curve) - 1):
         width = blend * float(sizes[i]) if i == 0 else 0.3 * float(sizes[i])
         ends = [(float(up[k]), float(side[k])) for k in (i, i + 1)]
-        yield cone(curve[i], curve[i + 1], ends[0], ends[1], width, _upright(curve[i + 1] - curve[i]))
+        yield cone(
+            curve[i], curve[i + 1], ends[0], ends[1], width, _upright(curve[i + 1] - curve[i])
+        )
 
 
 def _upright(way: Array) -> Array:

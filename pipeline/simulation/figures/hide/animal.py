@@ -265,7 +265,8 @@ class AnimalHide:
             patch.lumps += stub
         last = limb.links[-1]
         is_bird = self.skull_name == "bird" and bool(necks)
-        bearer = self._patch(necks[-1] if is_bird else last)
+        # A head has the coat of its neck, whatever its tip is made of.
+        bearer = self._patch(necks[-1] if necks else last)
         if i not in bearer.limbs:
             bearer.limbs.append(i)
         bearer.covered.add(last)

@@ -16,7 +16,7 @@ from pipeline.simulation.figures.hide.lumps import ball, mesh_lumps
 from pipeline.simulation.figures.hide.stance import Stance
 from pipeline.spec.figure import Figure as Words
 
-MOST_TRIANGLES = 14_000
+MOST_TRIANGLES = 12_400
 
 ANIMALS = ("horse", "camel", "dog", "cat", "elephant", "mouse", "frog", "lizard", "ostrich")
 SHELLS = ("beetle", "ant", "spider", "scorpion", "centipede", "crab")

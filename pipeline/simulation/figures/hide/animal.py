@@ -46,7 +46,7 @@ from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.spatial import UP, Array, rotation
 
-MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3500, 1950, 390
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
 """Most triangles of the coarse mesh, of a skull, and of a paw."""
 
 

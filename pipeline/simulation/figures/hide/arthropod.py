@@ -28,7 +28,7 @@ from pipeline.simulation.figures.skins import Skin, merge_skins
 from pipeline.simulation.figures.solids import Solid, join_solids
 from pipeline.simulation.spatial import UP, Array, normalized
 
-PLATE_TRIANGLES = {"body": 4200, HEAD: 900, TAIL: 1800}
+PLATE_TRIANGLES = {"body": 4000, HEAD: 800, TAIL: 1500}
 """Most triangles of the plates of a trunk, and of a head or abdomen of another material."""
 
 MANY_LEGS = 8

@@ -48,7 +48,7 @@ class Skull:
     eye_size: float = 0.2
     look: tuple[float, float, float] = (0.25, 0.15, 1.0)
     pupil: str = "bar"
-    iris: str = "#3a2412"
+    iris: str = "#5a3a1c"
     holes: tuple[Hole, ...] = ()
     ear: tuple[float, float, float] = (0.02, 0.75, 0.5)
     ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)
@@ -94,11 +94,11 @@ SKULLS: Mapping[str, Skull] = {
             ((0.30, 0.58, 0.58), (0.40, 0.56, 0.54), (0.20, 0.16), (0.18, 0.16)),
         ),
         eye=(0.36, 0.36, 0.72),
-        eye_size=0.18,
+        eye_size=0.23,
         holes=(((1.14, 0.30, 0.80), (0.26, 0.36, 0.26)),),
         ear=(0.03, 0.72, 0.38),
         ear_way=(-0.05, 1.0, 0.16),
-        ear_length=1.35,
+        ear_length=1.0,
         ear_width=0.34,
         mouth=(0.80, -0.72, 1.3, -0.60),
     ),
@@ -152,7 +152,7 @@ SKULLS: Mapping[str, Skull] = {
             ((0.40, 0.48, 0.40), (0.46, 0.44, 0.36), (0.26, 0.26), (0.22, 0.22)),
         ),
         eye=(0.44, 0.34, 0.50),
-        eye_size=0.17,
+        eye_size=0.21,
         look=(1.0, 0.15, 0.72),
         pupil="round",
         iris="#4a2a10",

@@ -61,9 +61,11 @@ def controller_curve(
     if len(event.speeds) < 2 or top <= 0.0 or event.duration <= 0.0:
         return ()
     points: list[ControllerPoint] = []
-    length = grid.ticks(event.duration)
-    for tick in range(start, end, grid.ticks_per_frame):
-        relative_speed = _interpolate(event.speeds, (tick - start) / length) / top
+    onset, frame = grid.seconds(start), 0
+    while (tick := grid.tick_at(onset + frame / grid.rate)) < end:
+        elapsed = float(frame / grid.rate)
+        frame += 1
+        relative_speed = _interpolate(event.speeds, elapsed / event.duration) / top
         point = _controller_point(tick, relative_speed)
         if (
             not points

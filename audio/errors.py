@@ -4,6 +4,7 @@ AudioError
 ├── GridError              a frame rate has no exact MIDI grid
 ├── ScoreError             an event or a length that a score cannot hold
 ├── SoundFileError         a file could not be written or read
+├── NotationError          sheet music cannot be written
 ├── SoundFontError         a SoundFont cannot be played: its file is wrong
 └── SoundFontPlayerError   SoundFonts cannot be played at all
 """
@@ -25,6 +26,10 @@ class ScoreError(AudioError):
 
 class SoundFileError(AudioError):
     """A file could not be written or read; an earlier file is untouched."""
+
+
+class NotationError(AudioError):
+    """Sheet music cannot be written, because what writes it is missing or fails."""
 
 
 class SoundFontError(AudioError):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import accumulate
 from math import floor
 from operator import itemgetter
@@ -12,21 +13,40 @@ from pathlib import Path
 
 import mido
 
-from audio.channel_allocation import AllocationLosses, ChannelNote, allocate_channels
 from audio.controller_curves import controller_curve
 from audio.loudness_at_listener import velocity_of_level
 from audio.midi_tracks import PAN, REVERB, conductor_track, note_track
 from audio.notes import Arrangement, Note, arrange
+from audio.part_notes import PartLosses, PartNote, settle_notes
+from audio.parts import DRUMS, Part, PartKey, TrackLayout, lay_out
 from audio.quantisation import TimingShifts
-from audio.score import Score, ScoreEvent
+from audio.score import Score
 from audio.sound_files import write_sound_file
-from audio.time_grid import TickGrid, tick_grid
+from audio.tempo_report import TempoReport, tempo_report
+from audio.time_grid import TickGrid
 
-# Steps of the pan and reverb controllers [of 127]: finer ones would need more channels. A reverb
-# step is 6 dB around the middle.
-_PAN_STEP, _SEND_STEP = 16, 32
-# Time for which an instrument may ring after its note's end [s].
-_TAIL_SECONDS = 0.4
+
+@dataclass(frozen=True, slots=True)
+class PlayedPart:
+    """A part with its notes.
+
+    Attributes:
+        part: with port and channel.
+        notes: that are played.
+        losses: of notes that share its channel.
+    """
+
+    part: Part
+    notes: list[PartNote]
+    losses: PartLosses
+
+
+@dataclass(frozen=True, slots=True)
+class PlayedTrack:
+    """A track of a file with its parts."""
+
+    layout: TrackLayout
+    parts: tuple[PlayedPart, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +60,10 @@ class MidiReport:
         muted: number of muted events.
         added: number of notes of chords and phrases beyond the first of each event.
         after_the_end: number of phrase notes dropped because they start after the last frame.
-        losses: compromises made for want of channels.
+        parts: in the order of tracks.
         merged_by_frame: frame -> number of events that share the note of another.
         shifts: statistics of the quantisation.
+        tempo: tempo, meter and their errors.
     """
 
     path: Path
@@ -51,102 +72,120 @@ class MidiReport:
     muted: int
     added: int
     after_the_end: int
-    losses: AllocationLosses
+    parts: tuple[PlayedPart, ...]
     merged_by_frame: dict[int, int]
     shifts: TimingShifts
+    tempo: TempoReport
+
+    @property
+    def losses(self) -> PartLosses:
+        """Losses of all parts."""
+        losses = [played.losses for played in self.parts]
+        return PartLosses(
+            [tick for each in losses for tick in each.merged],
+            sum(each.cut_short for each in losses),
+            sum(each.without_curve for each in losses),
+        )
 
 
 def write_midi(score: Score, path: Path) -> MidiReport:
     """Write a score as MIDI; an equal file is left alone, and on failure the earlier one stays.
 
     Raises:
-        GridError: the frame rate has no exact grid.
-        ScoreError: an event lies outside the score, or the score is too long for the format.
+        GridError: the frame rate has no grid.
+        ScoreError: an event lies outside the score, or there are more parts than the format holds.
         SoundFileError: the file could not be written.
     """
     path = Path(path)
-    data, arrangement, played, losses = _encode(score)
+    arrangement = arrange(score)
+    tracks = play_parts(score, arrangement)
+    data = encode_tracks(score, arrangement, tracks)
     events = sum(note.is_first for note in arrangement.notes)
-    grid = tick_grid(score.rate)
+    grid = arrangement.plan.grid
+    parts = tuple(played for track in tracks for played in track.parts)
+    merged = (tick for played in parts for tick in played.losses.merged)
     return MidiReport(
         path=path,
         changed=write_sound_file(path, data),
-        notes=played,
+        notes=sum(len(played.notes) for played in parts),
         muted=len(score.events) - events,
         added=len(arrangement.notes) - events,
         after_the_end=arrangement.after_the_end,
-        losses=losses,
-        merged_by_frame=dict(sorted(Counter(map(grid.frame_at, losses.merged)).items())),
+        parts=parts,
+        merged_by_frame=dict(sorted(Counter(map(grid.frame_at, merged)).items())),
         shifts=arrangement.shifts,
+        tempo=tempo_report(score, arrangement.plan, [note.onset for note in arrangement.notes]),
     )
 
 
 def midi_bytes(score: Score) -> bytes:
     """Return the MIDI file of a score; raises as `write_midi` does."""
-    return _encode(score)[0]
-
-
-def _encode(score: Score) -> tuple[bytes, Arrangement, int, AllocationLosses]:
-    grid = tick_grid(score.rate)
     arrangement = arrange(score)
-    names = sorted({_track_name(score, note.event) for note in arrangement.notes})
-    played, losses = _allocate(score, grid, arrangement.notes, names)
+    return encode_tracks(score, arrangement, play_parts(score, arrangement))
+
+
+def encode_tracks(score: Score, arrangement: Arrangement, tracks: tuple[PlayedTrack, ...]) -> bytes:
+    """Return a MIDI file of some tracks of a score, after the conductor track."""
+    grid = arrangement.plan.grid
     end = grid.tick(score.frames + 1)
-    tracks = [conductor_track(score, grid, arrangement.notes)]
-    for index, name in enumerate(names):
-        tracks.append(note_track(name, [note for note in played if note.track == index], end))
-    file = mido.MidiFile(type=1, ticks_per_beat=grid.ticks_per_beat, charset="utf-8", tracks=tracks)
+    written = [conductor_track(score, grid, arrangement.notes)]
+    reset: set[int] = {0}
+    for track in tracks:
+        parts = [(played.part, played.notes) for played in track.parts]
+        written.append(note_track(track.layout, parts, end, resets=track.layout.port not in reset))
+        reset.add(track.layout.port)
+    division = grid.ticks_per_beat
+    file = mido.MidiFile(type=1, ticks_per_beat=division, charset="utf-8", tracks=written)
     out = io.BytesIO()
     file.save(file=out)
-    return out.getvalue(), arrangement, len(played), losses
+    return out.getvalue()
 
 
-def _track_name(score: Score, event: ScoreEvent) -> str:
-    return event.who if score.sound.tracks == "performer" else event.cause
-
-
-def _allocate(
-    score: Score, grid: TickGrid, notes: tuple[Note, ...], names: list[str]
-) -> tuple[list[ChannelNote], AllocationLosses]:
-    indices = {name: index for index, name in enumerate(names)}
+def play_parts(score: Score, arrangement: Arrangement) -> tuple[PlayedTrack, ...]:
+    """Return the tracks of a score: every part with its channel and notes."""
+    grid = arrangement.plan.grid
     last = grid.tick(score.frames + 1)
-    channel_notes = []
-    for note in notes:
-        # A note has at least one tick, even at the very end.
-        start = min(grid.tick_at(note.onset), last - 1)
-        end = min(start + grid.ticks(note.seconds), last)
-        channel_notes.append(
-            ChannelNote(
-                track=indices[_track_name(score, note.event)],
-                start=start,
-                end=end,
-                program=note.program,
-                pan=_pan_value(note.effective_pan),
-                send=_send_value(note.send),
-                pitch=note.pitch,
-                velocity=velocity_of_level(note.level),
-                curve=() if note.drum else controller_curve(note.event, grid, start, end),
-                drum=note.drum,
-            )
-        )
-    # Louder first within a tick and track, so that compromises affect the softest.
-    channel_notes.sort(key=_order)
-    return allocate_channels(channel_notes, grid.ticks(_TAIL_SECONDS))
+    notes: dict[PartKey, list[PartNote]] = defaultdict(list)
+    for note in arrangement.notes:
+        notes[_part_key(score, note)].append(_part_note(note, grid, last))
+    tracks = []
+    for layout in lay_out(notes, score.sound.mpe):
+        parts = []
+        for part in layout.parts:
+            ordered = sorted(notes[part.key], key=_order)
+            parts.append(PlayedPart(part, *settle_notes(part, ordered)))
+        tracks.append(PlayedTrack(layout, tuple(parts)))
+    return tuple(tracks)
 
 
-def _order(note: ChannelNote) -> tuple[int, ...]:
-    sound = (note.program, note.pitch, note.pan, note.send)
-    return (note.start, note.track, -note.velocity, *sound, note.end)
+def _part_key(score: Score, note: Note) -> PartKey:
+    event = note.event
+    track = event.who if score.sound.tracks == "performer" else event.cause
+    return PartKey(track, event.who, DRUMS if note.drum else note.program)
 
 
-def _pan_value(pan: float) -> int:
-    steps = 64 // _PAN_STEP
-    return min(64 + _PAN_STEP * floor(pan * steps + 0.5), 127)
+def _part_note(note: Note, grid: TickGrid, last: int) -> PartNote:
+    # A note has at least one tick, even at the very end.
+    start = min(grid.tick_at(note.onset), last - 1)
+    end = min(max(grid.tick_at(note.onset + Fraction(note.seconds)), start + 1), last)
+    return PartNote(
+        start=start,
+        end=end,
+        pitch=note.pitch,
+        velocity=velocity_of_level(note.level),
+        pan=_controller(64, note.effective_pan * 64),
+        send=_controller(0, note.send * 128),
+        curve=() if note.drum else controller_curve(note.event, grid, start, end),
+    )
 
 
-def _send_value(share: float) -> int:
-    steps = 128 // _SEND_STEP
-    return min(_SEND_STEP * floor(share * steps + 0.5), 127)
+def _order(note: PartNote) -> tuple[int, ...]:
+    # Louder first within a tick, so that compromises affect the softest.
+    return (note.start, -note.velocity, note.pitch, note.pan, note.send, note.end)
+
+
+def _controller(middle: int, offset: float) -> int:
+    return min(max(middle + floor(offset + 0.5), 0), 127)
 
 
 # Pan of a channel before its first change.
@@ -185,28 +224,30 @@ def read_note_list(data: bytes) -> tuple[NoteOn, ...]:
     timed = []
     for track in mido.MidiFile(file=io.BytesIO(data), charset="utf-8").tracks:
         ticks = accumulate(message.time for message in track)
-        timed += [(tick, track.name, message) for tick, message in zip(ticks, track, strict=True)]
-    # Tracks share channels, so the setting of a channel may stand in another track.
+        port = next((message.port for message in track if message.type == "midi_port"), 0)
+        name = track.name, port
+        timed += [(tick, name, message) for tick, message in zip(ticks, track, strict=True)]
+    # Tracks of one port share channels, so the setting of a channel may stand in another track.
     timed.sort(key=itemgetter(0))
-    programs: dict[int, int] = {}
-    controllers: dict[tuple[int, int], int] = {}
-    sounding: dict[tuple[str, int, int], NoteOn] = {}
+    programs: dict[tuple[int, int], int] = {}
+    controllers: dict[tuple[int, int, int], int] = {}
+    sounding: dict[tuple[str, int, int, int], NoteOn] = {}
     notes = []
-    for tick, name, message in timed:
+    for tick, (name, port), message in timed:
         if message.type == "program_change":
-            programs[message.channel] = message.program
+            programs[port, message.channel] = message.program
         elif message.type == "control_change":
-            controllers[message.channel, message.control] = message.value
+            controllers[port, message.channel, message.control] = message.value
         elif message.type in ("note_on", "note_off"):
-            key = (name, message.channel, message.note)
+            key = (name, port, message.channel, message.note)
             if key in sounding:
                 started = sounding.pop(key)
                 notes.append(replace(started, ticks=tick - started.tick))
             if message.type == "note_on" and message.velocity:
                 sounding[key] = NoteOn(
                     *(tick, name, message.channel, message.note, message.velocity),
-                    program=programs.get(message.channel, 0),
-                    pan=controllers.get((message.channel, PAN), _CENTRE),
-                    send=controllers.get((message.channel, REVERB), 0),
+                    program=programs.get((port, message.channel), 0),
+                    pan=controllers.get((port, message.channel, PAN), _CENTRE),
+                    send=controllers.get((port, message.channel, REVERB), 0),
                 )
     return tuple(sorted([*notes, *sounding.values()]))

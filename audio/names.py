@@ -6,6 +6,9 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+# Of a file's name [characters]; a file system holds 255 bytes.
+_LONGEST_STEM = 40
+
 
 class UnknownName(ValueError):
     """A name that nothing has.
@@ -39,3 +42,23 @@ def nearest_name(name: str, allowed: Iterable[str]) -> str | None:
     originals = {normalized_name(each): each for each in allowed}
     close = get_close_matches(normalized_name(name), originals, 1, 0.5)
     return originals[close[0]] if close else None
+
+
+def file_stems(names: Iterable[str]) -> dict[str, str]:
+    """Return names of files for names of performers: letters, digits and hyphens, each once.
+
+    Args:
+        names: in an order that does not change.
+    """
+    stems: dict[str, str] = {}
+    taken: set[str] = set()
+    for name in names:
+        plain = re.sub(r"[^\w.-]+", "_", name).strip("._")[:_LONGEST_STEM] or "unnamed"
+        stem, number = plain, 1
+        # File systems may ignore case.
+        while stem.casefold() in taken:
+            number += 1
+            stem = f"{plain}_{number}"
+        taken.add(stem.casefold())
+        stems[name] = stem
+    return stems

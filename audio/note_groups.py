@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import log10
 
+from audio.beat_clock import BeatClock
 from audio.config.phrase import PhraseStep, StepTime
 from audio.config.sound import Voice
 from audio.harmony import Scale, fold_pitch, parse_chord
@@ -35,7 +36,7 @@ class NoteGroup:
 
 
 def note_groups(
-    voice: Voice, pitch: int, scale: Scale, tempo: float, rate: Fraction
+    voice: Voice, pitch: int, scale: Scale, clock: BeatClock, onset: Fraction, rate: Fraction
 ) -> Iterator[NoteGroup]:
     """Yield the notes of a voice for one event in the order of time, the first without delay.
 
@@ -43,7 +44,8 @@ def note_groups(
         voice: with its phrase or chord.
         pitch: of the event.
         scale: of the degrees.
-        tempo: beats a minute.
+        clock: of the beats of phrases.
+        onset: time of the event [s].
         rate: frames a second.
     """
     if voice.phrase is None:
@@ -52,7 +54,8 @@ def note_groups(
         return
     delay = Fraction(0)
     for step in voice.phrase.steps:
-        seconds = _step_seconds(step if step.has_time else voice.phrase, tempo, rate)
+        time = step if step.has_time else voice.phrase
+        seconds = _step_seconds(time, clock, onset + delay, rate)
         if not step.rest:
             length = step.length or voice.length or float(seconds)
             yield _note_group(delay, _step_pitches(step, pitch, scale), step.gain_db, length)
@@ -66,14 +69,14 @@ def _note_group(
     return NoteGroup(delay, pitches, gain_db - 10 * log10(len(pitches)), seconds)
 
 
-def _step_seconds(time: StepTime, tempo: float, rate: Fraction) -> Fraction:
+def _step_seconds(time: StepTime, clock: BeatClock, start: Fraction, rate: Fraction) -> Fraction:
     """Return the time to the next step [s], exact for decimals as written in the scene."""
     if time.frames is not None:
         return time.frames / rate
     if time.seconds is not None:
         return Fraction(str(time.seconds))
     beats = _DEFAULT_STEP_BEATS if time.beats is None else time.beats
-    return Fraction(str(beats)) * 60 / Fraction(str(tempo))
+    return clock.time(clock.beat(start) + Fraction(str(beats))) - start
 
 
 def _step_pitches(step: PhraseStep, pitch: int, scale: Scale) -> tuple[int, ...]:

@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from audio.acoustic_materials import family_of
+from audio.beat_clock import BeatClock
 from audio.cause_voices import FrictionVoice, cause_voice
-from audio.config.sound import EventFilter, Sound, Voice
+from audio.config.sound import Sound, Voice
 from audio.general_midi import drum_key, program_number
 from audio.harmony import Scale, fold_pitch, parse_steps
 from audio.loudness_at_listener import event_level, pan_of, reverb_send
-from audio.names import matches_pattern
 from audio.note_groups import NoteGroup, note_groups
 from audio.pitch_rules import PartRank, Ranks, default_rule, part_ranks, pitch_by_rule, rank_of
 from audio.quantisation import TimingShifts, quantise, timing_shifts
 from audio.score import Score, ScoreEvent
+from audio.tempo_plan import TempoPlan, tempo_plan
 from audio.time_grid import nearest_frame_time
+from audio.voice_selection import voice_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +90,13 @@ class Arrangement:
         notes: in an order that depends on the events alone, those of an event together.
         after_the_end: number of phrase notes dropped because they start after the last frame.
         shifts: statistics of the quantisation.
+        plan: tempo, meter and bars.
     """
 
     notes: tuple[Note, ...]
     after_the_end: int
     shifts: TimingShifts
+    plan: TempoPlan
 
 
 def notes_of(score: Score) -> tuple[Note, ...]:
@@ -110,8 +114,10 @@ def arrange(score: Score) -> Arrangement:
 
     Raises:
         ScoreError: an event lies outside the score or holds a number that is not finite.
+        GridError: the frame rate has no grid.
     """
     score.validate()
+    plan = tempo_plan(score)
     ranks = part_ranks(score.events)
     notes: list[Note] = []
     shifts: list[Fraction] = []
@@ -126,14 +132,14 @@ def arrange(score: Score) -> Arrangement:
         onset = score.onset(event)
         if score.sound.quantise is not None and voice.quantise:
             if onset not in quantised:
-                quantised[onset] = quantise(onset, score.sound.quantise, score)
+                quantised[onset] = quantise(onset, score.sound.quantise, score, plan.clock)
             shifts.append(quantised[onset] - onset)
             onset = quantised[onset]
-        played = list(_event_notes(score, event, voice, ranks, onset))
+        played = list(_event_notes(score, event, voice, ranks, onset, plan.clock))
         within = [note for note in played if note.onset < end]
         dropped += len(played) - len(within)
         notes += within
-    return Arrangement(tuple(notes), dropped, timing_shifts(shifts))
+    return Arrangement(tuple(notes), dropped, timing_shifts(shifts), plan)
 
 
 def _order(event: ScoreEvent) -> tuple[object, ...]:
@@ -144,28 +150,13 @@ def _order(event: ScoreEvent) -> tuple[object, ...]:
     )
 
 
-def voice_of(sound: Sound, event: ScoreEvent) -> Voice:
-    """Return the first voice whose conditions hold for an event, or the default voice."""
-    return next((voice for voice in sound.voices if _selects(voice.when, event)), Voice())
-
-
-def _selects(when: EventFilter, event: ScoreEvent) -> bool:
-    names = (
-        (when.cause, event.cause),
-        (when.who, event.who),
-        (when.part, event.part),
-        (when.other, event.other),
-        (when.material, event.material),
-        (when.surface, event.surface),
-    )
-    ranges = ((when.size, event.size), (when.strength, abs(event.strength)))
-    return all(
-        pattern is None or matches_pattern(name, pattern) for pattern, name in names
-    ) and all(bounds is None or bounds.contains(value) for bounds, value in ranges)
-
-
 def _event_notes(
-    score: Score, event: ScoreEvent, voice: Voice, ranks: Ranks, onset: Fraction
+    score: Score,
+    event: ScoreEvent,
+    voice: Voice,
+    ranks: Ranks,
+    onset: Fraction,
+    clock: BeatClock,
 ) -> Iterator[Note]:
     sound = score.sound
     scale = parse_steps(voice.scale or sound.scale)
@@ -184,7 +175,7 @@ def _event_notes(
         drum=voice.drum is not None,
         pan=voice.pan,
     )
-    for group in note_groups(voice, pitch, scale, sound.tempo_bpm, score.rate):
+    for group in note_groups(voice, pitch, scale, clock, onset, score.rate):
         yield from _group_notes(note, group, score)
 
 

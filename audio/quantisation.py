@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import floor
 
+from audio.beat_clock import BeatClock
 from audio.config.quantisation import Quantisation, beats_of_grid
 from audio.score import Score
 from audio.time_grid import nearest_frame_time
@@ -43,12 +44,18 @@ def timing_shifts(shifts: Sequence[Fraction]) -> TimingShifts:
     )
 
 
-def quantise(onset: Fraction, config: Quantisation, score: Score) -> Fraction:
+def quantise(onset: Fraction, config: Quantisation, score: Score, clock: BeatClock) -> Fraction:
     """Return a quantised onset [s], on a whole frame unless the score is exact below frames.
 
     An onset stays if no grid point lies within the film on the allowed side.
+
+    Args:
+        onset: time of the event [s].
+        config: of the quantisation.
+        score: its rate, length and whether it is exact below frames.
+        clock: times of beats.
     """
-    points = _grid_points(onset, config, score)
+    points = _grid_points(onset, config, score, clock)
     if config.mode == "next":
         points = [point for point in points if point >= onset]
     if not points:
@@ -59,14 +66,15 @@ def quantise(onset: Fraction, config: Quantisation, score: Score) -> Fraction:
     return moved if score.subframe else nearest_frame_time(moved, score.rate)
 
 
-def _grid_points(onset: Fraction, config: Quantisation, score: Score) -> list[Fraction]:
+def _grid_points(
+    onset: Fraction, config: Quantisation, score: Score, clock: BeatClock
+) -> list[Fraction]:
     """Return the grid points around an onset within the film."""
-    beat = 60 / Fraction(str(score.sound.tempo_bpm))
-    pair = 2 * beat * beats_of_grid(config.grid)
-    offset = Fraction(str(config.offset))
+    pair = 2 * beats_of_grid(config.grid)
     second = Fraction(str(config.swing)) * pair
-    nearest = floor((onset - offset) / pair)
-    points = [offset + (nearest + k) * pair + part for k in (-1, 0, 1, 2) for part in (0, second)]
+    nearest = floor(clock.beat(onset) / pair)
+    beats = [(nearest + k) * pair + part for k in (-1, 0, 1, 2) for part in (0, second)]
+    points = [clock.time(beat) for beat in beats]
     # The last frame may hold a note; below frames, any time before the film's end may.
     last = (score.frames - 1) / score.rate
     end = score.frames / score.rate

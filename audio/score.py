@@ -109,6 +109,21 @@ class Marker:
 
 
 @dataclass(frozen=True, slots=True)
+class DanceBeat:
+    """The beat to which a scene's dancers dance.
+
+    Attributes:
+        tempo: beats a minute.
+        start: time of the first beat [s].
+        meter: beats of a bar and the note value of each.
+    """
+
+    tempo: Fraction
+    start: Fraction
+    meter: tuple[int, int] = (4, 4)
+
+
+@dataclass(frozen=True, slots=True)
 class Score:
     """Events with the frame grid that they stand on.
 
@@ -122,6 +137,7 @@ class Score:
         markers: cuts and script instructions in the order of frames.
         subframe: whether sounds stand at the exact times of their causes instead of on the
             frames that first show them.
+        dance: beat of the dancers who start first; None without any.
     """
 
     rate: Fraction
@@ -132,6 +148,7 @@ class Score:
     title: str = ""
     markers: tuple[Marker, ...] = ()
     subframe: bool = False
+    dance: DanceBeat | None = None
 
     def onset(self, event: ScoreEvent) -> Fraction:
         """Return the time of an event's sound [s]."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,8 @@ from audio.errors import SoundFontError, SoundFontPlayerError
 from audio.midi_file import midi_bytes
 from audio.score import Score
 from audio.soundfont_reader import FRAME_BYTES
-from audio.time_grid import SAMPLE_RATE, sample_at, tick_grid
+from audio.tempo_plan import tempo_plan
+from audio.time_grid import SAMPLE_RATE, sample_at
 from pipeline.foreign_files.reader_process import (
     ReaderMissing,
     ReaderProcessError,
@@ -113,18 +115,24 @@ def _not_installed(error: Exception) -> str:
 
 
 def _messages(score: Score) -> Iterator[tuple[int, str, int, int, int]]:
-    """Yield the messages of all tracks in playing order, as `soundfont_reader` takes them."""
-    grid = tick_grid(score.rate)
-    file = mido.MidiFile(file=io.BytesIO(midi_bytes(score)), charset="utf-8")
-    timed = list[tuple[int, int, Any]]()
+    """Yield the messages of all tracks in playing order, as `soundfont_reader` takes them.
+
+    Channels count on from port to port. The player knows no MPE.
+    """
+    grid = tempo_plan(score).grid
+    plain = replace(score, sound=score.sound.model_copy(update={"mpe": False}))
+    file = mido.MidiFile(file=io.BytesIO(midi_bytes(plain)), charset="utf-8")
+    timed = list[tuple[int, int, int, Any]]()
     for track in file.tracks:
         tick = 0
+        port = next((message.port for message in track if message.type == "midi_port"), 0)
         for message in track:
             tick += message.time
-            if not message.is_meta:
-                timed.append((tick, len(timed), message))
-    for tick, _, message in sorted(timed, key=lambda each: each[:2]):
-        yield sample_at(grid.seconds(tick)), *_plain(message)
+            if not message.is_meta and message.type != "sysex":
+                timed.append((tick, len(timed), port, message))
+    for tick, _, port, message in sorted(timed, key=lambda each: each[:2]):
+        kind, channel, number, value = _plain(message)
+        yield sample_at(grid.seconds(tick)), kind, 16 * port + channel, number, value
 
 
 def _plain(message: Any) -> tuple[str, int, int, int]:

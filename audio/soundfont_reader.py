@@ -108,19 +108,21 @@ class _Player:
         self.drums = _programs(synth, number, _DRUM_BANK)
         if not self.melodic and not self.drums:
             raise ForeignFileError("has no instrument in bank 0 and no drums")
-        for channel in range(16):
-            self._change_program(channel, 0)
+        self._channels: set[int] = set()
 
     def _change_program(self, channel: int, program: int) -> None:
         """Set a channel's program, or the nearest one that the font has."""
-        is_drums = bool(self.drums) and (channel == _DRUM_CHANNEL or not self.melodic)
+        is_drums = bool(self.drums) and (channel % 16 == _DRUM_CHANNEL or not self.melodic)
         programs = self.drums if is_drums else self.melodic
         nearest = min(programs, key=lambda each: (abs(each - program), each))
         self._synth.program_change(channel, nearest, is_drums)
 
     def send(self, kind: str, channel: int, number: int, value: int) -> None:
-        """Apply a message."""
+        """Apply a message; channels count on from port to port, 16 a port."""
         synth = self._synth
+        if channel not in self._channels:
+            self._channels.add(channel)
+            self._change_program(channel, 0)
         if kind == "note_on" and value:
             synth.noteon(channel, number, value)
         elif kind in ("note_on", "note_off"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import wave
 from collections import Counter, OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,7 +85,7 @@ def write_wav(score: Score, path: Path) -> WavReport:
         hours = _MAX_SAMPLES / SAMPLE_RATE / 3600
         raise ScoreError(f"{samples} samples; a WAV file of this kind holds {hours:.1f} hours")
     if score.sound.soundfont is None:
-        mix = _mix(score, notes, samples)
+        mix = mix_notes(score, notes, samples)
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
     track = master_mix(mix, score.sound.master, score.sound.volume_db)
@@ -107,8 +108,8 @@ def write_wav(score: Score, path: Path) -> WavReport:
     )
 
 
-def _mix(score: Score, notes: tuple[Note, ...], samples: int) -> Signal:
-    """Return all sounds in their room, before mastering: (N, 2)."""
+def mix_notes(score: Score, notes: Sequence[Note], samples: int) -> Signal:
+    """Return the sounds of notes in their room, before mastering: (N, 2)."""
     stereo = np.zeros((samples, 2))
     reverberator = Reverberator(room_acoustics(score.sound.room), samples)
     cache: OrderedDict[SoundParameters, Signal] = OrderedDict()

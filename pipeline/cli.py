@@ -43,6 +43,7 @@ for command in (
     films.bench,
     films.watch,
     films.verify,
+    analysis.cuts,
     analysis.effort,
     analysis.jumps,
     analysis.fit,

@@ -110,6 +110,9 @@ class MitsubaScene:
                 self._still_values = None
         self._water_surface = shot.water
         self._water = None if shot.water is None else Water.of(shot.water, around.downwelling)
+        if self._water is not None and shot.water is not None and around.key is not None:
+            if shot.camera.p_WC[1] < shot.water.level:
+                self._water.show_shafts(around.key.direction)
         self.sensor = self.scene.sensors()[0]
         self.has_soft_lights = self.scene.environment().sampling_weight() > 0.0
         # What is left of the noise of many lamps is denoised as that of wide ones is.

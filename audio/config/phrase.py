@@ -126,6 +126,12 @@ class Phrase(StepTime):
             )
         return steps
 
+    @property
+    def is_timed(self) -> bool:
+        """Whether all its steps are measured in seconds or frames, none in beats."""
+        times = [step if step.has_time else self for step in self.steps]
+        return all(time.seconds is not None or time.frames is not None for time in times)
+
 
 def _expand_phrase(value: Any) -> Any:
     return {"steps": tuple(value)} if isinstance(value, list | tuple) else value

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from audio.config import AudioConfig, checked_by, listed_in
+from audio.config.meter import MeterText, Tempo, TempoChange
 from audio.config.phrase import PhraseOrSteps
 from audio.config.pitch import ChordName, Pitch, ScaleName
 from audio.config.quantisation import Quantisation
@@ -16,6 +18,9 @@ from audio.general_midi import drum_key, program_number
 Instrument = Annotated[str, checked_by(program_number), listed_in("instruments")]
 Drum = Annotated[str, checked_by(drum_key), listed_in("drums")]
 Pattern = Annotated[str, Field(min_length=1)]
+DEFAULT_TEMPO = 120.0
+"""Tempo of what counts beats where none is written [1/min]."""
+
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
@@ -192,8 +197,24 @@ class Sound(AudioConfig):
     voices: tuple[Voice, ...] = Field(
         (), description="Voices; the first whose conditions hold for an event is used."
     )
-    tempo_bpm: float = Field(
-        120.0, ge=10, le=480, description="Beats a minute of phrases and of the quantisation."
+    tempo_bpm: Tempo | None = Field(
+        None,
+        description="Quarter notes a minute of the score, its phrases and quantisation; if left "
+        "out, that of the dance or of the events, and 120 where beats are counted.",
+    )
+    meter: MeterText | None = Field(
+        None, description="Beats of a bar, such as 3/4 or 6/8; as the dance has it, or 4/4."
+    )
+    tempo_map: tuple[TempoChange, ...] = Field(
+        (),
+        max_length=1000,
+        description="Changes of tempo and meter at bars, [{bar: 5, tempo_bpm: 90}, ...].",
+    )
+    first_bar: float | None = Field(
+        None,
+        ge=0,
+        le=1e6,
+        description="Time of bar 1 [s]; where the dance or the music begins if left out.",
     )
     quantise: Quantisation | None = Field(
         None, description="Moves notes to the grid of the tempo; default no quantisation."
@@ -204,6 +225,11 @@ class Sound(AudioConfig):
     )
     tracks: Literal["performer", "cause"] = Field(
         "performer", description="Whether each performer or each cause has a MIDI track."
+    )
+    mpe: bool = Field(
+        False,
+        description="Whether each note has a channel of its own (MPE), so that sounds of one "
+        "instrument bend independently.",
     )
     volume_db: float = Field(
         0.0, ge=-60, le=24, description="Gain of the whole, score and sound [dB]."
@@ -220,3 +246,46 @@ class Sound(AudioConfig):
         min_length=1,
         description="A SoundFont (.sf2) beside the scene that plays the score as the track.",
     )
+
+    @model_validator(mode="after")
+    def _check_bars(self) -> Self:
+        if self.tempo_map and self.tempo_bpm is None:
+            raise ValueError("tempo_map needs tempo_bpm, the tempo of bar 1")
+        bars = [change.bar for change in self.tempo_map]
+        for earlier, later in pairwise(bars):
+            if later <= earlier:
+                raise ValueError(
+                    f"tempo_map has bar {later} after bar {earlier}; write its bars in their order"
+                )
+        if self.tempo_map and self.beat_origin < 0:
+            raise ValueError(
+                f"tempo_map counts bars from quantise.offset, {self.beat_origin:g} s, before the "
+                "film; give first_bar, the time of bar 1, instead of it"
+            )
+        if self.first_bar is not None and self.quantise is not None and self.quantise.offset:
+            raise ValueError(
+                "first_bar conflicts with quantise.offset: both are the time of a beat; remove one"
+            )
+        return self
+
+    @property
+    def beats_per_minute(self) -> float:
+        """Tempo in which phrases and quantisation count beats [1/min]."""
+        return DEFAULT_TEMPO if self.tempo_bpm is None else self.tempo_bpm
+
+    @property
+    def beat_origin(self) -> float:
+        """Time of a beat of quantisation and of dancers that are locked to beats [s]."""
+        if self.first_bar is not None:
+            return self.first_bar
+        return self.quantise.offset if self.quantise is not None else 0.0
+
+    @property
+    def counts_beats(self) -> bool:
+        """Whether its tempo is written, or something in it is measured in beats."""
+        phrases = [voice.phrase for voice in self.voices if voice.phrase is not None]
+        return (
+            self.tempo_bpm is not None
+            or self.quantise is not None
+            or any(not phrase.is_timed for phrase in phrases)
+        )

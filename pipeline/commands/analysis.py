@@ -58,6 +58,16 @@ def effort(
 
 
 @with_options
+def cuts(scene: SceneName, options: RunOptions) -> None:
+    """Print the cuts of a film as the block `camera` of a scene, with the reason of each."""
+    from pipeline.production.reports.cut_list import report_cuts
+
+    reporter = options.reporter()
+    report = report_cuts(options.order(scene), reporter)
+    reporter.result(report.text, cuts=report.facts)
+
+
+@with_options
 def jumps(scene: SceneName, options: SceneOptions) -> None:
     """Report requested, resolved and actual values of hops."""
     from pipeline.production.reports.jump_report import report_jumps

@@ -23,6 +23,7 @@ from pipeline.commands.options import (
     say,
     with_options,
 )
+from pipeline.production.sound.export_kind import ExportKind
 
 if TYPE_CHECKING:
     from pipeline.production.run.order import Order
@@ -137,6 +138,10 @@ def midi(
         ),
     ] = False,
     strict: StrictOption = False,
+    export: Annotated[
+        list[ExportKind] | None,
+        typer.Option(help="Also write the score for other programs; may be given several times."),
+    ] = None,
 ) -> None:
     """Write MIDI scores and sound tracks without rendering."""
     from pipeline.production.run import production
@@ -145,7 +150,7 @@ def midi(
     def make(name: str, reporter: Reporter) -> None:
         order = options.order(name, subframe=subframe, strict=strict)
         options.budget.refuse(order.scene, job_of(order, "score"))
-        reporter.result(f"{production.score_only(order, reporter).midi}")
+        reporter.result(f"{production.score_only(order, reporter, export or ()).midi}")
 
     options.run_each(scenes, make)
 

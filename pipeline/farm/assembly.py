@@ -19,7 +19,7 @@ from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.exposure_stage import enter_exposure
 from pipeline.production.run.film_stage import make_film
 from pipeline.production.run.frame_ranges import parse_frames
-from pipeline.production.run.frame_stage import note_levels
+from pipeline.production.run.frame_stage import enter_cuts, note_levels
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.picture_notes import shooting_notes
@@ -59,14 +59,15 @@ def assemble(
         run.frames = frames
         with take_required(store):
             take = adopt_take(run, film.take, partial(fetch_take, store, film.take))
-        shooting = ShotBuilder(order.scene, take)
+        # The cuts that the frames were shot by, whatever a director would decide here.
+        tracks = FilmTracks.of_arrays(read_arrays(store, tracks_name(film)))
+        shooting = ShotBuilder(order.scene, take, tracks)
         run.notes += shooting_notes(order.scene, shooting)
         run.refuse_notes()
+        enter_cuts(run, shooting)
         if order.sound:
             write_score(run, take, shooting)
         _fetch_frames(run, store, film, records)
-        tracks = FilmTracks.of_arrays(read_arrays(store, tracks_name(film)))
-        shooting.set_tones(tracks.tones)
         enter_exposure(run, shooting, records[0].renderer)
         note_levels(run, shooting, frames)
         run.refuse_notes()

@@ -267,15 +267,14 @@ def with_score_times(member: Dancer, sound: Sound) -> Dancer:
         return member
     start, _ = beat_at(member.beat, sound)
     return member.model_copy(
-        update={"tempo_bpm": member.tempo_bpm or sound.tempo_bpm, "start": start}
+        update={"tempo_bpm": member.tempo_bpm or sound.beats_per_minute, "start": start}
     )
 
 
 def beat_at(beat: float, sound: Sound) -> tuple[float, float]:
     """Return the time of a beat of the score, counted from 1, and the length of beats [s]."""
-    length = 60.0 / sound.tempo_bpm
-    offset = sound.quantise.offset if sound.quantise is not None else 0.0
-    return offset + (beat - 1.0) * length, length
+    length = 60.0 / sound.beats_per_minute
+    return sound.beat_origin + (beat - 1.0) * length, length
 
 
 def faults_of_beats(
@@ -291,7 +290,10 @@ def faults_of_beats(
         for k, instruction in enumerate(script):
             if isinstance(instruction.do, Perform) and instruction.who == member.name:
                 tempos.append((("script", k, "do", "tempo_bpm"), instruction.do.tempo_bpm))
-        score = sound.tempo_bpm
+        score = sound.beats_per_minute
+        if any(change.tempo_bpm is not None for change in sound.tempo_map):
+            message = "needs a score of one tempo; write start, or remove tempos of sound.tempo_map"
+            yield Fault(("cast", i, "beat"), message, at_key=True)
         for path, own in tempos:
             if own is not None and not _is_multiple(own, score):
                 message = (

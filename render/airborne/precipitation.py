@@ -27,7 +27,7 @@ from render.config import Weather
 from render.lights.environment_map import Vector
 from render.lights.lattice_noise import lattice
 
-SEEN = 1 / 60
+SEEN = 1 / 45
 """Time over which one sees a drop at once [s]."""
 
 
@@ -71,12 +71,12 @@ class Kind:
 RAIN = Kind(
     8.0,
     8.0 * SEEN,
-    0.34,
+    0.3,
     0.0,
     (
-        Layer(0.5, 7.0, 0.6, (0.34, 0.9), 0.0011),
-        Layer(7.0, 25.0, 2.0, (0.30, 0.8), 0.003),
-        Layer(25.0, 70.0, 7.0, (0.5, 1.2), 0.010),
+        Layer(0.9, 7.0, 0.6, (0.17, 0.6), 0.001),
+        Layer(7.0, 25.0, 2.0, (0.13, 0.55), 0.003),
+        Layer(25.0, 70.0, 7.0, (0.24, 0.8), 0.010),
     ),
 )
 SNOW = Kind(
@@ -128,7 +128,7 @@ class Precipitation:
             time: since the film began [s].
         """
         # Drops show the bright sky behind and above; flakes are white spheres.
-        rain = 1.35 * ambient + 0.02 * key
+        rain = 1.9 * ambient + 0.03 * key
         snow = 1.8 * ambient + key / (4 * math.pi)
         made = Precipitation(
             mi.Float(weather.rain),
@@ -186,12 +186,13 @@ class Precipitation:
         away = _SPLASH_CELL * _length(column - i - x, row - j - z)
         pixel = pixel_angle * distance
         ring = 0.008 + 0.034 * age
-        width = 0.004 + 0.6 * pixel
-        shape = dr.maximum(1.0 - dr.abs(away - ring) / width, 0.0) * (0.004 / width)
+        width = 0.009 + 0.6 * pixel
+        shape = dr.maximum(1.0 - dr.abs(away - ring) / width, 0.0) * (0.009 / width)
+        shape = shape * shape
         center = dr.maximum(1.0 - away / (0.007 + pixel), 0.0) * dr.maximum(1.0 - 2.5 * age, 0.0)
         fade = dr.clip((normal.y - 0.75) / 0.15, 0.0, 1.0)
         fade *= dr.clip(2.0 - 2.0 * distance / _SPLASH_REACH, 0.0, 1.0)
-        share = (1.0 - age) * (0.55 * shape + 0.5 * center) * fade
+        share = (1.0 - age) * (0.2 * shape + 0.45 * center) * fade
         return dr.select(is_there & (age < 1.0), dr.clip(share, 0.0, 1.0), 0.0)
 
     def _through(self, kind: Kind, amount: Any, ray: Any, distance: Any, pixel_angle: Any) -> Any:

@@ -6,7 +6,15 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, TypeAdapter, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    TypeAdapter,
+    model_validator,
+)
 
 from render.config.base import (
     HELD_EASE_DESCRIPTION,
@@ -18,16 +26,50 @@ from render.config.base import (
     RenderConfig,
     Time,
     Turn,
+    Unit,
 )
 from render.config.camera_moves import CraneField, DollyField, OrbitField, TruckField
 
 View = Literal["three-quarter", "side", "front", "back", "top"]
+
+ViewAngle = Annotated[float, Field(ge=-360, le=360)]
+"""Azimuth of the camera from ahead of those it follows, positive to their right [degrees]."""
+
+
+def _name_or_angle(value: object) -> str:
+    return "a name" if isinstance(value, str) else "an angle"
+
+
+Side = Annotated[
+    Annotated[View, Tag("a name")] | Annotated[ViewAngle, Tag("an angle")],
+    Discriminator(_name_or_angle),
+]
+"""A view by name or by angle."""
+
+Pace = Literal["calm", "natural", "quick"]
+"""How often a director cuts."""
+
+AUTO = "auto"
+"""What stands for a camera whose cuts a director decides."""
+
+
+def _usual_pace(value: object) -> object:
+    return "natural" if value is True else value
+
+
+DirectedPace = Annotated[
+    Pace, BeforeValidator(_usual_pace, json_schema_input_type=Pace | Literal[True])
+]
+"""A pace; true is the usual one."""
 
 MAX_KEYFRAMES = 10_000
 """Keyframes of one cut."""
 
 POSE_KEYS = ("position", "target", "rotation_deg")
 """Keys of a keyframe that place a camera."""
+
+DIRECTED_KEYS = ("start", "auto", "follow", "handheld")
+"""Keys of a camera whose cuts a director decides; it decides the others."""
 
 KEYFRAME_KEYS = (*POSE_KEYS, "fov_deg", "focus")
 """Keys of a keyframe that have a value."""
@@ -134,8 +176,15 @@ class Camera(RenderConfig):
     follow: Followed = Field(
         None, description="Performer or performers to keep in the frame; all by default."
     )
-    view: View | None = Field(
-        None, description="Side from which the camera looks; three-quarter by default."
+    auto: DirectedPace | None = Field(
+        None,
+        description="Let a director decide the cuts from here on, by what happens: calm, natural "
+        "or quick; true is natural.",
+    )
+    view: Side | None = Field(
+        None,
+        description="Side from which the camera looks, by name or in degrees from ahead of the "
+        "followed, positive to their right; three-quarter by default.",
     )
     distance: float | None = Field(
         None, gt=0, le=1e5, description="Distance to the target [m]; automatic if left out."
@@ -206,11 +255,18 @@ class Camera(RenderConfig):
         "the depth of field. All is sharp if left out.",
     )
     focus: Focus | None = Field(None, description=f"{FOCUS_DESCRIPTION}; the target if left out.")
+    handheld: Unit = Field(
+        0.0,
+        description="Shake of a camera that a person holds: 0.3 is slight, 1 that of a run.",
+    )
 
     @model_validator(mode="after")
     def _check_conflicts(self) -> Self:
         conflicts = itertools.chain(
-            self._pose_conflicts(), self._move_conflicts(), self._lens_conflicts()
+            self._direction_conflicts(),
+            self._pose_conflicts(),
+            self._move_conflicts(),
+            self._lens_conflicts(),
         )
         if (conflict := next(conflicts, None)) is not None:
             raise ValueError(conflict)
@@ -229,6 +285,19 @@ class Camera(RenderConfig):
     def _is_keyed(self, *keys: str) -> bool:
         """Return whether any keyframe gives one of these keys."""
         return any(getattr(frame, key) is not None for frame in self.keyframes for key in keys)
+
+    def _direction_conflicts(self) -> Iterator[str]:
+        if self.auto is None:
+            return
+        # Defaults that are written out are those of the director as well.
+        fields = type(self).model_fields
+        given = [
+            key
+            for key in fields
+            if key not in DIRECTED_KEYS and getattr(self, key) != fields[key].default
+        ]
+        if given:
+            yield f"`auto` conflicts with {_listing(given)}; a director decides them, remove one"
 
     def _pose_conflicts(self) -> Iterator[str]:
         framing = self._given(FRAMING_KEYS)
@@ -305,6 +374,13 @@ def _listing(keys: list[str]) -> str:
 
 
 def _as_sequence(value: object) -> object:
+    if value == AUTO:
+        return ({AUTO: "natural"},)
+    if isinstance(value, str):
+        raise ValueError(
+            f"no camera is called '{value}', did you mean '{AUTO}'? Others are mappings, such as "
+            "{follow: bug}"
+        )
     return value if isinstance(value, list | tuple) else (value,)
 
 
@@ -318,16 +394,16 @@ def _check_starts(value: tuple[Camera, ...]) -> tuple[Camera, ...]:
 
 Cuts = Annotated[
     tuple[Camera, ...],
-    BeforeValidator(_as_sequence, json_schema_input_type=Camera | list[Camera]),
+    BeforeValidator(_as_sequence, json_schema_input_type=Literal["auto"] | Camera | list[Camera]),
     AfterValidator(_check_starts),
 ]
-"""One camera, or a list of cuts; the first starts at 0."""
+"""One camera, or a list of cuts, the first of which starts at 0; or `auto`."""
 
 _CUTS: TypeAdapter[tuple[Camera, ...]] = TypeAdapter(Cuts)
 
 
 def cuts(
-    value: Mapping[str, Any] | Camera | list[Mapping[str, Any] | Camera],
+    value: str | Mapping[str, Any] | Camera | list[Mapping[str, Any] | Camera],
 ) -> tuple[Camera, ...]:
     """Return the cuts of a value in a scene, in order of time.
 

@@ -15,6 +15,7 @@ Texture = Literal[
     "soil",
     "sand",
     "grass",
+    "moss",
     "snow",
     "rock",
     "gravel",

@@ -137,9 +137,9 @@ THINGS: dict[str, Row] = {
 
 GROUNDS: dict[str, Row] = {
     "dry soil":         _row("#917d67", "#b3a48c", 0.95, ("soil", 2.6, 1.0), steep_color="#85766a"),
-    "grass":            _row("#5f6840", "#858155", 0.9,  ("grass", 1.9, 1.0),
+    "grass":            _row("#57672f", "#788042", 0.9,  ("grass", 1.9, 1.0),
                              steep_color="#7d7264"),
-    "moss":             _row("#565e33", "#70704a", 0.95, ("grass", 1.1, 0.8),
+    "moss":             _row("#4e5e28", "#787a40", 0.95, ("moss", 1.1, 0.9),
                              steep_color="#6d6a64"),
     "sand":             _row("#cfae7b", "#dcc193", 0.9,  ("sand", 2.2, 0.8), steep_color="#b78f5f"),
     "snow":             _row("#e9edf2", "#dfe6ef", 0.7,  ("snow", 2.4, 0.6),

@@ -1,6 +1,7 @@
 """Laid pieces: slabs and boards that differ: each shows another piece of the tile, in its own tone.
 
-A tile holds a few pieces; a floor of them in the same order would show the repetition.
+Boards and slabs lie in courses: their ends are at other places in each, and slabs are of mixed
+lengths. A tile holds a few pieces; a floor of them in the same order would show the repetition.
 """
 
 from __future__ import annotations
@@ -17,10 +18,19 @@ from render.textures.object_patterns import BOARD_ENDS
 SLABS: Mapping[str, int] = {"slabs": 4, "tiles": 6}
 """Slabs along a tile, by its pattern."""
 
-TONES: Mapping[str, float] = {"slabs": 0.10, "tiles": 0.055, "planks": 0.17}
+LENGTH, UNEVEN = 1.3, 0.62
+"""Mean length of a slab relative to the height of its course, and by how much of that it varies."""
+
+RIM = 0.2
+"""Part of a slab along its ends that is not stretched, relative to the height of its course."""
+
+BOND = 0.5
+"""By which every second course of tiles is displaced [tiles laid]."""
+
+TONES: Mapping[str, float] = {"slabs": 0.085, "tiles": 0.075, "planks": 0.17}
 """Deviation of the tones of whole pieces, by pattern."""
 
-HUES: Mapping[str, float] = {"slabs": 0.22, "tiles": 0.12, "planks": 0.2}
+HUES: Mapping[str, float] = {"slabs": 0.34, "tiles": 0.3, "planks": 0.2}
 """Greatest share of warmth that a whole piece adds."""
 
 SEEN = 5.0, 7.5
@@ -80,11 +90,13 @@ def laid(pattern: str, u: Any, v: Any, level: Any, values: dict[str, Any]) -> Pi
         word = _hash(number, mi.UInt32(mi.Int32(board)))
     else:
         across = SLABS[pattern]
-        i, j = dr.floor(u * across), dr.floor(v * across)
-        word = _hash(mi.UInt32(mi.Int32(i)), mi.UInt32(mi.Int32(j)))
+        j = dr.floor(v * across)
+        course = mi.UInt32(mi.Int32(j))
+        i, along = _mixed(u * across, course) if pattern == "slabs" else _bonded(u * across, j)
+        word = _hash(mi.UInt32(mi.Int32(i)), course)
         source_u, source_v = word % across, (word >> 9) % across
         found = (
-            (mi.Float(source_u) + u * across - i) / across,
+            (mi.Float(source_u) + along) / across,
             (mi.Float(source_v) + v * across - j) / across,
         )
     seen = dr.clip((SEEN[1] - mi.Float(level)) / (SEEN[1] - SEEN[0]), 0.0, 1.0)
@@ -93,6 +105,31 @@ def laid(pattern: str, u: Any, v: Any, level: Any, values: dict[str, Any]) -> Pi
     tone = (first + second - 1.0) * (2.45 * TONES[pattern])
     hue = (_part(_hash(word, mi.UInt32(17))) * 2.0 - 1.0) * HUES[pattern]
     return Piece(*found, 1.0 + seen * tone, seen * hue)
+
+
+def _bonded(x: Any, course: Any) -> tuple[Any, Any]:
+    """Return number of and place along a tile, 0 to 1, of courses each displaced by half of one."""
+    at = x + BOND * (course - 2.0 * dr.floor(0.5 * course))
+    number = dr.floor(at)
+    return number, at - number
+
+
+def _mixed(x: Any, course: Any) -> tuple[Any, Any]:
+    """Return number of and place along a slab, 0 to 1, of courses of slabs of mixed lengths."""
+    at = x / LENGTH + _part(_hash(course, mi.UInt32(3)))
+    number = dr.floor(at)
+    number = dr.select(at < number + _shift(number, course), number - 1.0, number)
+    low, high = (number + k + _shift(number + k, course) for k in (0.0, 1.0))
+    before, after = (at - low) * LENGTH, (high - at) * LENGTH
+    # The middle is stretched, so that all joints are of one width.
+    middle = RIM + (1.0 - 2.0 * RIM) * (before - RIM) / (before + after - 2.0 * RIM)
+    along = dr.select(before < RIM, before, dr.select(after < RIM, 1.0 - after, middle))
+    return number, dr.clip(along, 0.0, 0.9999)
+
+
+def _shift(number: Any, course: Any) -> Any:
+    """Return by how much the joint before a slab is displaced [mean lengths]."""
+    return (0.5 * UNEVEN) * _part(_hash(mi.UInt32(mi.Int32(number)) + mi.UInt32(101), course))
 
 
 def _hash(a: Any, b: Any) -> Any:

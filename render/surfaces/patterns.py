@@ -36,9 +36,12 @@ from render.surfaces.texture_mapping import (
 from render.surfaces.wear_lookup import WearLookup
 from render.textures.layers import (
     BODY_PATCHES,
+    CALM,
     LARGE_PATCHES,
     PATCH_CONTRAST,
     PATCHES,
+    RIPPLED,
+    RIPPLED_MOST,
     ROCK_LAYER,
     SECOND_LAYER,
     Layer,
@@ -168,6 +171,9 @@ class GroundShader:
             share = self._patch_share(si, projection, self._patches)
             color = dr.lerp(color, colored(material.color2, second), share)
             slopes = _mixed_slopes(slopes, second, share) if second is not first else slopes
+            if material.texture in RIPPLED:
+                strength = CALM + (1.0 - CALM) * RIPPLED_MOST * share
+                slopes = slopes[0] * strength, slopes[1] * strength
             if laid_pieces.has_pieces(material.texture):
                 # Worn and stained in places, across the pieces.
                 color *= 1.0 + WORN * (share - 0.5)

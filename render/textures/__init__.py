@@ -82,6 +82,7 @@ _PATTERNS: dict[str, Callable[[np.random.Generator], ground_patterns.Drawn]] = {
     "soil": ground_patterns.soil,
     "sand": ground_patterns.sand,
     "grass": ground_patterns.grass,
+    "moss": ground_patterns.moss,
     "snow": ground_patterns.snow,
     "rock": ground_patterns.rock,
     "gravel": ground_patterns.gravel,

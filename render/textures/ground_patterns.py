@@ -13,7 +13,7 @@ Drawn = tuple[Array, Array, Array, float]
 
 
 def soil(rng: np.random.Generator) -> Drawn:
-    """Draw crumbs of soil, gravel and stones of several sizes on all but level ground."""
+    """Draw crumbs of soil, gravel and stones of several sizes on ground with a cracked crust."""
     clods, crumbs = noise(rng, 1.2, first=13, last=70), noise(rng, 0.8, first=50)
     fine, fine_tint = pebbles(rng, 140, 0.3)
     gravel, gravel_tint = pebbles(rng, 74, 0.2)
@@ -21,6 +21,12 @@ def soil(rng: np.random.Generator) -> Drawn:
     # A swell of the ground would show as ripples in low light; what lies on it may be seen.
     relief = 0.0016 * clods + 0.0003 * crumbs + 0.0022 * fine + 0.006 * gravel + 0.020 * stones
     shade = 1 + 0.11 * clods + 0.08 * crumbs + 0.08 * noise(rng, 1.6, first=5)
+    first, second, _ = cells(rng, 27, warp=0.3)
+    crust = np.clip(1.2 * noise(rng, 1.5, first=3) + 0.1, 0.0, 1.0)
+    crack = np.exp(-(((second - first) / 0.05) ** 2)) * crust
+    grit = noise(rng, 0.3, first=150)
+    relief = relief - 0.004 * crack + 0.0004 * grit
+    shade = shade * (1.0 - 0.3 * crack) * (1.0 + 0.07 * grit)
     for lies, tint, pale in ((fine, fine_tint, 0.0), (gravel, gravel_tint, 0.05)):
         shade = np.where(lies > 0, 1 + pale + 0.2 * tint, shade)
     shade = np.where(stones > 0, 1.15 + 0.2 * stone_tint, shade)
@@ -64,6 +70,41 @@ def grass(rng: np.random.Generator) -> Drawn:
     shade = (0.5 + 0.65 * height) * (1 + 0.14 * tint) * (1 + 0.13 * clump) * (1 + 0.08 * fine)
     warmth = 0.3 * tint + 0.22 * clump + 0.2 * noise(rng, 1.5, first=4)
     return shade.clip(0.2, 2.0), warmth.clip(-1, 1), relief, 1.9
+
+
+def moss(rng: np.random.Generator) -> Drawn:
+    """Draw cushions of moss of three sizes, with fallen needles and scraps of leaves on them."""
+    shade, relief, tint = (np.full((TILE, TILE), level) for level in (0.62, 0.0, 0.0))
+    cushions = ((70, 0.8, 0.005, 0.66), (31, 0.75, 0.013, 0.70), (14, 0.6, 0.026, 0.74))
+    for across, share, high, dark in cushions:
+        dome, own = pebbles(rng, across, share)
+        over = dome > 0
+        # A cushion is dark at its rim, where it meets the next.
+        shade = np.where(over, dark + 0.55 * dome + 0.12 * own, shade)
+        relief = np.where(over, np.maximum(relief, high * dome), relief)
+        tint = np.where(over, own, tint)
+    fuzz, stars = noise(rng, 0.25, first=130), noise(rng, 0.9, first=60)
+    shade = shade * (1 + 0.17 * fuzz + 0.09 * stars) * (1 + 0.1 * noise(rng, 1.5, first=4))
+    relief = relief + 0.0007 * fuzz + 0.0006 * stars
+    warmth = 0.35 * tint + 0.3 * noise(rng, 1.5, first=5)
+    for count, longest, light, brown in ((1500, 34, 0.78, 0.9), (260, 90, 0.6, 0.8)):
+        row, column = _lines(rng, count, longest)
+        shade[row, column] = light * rng.uniform(0.6, 1.4, (count, 1))
+        warmth[row, column] = brown
+        relief[row, column] += 0.0012
+    return shade.clip(0.2, 1.9), warmth.clip(-1, 1), relief, 1.1
+
+
+def _lines(
+    rng: np.random.Generator, count: int, longest: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return rows and columns (N, P) of straight lines up to a length [texels]."""
+    along = np.linspace(0, 1, longest)[None, :]
+    root = rng.uniform(0, TILE, (2, count, 1))
+    heading, length = rng.uniform(0, 2 * np.pi, (count, 1)), rng.uniform(0.4, 1.0, (count, 1))
+    row = root[0] + longest * length * along * np.sin(heading)
+    column = root[1] + longest * length * along * np.cos(heading)
+    return row.astype(np.intp) % TILE, column.astype(np.intp) % TILE
 
 
 def snow(rng: np.random.Generator) -> Drawn:
@@ -165,27 +206,31 @@ def checker(rng: np.random.Generator) -> Drawn:
 
 
 def slabs(rng: np.random.Generator) -> Drawn:
-    """Draw four by four slabs of concrete: pores, stains, dirt in the joints, and some cracks."""
-    across, size = 4, 4.8
+    """Draw four by four slabs of stone: worn edges, pits, stains, earthy joints, some cracks."""
+    across, size = 4, 1.8
     y, x = np.mgrid[0:TILE, 0:TILE] * (across / TILE)
     row, column = y.astype(int), x.astype(int)
     edge = np.minimum(np.minimum(x - column, 1 - x + column), np.minimum(y - row, 1 - y + row))
     edge = edge * (size / across)
-    ragged = noise(rng, 1.2, first=24)
-    joint = np.exp(-((edge / (0.011 + 0.002 * ragged)) ** 2))
-    dirt = np.exp(-edge / (0.07 + 0.03 * noise(rng, 1.6, first=10).clip(-1.5, 3)).clip(0.02, 1))
-    stain, trowel = noise(rng, 1.7, first=6), noise(rng, 1.8, first=14)
-    sand, (pit, _, _) = noise(rng, 0.5, first=90), cells(rng, 110)
-    pore = np.exp(-((pit / 0.2) ** 2)) * (noise(rng, 1.4, first=12) > 0.7)
+    ragged = noise(rng, 1.2, first=24).clip(-2, 2)
+    edge = edge + 0.0016 * ragged
+    joint = np.exp(-((edge.clip(0) / 0.0072) ** 2))
+    # Feet and wheels have rounded the edges.
+    shoulder = np.clip((edge - 0.005) / 0.026, 0, 1)
+    shoulder = shoulder * (2 - shoulder)
+    dirt = np.exp(-edge.clip(0) / (0.02 + 0.012 * noise(rng, 1.6, first=10).clip(-1, 3)))
+    stain, hewn = noise(rng, 1.7, first=6), noise(rng, 1.5, first=18)
+    sand, (pit, _, _) = noise(rng, 0.5, first=90), cells(rng, 90)
+    pore = np.exp(-((pit / 0.2) ** 2)) * (noise(rng, 1.4, first=12) > 0.5)
     first, second, _ = cells(rng, 3, warp=0.4)
-    crack = np.exp(-(((second - first) / 0.006) ** 2)) * (noise(rng, 1.9, first=4) > 0.9)
-    tone = rng.normal(0, 0.085, (across, across))[row, column]
-    warm = rng.normal(0, 0.12, (across, across))[row, column]
-    shade = 1 + tone + 0.055 * stain + 0.03 * trowel + 0.05 * sand - 0.16 * dirt
-    shade = shade * (1 - 0.7 * joint) * (1 - 0.45 * pore) * (1 - 0.6 * crack)
-    relief = 0.0016 * trowel + 0.0002 * sand - 0.006 * joint - 0.001 * pore - 0.0015 * crack
+    crack = np.exp(-(((second - first) / 0.007) ** 2)) * (noise(rng, 1.9, first=4) > 1.0)
+    tone = rng.normal(0, 0.06, (across, across))[row, column]
+    warm = rng.normal(0, 0.18, (across, across))[row, column]
+    shade = 1 + tone + 0.05 * stain + 0.045 * hewn + 0.05 * sand - 0.16 * dirt
+    shade = shade * (1 - 0.62 * joint) * (1 - 0.4 * pore) * (1 - 0.55 * crack)
+    relief = 0.0007 * hewn + 0.0002 * sand + 0.0034 * shoulder - 0.0008 * pore - 0.001 * crack
     # A joint has the hue of neither slab, so that no step lies in it.
-    warmth = warm * (1 - joint) + 0.3 * dirt + 0.15 * stain
+    warmth = warm * (1 - joint) + 0.35 * dirt + 0.15 * stain
     return shade.clip(0.1, 1.8), warmth.clip(-1, 1), relief, size
 
 

@@ -8,15 +8,18 @@ from numpy.typing import NDArray
 from render.config import Material
 from render.textures import Plane, patches, tile
 from render.textures.layers import (
+    CALM,
     FIRST_LAYER,
     LARGE_PATCHES,
     PATCH_CONTRAST,
     PATCHES,
+    RIPPLED,
+    RIPPLED_MOST,
     SECOND_LAYER,
     Layer,
 )
 
-RELIEFS = frozenset({"soil", "sand", "snow", "rock", "gravel", "mud", "grass"})
+RELIEFS = frozenset({"soil", "sand", "snow", "rock", "gravel", "mud", "grass", "moss"})
 """Patterns that are seen as uneven ground."""
 
 
@@ -51,6 +54,8 @@ def ground_relief(
         second = _sampled(plane, places / size, SECOND_LAYER)
         # At constant variance, as slopes are mixed.
         heights = ((1.0 - share) * heights + share * second) / np.hypot(share, 1.0 - share)
+        if material.texture in RIPPLED:
+            heights *= CALM + (1.0 - CALM) * RIPPLED_MOST * share
     return np.asarray(material.bump * size / drawn.size * heights)
 
 

@@ -28,3 +28,9 @@ BODY_PATCHES = Layer(1.7, 19.0)
 
 PATCH_CONTRAST = 0.8
 """Weight of patches of each size."""
+
+RIPPLED = frozenset({"sand"})
+"""Patterns of ripples, which are strong in patches of the second colour and faint between them."""
+
+CALM, RIPPLED_MOST = 0.2, 1.5
+"""Strength of ripples between those patches, and by how much they are stronger in the middle."""

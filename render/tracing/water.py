@@ -42,12 +42,19 @@ _LEAST_ROUGHNESS = 6e-4
 _FOAM_CALM, _FOAM_PER_HEIGHT = 0.011, 3.0
 """Depth in which foam lies at a shore [m], and relative to the mean height of the waves."""
 
-_FOAM_SHARE, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.1, 16.0, 0.85, 0.6
+_FOAM_SHARE, _SHARE_PER_HEIGHT, _FOAM_MOST, _FOAM_ALBEDO = 0.0, 16.0, 0.85, 0.6
 """Share of the surface that foam hides where it is thick: on calm water, for each metre of the
 mean height of waves, and at most; and share of light that foam sends back."""
 
 _FOAM_CELLS = (0.31, 0.083)
 """Widths of patches and of bubbles of foam [m]."""
+
+_SHAFT_STEPS, _SHAFT_REACH, _SHAFT_WIDTH, _SHAFT_DEPTH = 9, 11.0, 0.8, 4.0
+"""Number of places along a ray at which shafts of light are looked at, how far the last is, how
+wide shafts are, and the depth at which 1/e of them is left [m]."""
+
+_SHAFT_DARK, _SHAFT_MEAN = 0.42, 0.5
+"""Light between shafts relative to the mean, and the root of the mean square of their pattern."""
 
 _OPAQUE = 12.0
 """Optical depth from which water lets nothing more be seen."""
@@ -97,6 +104,8 @@ class Water:
         foam_most: share of the surface that foam hides where it is thick.
         pixel: width of a pixel at a distance of 1 m [m].
         mean_focus: mean of the light pattern at some depths, by which it is divided.
+        shafts: unit vector under water towards the key light whose shafts a camera below the
+            surface sees; None without any.
     """
 
     waves: tuple[tuple[float, float, float, float], ...]
@@ -109,6 +118,7 @@ class Water:
     foam_most: mi.Float
     pixel: mi.Float
     mean_focus: tuple[float, ...]
+    shafts: mi.Vector3f | None = None
 
     @staticmethod
     def of(surface: WaterSurface, downwelling: Any, time: float = 0.0) -> Water:
@@ -211,7 +221,37 @@ class Water:
         depth = dr.maximum(self.level - origin.y, 0.0)
         along = 1.0 - _SUNK * direction.y
         filled = 1.0 - dr.exp(-self.extinction * along * dr.minimum(distance, FAR))
-        return self.glow * dr.exp(-_SUNK * self.extinction * depth) * filled / along
+        light = self.glow * dr.exp(-_SUNK * self.extinction * depth) * filled / along
+        if self.shafts is not None:
+            light *= self._shaft_share(self.shafts, origin, direction, distance)
+        return light
+
+    def show_shafts(self, to_light: Any) -> None:
+        """Let a camera below the surface see shafts of a key light in this direction in air."""
+        x, y, z = (float(part) / REFRACTIVE_INDEX for part in to_light)
+        flat = x * x + z * z
+        parts = (x, math.sqrt(1.0 - flat) if y > 0.0 else 1.0, z)
+        self.shafts = mi.Vector3f(*(dr.opaque(mi.Float, part) for part in parts))
+
+    def _shaft_share(self, light: Any, origin: Any, direction: Any, distance: Any) -> Any:
+        """Return the light in shafts along rays, relative to the mean.
+
+        Waves gather light into bundles that lean as the refracted key light does; a ray that goes
+        along them stays in one, others meet many.
+        """
+        total, whole = mi.Float(0.0), mi.Float(1e-6)
+        drift = 0.12 * self.phases[-1] if self.phases else mi.Float(0.0)
+        for k in range(_SHAFT_STEPS):
+            at = _SHAFT_REACH * ((k + 0.5) / _SHAFT_STEPS) ** 1.5
+            p = origin + at * direction
+            up = (self.level - p.y) / light.y
+            x, z = (p.x + up * light.x) / _SHAFT_WIDTH, (p.z + up * light.z) / _SHAFT_WIDTH
+            bundle = noise2(x + drift, z, 83) * (0.4 + noise2(3.1 * x, 3.1 * z + drift, 84))
+            deep = dr.exp(-dr.maximum(self.level - p.y, 0.0) / _SHAFT_DEPTH)
+            weight = dr.select(at < distance, 1.0, 0.0) * (k + 0.5) ** 0.5 * deep
+            total = dr.fma(weight, dr.square(bundle / _SHAFT_MEAN), total)
+            whole += weight
+        return _SHAFT_DARK + (1.0 - _SHAFT_DARK) * total / whole
 
     def along(self, origin: Any, direction: Any, distance: Any) -> Any:
         """Return the share of light that passes straight segments, partly under water."""

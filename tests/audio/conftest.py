@@ -25,21 +25,44 @@ class Smf:
 
     Attributes:
         division: ticks a beat.
-        tracks: of (tick, status, data); a meta event has status 0xFF00 + type.
+        tracks: of (tick, status, data); a meta event has status 0xFF00 + type, a system exclusive
+            message 0xF000.
     """
 
     division: int
     tracks: list[list[tuple[int, int, bytes]]] = field(default_factory=list)
 
     @property
-    def tempo(self) -> int:
-        """Microseconds a beat; fails for more than one tempo."""
-        (tempo,) = [data for track in self.tracks for _, kind, data in track if kind == 0xFF51]
-        return int.from_bytes(tempo)
+    def tempos(self) -> list[tuple[int, int]]:
+        """Ticks and microseconds a beat of all tempo events."""
+        return [
+            (tick, int.from_bytes(data))
+            for track in self.tracks
+            for tick, kind, data in track
+            if kind == 0xFF51
+        ]
+
+    @property
+    def meters(self) -> list[tuple[int, int, int]]:
+        """Tick, beats and unit of all time signatures."""
+        return [
+            (tick, data[0], 2 ** data[1])
+            for track in self.tracks
+            for tick, kind, data in track
+            if kind == 0xFF58
+        ]
 
     def seconds(self, tick: int) -> Fraction:
         """Return the exact time of a tick."""
-        return Fraction(tick * self.tempo, self.division * 1_000_000)
+        (first, *later), time = self.tempos, 0
+        assert first[0] == 0
+        now, tempo = first
+        for start, following in later:
+            if start >= tick:
+                break
+            time += (start - now) * tempo
+            now, tempo = start, following
+        return Fraction(time + (tick - now) * tempo, self.division * 1_000_000)
 
     def texts(self, kind: int) -> list[tuple[int, str]]:
         """Return the texts of one meta type, of all tracks."""
@@ -51,7 +74,7 @@ class Smf:
             (tick, status & 15, data[0], data[1])
             for track in self.tracks
             for tick, status, data in track
-            if status & 0xF0 == 0x90 and status < 0xFF00 and data[1] > 0
+            if status & 0xF0 == 0x90 and status < 0xF000 and data[1] > 0
         )
 
     def played(self) -> list[tuple[int, int, bytes]]:
@@ -84,6 +107,12 @@ def _track(data: bytes) -> list[tuple[int, int, bytes]]:
             kind = 0xFF00 + data[at + 1]
             size, at = _length(data, at + 2)
             events.append((tick, kind, data[at : at + size]))
+            at += size
+            running = 0
+            continue
+        if data[at] == 0xF0:
+            size, at = _length(data, at + 1)
+            events.append((tick, 0xF000, data[at : at + size]))
             at += size
             running = 0
             continue
@@ -137,31 +166,52 @@ _END = 0xFF2F
 def _laws(smf: Smf, frames: int, rate: Any, drums: bool = False) -> None:
     """Assert the invariants of every file: length, no overlapping notes, ends at the last frame."""
     end = smf.tracks[0][-1][0]
-    assert smf.seconds(end) == frames / rate
+    # Whole microseconds a beat, and before bar 1 the nearest tick.
+    assert abs(smf.seconds(end) - frames / rate) <= 1e-5 + smf.seconds(1) / 2
     for track in smf.tracks:
         assert [tick for tick, kind, _ in track if kind == _END] == [end]
         assert track[-1][1] == _END
-    sounding: dict[tuple[int, int], int] = {}
-    values: dict[tuple[int, int], bytes] = {}
-    for tick, status, data in smf.played():
-        kind, key = status & 0xF0, (status & 15, data[0] if data else 0)
-        if status >= 0xFF00:
+    sounding: dict[tuple[int, int, int], int] = {}
+    programs: set[tuple[int, int]] = set()
+    resets: set[int] = set()
+    values: dict[tuple[int, int, int], bytes] = {}
+    for tick, port, status, data in _by_port(smf):
+        kind, channel = status & 0xF0, status & 15
+        if status == 0xF000:
+            assert (tick, data) == (0, b"\x7e\x7f\x09\x01\xf7"), "GM System On"
+            resets.add(port)
+        if status >= 0xF000:
             continue
+        assert port in resets, "a port that is not reset at the start"
+        key = port, channel, data[0]
         if kind == 0x90:
             assert key not in sounding, "a note that sounds already"
             sounding[key] = tick
         elif kind == 0x80:
             assert tick > sounding.pop(key), "shorter than a tick"
-        else:
-            held = [key for key in sounding if key[0] == status & 15]
-            is_curve = kind == 0xE0 or (kind == 0xB0 and data[0] == 11)
-            controller = status, data[0] if kind == 0xB0 else -1
-            # A track may repeat a value that holds already.
-            if values.get(controller) != data:
-                assert len(held) <= is_curve, "a change under sounding notes"
+        elif kind == 0xC0:
+            assert (port, channel) not in programs, "a program that changes"
+            assert tick == 0
+            programs.add((port, channel))
+        elif kind == 0xE0 or (kind == 0xB0 and data[0] == 11):
+            controller = port, status, data[0] if kind == 0xB0 else -1
+            held = [each for each in sounding if each[:2] == (port, channel)]
+            assert values.get(controller) == data or len(held) <= 1, "a bend of several notes"
             values[controller] = data
-        assert drums or status & 15 != 9, "the channel of drums"
+        assert drums or channel != 9, "the channel of drums"
     assert not sounding, "a note without an end"
+
+
+def _by_port(smf: Smf) -> list[tuple[int, int, int, bytes]]:
+    """Return (tick, port, status, data) of all events in playing order."""
+    events = []
+    for index, track in enumerate(smf.tracks):
+        (port,) = [data[0] for _, kind, data in track if kind == 0xFF21] or [0]
+        events += [
+            (tick, index, place, port, status, data)
+            for place, (tick, status, data) in enumerate(track)
+        ]
+    return [(tick, port, status, data) for tick, _, _, port, status, data in sorted(events)]
 
 
 @pytest.fixture(scope="session")

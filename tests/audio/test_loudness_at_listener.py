@@ -130,14 +130,15 @@ def test_another_reader_finds_pan_and_reverb_in_the_score(step, score_of):
     sound = {"reverb": 1.0, "voices": [{"pan": 1}]}
     tracks = symusic.Score.from_midi(midi_bytes(score_of(events, sound=sound))).tracks
     told = sorted((c.time, c.number, c.value) for track in tracks for c in track.controls)
-    assert [value for _, number, value in told if number == 91] == [0, 96, 127]
+    assert [value for _, number, value in told if number == 91] == [1, 91, 127]
     assert {value for _, number, value in told if number == 10} == {127}
 
 
-def test_a_walk_past_the_camera_needs_three_reverb_values(step, score_of):
+def test_a_walk_past_the_camera_is_reverberated_more_and_more(step, score_of):
     events = [step(i + 1, distance=1 + i / 2) for i in range(40)]
     data = midi_bytes(score_of(events, 48))
     reverbs = [
         c.value for t in symusic.Score.from_midi(data).tracks for c in t.controls if c.number == 91
     ]
-    assert set(reverbs) == {0, 32, 64}
+    assert reverbs == sorted(set(reverbs))
+    assert len(reverbs) >= 20

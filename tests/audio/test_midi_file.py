@@ -105,7 +105,6 @@ def test_five_thousand_events_in_two_seconds_are_all_accounted_for(
     assert len(report.losses.merged) > 0
     assert sum(report.merged_by_frame.values()) == len(report.losses.merged)
     assert {tick for tick, *_ in smf.onsets()} == {40 * i for i in range(48)}
-    assert report.losses.pan_changed > 0
     assert report.notes == len(smf.onsets()) == 5000 - len(report.losses.merged)
     read = symusic.Score.from_midi(path.read_bytes())
     assert sum(len(track.notes) for track in read.tracks) == report.notes
@@ -128,7 +127,7 @@ def test_each_performer_has_one_track_with_its_own_notes(step, score_of, read_sm
     happened = [step(1, who="b"), step(2, who="a"), step(3, who="b", part="foot_l2")]
     smf = read_smf(midi_bytes(score_of(happened)))
     named = {
-        track[0][2].decode(): sum(s & 0xF0 == 0x90 for _, s, _ in track if s < 0xFF00)
+        track[0][2].decode(): sum(s & 0xF0 == 0x90 for _, s, _ in track if s < 0xF000)
         for track in smf.tracks
     }
     assert named == {"score": 0, "a": 1, "b": 2}
@@ -138,7 +137,7 @@ def test_tracks_by_cause_on_request(step, score_of, read_smf):
     happened = [step(1, who="b"), step(2, who="a"), step(3, who="b", cause="collision")]
     smf = read_smf(midi_bytes(score_of(happened, sound={"tracks": "cause"})))
     assert [text for _, text in smf.texts(NAME)] == ["score", "collision", "footfall"]
-    strikes = [sum(s & 0xF0 == 0x90 for _, s, _ in t if s < 0xFF00) for t in smf.tracks]
+    strikes = [sum(s & 0xF0 == 0x90 for _, s, _ in t if s < 0xF000) for t in smf.tracks]
     assert strikes == [0, 1, 2]
 
 
@@ -201,7 +200,7 @@ def _struck(smf):
     program, pan, struck = {}, {}, []
     for _, status, data in smf.played():
         channel = status & 15
-        if status >= 0xFF00:
+        if status >= 0xF000:
             continue
         if status & 0xF0 == 0xC0:
             program[channel] = data[0]
@@ -220,7 +219,7 @@ def test_each_note_has_its_own_program_and_pan(step, score_of, read_smf):
         step(5, who="a", material="oak", azimuth=0.5),
     ]
     smf = read_smf(midi_bytes(score_of(happened)))
-    assert _struck(smf) == [(108, 0), (11, 64), (8, 127), (12, 96)]
+    assert _struck(smf) == [(108, 0), (11, 64), (8, 127), (12, 95)]
 
 
 def test_pan_follows_the_azimuth(step, score_of, read_smf):
@@ -281,12 +280,11 @@ def test_a_score_without_length_or_rate_is_refused(score_of, frames, rate):
         midi_bytes(score_of(frames=frames, rate=rate))
 
 
-def test_the_longest_gap_of_the_format_is_written_and_a_longer_one_refused(score_of, read_smf):
+def test_a_silence_longer_than_a_gap_of_the_format_is_written_in_parts(score_of, read_smf):
     longest = (2**28 - 1) // 40
-    smf = read_smf(midi_bytes(score_of(frames=longest)))
-    assert smf.tracks[0][-1][0] == longest * 40
-    with pytest.raises(ScoreError, match="ticks without an event"):
-        midi_bytes(score_of(frames=longest + 1))
+    for frames in (longest, 3 * longest):
+        smf = read_smf(midi_bytes(score_of(frames=frames)))
+        assert smf.tracks[0][-1][0] == frames * 40
 
 
 def test_an_equal_file_keeps_its_time_stamp_and_a_different_one_is_replaced(

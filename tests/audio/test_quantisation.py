@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from audio.beat_clock import beat_clock
 from audio.config.quantisation import GRIDS, Quantisation, beats_of_grid
 from audio.midi_file import midi_bytes, write_midi
 from audio.notes import arrange, notes_of
@@ -91,9 +92,10 @@ def test_quantised_onsets_satisfy_the_definition_of_the_grid(
     step, score_of, rate, tempo, grid, frame, strength, swing, mode, offset
 ):
     config = Quantisation(grid=grid, strength=strength, swing=swing, mode=mode, offset=offset)
-    score = score_of(frames=50, rate=rate, sound={"tempo_bpm": tempo})
+    score = score_of(frames=50, rate=rate)
     onset = Fraction(frame - 1) / rate
-    drawn = quantise(onset, config, score)
+    clock = beat_clock(Fraction(str(tempo)), Fraction(str(offset)))
+    drawn = quantise(onset, config, score, clock)
     assert (drawn * rate).denominator == 1
     assert 0 <= drawn < 50 / rate
     pair = 2 * 60 / Fraction(str(tempo)) * beats_of_grid(grid)
@@ -120,10 +122,12 @@ def test_quantised_midi_is_on_frames_and_the_sound_follows(
     report = write_midi(score, tmp_path / "score.mid")
     smf = read_smf((tmp_path / "score.mid").read_bytes())
     check_laws(smf, 60, rate)
-    at = {smf.seconds(tick) for tick, *_ in smf.onsets()}
-    assert at == {note.onset for note in notes_of(score)}
+    grid = arrange(score).plan.grid
+    ticks = {tick for tick, *_ in smf.onsets()}
+    at = {note.onset for note in notes_of(score)}
+    assert ticks == {grid.tick_at(time) for time in at} == {tick for tick, _ in smf.texts(0xFF07)}
     assert all((time * rate).denominator == 1 for time in at)
-    assert {smf.seconds(tick) for tick, _ in smf.texts(0xFF07)} == at
+    assert all(abs(smf.seconds(tick) - grid.seconds(tick)) <= 1e-5 for tick in ticks)
     assert report.shifts.moved > 0
     write_wav(score, tmp_path / "score.wav")
     sound = abs(read_wav(tmp_path / "score.wav")).max(axis=1)

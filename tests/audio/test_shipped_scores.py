@@ -10,10 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import mido
+import numpy as np
 import pytest
 import symusic
 
 from audio.midi_file import write_midi
+from audio.notes import notes_of
+from audio.tempo_plan import tempo_plan
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
@@ -73,18 +76,49 @@ def test_every_note_of_a_shipped_scene_is_on_its_frame(
         assert len(ticks) == report.notes == events + report.added - len(report.losses.merged)
         cues = {tick for tick, _ in smf.texts(0xFF07)}
         assert cues <= set(ticks)
-        assert all((smf.seconds(tick) * rate).denominator == 1 for tick in ticks)
+        grid = tempo_plan(replace(score, rate=rate)).grid
+        frames = {grid.tick(frame): frame for frame in range(1, score.frames + 1)}
+        assert set(ticks) <= set(frames)
+        after = [tick for tick in ticks if tick >= grid.bar_line]
+        assert all((grid.seconds(tick) * rate).denominator == 1 for tick in after)
+        assert all(abs(smf.seconds(tick) - grid.seconds(tick)) <= 1e-5 for tick in ticks)
         if not report.added:
             assert cues == set(ticks)
         if not (report.muted or report.added or scene.sound.quantise):
-            shown = {(event.frame - 1) / rate for event in score.events}
-            assert {smf.seconds(tick) for tick in ticks} == shown
+            shown = {event.frame for event in score.events}
+            assert {frames[tick] for tick in ticks} == shown
     exact = replace(score, subframe=True)
     write_midi(exact, path)
     smf = read_smf(path.read_bytes())
     check_laws(smf, score.frames, score.rate, drums)
     if not (report.muted or scene.sound.quantise):
         times = sorted(event.time for event in score.events)
-        cues_at = [smf.seconds(at) for at, _ in smf.texts(0xFF07)]
+        grid = tempo_plan(exact).grid
+        cues_at = [grid.seconds(at) for at, _ in smf.texts(0xFF07)]
         off = [abs(cue - time) for cue, time in zip(cues_at, times, strict=True)]
-        assert max(off, default=0) <= smf.seconds(1) / 2
+        coarsest = min(span.ticks_per_frame for span in grid.spans)
+        assert max(off, default=0) <= 1 / (2 * coarsest * score.rate)
+
+
+DANCES = ("drummer", "clapping", "macarena")
+"""Scenes whose events are meant on beats."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [24, 25, "24000/1001"])
+@pytest.mark.parametrize("name", DANCES)
+def test_touches_of_a_dance_are_on_the_beats_of_the_file(name: str, rate: Any) -> None:
+    scene = load_scene(library() / (name + SUFFIX), [f"fps={rate}"])
+    take = simulate(scene)
+    score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
+    plan = tempo_plan(score)
+    (member, *_) = [member for _, member in scene.dancers]
+    assert plan.clock.spans[0].time == Fraction(str(member.start))
+    assert abs(plan.grid.seconds(plan.grid.bar_line) - plan.clock.spans[0].time) <= 1 / score.rate
+    onsets = [note.onset for note in notes_of(score)]
+    near = np.abs(plan.grid_distances(onsets, Fraction(1)))
+    # Hands touch others and themselves between the beats, too.
+    meant = near[near <= 1]
+    assert len(meant) >= len(onsets) / 2
+    # To the resolution of the bar line.
+    assert (meant <= 0.5 + 1 / 40).mean() >= 0.95

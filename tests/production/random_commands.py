@@ -86,7 +86,7 @@ SETS = {"frames": FRAMES, "size": SIZES, "sets": ASSIGNMENTS, "layers": LAYERS}
 COSTLY = 0.25
 """Share of the draws of commands that render or wait which are kept."""
 
-CHEAP = {"check", "schema", "new", "simulate", "midi", "list", "jumps", "verify", "effort"}
+CHEAP = {"check", "schema", "new", "simulate", "midi", "list", "jumps", "verify", "effort", "cuts"}
 """Commands that end at once."""
 
 

@@ -314,9 +314,9 @@ def test_colours_of_needles_are_numbers(renderer: Renderer, make_shot: Make) -> 
     assert np.isfinite(layers.indirect_albedo).all()
 
 
-@pytest.mark.parametrize(("pattern", "across"), [("slabs", (4, 4)), ("tiles", (6, 6))])
+@pytest.mark.parametrize(("pattern", "across"), [("slabs", 4), ("tiles", 6)])
 def test_slabs_show_other_slabs_of_the_tile_and_their_own_tones(
-    renderer: Renderer, pattern: str, across: tuple[int, int]
+    renderer: Renderer, pattern: str, across: int
 ) -> None:
     del renderer
     import mitsuba as mi
@@ -328,20 +328,42 @@ def test_slabs_show_other_slabs_of_the_tile_and_their_own_tones(
     u, v = (mi.Float(p) for p in places)
     piece = laid(pattern, u, v, mi.UInt32(0), {})
     found = np.array([piece.u, piece.v])
-    count = np.array(across)[:, None]
-    # The place within a slab stays, so that joints meet.
-    np.testing.assert_allclose((found * count) % 1.0, (places * count) % 1.0, atol=2e-3)
-    numbers = np.floor(places * count)
-    tone = np.array(piece.tone)
-    one = {tuple(n): t for n, t in zip(numbers.T, tone, strict=True)}
-    assert all(abs(one[tuple(n)] - t) < 1e-6 for n, t in zip(numbers.T, tone, strict=True))
-    assert 0.02 < np.std(list(one.values())) < 0.2
-    shown = np.floor(found * count)
+    # The place within a course stays, so that its joints meet.
+    np.testing.assert_allclose((found[1] * across) % 1.0, (places[1] * across) % 1.0, atol=2e-3)
+    assert 0.02 < np.std(np.array(piece.tone)) < 0.2
+    shown = np.floor(found * across)
     assert (shown >= 0).all()
-    assert (shown < count).all()
-    assert len({tuple(n) for n in shown.T}) == across[0] * across[1]
+    assert (shown < across).all()
+    assert len({tuple(n) for n in shown.T}) == across**2
     far = laid(pattern, u, v, mi.UInt32(9), {})
     np.testing.assert_allclose(np.array(far.tone), 1.0)
+
+
+@pytest.mark.parametrize(("pattern", "across"), [("slabs", 4), ("tiles", 6)])
+def test_slabs_end_at_other_places_in_each_course(
+    renderer: Renderer, pattern: str, across: int
+) -> None:
+    del renderer
+    import mitsuba as mi
+
+    from render.surfaces.laid_pieces import laid
+
+    u = np.linspace(0.0, 24.0 / across, 4800)
+    rows = (np.arange(12) + 0.5) / across
+    places = np.stack(np.meshgrid(u, rows)).reshape(2, -1)
+    piece = laid(pattern, *(mi.Float(p) for p in places), mi.UInt32(0), {})
+    tone, along = (np.array(a).reshape(len(rows), -1) for a in (piece.tone, piece.u))
+    changes = np.abs(np.diff(tone, axis=1)) > 1e-4
+    ends = [u[np.flatnonzero(row)] * across for row in changes]
+    lengths = np.concatenate([np.diff(row) for row in ends])
+    assert lengths.min() > 0.5
+    if pattern == "slabs":
+        # Of mixed lengths; each begins and ends at the joints of the slab that it shows.
+        assert np.ptp(lengths) > 0.6
+        joint = np.abs((along * across + 0.5) % 1.0 - 0.5)
+        assert joint[:, 1:][changes].max() < 0.03
+    firsts = np.array([row[0] % 1.0 for row in ends])
+    assert np.ptp(firsts) > 0.3
 
 
 def test_boards_end_at_other_places_in_each_row(renderer: Renderer) -> None:

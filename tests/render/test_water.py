@@ -140,3 +140,23 @@ def test_foam_lies_in_the_shallows_and_more_of_it_where_waves_break(renderer: Re
     assert mean("rough", 0.0) > 0.1 > mean("calm", 0.0) > 0.0
     assert mean("rough", 0.05) > 0.02 > mean("calm", 0.05)
     assert mean("rough", 2.0) == 0.0
+
+
+def test_shafts_of_light_lean_with_the_refracted_sun_and_keep_the_mean(renderer: Renderer) -> None:
+    import mitsuba as mi
+
+    from render.tracing.water import Water as Optics
+
+    optics = Optics.of(surface(preset="lagoon", level=3.0), np.ones(3), 0.4)
+    angle = np.random.default_rng(4).random(4000) * 2.0 * np.pi
+    ways = mi.Vector3f(mi.Float(np.cos(angle)), mi.Float(0.0 * angle), mi.Float(np.sin(angle)))
+    origins = mi.Point3f(mi.Float(40.0 * angle), mi.Float(0.0 * angle + 1.0), mi.Float(0.0))
+    plain = np.array(optics.scattered(origins, ways, mi.Float(20.0)))
+    optics.show_shafts((0.6, 0.8, 0.0))
+    assert optics.shafts is not None
+    assert float(np.array(optics.shafts.x).item()) == pytest.approx(0.6 / 1.33, rel=0.01)
+    shown = np.array(optics.scattered(origins, ways, mi.Float(20.0)))
+    share = (shown / plain).ravel()
+    assert share.min() > 0.3
+    assert share.mean() == pytest.approx(1.0, abs=0.35)
+    assert share.std() > 0.1

@@ -174,8 +174,8 @@ ONE_MISTAKE = [
      "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
      "the text 'hils'; did you mean 'hills'?"),
     ("terrain: hills", "terrain: {kind: flat, edging: §hegde}", "terrain.edging",
-     "must be 'auto', 'hedge', 'wall', 'railing', 'planters', 'houses', 'house', 'school', "
-     "'overgrown', 'room' or 'none', is the text 'hegde'; did you mean 'hedge'?"),
+     "must be 'auto', 'hedge', 'wall', 'fence', 'railing', 'planters', 'houses', 'house', "
+     "'school', 'overgrown', 'room' or 'none', is the text 'hegde'; did you mean 'hedge'?"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §medow}", "terrain.scatter",
      "no scatter is called 'medow', did you mean 'meadow'? `pronk list scatter` has all 20"),
     ("terrain: hills", "terrain: {kind: flat, scatter: §fern}", "terrain.scatter",
@@ -246,6 +246,16 @@ ONE_MISTAKE = [
     ("terrain: hills", "camera: {view: §sid}", "camera.view",
      "must be 'three-quarter', 'side', 'front', 'back' or 'top', is the text 'sid'; "
      "did you mean 'side'?"),
+    ("terrain: hills", "camera: {view: §400}", "camera.view", "must be at most 360, is 400"),
+    ("terrain: hills", "camera: §atuo", "camera", "no camera is called 'atuo', did you mean "
+     "'auto'? Others are mappings, such as {follow: bug}"),
+    ("terrain: hills", "camera: {auto: §clam}", "camera.auto",
+     "must be 'calm', 'natural' or 'quick', is the text 'clam'; did you mean 'calm'?"),
+    ("terrain: hills", "camera: §{auto: true, view: side}", "camera",
+     "`auto` conflicts with `view`; a director decides them, remove one"),
+    ("terrain: hills", "camera: {auto: true, follow: §bgu}", "camera.follow",
+     "nobody in the cast is called 'bgu', did you mean 'bug'?"),
+    ("terrain: hills", "camera: {handheld: §2}", "camera.handheld", "must be at most 1, is 2"),
     ("{speed: 0.5}", "{gait: §trto}", "cast[0].walk.gait",
      "must be 'auto', 'trot', 'wave', 'tripod', 'ripple', 'walk', 'amble', 'pace', 'canter', "
      "'transverse gallop', 'rotary gallop', 'bound', 'run', 'hop' or 'skip', is the text 'trto'; "

@@ -15,6 +15,7 @@ from pipeline.production.camera.auto_framing import AutoFraming, lead_offset
 from pipeline.production.camera.camera_path import CameraPath, smoothed
 from pipeline.production.camera.camera_target import CameraTarget, follow
 from pipeline.production.camera.clearance import Clearance, VisibleGround
+from pipeline.production.camera.handheld import shaken
 from pipeline.production.camera.keyframed_camera import animated_path, fields_of_view, has_direction
 from pipeline.production.camera.lens import lenses
 from pipeline.production.camera.moves import CameraMoves
@@ -88,6 +89,7 @@ def filmed_cuts(
         seconds = float(shown[-1] / header.rate) - camera.start
         cut = _Cut(visibility, camera, rows, seconds, mount, nodes or {}, aspect)
         path, place, turn = _path(cut)
+        path = shaken(path, cut.times, camera.handheld, header.seed)
         poses = path.poses(lenses(take, camera, rows, path, place, cut.nodes))
         filmed.append(FilmedCut(tuple(poses), turn))
     return filmed
@@ -157,6 +159,8 @@ class _Cut:
 
 def _path(cut: _Cut) -> tuple[CameraPath, Array, ViewTurn | None]:
     """Return the camera path of a cut, what it looks at before lead room (F, 3), and its turn."""
+    if cut.camera.auto is not None:
+        raise ValueError("a director has to decide the cuts of this camera first")
     if cut.camera.is_animated:
         return *_animated(cut), None
     if cut.camera.at is not None:
@@ -165,20 +169,37 @@ def _path(cut: _Cut) -> tuple[CameraPath, Array, ViewTurn | None]:
 
 
 def _framed(cut: _Cut) -> tuple[CameraPath, Array, ViewTurn | None]:
+    framing = _framing(cut)
+    path, turn = clear_path(framing, cut.visibility, cut.rows)
+    return path, framing.target, turn
+
+
+def automatic_framing(
+    visibility: Visibility, camera: Camera, rows: NDArray[np.int64], aspect: float
+) -> AutoFraming:
+    """Return the framing of a cut without moves, before its view is turned.
+
+    Args:
+        visibility: of the take that is filmed.
+        camera: configuration of the cut.
+        rows: (F,) of its frames.
+        aspect: width by height of the frame.
+    """
+    return _framing(_Cut(visibility, camera, rows, 0.0, -1, {}, aspect))
+
+
+def _framing(cut: _Cut) -> AutoFraming:
     camera, followed = cut.camera, cut.follow()
     look_at = cut.look_at
-    target = followed.place if look_at is None else look_at
-    framing = AutoFraming(
+    return AutoFraming(
         cut=camera,
         followed=followed,
-        target=target,
+        target=followed.place if look_at is None else look_at,
         moves=CameraMoves.of(camera, followed.heading, cut.times - camera.start, cut.seconds),
         clearance=Clearance.of(cut.take, cut.ground, followed, cut.rows),
         aspect=cut.aspect,
         fov_deg=fields_of_view(camera, cut.times),
     )
-    path, turn = clear_path(framing, cut.visibility, cut.rows)
-    return path, target, turn
 
 
 def _standing(cut: _Cut) -> tuple[CameraPath, Array]:

@@ -24,8 +24,18 @@ VIEW_ANGLES: dict[View, tuple[float, float]] = {
 ORBIT_SPEED_DEG = 12.0
 """Default speed of an orbit [degrees/s]."""
 
+VIEW_ELEVATION_DEG = 10.0
+"""Elevation of a view by angle [degrees]."""
+
 MAX_ELEVATION = math.radians(85.0)
 """Highest elevation of an orbit; straight above, the frame has no upward direction [rad]."""
+
+
+def view_angles(view: View | float | None) -> tuple[float, float]:
+    """Return azimuth and elevation of a view by name or by angle [degrees]."""
+    if isinstance(view, float | int):
+        return float(view), VIEW_ELEVATION_DEG
+    return VIEW_ANGLES[view or "three-quarter"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +74,7 @@ class CameraMoves:
             since: (F,) time since its start [s].
             seconds: its duration [s].
         """
-        azimuth, elevation = (
-            math.radians(angle) for angle in VIEW_ANGLES[cut.view or "three-quarter"]
-        )
+        azimuth, elevation = (math.radians(angle) for angle in view_angles(cut.view))
         if cut.elevation_deg is not None:
             elevation = math.radians(cut.elevation_deg)
         turned, risen = _orbit(cut.orbit, since, seconds)

@@ -8,16 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.edging import room
+from pipeline.production.edging import furniture, room, stonework
 from pipeline.production.edging.apron import Apron
-from pipeline.production.edging.border import Border
+from pipeline.production.edging.border import Border, Height
 from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
+from pipeline.production.edging.fence import stand_fence
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
-from pipeline.production.edging.house import MATERIALS_OF_HOUSES
+from pipeline.production.edging.house_materials import MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
-from pipeline.production.edging.street import row_of_houses, single_house
+from pipeline.production.edging.square import furnish
+from pipeline.production.edging.street import PAVEMENT, row_of_houses, single_house
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import gathered_meshes
 from pipeline.production.scenery.film_view import FilmView
@@ -31,17 +33,30 @@ from render.shot import Mesh
 BUILT = ("iron", "dark soil", *room.BUILT)
 """Materials of what is built along floors."""
 
-WALL = Material.model_validate(
-    {
-        "color": "#c9c3a4",
-        "color2": "#c3bc9b",
-        "roughness": 0.95,
-        "texture": "plaster",
-        "texture_scale": 1.0,
-        "bump": 0.6,
-    }
-)
-"""Of the walls of rooms."""
+
+def _painted(color: str) -> Material:
+    """Return the material of walls, smooth and dull."""
+    values = {"color": color, "roughness": 0.95, "texture": "plaster", "texture_scale": 0.7}
+    return Material.model_validate({**values, "bump": 0.12})
+
+
+def _wool(color: str, second: str) -> Material:
+    """Return the material of a rug, with its pile."""
+    values = {"color": color, "color2": second, "roughness": 0.95, "texture": "fur"}
+    return Material.model_validate({**values, "texture_scale": 0.3, "bump": 0.9})
+
+
+MATERIALS_OF_ROOMS: Mapping[str, Material] = {
+    "wall": _painted("#e3d7bb"),
+    "wall sage": _painted("#c3cbb4"),
+    "wall blue": _painted("#b9c6cf"),
+    "panelling": Material.model_validate({"color": "#e2ddd0", "roughness": 0.7}),
+    "rug red": _wool("#7f2f27", "#6b2722"),
+    "rug cream": _wool("#cfc2a4", "#bfb092"),
+    "rug blue": _wool("#2c4266", "#243755"),
+    "rug green": _wool("#3c5a45", "#33503d"),
+    "rug gold": _wool("#b88f45", "#a67e3a"),
+}
 
 WEATHERED = Material.model_validate(
     {
@@ -58,7 +73,7 @@ WEATHERED = Material.model_validate(
 MATERIALS_OF_EDGING: Mapping[str, Material] = {
     **{f"edging {name}": MATERIALS[name] for name in BUILT},
     "edging weathered": WEATHERED,
-    "edging wall": WALL,
+    **{f"edging {name}": made for name, made in MATERIALS_OF_ROOMS.items()},
     **{f"edging {name}": made for name, made in MATERIALS_OF_HOUSES.items()},
 }
 
@@ -84,8 +99,19 @@ FOOT_OF_FLOOR = (
 CLOSE = 0.06
 """Distance of a house from stairs that lead to its door [m]."""
 
-AWAY = 15.0
+AWAY = 19.0
 """Distance of houses from a yard of natural ground [m]."""
+
+BEFORE_HOUSES = PAVEMENT + 0.25
+"""Distance of the fronts of houses from the paving of a square [m]."""
+
+SQUARE = 2.8
+"""By which a square before houses is wider than the floors of gardens [m]."""
+
+FENCED = 1.5
+"""Distance of a fence or wall from a floor or from a yard of natural ground [m]."""
+
+FOOT_OF_FENCE = (("tall grass", 0.3, 0.9), ("meadow grass", 0.35, 1.0), ("buttercup", 2.2, 1.0))
 
 YARD = 5.0
 """Ground around the cast before houses on natural ground [m]."""
@@ -95,6 +121,34 @@ STEPPED = 0.3
 
 BEHIND = (("bush", 4.1, 0.8), ("tall grass", 0.8, 1.0), ("poppy", 1.5, 1.0))
 """What grows at the foot of a wall and behind one; see `Border.undergrowth`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """Where a floor is, and what is known of its film.
+
+    Attributes:
+        terrain: of the take.
+        land: around it.
+        clearings: of the cast.
+        view: of the film.
+        seed: of the scene.
+        detail: 1 for frames 1280 pixels wide.
+        sun: unit vector towards it, None without one.
+    """
+
+    terrain: TerrainRecord
+    land: Land
+    clearings: Clearings | None
+    view: FilmView
+    seed: int
+    detail: float
+    sun: tuple[float, float, float] | None = None
+
+    def border(self, low: Array, high: Array, height: Height) -> Border:
+        """Return the border of a rectangle on ground of a height."""
+        seen = (self.view, self.clearings, self.seed, self.detail, self.sun)
+        return Border(low, high, height, *seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,48 +168,26 @@ class Edging:
     cover: NDArray[np.float32] | None = None
 
     @staticmethod
-    def of(
-        choice: EdgingChoice,
-        terrain: TerrainRecord,
-        land: Land,
-        clearings: Clearings | None,
-        view: FilmView,
-        seed: int,
-        detail: float,
-        material: str,
-        sun: tuple[float, float, float] | None = None,
-    ) -> Edging:
-        """Return the edging of a floor.
-
-        Args:
-            choice: of the scene.
-            terrain: of the take.
-            land: around it.
-            clearings: of the cast.
-            view: of the film.
-            seed: of the scene.
-            detail: 1 for frames 1280 pixels wide.
-            material: of the floor, by name.
-            sun: unit vector towards it, None without one.
-        """
+    def of(choice: EdgingChoice, setting: Setting, material: str) -> Edging:
+        """Return the edging of a floor of a material, by its name."""
+        terrain, land, clearings, seed = (
+            *(setting.terrain, setting.land, setting.clearings, setting.seed),
+        )
         is_paved = choice.floor == "paving"
         is_room = choice.along == "room"
-        eyes = view.eyes[:, [0, 2]] if is_room else None
+        eyes = setting.view.eyes[:, [0, 2]] if is_room else None
         plan = FloorPlan.of(
             *(terrain, clearings, choice.piece, seed),
-            is_broken=is_paved and not is_room,
+            is_broken=choice.along == "overgrown",
             around=eyes,
+            wider=SQUARE if choice.along == "houses" else 0.0,
         )
         if choice.floor == "ground":
-            return Edging(
-                None, None, _on_ground(choice, terrain, land, clearings, view, seed, detail, sun)
-            )
+            return Edging(None, None, _on_ground(choice, setting))
         if plan is None:
             corners = terrain.vertices[:, [0, 2]]
             low, high = corners.min(axis=0), corners.max(axis=0)
-            border = Border(
-                low, high, lambda p: land.height(*p.T), view, clearings, seed, detail, sun
-            )
+            border = setting.border(low, high, lambda p: land.height(*p.T))
             cover = None
             if is_paved and clearings is not None:
                 all_of_it = FloorPlan.of_all(terrain, clearings, choice.piece)
@@ -170,12 +202,14 @@ class Edging:
             inside = (places > plan.ground[0]).all(axis=1) & (places < plan.ground[1]).all(axis=1)
             return np.where(inside, apron.height(places), land.height(*places.T))
 
-        border = Border(plan.low, plan.high, height, view, clearings, seed, detail, sun)
+        border = setting.border(plan.low, plan.high, height)
         if is_room:
             room.Room(plan, border).build()
             return Edging(deck_mesh(plan, material), apron, border)
         if is_paved:
             grow_in_joints(border, plan)
+            if choice.along != "overgrown":
+                stonework.kerb(border, 0.09, plan.height)
         _stand(border, choice, land, 0.55, None if is_paved else plan.height)
         floor = paving_mesh(plan, material, seed) if is_paved else deck_mesh(plan, material)
         return Edging(floor, apron, border)
@@ -221,55 +255,74 @@ def _stand(
         steps: (N, 3) of a floor that is not level.
     """
     if deck is not None:
-        border.rim("edging weathered", deck)
+        furniture.rim(border, "edging weathered", deck)
     if choice.along == "overgrown":
         return
     level = deck if deck is not None else land.level
     if choice.along in HOUSES:
+        _town(border, choice.along, out, level, steps)
+    if choice.along == "fence":
         _build(border, choice.along, out + 4.6, steps)
-    if choice.along in ("hedge", *HOUSES):
-        _hedge(border, out, has_benches=choice.along not in ("house", "school"), deck=deck)
+    elif choice.along in ("hedge", "house", "school"):
+        _hedge(border, out, has_benches=choice.along == "hedge", deck=deck)
     elif choice.along == "wall":
-        border.wall(out + 0.5, 0.75)
+        stonework.wall(border, out + 0.5, 0.75)
         border.undergrowth(out + 0.1, FOOT_OF_WALL)
         border.undergrowth(out + 1.5, BEHIND)
     elif choice.along == "railing":
-        border.railing(level, "edging white painted metal")
-        if land.kind == "sea":
-            border.festoon(level, 3.4)
-            border.palms(out + 2.6, 4.6)
-            border.palms(out + 7.0, 3.6, 0.55)
-            border.palms(out + 14.0, 4.4, 0.8)
-            border.undergrowth(out + 0.6, SHORE)
+        _railing(border, out, level, by_the_sea=land.kind == "sea")
     elif choice.along == "planters":
-        border.planters(-0.45 if deck is not None else out, 2.9, "edging weathered", level)
-        border.hedge(out + 1.5, 0.9)
-        border.undergrowth(out + 2.6, BEHIND)
+        _planters(border, out, level, on_deck=deck is not None)
     if land.kind in TREES and choice.along != "railing":
         border.trees(TREES[land.kind], out + 3.4, 4.6, 0.75)
         border.trees(TREES[land.kind], out + 11.0, 8.5, 1.0)
 
 
+def _railing(border: Border, out: float, level: float, *, by_the_sea: bool) -> None:
+    """Add a railing, by the sea with lanterns, palms and beach grass."""
+    furniture.railing(border, level, "edging white painted metal")
+    if not by_the_sea:
+        return
+    furniture.festoon(border, level, 3.4)
+    border.palms(out + 2.6, 4.6)
+    border.palms(out + 7.0, 3.6, 0.55)
+    border.palms(out + 14.0, 4.4, 0.8)
+    border.undergrowth(out + 0.6, SHORE)
+
+
+def _planters(border: Border, out: float, level: float, *, on_deck: bool) -> None:
+    """Add boxes of flowers, on a deck or beside a floor, before a low hedge."""
+    place = -0.45 if on_deck else out
+    furniture.planters(border, place, 2.9, "edging weathered", level)
+    border.hedge(out + 1.5, 0.9)
+    border.undergrowth(out + 2.6, BEHIND)
+
+
+def _town(border: Border, word: str, out: float, level: float, steps: Array | None) -> None:
+    """Add houses around a floor, and what stands before those of a square."""
+    if word != "houses":
+        _build(border, word, out + 4.6, steps)
+        return
+    _build(border, word, BEFORE_HOUSES, steps)
+    if steps is None:
+        furnish(border, level)
+    furniture.benches(border, -0.6, 6.5)
+    stonework.wall(border, BEFORE_HOUSES, 1.3)
+    border.undergrowth(BEFORE_HOUSES + 1.2, BEHIND)
+
+
 def _hedge(border: Border, out: float, *, has_benches: bool, deck: float | None) -> None:
     """Add a clipped hedge with plants at its foot and behind it, and benches before it."""
     if has_benches:
-        border.benches(-0.55 if deck is None else -0.7, 6.5)
+        furniture.benches(border, -0.55 if deck is None else -0.7, 6.5)
     border.hedge(out + 0.6, 1.05)
     border.undergrowth(out + 0.15, FOOT_OF_WALL)
     border.undergrowth(out + 2.0, BEHIND)
 
 
-def _on_ground(
-    choice: EdgingChoice,
-    terrain: TerrainRecord,
-    land: Land,
-    clearings: Clearings | None,
-    view: FilmView,
-    seed: int,
-    detail: float,
-    sun: tuple[float, float, float] | None,
-) -> Border:
+def _on_ground(choice: EdgingChoice, setting: Setting) -> Border:
     """Return what is built on natural ground, around where the cast is."""
+    terrain, land, clearings = setting.terrain, setting.land, setting.clearings
     flat = terrain.vertices[:, [0, 2]]
     low, high = flat.min(axis=0), flat.max(axis=0)
     if clearings is not None:
@@ -279,18 +332,28 @@ def _on_ground(
         inside = land.field.inside(*places.T)
         return np.where(inside, land.field.surface(*places.T)[0], land.height(*places.T))
 
-    border = Border(low, high, height, view, clearings, seed, detail, sun)
+    border = setting.border(low, high, height)
     steps = terrain.vertices if np.ptp(terrain.vertices[:, 1]) > STEPPED else None
-    _build(border, choice.along, AWAY, steps)
+    if choice.along == "wall":
+        stonework.wall(border, FENCED, 0.85)
+        border.undergrowth(FENCED + 0.4, FOOT_OF_FENCE)
+        border.undergrowth(FENCED - 0.45, FOOT_OF_FENCE)
+    else:
+        _build(border, choice.along, AWAY, steps)
     return border
 
 
 def _build(border: Border, word: str, out: float, steps: Array | None) -> None:
-    """Add houses, or one at some distance from a floor [m], or close to one that is not level."""
-    if word == "houses":
+    """Add houses, or one at some distance from a floor [m], or close to one that is not level.
+
+    A fence stands nearer.
+    """
+    if word == "fence":
+        stand_fence(border, FENCED, "edging weathered")
+        border.undergrowth(FENCED + 0.1, FOOT_OF_FENCE)
+    elif word == "houses":
         row_of_houses(border, out)
-        border.lamps(out - 3.2, 9.0)
-        border.trees(("oak", "birch"), out - 3.3, 8.0, 0.5)
+        furniture.lamps(border, out - PAVEMENT - 0.35, 8.0)
     else:
         near = CLOSE if steps is not None else out
         single_house(border, near, steps, is_school=word == "school")

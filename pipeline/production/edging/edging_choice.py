@@ -11,7 +11,7 @@ from render.config import MATERIALS
 PIECES = {"plaster": 4, "tiles": 6, "checker": 6}
 """Number of pieces along a tile of the pattern, by the texture of paving."""
 
-SLAB_FACTOR = 4.8
+SLAB_FACTOR = 1.8
 """Factor on the scale of plaster that is laid in slabs."""
 
 BY_SURROUNDINGS = {
@@ -21,6 +21,8 @@ BY_SURROUNDINGS = {
 """What stands along paving and along decks, by surroundings."""
 
 HOUSES = ("houses", "house", "school")
+
+ON_GROUND = ("fence", "wall", *HOUSES)
 """What is built on natural ground, too."""
 
 OTHERWISE = {"paving": "wall", "deck": "planters"}
@@ -45,7 +47,7 @@ class EdgingChoice:
     def of(scene: Scene, around: Choice) -> EdgingChoice | None:
         """Return the choice of a scene's author, or what suits the scene; None for no edging."""
         word: str = scene.terrain.edging
-        if word in HOUSES and around.joins != "platform" and around.kind != "none":
+        if word in ON_GROUND and around.joins != "platform" and around.kind != "none":
             return EdgingChoice("ground", word, 1.0)
         if around.joins != "platform" or word == "none" or scene.terrain.show_forbidden:
             return None

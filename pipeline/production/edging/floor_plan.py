@@ -63,6 +63,7 @@ class FloorPlan:
         *,
         is_broken: bool,
         around: Array | None = None,
+        wider: float = 0.0,
     ) -> FloorPlan | None:
         """Return the plan of a level floor along the axes of the world, None of any other.
 
@@ -73,6 +74,7 @@ class FloorPlan:
             seed: of the scene.
             is_broken: whether slabs at the border are missing.
             around: (N, 2) places that a room must have in it, None out of doors.
+            wider: floor besides that around the cast out of doors [m].
         """
         flat, height = terrain.vertices[:, [0, 2]], terrain.vertices[:, 1]
         first = flat[1] - flat[0]
@@ -83,6 +85,7 @@ class FloorPlan:
         margin = np.clip(
             MARGIN + MARGIN_OF_EXTENT * (used[1] - used[0]).max(), LEAST_MARGIN, MOST_MARGIN
         )
+        margin += wider
         if around is not None:
             used = np.array(
                 [

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 
 from pipeline.production.edging.carpentry import Carpentry
 from pipeline.simulation.spatial import Array
-from render.config import Material
 
 STOREY, GROUND_STOREY = 2.95, 3.35
 """Heights of storeys [m]."""
@@ -42,44 +40,6 @@ ROOFS = ("tile red", "tile brown", "tile dark")
 AWNINGS = ("awning red", "awning green", "awning blue")
 
 
-def _plaster(color: str, second: str) -> Material:
-    values = {"color": color, "color2": second, "roughness": 0.95, "texture": "plaster"}
-    return Material.model_validate({**values, "texture_scale": 3.0, "bump": 0.7})
-
-
-def _dull(color: str, roughness: float = 0.8, texture: str = "mottle") -> Material:
-    values = {"color": color, "roughness": roughness, "texture": texture, "bump": 0.3}
-    return Material.model_validate({**values, "texture_scale": 0.8})
-
-
-MATERIALS_OF_HOUSES: Mapping[str, Material] = {
-    "ochre": _plaster("#c08f52", "#ad7f47"),
-    "rose": _plaster("#b97a66", "#a86b59"),
-    "cream": _plaster("#d6c8ac", "#c8b899"),
-    "grey": _plaster("#a5a7a6", "#959796"),
-    "sage": _plaster("#8f9a83", "#808a74"),
-    "straw": _plaster("#d9be84", "#cbae74"),
-    "white": _plaster("#ded9cc", "#d0cabb"),
-    "brick": _plaster("#8f5c4b", "#7d4e40"),
-    "hewn stone": _plaster("#b3a78f", "#9c917c"),
-    "tile red": _dull("#96523a"),
-    "tile brown": _dull("#84483a"),
-    "tile dark": _dull("#6d4034"),
-    "shutter green": _dull("#3f5a48", 0.55, "wood"),
-    "shutter blue": _dull("#4f6a7c", 0.55, "wood"),
-    "shutter brown": _dull("#6a4a34", 0.55, "wood"),
-    "shutter grey": _dull("#7d7f78", 0.55, "wood"),
-    "awning red": _dull("#a23a2c", 0.9, "weave"),
-    "awning green": _dull("#3d6b4c", 0.9, "weave"),
-    "awning blue": _dull("#3c5f86", 0.9, "weave"),
-    "awning white": _dull("#dcd4c2", 0.9, "weave"),
-    "window frame": _dull("#e3ddcf", 0.6),
-    "pane": Material.model_validate({"color": "#1b2326", "roughness": 0.12}),
-    "curtained pane": Material.model_validate({"color": "#6d6a60", "roughness": 0.25}),
-}
-"""Materials of houses, by the names that follow `edging`."""
-
-
 @dataclass(frozen=True)
 class Opening:
     """A door or window, relative to the middle of its bay and the foot of its storey [m]."""
@@ -107,6 +67,8 @@ class House:
         is_shop: whether the ground floor has shop windows.
         plaster: material of its walls.
         shuttered: chance that its windows have shutters.
+        flowery: whether there are boxes of flowers on its upper sills.
+        flowers: points (3,) at which flowers grow in them [m], once it is built.
     """
 
     carpentry: Carpentry
@@ -121,6 +83,8 @@ class House:
     is_shop: bool = False
     plaster: str = "cream"
     shuttered: float = 0.65
+    flowery: bool = False
+    flowers: list[Array] = field(default_factory=list)
 
     @property
     def bays(self) -> int:
@@ -162,12 +126,15 @@ class House:
         top: tuple[float, float] = (1.0, 1.0),
     ) -> None:
         """Add a box by its place along, over and before the facade; see `Carpentry.add`."""
-        along, up, before = at
+        self.carpentry.add(f"edging {material}", self.at(at), size, self.heading, lean, top)
+
+    def at(self, place: tuple[float, float, float]) -> Array:
+        """Return a point (3,) by its place along, over and before the facade [m]."""
+        along, up, before = place
         c, s = np.cos(self.heading), np.sin(self.heading)
         x = self.place[0] + c * along + s * before
         z = self.place[1] - s * along + c * before
-        center = np.array([x, self.level + up, z])
-        self.carpentry.add(f"edging {material}", center, size, self.heading, lean, top)
+        return np.array([x, self.level + up, z])
 
     def _opening(self, storey: int, bay: int) -> Opening:
         bay_wide = self.size[0] / self.bays
@@ -209,6 +176,8 @@ class House:
             self.add(
                 "hewn stone", (middle, foot + opening.low - 0.05, 0.05), (wide + 0.36, 0.1, 0.24)
             )
+            if foot > 0.0 and self.flowery and self.rng.uniform() < 0.75:
+                self._flower_box(middle, foot + opening.low, wide)
         if opening.kind == "shop":
             self._awning(middle, foot + opening.high + 0.12, wide + 0.2)
         if shutters and self.rng.uniform() < 0.95:
@@ -219,7 +188,7 @@ class House:
         wide, tall = opening.wide, opening.high - opening.low
         up = foot + 0.5 * (opening.low + opening.high)
         frame = wood if opening.kind != "window" else "window frame"
-        bar = 0.06
+        bar = 0.075
         if opening.kind == "door":
             self.add(wood, (middle, foot + 1.05, -0.2), (wide, 2.1, 0.06))
             for k in (-1, 1):
@@ -228,9 +197,12 @@ class House:
             self.add("pane", (middle, foot + 2.33, -0.2), (wide, 0.4, 0.03))
             self.add("hewn stone", (middle, foot + 2.12, -0.18), (wide, 0.07, 0.1))
         else:
-            drawn = opening.kind == "window" and self.rng.uniform() < 0.3
-            pane = "curtained pane" if drawn else "pane"
-            self.add(pane, (middle, up, -0.26), (wide, tall, 0.02))
+            self.add("pane", (middle, up, -0.27), (wide, tall, 0.02))
+            if opening.kind == "window" and self.rng.uniform() < 0.7:
+                drawn = float(self.rng.uniform(0.2, 0.38)) * wide
+                for side in (-1.0, 1.0):
+                    at = middle + side * 0.5 * (wide - drawn)
+                    self.add("curtain", (at, up, -0.255), (drawn, tall, 0.01))
             count = max(round(wide / 0.55), 1)
             for k in range(count + 1):
                 at = middle + (k / count - 0.5) * (wide - bar)
@@ -238,6 +210,13 @@ class House:
             for t in (0.0, 0.68, 1.0):
                 high = foot + opening.low + 0.5 * bar + t * (tall - bar)
                 self.add(frame, (middle, high, -0.22), (wide, bar, 0.055))
+
+    def _flower_box(self, middle: float, sill: float, wide: float) -> None:
+        """Add a box on a sill, and note where flowers grow in it."""
+        self.add("shutter brown", (middle, sill + 0.08, 0.09), (wide - 0.06, 0.16, 0.17))
+        for k in range(9):
+            along = middle + (k / 8.0 - 0.5) * (wide - 0.16)
+            self.flowers.append(self.at((along, sill + 0.13, 0.1)))
 
     def _shutters(self, middle: float, up: float, wide: float, tall: float, wood: str) -> None:
         """Add open shutters on both sides of a window."""

@@ -41,9 +41,9 @@ def grow_in_joints(border: Border, plan: FloorPlan, ground: HeightField | None =
     length = (plan.high - plan.low).prod() / max(plan.piece, LEAST_JOINT) * 2.0
     count = min(int(PER_METRE * length), 20_000)
     places = rng.uniform(plan.low, plan.high, (count, 2))
-    axis = rng.integers(0, 2, count)
-    lines = np.rint(places / plan.piece) * plan.piece + rng.normal(0.0, 0.012, (count, 2))
-    places = np.where(np.arange(2) == axis[:, None], lines, places)
+    # Courses run along x: their ends are at other places in each.
+    courses = np.rint(places[:, 1] / plan.piece) * plan.piece
+    places[:, 1] = courses + rng.normal(0.0, 0.012, count)
     out = -plan.beyond(places)
     thick = smoothstep(-0.25, 0.5, fractal(places / 1.9, border.seed + 462, 3))
     wanted = (0.3 + 0.7 * (1.0 - smoothstep(0.3, 3.6, out))) * thick

@@ -1,78 +1,247 @@
-"""Palms: for terraces at a shore."""
+"""Palms: for terraces at a shore: coconut, date and fan palms."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from pipeline.production.scenery.prototype import Prototype, Shape, add_leaves, add_tubes, unit
-
-HEIGHT = 6.2
-"""Of the trunk of a palm at scale 1 [m]."""
-
-FRONDS, LONG, LEAFLETS = 32, 2.6, (30, 15)
-"""Number of fronds, their length [m], and leaflets on each side by level of detail."""
-
-BARK, GREEN, YELLOW, DEAD = (
-    *((0.17, 0.135, 0.10), (0.060, 0.098, 0.026), (0.180, 0.215, 0.060), (0.20, 0.15, 0.085)),
+from pipeline.production.scenery.prototype import (
+    UP,
+    Color,
+    Prototype,
+    Shape,
+    add_tubes,
+    mixed,
+    unit,
 )
+from pipeline.production.scenery.stones import icosphere
+from pipeline.simulation.spatial import Array
+
+
+@dataclass(frozen=True)
+class Habit:
+    """How a palm grows.
+
+    Attributes:
+        height: of the trunk [m].
+        radius: of the trunk below the crown [m].
+        lean: greatest distance of the crown from the foot, sidewards [m].
+        scars: number of leaf scars along the trunk.
+        flare: by which each scar is wider than the trunk above it.
+        fronds: their number.
+        long: length of a frond [m].
+        leaflet: length of the longest leaflet, or of a fan from its hub [m].
+        rises: pitch of the youngest and of the oldest green frond at their foot [rad].
+        bow: by how much fronds bend down to their tips [rad].
+        dry: number of dry fronds that hang below.
+        green: colour of old fronds, linear.
+        young: colour of young ones.
+        bark: colour of the trunk.
+        is_fan: whether leaflets spread from one point.
+    """
+
+    height: float
+    radius: float
+    lean: float
+    scars: int
+    flare: float
+    fronds: int
+    long: float
+    leaflet: float
+    rises: tuple[float, float]
+    bow: float
+    dry: int
+    green: Color
+    young: Color
+    bark: Color
+    is_fan: bool = False
+
+
+HABITS = (
+    Habit(
+        *(6.6, 0.115, 1.7, 26, 0.06, 25, 3.1, 0.85, (1.35, -0.45), 1.55, 4),
+        *((0.105, 0.165, 0.040), (0.250, 0.290, 0.080), (0.26, 0.215, 0.165)),
+    ),
+    Habit(
+        *(5.2, 0.20, 0.25, 30, 0.22, 38, 2.4, 0.50, (1.45, -0.55), 0.95, 7),
+        *((0.110, 0.150, 0.060), (0.215, 0.245, 0.105), (0.20, 0.150, 0.105)),
+    ),
+    Habit(
+        *(5.6, 0.14, 0.45, 24, 0.10, 34, 1.15, 0.95, (1.35, -0.60), 0.35, 12),
+        *((0.095, 0.150, 0.045), (0.220, 0.265, 0.085), (0.21, 0.170, 0.125), True),
+    ),
+    Habit(
+        *(5.4, 0.105, 2.3, 22, 0.06, 21, 2.7, 0.95, (1.25, -0.25), 1.75, 3),
+        *((0.120, 0.175, 0.042), (0.265, 0.295, 0.085), (0.28, 0.235, 0.180)),
+    ),
+)
+"""Coconut, date and fan palm, and a coconut palm bent by the wind."""
+
+DEAD = (0.29, 0.205, 0.115)
+"""Linear colour of dry fronds."""
+
+LEAFLETS, FAN_RAYS = (34, 22), (24, 15)
+"""Leaflets on each side of a frond, and rays of a fan, by level of detail."""
+
+FAN_HALF = 2.3
+"""Angle of the outermost rays from the middle one of a fan [rad]."""
 
 
 @lru_cache(maxsize=16)
 def palm(seed: int, level: int) -> Prototype:
-    """Return a palm that leans a little, at a level of detail."""
+    """Return a palm at a level of detail; the habit goes by the seed."""
+    habit = HABITS[seed % len(HABITS)]
     rng, shape = np.random.default_rng([seed, 491]), Shape()
-    t = np.linspace(0.0, 1.0, 15)[:, None]
-    lean = rng.normal(0.0, 0.7, 2)
-    points = np.concatenate([lean[0] * t**1.7, HEIGHT * t, lean[1] * t**1.7], axis=1)
-    radii = (0.17 - 0.07 * t[:, 0]) * (1.0 + 0.5 * np.exp(-t[:, 0] / 0.03))
-    # Rings of old leaf bases.
-    radii = radii * (1.0 + 0.05 * (np.arange(15) % 2))
-    bark = np.asarray(BARK) * rng.uniform(0.8, 1.2, (14, 1))
+    level = min(level, 1)
+    crown = _add_trunk(shape, habit, rng, level)
+    fronds = habit.fronds + habit.dry
+    for k in range(fronds):
+        age = min(k / max(habit.fronds - 1, 1), 1.0)
+        is_dry = k >= habit.fronds
+        heading = 2.39996 * k + rng.normal(0.0, 0.16)
+        rise = habit.rises[0] + (habit.rises[1] - habit.rises[0]) * age**0.85
+        rise = -1.05 + rng.normal(0.0, 0.15) if is_dry else rise + rng.normal(0.0, 0.1)
+        color = mixed(habit.young, habit.green, np.array(age**0.7))
+        color = mixed(color, DEAD, np.array(0.35 * rng.uniform() * (age > 0.8)))
+        color = np.asarray(DEAD) * rng.uniform(0.7, 1.15) if is_dry else color
+        color = color * rng.uniform(0.88, 1.12)
+        # The youngest are still short, the dry ones have shrunk.
+        long = habit.long * rng.uniform(0.88, 1.1) * (0.75 + 0.25 * min(4.0 * age, 1.0))
+        long *= 0.72 if is_dry else 1.0
+        spine = _spine(crown, heading, rise, habit.bow * (0.4 if is_dry else 1.0), long)
+        add_tubes(
+            *(shape, spine[:-1], spine[1:]),
+            *(np.linspace(0.034, 0.012, len(spine) - 1), np.linspace(0.032, 0.008, len(spine) - 1)),
+            *(np.tile(1.15 * color, (len(spine) - 1, 1)), 3),
+        )
+        add = _add_fan if habit.is_fan else _add_feather
+        add(shape, rng, spine, heading, habit.leaflet * (0.8 if is_dry else 1.0), color, level)
+    return shape.prototype()
+
+
+def _add_trunk(shape: Shape, habit: Habit, rng: np.random.Generator, level: int) -> Array:
+    """Add a trunk with rings of leaf scars, and return the place (3,) of the crown."""
+    n = habit.scars
+    t = np.linspace(0.0, 1.0, n + 1)[:, None]
+    turn = rng.uniform(0.0, 2.0 * np.pi)
+    lean = habit.lean * rng.uniform(0.6, 1.0) * np.array([np.cos(turn), 0.0, np.sin(turn)])
+    # It sets out askew and straightens to the light.
+    points = habit.height * t * UP + (1.45 * t - 0.45 * t**2.2) * lean
+    radii = habit.radius * (1.0 + 0.35 * (1.0 - t[:, 0]) + 0.75 * np.exp(-t[:, 0] / 0.045))
     ways = unit(np.diff(points, axis=0))
-    ends = np.concatenate([ways[:1], ways]), np.concatenate([ways, ways[-1:]])
+    rings = unit(np.concatenate([ways[:1], ways[:-1] + ways[1:], ways[-1:]]))
+    wide = radii[1:] * (1.0 + habit.flare)
+    bark = np.asarray(habit.bark) * rng.uniform(0.86, 1.14, (n, 1))
+    # Below each scar lies its shadow.
+    shades = np.stack([0.62 * bark, 1.1 * bark], axis=1)
     add_tubes(
-        *(shape, points[:-1], points[1:], radii[:-1], radii[1:], bark, (9, 6)[min(level, 1)]),
-        (unit(ends[0][:-1] + ends[1][:-1]), unit(ends[0][1:] + ends[1][1:])),
+        *(shape, points[:-1], points[1:], radii[:-1], wide, shades, (10, 7)[level]),
+        (rings[:-1], rings[1:]),
     )
     crown = points[-1]
-    count = LEAFLETS[min(level, 1)]
-    for k in range(FRONDS):
-        age = k / FRONDS
-        heading = 2.39996 * k + rng.normal(0, 0.12)
-        out = np.array([np.cos(heading), 0.0, np.sin(heading)])
-        rise = 1.15 - 1.6 * age + rng.normal(0, 0.08)
-        s = np.linspace(0.0, 1.0, count + 1)[:, None]
-        length = LONG * rng.uniform(0.85, 1.1)
-        spine = crown + length * (
-            s * (np.cos(0.6 * rise) * out)
-            + np.array([0.0, 1.0, 0.0]) * (rise * s * 0.55 - 0.62 * s**2)
-        )
-        color = np.asarray(GREEN) + (1.0 - age) * 0.6 * (np.asarray(YELLOW) - np.asarray(GREEN))
-        if age > 0.86:
-            color = np.asarray(DEAD)
-        add_tubes(
-            *(shape, spine[:-1], spine[1:], np.full(count, 0.018), np.full(count, 0.014)),
-            *(np.tile(0.9 * color, (count, 1)), 3),
-        )
-        side = np.cross(out, [0.0, 1.0, 0.0])
-        reach = 0.62 * np.sin(np.pi * (0.12 + 0.83 * s[1:, 0])) ** 0.7
-        for way in (-1.0, 1.0):
-            axes = way * side + 0.75 * out + np.array([0.0, -0.35, 0.0])
-            axes = axes + 0.14 * rng.normal(size=(count, 3))
-            shades = color * rng.uniform(0.8, 1.25, (count, 1))
-            face = np.tile([0.0, 1.0, 0.0], (count, 1))
-            add_leaves(
-                *(
-                    shape,
-                    spine[1:],
-                    axes,
-                    face,
-                    reach,
-                    np.full(count, (0.085, 0.14)[min(level, 1)]),
-                ),
-                shades,
-                triangles=2 if level == 0 else 1,
+    vertices, faces = icosphere(1)
+    sizes = np.array([1.25, 1.5, 1.25]) * habit.radius
+    shape.add(crown + vertices * sizes, vertices, 0.8 * np.asarray(habit.bark), faces, thin=False)
+    if not habit.is_fan and habit.lean > 1.0:
+        for k in range(6):
+            way = np.array([np.cos(k + turn), -0.75, np.sin(k + turn)])
+            nut = crown + 0.24 * way * rng.uniform(0.8, 1.2)
+            shape.add(
+                nut + 0.105 * vertices, vertices, np.array([0.16, 0.15, 0.05]), faces, thin=False
             )
-    return shape.prototype()
+    return np.asarray(crown)
+
+
+def _spine(foot: Array, heading: float, rise: float, bow: float, long: float) -> Array:
+    """Return points (9, 3) along the midrib of a frond that bends down to its tip [m]."""
+    s = (np.arange(8) + 0.5) / 8
+    # Upright fronds bow, hanging ones have done so.
+    pitch = np.maximum(rise - bow * s**1.3 * (0.45 + 0.55 * np.cos(min(rise, 1.2))), -1.45)
+    out = np.array([np.cos(heading), 0.0, np.sin(heading)])
+    steps = long / 8 * (np.cos(pitch)[:, None] * out + np.sin(pitch)[:, None] * UP)
+    return np.asarray(foot + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)]))
+
+
+def _add_feather(
+    shape: Shape,
+    rng: np.random.Generator,
+    spine: Array,
+    heading: float,
+    longest: float,
+    color: Array,
+    level: int,
+) -> None:
+    """Add the leaflets on both sides of a midrib, which hang a little."""
+    count = LEAFLETS[level]
+    s = np.linspace(0.1, 0.995, count)
+    at = s * (len(spine) - 1)
+    knots = np.arange(len(spine))
+    base = np.stack([np.interp(at, knots, spine[:, k]) for k in range(3)], axis=-1)
+    ways = np.diff(spine, axis=0)
+    along = unit(ways[np.minimum(at.astype(int), len(ways) - 1)])
+    aside = np.array([-np.sin(heading), 0.0, np.cos(heading)])
+    above = unit(np.cross(along, aside) * -1.0)
+    above = above * np.where(above[:, 1:2] < 0.0, -1.0, 1.0)
+    lengths = longest * np.sin(np.pi * (0.14 + 0.80 * s)) ** 0.65
+    # Leaflets nearly touch where they begin.
+    wide = 0.78 * np.linalg.norm(spine[-1] - spine[0]) / count
+    ahead = (0.45 + 0.9 * s**2)[:, None]
+    for sign in (-1.0, 1.0):
+        vary = rng.normal(size=(count, 3))
+        axes = unit(sign * aside + ahead * along + 0.28 * above + 0.10 * vary)
+        size = (lengths * rng.uniform(0.85, 1.1, count))[:, None]
+        middle = base + 0.5 * size * axes - 0.05 * size * UP
+        tip = base + size * (0.94 * axes - (0.34 + 0.08 * vary[:, :1]) * UP)
+        half = 0.5 * wide * along
+        shade = color * rng.uniform(0.82, 1.2, (count, 1))
+        # The two sides are a shallow roof.
+        normal = unit(above + 0.35 * sign * aside + 0.12 * vary)
+        if level:
+            _add_blades(shape, [base - half, base + half, tip], shade, normal, [[0, 1, 2]])
+        else:
+            corners = [base - half, base + half, middle - 0.85 * half, middle + 0.85 * half, tip]
+            _add_blades(shape, corners, shade, normal, [[0, 1, 3], [0, 3, 2], [2, 3, 4]])
+
+
+def _add_fan(
+    shape: Shape,
+    rng: np.random.Generator,
+    spine: Array,
+    heading: float,
+    longest: float,
+    color: Array,
+    level: int,
+) -> None:
+    """Add a fan of pleated rays at the end of a stalk."""
+    count = FAN_RAYS[level]
+    hub = spine[-1]
+    ahead = unit(spine[-1] - spine[-3])
+    aside = np.array([-np.sin(heading), 0.0, np.cos(heading)])
+    above = unit(np.cross(aside, ahead))
+    above = above if above[1] > 0.0 else -above
+    angle = FAN_HALF * np.linspace(-1.0, 1.0, count)[:, None]
+    rays = np.cos(angle) * ahead + np.sin(angle) * aside - 0.12 * above
+    across = np.cos(angle) * aside - np.sin(angle) * ahead
+    size = longest * (0.78 + 0.22 * np.cos(angle)) * rng.uniform(0.9, 1.08, (count, 1))
+    half = 1.06 * FAN_HALF / count * 0.6 * size * across
+    middle = hub + 0.6 * size * rays
+    tip = hub + size * rays - (0.16 + 0.08 * rng.uniform(size=(count, 1))) * size * UP
+    shade = color * rng.uniform(0.85, 1.15, (count, 1))
+    pleat = np.where(np.arange(count) % 2, 0.5, -0.5)[:, None]
+    normal = unit(above + pleat * across)
+    corners = [np.tile(hub, (count, 1)), middle - half, middle + half, tip]
+    _add_blades(shape, corners, shade, normal, [[0, 2, 1], [1, 2, 3]])
+
+
+def _add_blades(
+    shape: Shape, corners: list[Array], colors: Array, normals: Array, faces: list[list[int]]
+) -> None:
+    """Add N flat blades by their corners (N, 3), lighter at the last of them, their tip."""
+    places = np.stack(corners, axis=1)
+    light = np.array([*([0.92] * (len(corners) - 1)), 1.12])[None, :, None]
+    numbers = np.array(faces)[None] + len(corners) * np.arange(len(places))[:, None, None]
+    shape.add(
+        places, normals[:, None] * np.ones((1, len(corners), 1)), colors[:, None] * light, numbers
+    )

@@ -1,4 +1,4 @@
-"""Room: walls with windows around a floor, skirting, a rug, and the things of a children's room.
+"""Room: walls with windows around a floor, panelling, curtains, a rug, and what stands along them.
 
 It has no ceiling: the sky lights it from above, where no camera looks, and the sun comes in through
 the windows.
@@ -13,40 +13,36 @@ import numpy as np
 from pipeline.production.edging.border import Border, Rows
 from pipeline.production.edging.carpentry import Carpentry
 from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.edging.furnishing import FURNISHED, TOYS, Spot, furnish_bay
+from pipeline.production.edging.rug import rug
+from pipeline.production.edging.square import pots
 from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.prototype import Shape
 from pipeline.simulation.spatial import Array
 
-TALL, THICK = 2.9, 0.16
+TALL, THICK = 3.15, 0.16
 """Height and thickness of walls [m]."""
 
 BAY = 2.1
 """Width of wall for each window or shelf, about [m]."""
 
-SILL, LINTEL, WIDE = 0.75, 2.25, 1.25
+SILL, LINTEL, WIDE = 0.7, 2.4, 1.25
 """Heights of the lower and upper edge of windows, and their width [m]."""
 
-BOOKS = ("red cloth", "blue cloth", "green cloth", "yellow cloth", "leather", "white cloth")
+HANGING = 0.235
+"""Distance of curtains from the middle of the wall [m]."""
 
-TOYS = ("red plastic", "blue plastic", "yellow plastic", "pine", "green painted metal")
-
-CURTAINS = ((0.50, 0.17, 0.10), (0.52, 0.38, 0.20), (0.22, 0.30, 0.20))
+CURTAINS = ((0.58, 0.50, 0.38), (0.46, 0.17, 0.11), (0.36, 0.42, 0.36))
 """Linear colours of curtains."""
 
-RUG = ("red cloth", "white cloth", "blue cloth")
-"""Materials of the bands of a rug, from its border to its middle."""
-
-MOTIF = 0.22
-"""Distance between the diamonds along the border of a rug, about [m]."""
-
-MEDALLION = ("red cloth", "yellow cloth", "red cloth", "leather", "white cloth", "blue cloth")
-"""Materials of the medallion of a rug, from its outside."""
-
-RUG_HEIGHT = 0.0025
-"""Height of a rug over the floor: what stands on it sinks in as far [m]."""
-
-BUILT = (*BOOKS, *TOYS, "white plaster", "oak", "walnut", "white painted metal")
+BUILT = (*FURNISHED, *TOYS, "white painted metal")
 """Materials that a room is made of."""
+
+WALLS = ("wall", "wall sage", "wall blue")
+"""Materials of walls, one for each room."""
+
+PANEL = 0.58
+"""Height of the panelling at the feet of the walls [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,27 +63,30 @@ class Room:
         bays = self._bays()
         has_window = np.arange(len(bays.places)) % 2 == 0
         if self.border.sun is not None:
-            # All walls that face the sun let it in.
+            # The walls that face the sun let it in, all but every third bay.
             sun = np.array([self.border.sun[0], self.border.sun[2]])
-            has_window |= bays.outward @ sun > 0.25 * np.linalg.norm(sun)
+            faces = bays.outward @ sun > 0.25 * np.linalg.norm(sun)
+            has_window |= faces & (np.arange(len(bays.places)) % 3 != 1)
         spans = self._spans(bays)
         for k in range(len(bays.places)):
             self._bay(bays.places[k], bays.heading[k], spans[k], window=bool(has_window[k]))
         self._curtains(bays.taken(has_window), rng)
         self._skirting(bays, spans)
-        self._rug()
-        inner = self._bays(-0.22)
-        for k in np.flatnonzero(~has_window).tolist():
-            place = inner.places[k : k + 1]
-            if not self.border.is_free(place, 1.5, 0.75)[0]:
-                continue
-            kind = rng.integers(0, 3)
-            if kind < 2:
-                self._shelf(place[0], inner.heading[k], inner.outward[k], rng)
-            else:
-                self._chest(place[0], inner.heading[k], rng)
-                self._picture(bays.places[k], bays.heading[k], bays.outward[k], rng)
+        rug(self.plan, self._carpentry, self.border.seed)
+        inner = self._bays(-0.24)
+        for turn, k in enumerate(np.flatnonzero(~has_window).tolist()):
+            spot = Spot(self.border, inner.places[k], float(inner.heading[k]), self.plan.height)
+            furnish_bay(spot, turn, bool(self.border.is_free(spot.place[None], 1.5, 0.6)[0]), rng)
+        for k in np.flatnonzero(has_window).tolist():
+            if self.border.is_free(inner.places[k : k + 1], 0.7, 0.4)[0] and rng.uniform() < 0.5:
+                pots(self.border, self._foot(inner.places[k], bays.heading[k], rng), rng)
         self._scattered_toys(rng)
+
+    def _foot(self, place: Array, heading: float, rng: np.random.Generator) -> Array:
+        """Return a point (1, 3) on the floor beside a curtain [m]."""
+        aside = float(rng.choice((-1.0, 1.0))) * 0.78
+        x, z = place + aside * np.array([np.cos(heading), -np.sin(heading)])
+        return np.array([[x, self.plan.height, z]])
 
     def _bays(self, out: float = THICK / 2) -> Rows:
         """Return the middles of the bays, counter-clockwise, none left out."""
@@ -134,7 +133,7 @@ class Room:
 
     def _bay(self, place: Array, heading: float, span: float, *, window: bool) -> None:
         """Add the wall of one bay."""
-        wall = "wall"
+        wall = WALLS[self.border.seed % len(WALLS)]
         if not window:
             self._add(wall, place, heading, (0, TALL / 2, 0), (span, TALL, THICK))
             return
@@ -153,7 +152,14 @@ class Room:
             )
         for up in (SILL + frame / 2, SILL + 0.66 * tall, LINTEL - frame / 2):
             self._add(white, place, heading, (0, up, 0), (wide, frame, 0.055))
-        self._add("oak", place, heading, (0, SILL, 0.14), (wide + 0.14, 0.035, 0.24))
+        for side in (-1, 1):
+            at = (side * (wide + 0.1) / 2, middle, THICK / 2)
+            self._add("panelling", place, heading, at, (0.1, tall + 0.1, 0.03))
+        self._add(
+            "panelling", place, heading, (0, LINTEL + 0.06, THICK / 2), (wide + 0.24, 0.12, 0.05)
+        )
+        # It ends before the curtains.
+        self._add("panelling", place, heading, (0, SILL, 0.1), (wide + 0.2, 0.035, 0.16))
 
     def _curtains(self, bays: Rows, rng: np.random.Generator) -> None:
         """Add curtains that are drawn aside, and the rods on which they hang."""
@@ -167,106 +173,24 @@ class Room:
             for side in (-1.0, 1.0):
                 _hang(shape, side, color, rng)
             self.border.leaves.append(Copies(shape.prototype(), foot, turn, one, one))
-            self._add("walnut", place, heading, (0, 2.42, 0.14), (WIDE + 0.75, 0.03, 0.03))
+            self._add("walnut", place, heading, (0, 2.52, HANGING), (WIDE + 0.75, 0.03, 0.03))
 
     def _skirting(self, bays: Rows, spans: Array) -> None:
-        """Add the boards at the feet of the walls and a rail below the windows."""
+        """Add skirting, panels below the windows and a cornice below the top of the walls."""
         for k in range(len(bays.places)):
-            place, heading = bays.places[k], bays.heading[k]
-            inner = THICK / 2 + 0.009
-            self._add(
-                "white painted metal", place, heading, (0, 0.065, inner), (spans[k], 0.13, 0.018)
-            )
-            self._add(
-                "white painted metal", place, heading, (0, 0.62, inner), (spans[k], 0.05, 0.026)
-            )
-
-    def _rug(self) -> None:
-        """Add a rug under the cast."""
-        low, high = self.plan.clearings.extent
-        middle, half = 0.5 * (low + high), 0.5 * (high - low) + 0.75
-        room = np.minimum(self.plan.high - middle, middle - self.plan.low) - 0.5
-        half = np.minimum(half, room)
-        if (half < 0.4).any():
-            return
-        for k, cloth in enumerate(RUG):
-            size = 2.0 * (half - (0.0, 0.16, 0.3)[k])
-            up = self.plan.height + RUG_HEIGHT * (k + 1) / 3 - 0.005
-            center = np.array([middle[0], up, middle[1]])
-            self._carpentry.add(f"edging {cloth}", center, (size[0], 0.01, size[1]))
-        self._motifs(middle, half - 0.42)
-
-    def _motifs(self, middle: Array, half: Array) -> None:
-        """Add a medallion, smaller ones in the corners, and a border of diamonds to the rug."""
-        least = float(half.min())
-        long = np.array([1.0, 0.0]) if half[0] > half[1] else np.array([0.0, 1.0])
-        self._diamonds(middle[None], 0.62 * least, MEDALLION)
-        beside = middle + np.array([[-1.0], [1.0]]) * long * 0.78 * least
-        if (np.abs(beside - middle) + 0.26 * least < half).all():
-            self._diamonds(beside, 0.2 * least, MEDALLION[2:])
-        corners = middle + np.array([[i, j] for i in (-1, 1) for j in (-1, 1)]) * 0.8 * half
-        self._diamonds(corners, 0.16 * least, MEDALLION[1:4])
-        rim = []
-        for axis in (0, 1):
-            count = max(round(2.0 * half[axis] / MOTIF), 2)
-            along = (np.arange(count + 1) / count - 0.5) * 2.0 * half[axis]
-            for side in (-1.0, 1.0):
-                spots = np.zeros((count + 1, 2))
-                spots[:, axis], spots[:, 1 - axis] = along, side * (half[1 - axis] + 0.2)
-                rim.append(middle + spots)
-        self._diamonds(np.concatenate(rim), 0.055, ("blue cloth", "yellow cloth"))
-
-    def _diamonds(self, spots: Array, half: float, cloths: tuple[str, ...]) -> None:
-        """Add diamonds within diamonds at places (N, 2), the largest half as wide as `half` [m]."""
-        for k, cloth in enumerate(cloths):
-            up = self.plan.height + RUG_HEIGHT + 0.00025 * (k + 1) - 0.005
-            centers = np.stack([spots[:, 0], np.full(len(spots), up), spots[:, 1]], axis=-1)
-            wide = np.sqrt(2.0) * half * (1.0 - k / len(cloths)) ** 1.2
-            self._carpentry.add(f"edging {cloth}", centers, (wide, 0.01, wide), np.pi / 4)
-
-    def _shelf(
-        self, place: Array, heading: float, outward: Array, rng: np.random.Generator
-    ) -> None:
-        """Add a shelf of books and toys."""
-        del outward
-        wide, deep, tall = 1.15, 0.3, 1.35
-        for side in (-1, 1):
-            self._add("pine", place, heading, (side * wide / 2, tall / 2, 0), (0.025, tall, deep))
-        for k in range(4):
-            up = 0.05 + k * (tall - 0.06) / 3
-            self._add("pine", place, heading, (0, up, 0), (wide, 0.024, deep))
-            at = -wide / 2 + 0.03
-            while k < 3 and at < wide / 2 - 0.08:
-                thick = rng.uniform(0.02, 0.055)
-                high = rng.uniform(0.2, 0.34)
-                if rng.uniform() < 0.8:
-                    book = str(rng.choice(BOOKS))
-                    spot = (at + thick / 2, up + 0.012 + high / 2, rng.uniform(-0.02, 0.04))
-                    self._add(book, place, heading, spot, (thick, high, 0.2))
-                at += thick + (0.004 if rng.uniform() < 0.85 else rng.uniform(0.05, 0.2))
-        self._add("pine", place, heading, (0, tall / 2, -0.14), (wide, tall, 0.012))
-
-    def _chest(self, place: Array, heading: float, rng: np.random.Generator) -> None:
-        """Add a toy chest."""
-        for k in range(3):
-            self._add("oak", place, heading, (0, 0.07 + 0.14 * k, 0), (0.9, 0.134, 0.42))
-        self._add("walnut", place, heading, (0, 0.44, 0), (0.96, 0.035, 0.46))
-        for k in range(3):
-            size = rng.uniform(0.09, 0.14)
-            spot = (rng.uniform(-0.35, 0.35), 0.46 + size / 2, rng.uniform(-0.1, 0.1))
-            turn = heading + rng.uniform(-0.5, 0.5)
-            self._add(TOYS[k], place, turn, spot, (size, size, size))
-
-    def _picture(
-        self, place: Array, heading: float, outward: Array, rng: np.random.Generator
-    ) -> None:
-        """Add a picture on the wall: land under a sky."""
-        del outward, rng
-        inner = THICK / 2
-        self._add("walnut", place, heading, (0, 1.45, inner + 0.012), (0.84, 0.64, 0.024))
-        self._add("white cloth", place, heading, (0, 1.45, inner + 0.02), (0.74, 0.54, 0.016))
-        self._add("blue cloth", place, heading, (0, 1.52, inner + 0.022), (0.6, 0.26, 0.016))
-        self._add("green cloth", place, heading, (0, 1.32, inner + 0.022), (0.6, 0.14, 0.016))
+            place, heading, span = bays.places[k], bays.heading[k], float(spans[k])
+            inner = THICK / 2
+            for up, high, out in (
+                *((0.075, 0.15, 0.022), (PANEL / 2, PANEL, 0.008), (PANEL, 0.055, 0.045)),
+                *((TALL - 0.06, 0.12, 0.06), (TALL - 0.15, 0.06, 0.03)),
+            ):
+                at = (0.0, up, inner + out / 2)
+                self._add("panelling", place, heading, at, (span, high, out))
+            count = max(round(span / 0.52), 1)
+            for n in range(count):
+                along, wide = ((n + 0.5) / count - 0.5) * span, span / count - 0.1
+                at = (along, 0.5 * (PANEL + 0.12), inner + 0.02)
+                self._add("panelling", place, heading, at, (wide, PANEL - 0.24, 0.026))
 
     def _scattered_toys(self, rng: np.random.Generator) -> None:
         """Add building blocks that lie near the walls."""
@@ -293,8 +217,8 @@ def _hang(shape: Shape, side: float, color: Array, rng: np.random.Generator) -> 
     # It is held by a band at the height of the sill, and falls free below.
     held = 1.0 - 0.42 * np.exp(-(((up - 0.42) / 0.12) ** 2))
     along = side * (WIDE / 2 + 0.2 - 0.42 * t * held)
-    deep = 0.14 + 0.028 * np.sin(phase) * (0.6 + 0.4 * held)
-    points = np.stack([along, 0.03 + 2.38 * up, deep], axis=-1)
+    deep = HANGING + 0.028 * np.sin(phase) * (0.6 + 0.4 * held)
+    points = np.stack([along, 0.03 + 2.48 * up, deep], axis=-1)
     slope = 0.028 * 12.0 * np.pi * np.cos(phase) / 0.42
     normals = np.stack([side * slope, np.zeros_like(slope), np.ones_like(slope)], axis=-1)
     shades = color * (0.86 + 0.14 * np.sin(phase))[..., None]

@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from pipeline.production.edging.border import CLEAR, FOREGROUND, Border
 from pipeline.production.edging.house import PLASTERS, House, bays, tall
 from pipeline.production.edging.plot import Plot
+from pipeline.production.edging.square import pots
+from pipeline.production.edging.turned import ivy
+from pipeline.production.scenery.expansion import Copies
 from pipeline.production.scenery.prototype import UP
 from pipeline.simulation.spatial import Array
 
@@ -34,8 +37,14 @@ SCHOOL_WIDTH, HOUSE_WIDTH = 19.0, 10.5
 TRODDEN = 1.2
 """Distance from the cast at which a path ends [m]."""
 
-LONGEST_PATH = 24
+LONGEST_PATH = 32
 """Rows of slabs from a door."""
+
+FENCE, PICKET = 5.2, 0.14
+"""Distance of the fence of a school from its facade, and of its pickets from one another [m]."""
+
+FLOWERY, CLIMBERS = 0.6, 0.5
+"""Shares of the houses with flowers on their sills, and of corners where a plant climbs."""
 
 ALONG = (0.5, 0.38, 0.62, 0.25, 0.75, 0.12, 0.88, 0.0, 1.0)
 """Shares of a side at which a single house is tried."""
@@ -106,8 +115,10 @@ def row_of_houses(border: Border, out: float) -> None:
             *(border.carpentry, site.place, site.heading, (site.width, DEEP), site.storeys),
             *(level, _foot(border, site), one, int(one.integers(0, count)), is_shop),
             PLASTERS[wash],
+            flowery=bool(one.uniform() < FLOWERY),
         )
         house.build()
+        dress(border, house, one)
         _pavement(house, float(ground.max()) - level)
         border.plots.append(site.plot(PAVEMENT + 0.3))
 
@@ -146,16 +157,46 @@ def single_house(border: Border, out: float, floor: Array | None, *, is_school: 
         level = float(floor[:, 1].max())
     house = House(
         *(border.carpentry, best.place, best.heading, (width, DEEP), 2, level),
-        *(_foot(border, best), rng, count // 2, False, "straw" if is_school else "cream"),
+        *(_foot(border, best), rng, count // 2, False, "rose" if is_school else "cream"),
         shuttered=0.0 if is_school else 1.0,
+        flowery=not is_school,
     )
     house.build()
+    dress(border, house, rng)
     if is_school:
         house.turret()
     if floor is None:
-        _planting(border, best, rng)
-        _path(border, house, best, door, rng)
+        _garden(border, house, best, door, rng, is_school=is_school)
     border.plots.append(best.plot(0.4 if floor is not None else 2.0))
+
+
+def dress(border: Border, house: House, rng: np.random.Generator) -> None:
+    """Add what grows on a house: climbers at its corners, flowers on sills, pots at its door."""
+    wide, tall_ = house.size[0], house.tall
+    bay = wide / house.bays
+    door = (house.door + 0.5) * bay - 0.5 * wide
+    if house.flowers:
+        points = np.array(house.flowers)
+        for kind, part in (("poppy", points[::2]), ("daisy", points[1::2])):
+            border.add_plants(kind, part, 0.62, rng)
+    ground = np.array([house.at((door + side, 0.0, 0.42)) for side in (-0.95, 0.95)])
+    ground[:, 1] = border.height(ground[:, [0, 2]])
+    free = border.is_free(ground[:, [0, 2]], 0.6, 0.1)
+    if house.level - house.foot < 1.0 and free.all():
+        up = THRESHOLD - 0.21 if house.level > ground[:, 1].max() + 0.1 else 0.0
+        pots(border, ground + up * UP, rng)
+    c, s = np.cos(house.heading), np.sin(house.heading)
+    turn = np.array([[[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]])
+    for side in (-1.0, 1.0):
+        if rng.uniform() > CLIMBERS:
+            continue
+        broad, high = rng.uniform(1.3, 2.2), rng.uniform(0.55, 0.95) * tall_
+        at = house.at((side * (0.5 * wide - 0.42 * broad), 0.0, 0.02))
+        at[1] = house.foot
+        level = int(border.view.distances(at[None])[0] / border.detail > 14.0)
+        size = np.array([[broad, high + house.level - house.foot, 1.0]])
+        shape = ivy(int(rng.integers(0, 4)), level)
+        border.leaves.append(Copies(shape, at[None], turn, size, np.ones((1, 3))))
 
 
 def _way(start: Array, end: Array) -> Array:
@@ -205,7 +246,7 @@ def _stands(border: Border, site: Site, *, is_near: bool = False) -> bool:
     if border.view.in_the_way(points, one * (tall(site.storeys) + 3.0), 1.2 * one).any():
         return False
     if border.view.in_the_foreground(
-        points, 2.0 * one, one, (0.5 if is_near else 0.8) * FOREGROUND
+        points, 2.0 * one, one, (0.36 if is_near else 0.8) * FOREGROUND
     ).any():
         return False
     return not border.shades_the_cast(places, tall(site.storeys) + 1.5, 0.2).any()
@@ -250,6 +291,22 @@ def _pavement(house: House, up: float) -> None:
         house.add("hewn stone", kerb, (wide / count - 0.02, 0.5, 0.2))
 
 
+def _garden(
+    border: Border,
+    house: House,
+    site: Site,
+    door: float,
+    rng: np.random.Generator,
+    *,
+    is_school: bool,
+) -> None:
+    """Add what is before a house on natural ground: plants, a path, the fence of a school."""
+    _planting(border, site, rng)
+    _path(border, house, site, door, rng)
+    if is_school:
+        _front_yard(border, site, door, rng)
+
+
 def _planting(border: Border, site: Site, rng: np.random.Generator) -> None:
     """Add shrubs and flowers at the foot of a facade, but for its middle."""
     for kind, step, out, size in (
@@ -263,6 +320,33 @@ def _planting(border: Border, site: Site, rng: np.random.Generator) -> None:
         places = places[border.is_free(places, 0.8, 0.4)]
         if len(places):
             border.add_plants(kind, border.points(places), size, rng)
+
+
+def _front_yard(border: Border, site: Site, door: float, rng: np.random.Generator) -> None:
+    """Add a picket fence with a gate before a school, and a tree at each side of its door."""
+    along = np.arange(-0.5 * site.width - 3.0, 0.5 * site.width + 3.0, PICKET)
+    along = along[np.abs(along - door) > 1.1]
+    places = site.place + along[:, None] * site.along - FENCE * site.outward
+    places = places[border.is_free(places, 1.0, 0.1)]
+    if len(places):
+        points = border.points(places)
+        tall = 0.92 + rng.normal(0.0, 0.012, len(points))
+        sizes = np.column_stack([np.full(len(points), 0.075), tall, np.full(len(points), 0.022)])
+        border.carpentry.add(
+            "edging weathered", points + 0.5 * tall[:, None] * UP, sizes, site.heading
+        )
+        back = 0.03 * np.array([site.outward[0], 0.0, site.outward[1]])
+        for up in (0.28, 0.72):
+            border.carpentry.add(
+                "edging weathered",
+                points + up * UP + back,
+                (PICKET + 0.01, 0.07, 0.03),
+                site.heading,
+            )
+    for side in (-0.36, 0.36):
+        place = (site.place + side * site.width * site.along - 0.5 * FENCE * site.outward)[None]
+        if border.is_free(place, 6.0, 2.5)[0] and not border.shades_the_cast(place, 6.0, 2.0)[0]:
+            border.add_plants("birch", border.points(place), 0.62, rng)
 
 
 def _path(border: Border, house: House, site: Site, door: float, rng: np.random.Generator) -> None:

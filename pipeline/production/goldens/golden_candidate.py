@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from audio.midi_file import midi_bytes, read_note_list
 from audio.score import Score
-from audio.time_grid import tick_grid
+from audio.tempo_plan import tempo_plan
 from audio.wav_file import write_wav
 from pipeline.production.goldens.cue_facts import Cues, cues_of
 from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film
@@ -82,7 +82,7 @@ class Candidate:
     @cached_property
     def score(self) -> Score:
         """The score."""
-        return build_score(self.scene, self.take, self._shooting.poses)[0]
+        return build_score(self._shooting.scene, self.take, self._shooting.poses)[0]
 
     @cached_property
     def _shooting(self) -> ShotBuilder:
@@ -93,7 +93,7 @@ class Candidate:
         """Settings, parts, camera poses and notes of the score."""
         with translated_errors():
             notes = read_note_list(midi_bytes(self.score))
-            ticks = str(tick_grid(self.score.rate).tick(2) - tick_grid(self.score.rate).tick(1))
+            ticks = str(tempo_plan(self.score).grid.ticks_per_frame)
         shooting = self._shooting
         look = look_of(shooting.film, shooting.light, shooting.materials)
         return cues_of(shooting.poses, ticks, notes, self.take, look)

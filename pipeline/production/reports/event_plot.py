@@ -16,7 +16,7 @@ import drawsvg
 from audio.dsp import Signal
 from audio.notes import Note, notes_of
 from audio.score import Marker, Score
-from audio.time_grid import tick_grid
+from audio.tempo_plan import tempo_plan
 from audio.wav_file import read_waveform
 from pipeline.production.reports.canvas import LETTER_WIDTH, MARGIN, Canvas, Panel
 from pipeline.production.reports.piano_roll import KEYS, Roll, drawn_notes
@@ -140,7 +140,7 @@ def shown_frames(axis: Axis, shape: tuple[int, int], frames: int) -> list[int]:
 
 def event_svg(plot: EventPlot) -> str:
     """Return the plot as SVG."""
-    axis, grid = axis_of(plot.score), tick_grid(plot.score.rate)
+    axis, grid = axis_of(plot.score), tempo_plan(plot.score).grid
     roll = Roll(drawn_notes(plot.notes, grid, axis.duration))
     width = axis.x + axis.length + MARGIN
     strip = STRIP + GAP if plot.pictures else 0

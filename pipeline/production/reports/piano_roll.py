@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from math import ceil, floor
 
 import drawsvg
@@ -63,7 +64,7 @@ def drawn_notes(notes: Sequence[Note], grid: TickGrid, duration: float) -> tuple
     for note in sorted(notes, key=lambda note: note.level):
         end = min(float(note.onset) + note.seconds, duration)
         start = grid.tick_at(note.onset)
-        last = max(start + 1, round(end / float(grid.seconds(1))))
+        last = max(start + 1, grid.tick_at(Fraction(end)))
         moments = () if note.drum else controller_curve(note.event, grid, start, last)
         found.append(DrawnNote(note, end, moments))
     return tuple(found)

@@ -135,7 +135,7 @@ def thumbnails(run: SceneRun, take: Take, frames: Sequence[int], height: int) ->
     size = _even(THUMBNAIL_SCALE * height * width / full_height), _even(THUMBNAIL_SCALE * height)
     shooting = ShotBuilder(scene, take)
     small = Film(preset="draft", size=size, exposure=scene.film.exposure, look=scene.film.look)
-    quick = ShotBuilder(scene.model_copy(update={"film": small}), take)
+    quick = ShotBuilder(shooting.scene.model_copy(update={"film": small}), take)
     pictures: list[bytes] = []
     with stage(run.reporter, "thumbnails", len(frames)) as current:
         with held_back():

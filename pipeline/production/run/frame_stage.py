@@ -32,7 +32,13 @@ def shooting_of(run: SceneRun) -> ShotBuilder:
     shooting = ShotBuilder(run.order.scene, take_of(run))
     run.notes += shooting_notes(run.order.scene, shooting)
     run.refuse_notes()
+    enter_cuts(run, shooting)
     return shooting
+
+
+def enter_cuts(run: SceneRun, shooting: ShotBuilder) -> None:
+    """Enter the cuts of the film into the manifest, those of a director with their reasons."""
+    run.manifest.entries["cuts"] = [decision.facts for decision in shooting.decisions]
 
 
 def note_levels(run: SceneRun, shooting: ShotBuilder, frames: Sequence[int]) -> None:
@@ -75,7 +81,9 @@ def _rendered_on(
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
     if jobs > 1:
-        job = FrameJob(order.scene, outputs.take, outputs, backend, wanted, shooting.tracks.tones)
+        job = FrameJob(
+            shooting.scene, outputs.take, outputs, backend, wanted, shooting.tracks.tones
+        )
         split = film_in_processes(
             job,
             jobs,

@@ -16,7 +16,7 @@ from pipeline.errors import Problem, PronkError
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take, TakeNote
 from pipeline.spec import Scene
-from pipeline.spec.yaml_tree import MappingNode
+from pipeline.spec.yaml_tree import MappingNode, ScalarNode
 from pipeline.terminal_text import escaped_line
 
 MAX_LINES = 10
@@ -91,10 +91,14 @@ def place_of(scene: Scene, path: str) -> str:
     return f"{found.file}:{found.line}" if found.line else found.file
 
 
+_ALONE = (MappingNode, ScalarNode)
+"""Nodes of one camera: its mapping, or the word `auto`."""
+
+
 def cut_path(scene: Scene, number: int) -> str:
     """Return the path of a cut in the scene, such as `camera[1]`."""
     tree = scene.source_map.tree
-    alone = isinstance(tree, MappingNode) and isinstance(tree.get("camera"), MappingNode)
+    alone = isinstance(tree, MappingNode) and isinstance(tree.get("camera"), _ALONE)
     return "camera" if alone else f"camera[{number}]"
 
 

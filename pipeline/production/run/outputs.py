@@ -53,6 +53,11 @@ class Outputs:
         return self.folder / f"{self.name}.mid"
 
     @property
+    def score_folder(self) -> Path:
+        """The score for other programs, where it was exported."""
+        return self.folder / "score"
+
+    @property
     def wav(self) -> Path:
         """The sound."""
         return self.folder / f"{self.name}.wav"

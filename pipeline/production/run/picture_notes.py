@@ -37,7 +37,7 @@ def _camera_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
             _seconds(scene, fault.frames[0][0]),
             fault.frames[0][0],
             f"{fault.text} in {_listed(fault.frames)}",
-            place_of(scene, cut_path(scene, fault.cut)),
+            place_of(scene, cut_path(scene, shooting.decisions[fault.cut].source)),
         )
         for fault in shooting.camera_faults()
     ]

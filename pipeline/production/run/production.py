@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.film_end import notes_after_end
 from pipeline.production.run.film_stage import make_film
@@ -12,8 +14,9 @@ from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
 from pipeline.production.run.scene_run import working
-from pipeline.production.run.score_stage import store_events, write_score
+from pipeline.production.run.score_stage import store_events, store_exports, write_score
 from pipeline.production.run.take_stage import store_take, take_of
+from pipeline.production.sound.export_kind import ExportKind
 from pipeline.simulation.take import Take
 
 
@@ -58,10 +61,18 @@ def store_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
         return run.outputs
 
 
-def score_only(order: Order, reporter: Reporter) -> Outputs:
-    """Write the score of a scene, simulating if necessary."""
+def score_only(order: Order, reporter: Reporter, exports: Collection[ExportKind] = ()) -> Outputs:
+    """Write the score of a scene, simulating if necessary.
+
+    Args:
+        order: settings of the run.
+        reporter: of progress.
+        exports: what is written for other programs.
+    """
     with working(order, reporter) as run:
         shooting = shooting_of(run)
-        write_score(run, shooting.take, shooting)
+        score = write_score(run, shooting.take, shooting)
+        if exports:
+            store_exports(run, score, exports)
         run.finish()
         return run.outputs

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from audio.errors import SoundFontError
 from audio.midi_file import write_midi
 from audio.score import Score
@@ -12,7 +14,9 @@ from pipeline.production.run.scene_run import SceneRun
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.cue_files import write_cues
 from pipeline.production.sound.event_files import write_events
+from pipeline.production.sound.export_kind import ExportKind
 from pipeline.production.sound.score_builder import build_score
+from pipeline.production.sound.score_export import export_score
 from pipeline.production.sound.sound_report import (
     loudness_summary,
     midi_facts,
@@ -32,7 +36,7 @@ def store_events(run: SceneRun, take: Take) -> bool:
 def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
     with stage(run.reporter, "score", 3, "files") as current:
-        score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
+        score, late = build_score(shooting.scene, take, shooting.poses, run.order.subframe)
         changed = store_events(run, take)
         changed |= write_cues(run.outputs, score, run.whole_film.name)
         current.advance(1)
@@ -58,6 +62,16 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     run.manifest.entries["midi"] = midi_facts(midi, score.subframe, score.rate)
     run.manifest.entries["wav"] = wav_facts(wav)
     return score
+
+
+def store_exports(run: SceneRun, score: Score, kinds: Collection[ExportKind]) -> None:
+    """Write the score for other programs, inside `working`, after the score itself."""
+    gain = run.manifest.entries["wav"]["gain_db"]
+    with stage(run.reporter, "export", 1, "files") as current:
+        exported = export_score(run.outputs, score, kinds, gain or 0.0)
+        current.advance(1)
+        current.result = f"{len(exported.paths)} files in {run.outputs.score_folder.name}"
+    run.records.update(*exported.paths, *exported.removed)
 
 
 def _write_sound(run: SceneRun, score: Score) -> WavReport:

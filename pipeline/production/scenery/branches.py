@@ -141,7 +141,8 @@ def add_bark(
     wide = np.where(is_foot, 1.5 * wide, wide)
     add_tubes(
         *(shape, skeleton.nodes[above], skeleton.nodes[shown], wide, skeleton.radii[shown]),
-        colors[shown],
+        # Bark changes by degrees: a tube of one colour is seen as a ring.
+        np.stack([colors[above], colors[shown]], axis=1),
         sides,
         (start, own),
     )

@@ -42,13 +42,18 @@ MATERIALS = {"scenery foliage": FOLIAGE, "scenery solid": SOLID, "scenery stone"
 REFERENCE_GROUND = np.array([0.155, 0.150, 0.085])
 """Linear colour of ground on which species have their own colours."""
 
-FRESH, DRY = np.array([0.86, 1.0, 0.80]), np.array([1.85, 1.45, 1.08])
+FRESH, DRY = np.array([0.86, 1.0, 0.78]), np.array([1.60, 1.25, 0.95])
 """Factors on the colours of grass in hollows that keep water, and where it has dried."""
 
 STUNTED, LUSH = 0.65, 1.6
 """Factors on the sizes of grass where the soil is poor and where it is rich."""
 RICH_WIDTH, RICH_EDGE = 2.4, (-0.55, 0.85)
 """Width of rich spots [m], and values of their noise between which they begin."""
+
+TALLER = 0.4
+"""Power of the width of far clumps by which low ones are taller."""
+LOW = 0.3
+"""Height of low species [m]."""
 
 Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
 
@@ -133,7 +138,8 @@ def _sizes(placed: Placed) -> Array:
     low, high = KINDS[placed.name].sizes
     part = placed.chance[:, 2]
     sizes = np.asarray(low * (high / low) ** (part**1.4)) * placed.size
-    if KINDS[placed.name].widens:
+    # A crop stands even.
+    if KINDS[placed.name].widens and KINDS[placed.name].habitat != "open":
         sizes = sizes * vigour(placed.points[:, [0, 2]])
     return sizes
 
@@ -154,6 +160,9 @@ def copies(
     if species.widens:
         wide = np.clip((placed.distances / (WIDE_FROM * detail)) ** 0.75, 1.0, WIDEST)
         scales[:, [0, 2]] *= wide[:, None]
+        if species.height < LOW:
+            # Flat ones would melt into a plain.
+            scales[:, 1] *= wide**TALLER
     scales[:, 1] *= 0.85 + 0.3 * placed.chance[:, 3]
     turns = _turns(placed, species.upright)
     tints = _tints(placed, species.ground)
@@ -202,7 +211,7 @@ def _tints(placed: Placed, share: float) -> Array:
     light = 0.82 + 0.36 * placed.chance[:, 3:]
     if KINDS[placed.name].widens:
         # Tufts that differ are seen as tufts; alike they melt into a plain.
-        light = light * (0.8 + 0.4 * placed.chance[:, 1:2]) * sward(placed.points[:, [0, 2]])
+        light = light * (0.7 + 0.6 * placed.chance[:, 1:2]) * sward(placed.points[:, [0, 2]])
     if not share:
         return np.broadcast_to(light, (len(light), 3))
     ratio = placed.color / REFERENCE_GROUND

@@ -28,6 +28,7 @@ class Clump:
         ears: number of stalks with a head of seeds.
         ear: colour of the heads.
         ear_length: relative to the height.
+        plump: width of the scales of a head relative to their length.
         clover: number of leaves of clover between the blades of every third clump.
         segments: of a blade, nearby.
         wave: by how much blades wind sidewards, relative to their heights.
@@ -47,6 +48,7 @@ class Clump:
     ears: int = 0
     ear: Color = (0.3, 0.24, 0.11)
     ear_length: float = 0.2
+    plump: float = 0.16
     clover: int = 0
     segments: int = 2
     wave: float = 0.0
@@ -55,18 +57,18 @@ class Clump:
 
 CLUMPS: dict[str, Clump] = {
     "short grass": Clump(
-        34, 0.100, 0.0052, 0.100, 0.60, (0.076, 0.100, 0.028), (0.232, 0.296, 0.090), 0.10, clover=9
+        34, 0.100, 0.0052, 0.100, 0.60, (0.054, 0.088, 0.020), (0.180, 0.272, 0.062), 0.08, clover=9
     ),
     "meadow grass": Clump(
-        32, 0.21, 0.0048, 0.10, 0.70, (0.068, 0.092, 0.026), (0.232, 0.286, 0.090), 0.13, ears=1
+        32, 0.21, 0.0048, 0.10, 0.70, (0.048, 0.080, 0.018), (0.186, 0.268, 0.064), 0.10, ears=1
     ),
     "tall grass": Clump(
-        26, 0.46, 0.0052, 0.10, 0.60, (0.058, 0.082, 0.020), (0.245, 0.275, 0.085), 0.25,
-        ears=4, segments=3,
+        26, 0.46, 0.0052, 0.10, 0.60, (0.044, 0.072, 0.016), (0.265, 0.275, 0.092), 0.26,
+        ears=3, ear_length=0.13, plump=0.13, segments=3,
     ),
     "dry grass": Clump(
         40, 0.26, 0.0042, 0.06, 0.65, (0.150, 0.112, 0.050), (0.48, 0.375, 0.185), 0.35,
-        outward=True, ears=2, ear=(0.45, 0.36, 0.20),
+        outward=True, ears=1, ear=(0.45, 0.36, 0.20), ear_length=0.15,
     ),
     "tussock": Clump(
         80, 0.34, 0.0042, 0.07, 1.0, (0.095, 0.090, 0.036), (0.350, 0.305, 0.130), 0.35,
@@ -82,7 +84,7 @@ CLUMPS: dict[str, Clump] = {
     ),
     "reeds": Clump(
         12, 1.5, 0.022, 0.18, 0.25, (0.075, 0.088, 0.028), (0.205, 0.240, 0.080), 0.2,
-        ears=3, ear=(0.100, 0.055, 0.025), ear_length=0.12,
+        ears=3, ear=(0.100, 0.055, 0.025), ear_length=0.12, plump=0.28,
     ),
     "water weed": Clump(
         16, 0.85, 0.026, 0.20, 0.55, (0.045, 0.075, 0.022), (0.150, 0.190, 0.050), 0.15,
@@ -90,7 +92,7 @@ CLUMPS: dict[str, Clump] = {
     ),
     "wheat": Clump(
         12, 0.72, 0.010, 0.08, 0.28, (0.20, 0.145, 0.055), (0.50, 0.370, 0.150), 0.3,
-        ears=10, ear=(0.55, 0.400, 0.165), ear_length=0.14,
+        ears=10, ear=(0.55, 0.400, 0.165), ear_length=0.14, plump=0.28,
     ),
 }  # fmt: skip
 """Kinds of grass."""
@@ -191,14 +193,16 @@ def _add_ears(
         blunt=0.5,
     )
     length = config.ear_length * config.height
-    # A head is a bundle of scales around the stalk.
-    each = (5, 3, 1)[level]
+    # A head is a panicle: slim scales along the stalk, the upper ones nearer to it.
+    each = (8, 4, 1)[level]
     around = rng.uniform(0, 2 * np.pi, (count, each))
-    way = np.stack([0.35 * np.cos(around), np.ones_like(around), 0.35 * np.sin(around)], axis=-1)
-    where = np.linspace(-0.75, 0.0, each)[None, :, None] * length * np.array([0.0, 1.0, 0.0])
+    out = np.broadcast_to(np.linspace(0.55, 0.15, each), around.shape)
+    way = np.stack([out * np.cos(around), np.ones_like(around), out * np.sin(around)], axis=-1)
+    where = np.linspace(-0.85, 0.0, each)[None, :, None] * length * np.array([0.0, 1.0, 0.0])
     base = (tips[:, None] + where).reshape(-1, 3)
     way = way.reshape(-1, 3)
-    size = np.full(len(base), length * (0.55 if each > 1 else 1.1))
+    size = length * (0.34, 0.45, 1.0)[level] * rng.uniform(0.75, 1.15, len(base))
     colors = np.asarray(config.ear) * rng.uniform(0.8, 1.2, (len(base), 1))
     face: Array = rng.normal(size=(len(base), 3))
-    add_leaves(shape, base, way, face, size, 0.28 * size, colors, fold=0.3)
+    slim = config.plump * (1.0, 1.0, 0.55)[level]
+    add_leaves(shape, base, way, face, size, slim * size, colors, fold=0.3, triangles=1)

@@ -14,15 +14,16 @@ import numpy as np
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.puddles import Puddles
+from pipeline.production.scenery.track import Track
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from render.color import linear
 from render.config import Material, Weather
 from render.ground_wear import TEXELS, GroundWear
 
-Habitat = Literal["open", "tufts", "clumps", "grove", "hedge", "shade", "rubble"]
-"""Where a species grows: in the open, there in tufts or in loose clumps, in groves, along hedges
-and the edges of groves, below trees, or on bare ground as well."""
+Habitat = Literal["open", "tufts", "untrodden", "clumps", "grove", "hedge", "shade", "rubble"]
+"""Where a species grows: in the open, there in tufts, in tufts where nobody walks, or in loose
+clumps, in groves, along hedges and the edges of groves, below trees, or on bare ground as well."""
 
 RASTER = 128.0
 """Side of the square on which bare ground is drawn [m]."""
@@ -32,34 +33,52 @@ TRAIL_BEND = 38.0
 TRAIL_HALF = (0.16, 0.62)
 """Distances from the middle of a trail up to which it is bare, and from which nothing is [m]."""
 
+WASH_BEND, WASH_HALF = 27.0, (0.5, 1.7)
+"""Size of the bends of dry beds of streams [m]; distances from the middle of one up to which it is
+bare, and from which nothing of it is left [m]."""
+RUBBLE, RUBBLE_EDGE, RUBBLE_LEAST = 6.5, (0.15, 0.55), 0.22
+"""Width of stony patches of dry land [m], values of their noise between which they begin, and share
+of the stones that lie between them."""
+PALER = 0.16
+"""How much nearer to white the silt of a dry bed is than the paler colour of its soil, in sRGB."""
+
 TUFT, TUFT_LEAST, TUFT_EDGE = 0.85, 0.22, (-0.4, 0.4)
 """Width of tufts [m], the share of their density between them, and values of their noise between
 which they begin."""
 CLUMP, CLUMP_LEAST, CLUMP_EDGE = 1.9, 0.05, (-0.05, 0.4)
 """The same of clumps."""
 
-GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "clumps": 0.39}
+GATHERED: Mapping[Habitat, float] = {"tufts": 0.60, "untrodden": 0.60, "clumps": 0.39}
 """Share of their full density that species have on average where they stand in tufts or clumps."""
 
 GROVE, GROVE_EDGE = 58.0, (0.05, 0.4)
 """Width of groves [m], and values of their noise between which they begin."""
 HEDGE_BEND, HEDGE_HALF = 150.0, (1.2, 3.2)
 """Size of the fields between hedges, and half the width of a hedge with its fringe [m]."""
+THICKET = 13.0
+"""Width of thickets of bushes in the open [m]."""
 
 WORN_BY = 0.35, 1.1
 """Distances from the ways of performers between which they wear the ground down [m]."""
 WORN_SHARE = 0.5
 
-THIN_SHARE = 0.28
+WALKED = 0.3, 1.7
+"""Distances from the ways of performers between which tall grass begins [m]."""
+
+THIN_SHARE = 0.14
 """Share of soil that shows between the tufts of grass."""
 
 SOILS = {
     "grass": "#786a52",
+    "moss": "#5f4e3a",
     "soil": "#a89679",
     "rock": "#8b7658",
     "gravel": "#8b7658",
 }
 """Colour of worn ground by the texture of the ground."""
+
+LIGHTLY = {"moss": 0.45}
+"""Share of the soil that shows where ground is worn, by its texture; all of it on others."""
 
 WET = 0.55
 """Brightness of soaked soil, as a share of dry soil, in sRGB values."""
@@ -73,20 +92,31 @@ class Growth:
         seed: of the scene.
         clearings: of the performers, None without any.
         puddles: that rain has left, None without any.
+        track: over the meadow, None without one.
+        dry: whether it is dry land: beds of streams that are dry cross it, and stones lie along
+            them and in patches.
     """
 
     seed: int
     clearings: Clearings | None = None
     puddles: Puddles | None = None
+    track: Track | None = None
+    dry: bool = False
 
     def worn(self, x: Array, z: Array) -> Array:
         """Return the share (N,) of bare soil at places of the world, performers apart [m]."""
         places = np.stack([x, z], axis=-1)
         uneven = self._uneven(places)
-        trail = 1.0 - smoothstep(*TRAIL_HALF, self._line(places, TRAIL_BEND, 4100) - 0.16 * uneven)
+        if self.track is not None:
+            trail = self.track.bare(places, uneven)
+        else:
+            line = self._line(places, TRAIL_BEND, 4100)
+            trail = 1.0 - smoothstep(*TRAIL_HALF, line - 0.16 * uneven)
         broad = fractal(places / 5.5, self.seed + 4120, 2)
-        spots = 0.7 * smoothstep(0.6, 1.1, broad + 0.45 * uneven)
+        spots = 0.5 * smoothstep(0.75, 1.25, broad + 0.45 * uneven)
         result = np.maximum(trail * (0.86 + 0.14 * uneven), spots)
+        if self.dry:
+            result = np.maximum(result, self.wash(places))
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def drawn(self, x: Array, z: Array) -> Array:
@@ -102,6 +132,18 @@ class Growth:
         if self.puddles is not None:
             result = np.maximum(result, self.puddles.mud(x, z))
         return result
+
+    def wash(self, places: Array) -> Array:
+        """Return how far inside the dry bed of a stream places (N, 2) are, 0 to 1."""
+        away = self._line(places, WASH_BEND, 4180) - 0.35 * self._uneven(places)
+        return 1.0 - smoothstep(*WASH_HALF, away)
+
+    def _rubble(self, places: Array) -> Array:
+        """Return the share (N,) of stones that lie at places (N, 2) of dry land."""
+        inside = self.wash(places)
+        patch = smoothstep(*RUBBLE_EDGE, fractal(places / RUBBLE, self.seed + 4190, 2))
+        share = np.maximum(patch, 4.0 * inside * (1.0 - inside))
+        return np.asarray(RUBBLE_LEAST + (1.0 - RUBBLE_LEAST) * share)
 
     def _uneven(self, places: Array) -> Array:
         return fractal(places / 1.7, self.seed + 4110, 2)
@@ -121,18 +163,22 @@ class Growth:
         """Return the share (N,) of its full density that a habitat leaves a species."""
         places = np.stack([x, z], axis=-1)
         if habitat == "rubble":
-            return np.ones(len(x))
+            return self._rubble(places) if self.dry else np.ones(len(x))
         if habitat == "grove":
             return np.maximum(0.04 + 0.96 * self.grove(places), 0.55 * self.hedge(places))
         if habitat == "hedge":
             inside = self.grove(places)
             edge = 4.0 * inside * (1.0 - inside)
-            return np.clip(0.05 + 0.5 * edge + 0.25 * inside + self.hedge(places), 0.0, 1.0)
+            # In the open, a few thickets.
+            few = 0.3 * smoothstep(0.35, 0.7, fractal(places / THICKET, self.seed + 4180, 2))
+            return np.clip(few + 0.5 * edge + 0.25 * inside + self.hedge(places), 0.0, 1.0)
         free = 1.0 - self.worn(x, z)
         if self.puddles is not None:
             free = free * self.puddles.dry(x, z)
         if habitat == "shade":
             return np.asarray(free * (0.12 + 0.88 * self.grove(places)))
+        if habitat == "untrodden" and self.clearings is not None:
+            free = free * smoothstep(*WALKED, self.clearings.distance(x, z))
         return np.asarray(free * self.gathered(habitat, places))
 
     def gathered(self, habitat: Habitat, places: Array) -> Array:
@@ -140,7 +186,7 @@ class Growth:
 
         Between them a few stand alone.
         """
-        if habitat == "tufts":
+        if habitat in ("tufts", "untrodden"):
             value = fractal(places / TUFT, self.seed + 4160, 2)
             return np.asarray(TUFT_LEAST + (1.0 - TUFT_LEAST) * smoothstep(*TUFT_EDGE, value))
         if habitat == "clumps":
@@ -162,6 +208,10 @@ class Growth:
         fade = smoothstep(0.5, 14.0, from_edge)
         share = share * fade * fade[:, None]
         rgb = np.array([int(soil[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+        share = share * LIGHTLY.get(material.texture, 1.0)
+        if self.dry:
+            pale = np.asarray(material.color if material.color2 is None else material.color2)
+            rgb = pale + PALER * (1.0 - pale)
         wet = min(weather.rain / 0.5, 1.0)
         r, g, b = linear(rgb * (1.0 + wet * (WET - 1.0))).tolist()
         texels = np.rint(255.0 * share).astype(np.uint8)

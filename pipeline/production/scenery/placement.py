@@ -282,7 +282,7 @@ class Placement:
         value = fractal(places / species.patch, seed, 3)
         # The noise is about normal with a deviation of 0.45.
         low = 0.45 * np.sqrt(2.0) * _inverse_error(1.0 - 2.0 * species.cover)
-        return np.asarray(smoothstep(low - 0.25, low + 0.25, value))
+        return np.asarray(smoothstep(low - species.edge, low + species.edge, value))
 
     def _lies_level(
         self, species: Species, wanted: Wanted, points: Array, normals: Array

@@ -163,7 +163,7 @@ def add_blades(
     dead = mixed(np.asarray(dry[1]) * 0.45, dry[1], t[None].repeat(n, 0))
     color = np.where(is_dry[:, None, None], dead, color)
     color = color * (1.0 + variation * rng.uniform(-1.0, 1.0, n))[:, None, None]
-    normal = 0.75 * UP - 0.35 * ahead[:, None] * np.ones_like(t)[None, :, None]
+    normal = 0.6 * UP - 0.55 * ahead[:, None] * np.ones_like(t)[None, :, None]
     last = segments if blunt == 0.0 else segments + 1
     rows = np.stack([left[:, :last], right[:, :last]], axis=2).reshape(n, -1, 3)
     shades = np.repeat(color[:, :last], 2, axis=1)
@@ -247,7 +247,7 @@ def add_tubes(
         ends: (N, 3) [m].
         start_radii: (N,) [m].
         end_radii: (N,) [m].
-        colors: (N, 3) linear.
+        colors: (N, 3) linear, or (N, 2, 3) of both ends.
         sides: of each tube.
         ways: directions (N, 3) of the rings at both ends; along the tubes by default.
     """
@@ -267,7 +267,7 @@ def add_tubes(
     shape.add(
         np.concatenate(rings, axis=1),
         np.concatenate(normals, axis=1),
-        colors[:, None],
+        colors[:, None] if colors.ndim == 2 else np.repeat(colors, sides, axis=1),
         faces,
         thin=False,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.production.scenery.placement import Wanted
 from pipeline.production.scenery.species import KINDS
@@ -11,11 +11,12 @@ from pipeline.spec.scene import Scene
 from pipeline.spec.terrain.scatter import SCATTER_PRESETS, ScatteredSpecies
 from render.config import MATERIALS
 
-BY_MATERIAL = {"moss": "moss", "dry soil": "steppe", "dark soil": "pasture"}
+BY_MATERIAL = {"dry soil": "steppe", "dark soil": "pasture"}
 """Presets of ground materials by name."""
 
 BY_TEXTURE = {
     "grass": "meadow",
+    "moss": "moss",
     "soil": "steppe",
     "sand": "dunes",
     "snow": "tundra",
@@ -79,12 +80,22 @@ class ScatterChoice:
         if fitted and (scene.terrain.water is not None or around.kind == "sea"):
             fitted = (*fitted, *WATERSIDE)
         asked = tuple(_asked(one) for one in scatter.species)
+        if _is_drowned(scene):
+            asked = tuple(replace(one, where="wet") for one in asked)
         return ScatterChoice(fitted, asked, max(scatter.density, 1.0))
 
     @property
     def wanted(self) -> tuple[Wanted, ...]:
         """All species."""
         return (*self.fitted, *self.asked)
+
+
+def _is_drowned(scene: Scene) -> bool:
+    """Return whether water stands over all of the terrain, as about the height of it tells."""
+    terrain = scene.terrain
+    if terrain.water is None or not hasattr(terrain, "height"):
+        return False
+    return float(terrain.water.level) > float(terrain.height)
 
 
 def _suiting(scene: Scene, name: str) -> str:

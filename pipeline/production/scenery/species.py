@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Literal
 
-from pipeline.production.scenery import grasses, herbs, stones, trees
+from pipeline.production.scenery import clumps, grasses, herbs, stones, trees
 from pipeline.production.scenery.growth import Habitat
 from pipeline.production.scenery.prototype import Prototype
 
@@ -33,6 +33,7 @@ class Species:
         reach: distance at which it ends [m].
         patch: width of its patches [m].
         cover: share of the ground that is in patches.
+        edge: how soft the edges of patches are, as half a range of their noise.
         steepest: rise per metre at which it ends.
         upright: 1 if it stands upright on a slope, 0 if it lies along it.
         ground: share of the ground's hue in its colours.
@@ -55,6 +56,7 @@ class Species:
     reach: float = 70.0
     patch: float = 4.0
     cover: float = 0.7
+    edge: float = 0.25
     steepest: float = 0.9
     upright: float = 0.8
     ground: float = 0.0
@@ -90,22 +92,23 @@ def _grass(
 def _flower(kind: str, density: float, height: float, cover: float) -> Species:
     return Species(
         partial(herbs.flower, kind),
-        *(1.5 * density, "cover", height),
+        *(2.2 * density, "cover", height),
         levels=(3.5, 9.0),
         near=7.0,
         reach=45.0,
         # Drifts of one kind: flowers seed themselves where they stand.
-        patch=7.0,
-        cover=0.6 * cover,
+        patch=5.0,
+        cover=0.4 * cover,
+        edge=0.12,
     )
 
 
 def _tree(
-    make: Make, density: float, height: float, radius: float, **others: float | str
+    make: Make, density: float, height: float, radius: float, clump: int, **others: float | str
 ) -> Species:
     values: dict[str, float | str] = {"cover": 0.6, "patch": 24.0, "habitat": "grove", **others}
     return Species(
-        *(make, 3.0 * density, "tree", height, radius),
+        *(partial(clumps.tree, make, clump), 3.0 * density, "tree", height, radius),
         sizes=(0.45, 1.25),
         levels=(14.0, 34.0, 85.0),
         near=95.0,
@@ -163,10 +166,17 @@ KINDS: dict[str, Species] = {
         levels=(3.0, 10.0),
     ),
     "meadow grass": _grass(
-        *("meadow grass", 95.0, 0.24), cover=0.45, patch=8.0, near=8.0, family="tall"
+        *("meadow grass", 95.0, 0.24), cover=0.55, patch=8.0, near=8.0, family="tall"
     ),
     "tall grass": _grass(
-        *("tall grass", 60.0, 0.62), cover=0.16, patch=8.0, reach=90.0, near=11.0, family="tall"
+        *("tall grass", 45.0, 0.62),
+        cover=0.3,
+        edge=0.1,
+        patch=8.0,
+        reach=110.0,
+        near=14.0,
+        habitat="untrodden",
+        family="tall",
     ),
     "dry grass": _grass(
         *("dry grass", 70.0, 0.34),
@@ -210,7 +220,14 @@ KINDS: dict[str, Species] = {
         near=9.0,
         sizes=(0.35, 1.0),
     ),
-    "wheat": _grass("wheat", 55.0, 0.95, cover=1.0, ground=0.0, reach=120.0),
+    "wheat": _grass(
+        *("wheat", 55.0, 0.95),
+        cover=1.0,
+        ground=0.0,
+        reach=120.0,
+        sizes=(0.85, 1.15),
+        habitat="open",
+    ),
     "maize": Species(
         *(herbs.maize, 4.0, "solid", 2.2, 0.4),
         levels=(6.0, 16.0),
@@ -295,12 +312,12 @@ KINDS: dict[str, Species] = {
         habitat="hedge",
         sizes=(0.35, 1.3),
     ),
-    "scrub": _shrub("scrub", 0.3, 0.75, 0.5, cover=0.4),
+    "scrub": _shrub("scrub", 0.4, 0.75, 0.5, cover=0.3, patch=15.0),
     "willow scrub": _shrub("willow scrub", 0.22, 0.6, 0.5, cover=0.35),
-    "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0),
-    "birch": _tree(partial(trees.crown_tree, "birch"), 0.005, 11.0, 2.0),
-    "acacia": _tree(partial(trees.crown_tree, "acacia"), 0.0022, 7.0, 4.2, cover=0.5),
-    "spruce": _tree(trees.spruce, 0.006, 11.5, 2.6),
+    "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0, 3),
+    "birch": _tree(partial(trees.crown_tree, "birch"), 0.005, 11.0, 2.0, 3),
+    "acacia": _tree(partial(trees.crown_tree, "acacia"), 0.0022, 7.0, 4.2, 2, cover=0.5),
+    "spruce": _tree(trees.spruce, 0.006, 13.0, 2.6, 4),
     "pebbles": Species(
         *(_pebbles, 6.0, "cover", 0.04, 0.3),
         levels=(2.5, 6.0),

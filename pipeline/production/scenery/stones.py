@@ -102,11 +102,12 @@ def pebbles(seed: int, count: int, halvings: int) -> Prototype:
     rng = np.random.default_rng(seed)
     shape = Shape()
     for k in range(count):
-        one = stone(1000 * seed + k, halvings, edged=0.45, flat=0.6)
+        one = stone(1000 * seed + k, halvings, edged=0.85, flat=0.5)
         angle, size = rng.uniform(0, 2 * np.pi), 0.011 * float(np.exp(rng.normal(0.25, 0.5)))
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-        at = rng.normal(0.0, 0.17, 3) * [1, 0, 1]
+        # Sunk into the soil by some of their height: they do not lie on it like eggs.
+        at = rng.normal(0.0, 0.17, 3) * [1, 0, 1] - [0.0, 0.14 * size, 0.0]
         light = np.exp(rng.normal(0.1, 0.3)) * np.array([1.0, *rng.normal([1, 0.98], 0.03)])
         shape.add(
             one.vertices @ turn.T * size + at,

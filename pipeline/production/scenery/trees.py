@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from pipeline.production.scenery.birch_bark import add_marks, bark_colors
 from pipeline.production.scenery.branches import Skeleton, add_bark, grown
 from pipeline.production.scenery.prototype import (
     UP,
@@ -44,6 +45,9 @@ class Crown:
         sag: by which twigs hang.
         hollow: share of each lobe, from its middle, that stays without twigs.
         lobes: of the crown.
+        tiers: storeys of the crown with air between them.
+        lean: sidewards shift of the top relative to the height.
+        escaped: share of shoots that stand out of the crown.
     """
 
     height: float
@@ -64,29 +68,42 @@ class Crown:
     sag: float = 0.0
     hollow: float = 0.35
     lobes: int = 8
+    tiers: int = 1
+    lean: float = 0.0
+    escaped: float = 0.0
 
+    @property
+    def is_shrub(self) -> bool:
+        """Whether it branches from the ground."""
+        return self.trunk < SHRUB
+
+
+SHRUB = 0.1
+"""Relative height of the lowest branches below which a plant is a shrub."""
 
 CROWNS: dict[str, Crown] = {
     "oak": Crown(
-        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.19, 0.62, 15000,
-        (0.074, 0.108, 0.026), (0.178, 0.222, 0.060), (0.085, 0.066, 0.048),
+        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.175, 0.62, 15500,
+        (0.108, 0.152, 0.036), (0.218, 0.268, 0.072), (0.115, 0.092, 0.068),
     ),
     "birch": Crown(
         9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.125, 0.72, 12500,
-        (0.092, 0.130, 0.032), (0.225, 0.262, 0.078), (0.55, 0.53, 0.49),
+        (0.125, 0.170, 0.042), (0.258, 0.300, 0.088), (0.55, 0.53, 0.49),
         sag=0.22, hollow=0.1, lobes=12,
     ),
     "acacia": Crown(
         6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.12, 0.45, 12500,
-        (0.082, 0.104, 0.036), (0.178, 0.196, 0.076), (0.105, 0.080, 0.058), hollow=0.1,
+        (0.108, 0.134, 0.046), (0.205, 0.224, 0.086), (0.135, 0.104, 0.076), hollow=0.1,
     ),
     "bush": Crown(
         1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.085, 0.58, 3900,
-        (0.072, 0.106, 0.028), (0.168, 0.212, 0.062), (0.090, 0.070, 0.050), hollow=0.2, lobes=6,
+        (0.100, 0.142, 0.038), (0.205, 0.250, 0.074), (0.110, 0.086, 0.062), hollow=0.2, lobes=6,
+        escaped=0.10,
     ),
     "scrub": Crown(
         0.7, 0.02, 0.06, 1.5, 0.6, 7, 0.0085, 300, 0.065, 0.042, 0.40, 1700,
         (0.115, 0.118, 0.064), (0.245, 0.232, 0.140), (0.130, 0.105, 0.078), hollow=0.1,
+        escaped=0.06,
     ),
     "willow scrub": Crown(
         0.55, 0.02, 0.05, 1.8, 0.6, 7, 0.0075, 260, 0.06, 0.050, 0.36, 1500,
@@ -95,8 +112,41 @@ CROWNS: dict[str, Crown] = {
 }  # fmt: skip
 """Broad-leaved trees and shrubs."""
 
+HABITS: dict[str, tuple[dict[str, float], ...]] = {
+    "oak": (
+        {},
+        {"width": 1.2, "trunk": 0.16, "low": 0.16, "lobes": 10, "lean": 0.04},
+        {"height": 9.4, "width": 0.82, "trunk": 0.24, "top": 0.58, "lobes": 9},
+        {"width": 1.1, "top": 0.45, "lean": 0.10, "lobes": 7, "low": 0.26},
+    ),
+    "birch": (
+        {},
+        {"stems": 2, "width": 0.62, "lobes": 13},
+        {"height": 10.4, "width": 0.40, "trunk": 0.22, "low": 0.28},
+        {"height": 8.4, "lean": 0.12, "width": 0.55},
+    ),
+    "acacia": (
+        {"width": 1.70, "low": 0.74, "lean": 0.05},
+        {"tiers": 2, "low": 0.50, "width": 1.35, "height": 6.6, "lobes": 10},
+        {"stems": 2, "width": 1.45, "low": 0.66, "lobes": 6, "hollow": 0.35},
+        {"height": 5.0, "width": 1.05, "low": 0.50, "top": 0.72, "trunk": 0.2, "lean": 0.16},
+    ),
+    "bush": (
+        {},
+        {"width": 1.75, "height": 1.2, "lobes": 9},
+        {"height": 1.8, "width": 1.0, "lean": 0.2, "lobes": 5},
+        {"width": 1.5, "lobes": 4, "top": 0.55},
+        {"height": 1.25, "width": 2.0, "lobes": 7, "lean": 0.15},
+        {"height": 1.65, "lobes": 8, "hollow": 0.4},
+    ),
+}
+"""What sets the variants of a species apart."""
+
 LOBE, LOBE_FLAT = (0.24, 0.48), 0.74
 """Least and greatest radius of a lobe relative to the crown, and its height by its width."""
+
+TIER = 0.42
+"""Height of a storey of a crown relative to the distance to the next."""
 
 BOUGH = (0.36, 0.82)
 """Least and greatest distance of the middle of a lobe from that of the crown."""
@@ -108,6 +158,13 @@ leaf."""
 CALM = (1.0, 0.8, 0.45, 0.15)
 """Share of the differences between single leaves by level: far ones are smaller than a pixel, where
 what is left of them is noise."""
+
+
+def habit(kind: str, seed: int) -> Crown:
+    """Return what the plant of a kind and seed is like."""
+    varied = HABITS.get(kind, ({},))
+    # Seeds of variants lie 101 apart.
+    return replace(CROWNS[kind], **varied[(seed // 101) % len(varied)])  # type: ignore[arg-type]
 
 
 def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
@@ -133,15 +190,30 @@ def _envelope(config: Crown, rng: np.random.Generator, count: int) -> Array:
     y = 0.5 * (points[:, 1] + 1.0)
     # The height at which the crown is widest is moved up or down.
     y = y ** (np.log(config.top) / np.log(0.5))
+    flat_places = points[:, [0, 2]]
+    if config.tiers > 1:
+        # Each lobe belongs to a storey; the lower ones are smaller and stand to one side.
+        storey = chosen % config.tiers
+        below = (config.tiers - 1 - storey)[:, None] / (config.tiers - 1)
+        y = (storey + TIER * y) / (config.tiers - 1 + TIER)
+        turn = rng.uniform(0.0, 2.0 * np.pi)
+        aside = np.array([np.cos(turn), np.sin(turn)])
+        flat_places = flat_places * (1.0 - 0.42 * below) + 0.34 * below * aside
+    if config.escaped:
+        out = rng.uniform(1.0, 1.4, len(y)) * (rng.uniform(size=len(y)) < config.escaped)
+        out = np.maximum(out, 1.0)
+        y, flat_places = y * out, flat_places * (0.5 + 0.5 * out)[:, None]
     half = 0.5 * config.width * config.height
-    crown = np.stack([half * points[:, 0], low + (high - low) * y, half * points[:, 2]], axis=-1)
+    crown = np.column_stack(
+        [half * flat_places[:, 0], low + (high - low) * y, half * flat_places[:, 1]]
+    )
     return np.asarray(crown[crown[:, 1] > low + 0.03][:count])
 
 
 @lru_cache(maxsize=64)
 def crown_skeleton(kind: str, seed: int) -> Skeleton:
     """Return the skeleton of a broad-leaved tree or shrub."""
-    config = CROWNS[kind]
+    config = habit(kind, seed)
     rng = np.random.default_rng([seed, 71])
     attractors = _envelope(config, rng, config.attractors)
     top = config.trunk * config.height
@@ -157,26 +229,42 @@ def crown_skeleton(kind: str, seed: int) -> Skeleton:
         t = np.linspace(0.0, 1.0, n)[:, None]
         sway = 0.04 * config.height * np.sin(2.5 * t + rng.uniform(0, 6)) * rng.normal(size=3)
         stems.append(end * t + sway * t * (1 - t) * [1, 0, 1] - 0.05 * (1 - t) * UP)
-    return grown(stems, attractors, config.step, config.foot, sag=config.sag)
+    skeleton = grown(stems, attractors, config.step, config.foot, sag=config.sag)
+    return _leaning(skeleton, config, rng.uniform(0.0, 2.0 * np.pi)) if config.lean else skeleton
+
+
+def _lean(config: Crown, height: Array, turn: float) -> Array:
+    """Return shifts (N, 3) of what is at a height (N,) above the ground [m]."""
+    way = np.array([np.cos(turn), 0.0, np.sin(turn)])
+    up = np.maximum(height, 0.0)[:, None] / config.height
+    return np.asarray(config.lean * config.height * up**1.3 * way)
+
+
+def _leaning(skeleton: Skeleton, config: Crown, turn: float) -> Skeleton:
+    """Return a skeleton whose top is shifted to one side."""
+    nodes = skeleton.nodes + _lean(config, skeleton.nodes[:, 1], turn)
+    above = np.maximum(skeleton.parents, 0)
+    ways = np.where(skeleton.parents[:, None] < 0, skeleton.ways, unit(nodes - nodes[above]))
+    return replace(skeleton, nodes=nodes, ways=ways)
 
 
 def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     """Return a broad-leaved tree or shrub at a level of detail."""
-    config, skeleton = CROWNS[kind], crown_skeleton(kind, seed)
+    config, skeleton = habit(kind, seed), crown_skeleton(kind, seed)
     share, long, sides, triangles = LEVELS[level]
     rng = np.random.default_rng([seed, 73, level])
     shape = Shape()
-    light = 1.0 + 0.25 * rng.uniform(-1.0, 1.0, (len(skeleton.nodes), 1))
-    bark = np.asarray(config.bark) * light
     if kind == "birch":
-        # Dark bands on white bark, and dark twigs.
-        dark = (rng.uniform(size=len(bark)) < 0.18) | (skeleton.radii < 0.16 * config.foot)
-        bark = np.where(dark[:, None], [0.09, 0.07, 0.06], bark)
+        bark = bark_colors(skeleton, config.foot, config.bark, rng)
+        add_marks(shape, skeleton, config.foot, level, rng)
+    else:
+        light = 1.0 + 0.25 * rng.uniform(-1.0, 1.0, (len(skeleton.nodes), 1))
+        bark = np.asarray(config.bark) * light
     tall, low = (0.03, 0.08, 0.2, 0.42), (0.1, 0.4, 0.8, 2.0)
-    least = config.foot * (tall if config.stems == 1 else low)[level]
+    least = config.foot * (low if config.is_shrub else tall)[level]
     add_bark(shape, skeleton, bark, least, sides)
     # Leaves grow on thin twigs only.
-    thin = np.flatnonzero(skeleton.radii < (0.2 if config.stems == 1 else 0.6) * config.foot)
+    thin = np.flatnonzero(skeleton.radii < (0.6 if config.is_shrub else 0.2) * config.foot)
     count = max(round(config.leaves * share), 24)
     at = thin[rng.integers(0, len(thin), count)]
     size = config.leaf * long * rng.uniform(0.65, 1.2, count)
@@ -186,8 +274,10 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     loose *= np.minimum(1.0, config.step / np.linalg.norm(loose, axis=1, keepdims=True))
     base = skeleton.nodes[at] - back + loose
     middle = np.array([0.0, 0.5 * (config.low + 0.9) * config.height, 0.0])
-    if config.stems > 1:
+    if config.is_shrub:
         middle = middle * [1, 0.5, 1]
+    if config.lean:
+        middle[[0, 2]] = skeleton.nodes[thin][:, [0, 2]].mean(axis=0)
     half = np.array([0.5 * config.width, 0.5 * (1 - config.low), 0.5 * config.width])
     out = (base - middle) / (half * config.height)
     depth = np.clip(np.linalg.norm(out, axis=-1), 0.0, 1.2)
@@ -197,7 +287,7 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     color = np.asarray(config.color) + lit[:, None] * (
         np.asarray(config.young) - np.asarray(config.color)
     )
-    color = color * (0.97 + CALM[level] * rng.uniform(-0.25, 0.25, (count, 1)))
+    color = color * (0.97 + CALM[level] * rng.uniform(-0.34, 0.34, (count, 1)))
     normals = unit(0.9 * unit(out) + 0.5 * CALM[level] * unit(face) + 0.25 * UP)
     wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0)
     add_leaves(shape, base, way, face, size, wide * size, color, normals, triangles=triangles)
@@ -207,14 +297,20 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
 def spruce(seed: int, level: int) -> Prototype:
     """Return a spruce: whorls of drooping branches with sprays of needles."""
     rng, shape = np.random.default_rng([seed, 79]), Shape()
-    height = 10.0 * rng.uniform(0.9, 1.1)
+    # Young ones are slim and clothed to the ground, old ones broad, gappy and bare below.
+    age = (seed // 101 % 4) / 3.0
+    height = 10.0 * (0.80 + 0.42 * age) * rng.uniform(0.95, 1.05)
+    broad, bare, gaps = 0.165 + 0.085 * age, 0.02 + 0.12 * age**2, 0.05 + 0.20 * age
     whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (10, 6, 1))[level]
     t = (np.arange(whorls) + 0.5) / whorls
-    at = height * (0.07 + 0.92 * t**0.92)
-    length = 0.235 * height * (1.0 - t) ** 0.82 * (1.0 - 0.25 * np.exp(-t / 0.05)) + 0.06
+    at = height * (bare + (0.99 - bare) * t**0.92)
+    length = broad * height * (1.0 - t) ** 0.82 * (1.0 - 0.25 * np.exp(-t / 0.05)) + 0.06
     around = 2 * np.pi * (np.arange(each) / each + 0.618 * np.arange(whorls)[:, None])
     around = around + rng.normal(0, 0.18, around.shape)
-    length = length[:, None] * rng.uniform(0.72, 1.12, around.shape)
+    length = length[:, None] * rng.uniform(0.62, 1.16, around.shape)
+    # Some branches are broken or starved, more of them low down.
+    starved = rng.uniform(size=around.shape) < gaps * (1.25 - t[:, None])
+    length = np.where(starved, 0.45 * length, length)
     root = np.stack([np.zeros_like(around), at[:, None] + 0 * around, np.zeros_like(around)], -1)
     root = root + [0, 1, 0] * rng.normal(0, 0.35 * height / whorls, (*around.shape, 1))
     out = np.stack([np.cos(around), np.zeros_like(around), np.sin(around)], axis=-1)
@@ -228,7 +324,7 @@ def spruce(seed: int, level: int) -> Prototype:
         + (length[:, None] * along)[..., None] * out[:, None]
         - (length[:, None] * (droop[:, None] * along - 0.22 * sway))[..., None] * UP
     )
-    green, tip = np.array([0.044, 0.072, 0.030]), np.array([0.104, 0.142, 0.056])
+    green, tip = np.array([0.094, 0.142, 0.062]), np.array([0.185, 0.240, 0.095])
     color = green + along[None, :, None] ** 2 * (tip - green)
     color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
     side = np.cross(out, UP)

@@ -14,6 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
+from pipeline.production.camera.director.edit_decision import (
+    EditDecision,
+    decisions_json,
+    decisions_of_json,
+)
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.shots.footprint_timeline import FootprintTimeline
 from render.development import Tone
@@ -35,17 +40,19 @@ class FilmTracks:
         footprints: of the film, None without any.
         tones: exposure and contrast of each frame; empty before they are metered.
         clearings: where performers are, if anything is scattered over the ground.
+        cuts: of the film, in the order of time.
     """
 
     poses: tuple[CameraPose, ...]
     footprints: FootprintTimeline | None
     tones: tuple[Tone, ...] = ()
     clearings: Clearings | None = None
+    cuts: tuple[EditDecision, ...] = ()
 
     def arrays(self) -> Arrays:
         """Return the tracks as arrays: `poses` (F, 12), a pinhole with a NaN for its lens.
 
-        `tones` (F, 3) are stops, contrasts and whites.
+        `tones` (F, 3) are stops, contrasts and whites, `cuts` the bytes of JSON.
         """
         numbers = [
             (*pose.p_WC, *pose.p_WT, *pose.up, pose.fov_deg, *_lens_numbers(pose.lens))
@@ -53,6 +60,7 @@ class FilmTracks:
         ]
         arrays: Arrays = {"poses": np.array(numbers, float).reshape(-1, _POSE_NUMBERS)}
         values = [(tone.stops, tone.contrast, tone.white) for tone in self.tones]
+        arrays["cuts"] = np.frombuffer(decisions_json(self.cuts), np.uint8)
         arrays["tones"] = np.array(values, float).reshape(-1, 3)
         if self.footprints is not None:
             raster = self.footprints.raster
@@ -81,9 +89,10 @@ class FilmTracks:
                 raster = FootprintRaster((x, z), spacing, blocks, texels)
                 footprints = FootprintTimeline(raster, arrays["footprint_rows"])
             clearings = Clearings.of_arrays(arrays)
+            cuts = decisions_of_json(arrays["cuts"].tobytes())
         except (KeyError, ValueError, TypeError) as error:
             raise StoreError(f"the tracks of the film cannot be read ({error!r})") from error
-        return FilmTracks(poses, footprints, tones, clearings)
+        return FilmTracks(poses, footprints, tones, clearings, cuts)
 
 
 def _lens_numbers(lens: Lens | None) -> tuple[float, float]:

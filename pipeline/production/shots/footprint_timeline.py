@@ -18,6 +18,7 @@ SOFT_GROUNDS: Mapping[str, tuple[float, float]] = {
     "mud": (0.020, 0.40),
     "soil": (0.012, 0.40),
     "grass": (0.008, 0.35),
+    "moss": (0.008, 0.35),
 }
 """Depth of a footprint [m] and its darkening, by the texture of the ground."""
 

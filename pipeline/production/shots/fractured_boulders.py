@@ -13,9 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import find_objects, label
-from scipy.spatial import cKDTree
 
-from pipeline.production.scenery.treads import Treads
+from pipeline.production.shots.untrodden import distance_from_treads
 from pipeline.production.surroundings.choice import NATURAL
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.seeds import generator
@@ -52,8 +51,13 @@ CHIPS, CHIP_AT, CHIP_SLOPE = 5, (0.35, 0.85), (0.5, 1.5)
 """Number of faces chipped off a stone of a pit, their distances from its middle relative to its
 radius, and their falls per metre."""
 
-STANDING = 0.06
-"""Radius around a limb within which it stands as a film begins [m]."""
+GROUP, GROUP_EDGE, GROUP_CORE = 3.4, (-0.12, 0.2), (0.15, 0.75)
+"""Width of groups of boulders [m], and values of their noise between which groups begin, and
+between which their boulders grow."""
+
+GROWN, LEAST_SIZE = 2.6, 0.25
+"""By how much the largest of a group are longer, and sizes below which boulders are left out,
+relative to those that feet find."""
 
 SAME = 1e-6
 """Height over the bed up to which ground belongs to it [m]."""
@@ -79,7 +83,7 @@ def fractured(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord
     if author.show_forbidden or len(terrain.vertices) != shape[0] * shape[1]:
         return terrain
     before = terrain.vertices[:, 1].astype(float)
-    return _away_from_feet(terrain, _broken(author, scene.seed).ravel() - before, take)
+    return _away_from_feet(terrain, _broken(author, scene.seed, take).ravel() - before, take)
 
 
 def chipped(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord:
@@ -114,14 +118,16 @@ def chipped(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord:
         ]
         uneven = 0.5 * ROUGH * np.maximum(1.0 + fractal(places / ROUGH_WIDTH, 690, 3), 0.0)
         cut[box] += own * (np.max(chips, axis=0) + uneven)
-    return _away_from_feet(terrain, -cut.ravel(), take)
+    # What has sunk already is not cut below the bed.
+    deep = terrain.vertices[:, 1].astype(float) - float(terrain.vertices[:, 1].min())
+    return _away_from_feet(terrain, -np.minimum(cut.ravel(), deep), take)
 
 
 def _away_from_feet(terrain: TerrainRecord, shift: Array, take: Take) -> TerrainRecord:
     """Return a terrain with its heights shifted by (V,) where no performer treads on it [m]."""
     before = terrain.vertices[:, 1].astype(float)
     # Down to the face of a plane nearly at once; up only away from feet and legs.
-    away = _from_treads(terrain.vertices[:, [0, 2]].astype(float), take)
+    away = distance_from_treads(terrain.vertices[:, [0, 2]].astype(float), take)
     shift *= smoothstep(0.0, TREAD_EDGE, away)
     shift = np.where(shift > 0.0, shift * smoothstep(0.0, RISE_EDGE, away), shift)
     vertices = np.array(terrain.vertices)
@@ -129,12 +135,12 @@ def _away_from_feet(terrain: TerrainRecord, shift: Array, take: Take) -> Terrain
     return replace(terrain, vertices=vertices)
 
 
-def _broken(author: BouldersTerrain, seed: int) -> Array:
+def _broken(author: BouldersTerrain, seed: int, take: Take) -> Array:
     """Return the heights of ground with fractured boulders, about the origin."""
     ground_rng, heap_rng = generator(seed, "terrain").spawn(2)
     heights = swells(author, author.height, author.spacing, ground_rng)
     ground = HeightField(heights, author.size)
-    boulders = scattered_boulders(author, heap_rng)
+    boulders = _grouped(scattered_boulders(author, heap_rng), seed, take)
     foot = ground.height(boulders.xz[:, 0], boulders.xz[:, 1])
     middle = foot + boulders.axes[:, 2] * (1.0 - 2.0 * author.buried)
     x, z = (
@@ -154,6 +160,21 @@ def _broken(author: BouldersTerrain, seed: int) -> Array:
             own = _rock(boulders, k, np.meshgrid(x[i], z[j]), rng)
             np.maximum(part, middle[k] + own, out=part)
     return heights
+
+
+def _grouped(boulders: Boulders, seed: int, take: Take) -> Boulders:
+    """Return boulders in groups of large ones, with open ground between; trodden ones stay."""
+    away = distance_from_treads(boulders.xz, take)
+    long = boulders.axes[:, 0]
+    value = fractal(boulders.xz / GROUP, seed + 661, 2)
+    size = smoothstep(*GROUP_EDGE, value) * (1.0 + GROWN * smoothstep(*GROUP_CORE, value))
+    # A large one ends before the next tread, or a foot would cut a notch into it.
+    size = np.clip(size, 0.0, np.maximum((away - RISE_EDGE) / (WIDEST * long), 1.0))
+    size = np.where(away < WIDEST * long, 1.0, size)
+    tall = size ** np.where(size > 1.0, 1.15, 1.0)
+    axes = boulders.axes * np.stack([size, size, tall], axis=-1)
+    grouped = Boulders(boulders.xz, axes, boulders.turn)
+    return grouped.subset(size > LEAST_SIZE)
 
 
 def _rock(boulders: Boulders, k: int, places: Sequence[Array], rng: np.random.Generator) -> Array:
@@ -188,19 +209,3 @@ def _rock(boulders: Boulders, k: int, places: Sequence[Array], rng: np.random.Ge
     # Beds crop out at the sides; on tops they would be ripples.
     top += share * is_side * BEDDING * (smoothstep(0.3, 1.0, edge) - edge)
     return np.where(np.hypot(u, v) < WIDEST, top, -np.inf)
-
-
-def _from_treads(places: Array, take: Take) -> Array:
-    """Return the distances (N,) of places (N, 2) from where performers tread or stand [m]."""
-    treads = Treads.of(take)
-    # Who stands on the ground as the film begins has not trodden on it.
-    first = np.asarray(take.positions[0], float)[:, [0, 2]]
-    lifts = [c.place for c in take.contacts if c.kind == "lift" and c.other == "terrain"]
-    lifted = np.array(lifts, float).reshape(-1, 3)[:, [0, 2]]
-    middles = np.concatenate([treads.places, lifted, first])
-    stood = np.full(len(lifted) + len(first), STANDING)
-    radii = np.concatenate([treads.radii, stood])
-    if not len(middles):
-        return np.full(len(places), np.inf)
-    apart, number = cKDTree(middles).query(places, workers=1)
-    return np.maximum(apart - radii[number], 0.0)

@@ -28,7 +28,7 @@ RAIN_DROP = "rain drop"
 
 MATERIALS: Mapping[str, Material] = {
     RAIN_DROP: Material.model_validate(
-        {"color": "#eef3f5", "roughness": 0.0, "transmission": 1.0, "ior": 1.2}
+        {"color": "#eef3f5", "roughness": 0.0, "transmission": 1.0, "ior": 1.07}
     )
 }
 

@@ -1,4 +1,4 @@
-"""Laid floor: how a floor is made of a material: boards of wood, slabs of concrete.
+"""Laid floor: how a floor is made of a material: boards of wood, slabs of stone, tiles.
 
 A wide floor in one piece has no scale: nobody sees how large it is, nor how far away.
 """
@@ -9,11 +9,22 @@ from collections.abc import Mapping
 
 from render.config import Material
 
-PIECES: Mapping[str, tuple[str, float]] = {"wood": ("planks", 4.0), "plaster": ("slabs", 4.8)}
+PIECES: Mapping[str, tuple[str, float]] = {
+    "wood": ("planks", 4.0),
+    "plaster": ("slabs", 1.8),
+    "tiles": ("tiles", 1.0),
+}
 """Pattern of a floor by the texture of its material, and the factor on the texture's scale."""
 
 GREYED, GREY, DARK_GREY = 0.45, (0.60, 0.56, 0.50), (0.45, 0.41, 0.36)
 """Share of grey in boards outdoors, and its colours, sRGB."""
+
+
+QUARRIED, SAND, ASH = 0.5, (0.60, 0.545, 0.455), (0.475, 0.45, 0.415)
+"""Share of stone in slabs outdoors, and its colours, sRGB."""
+
+BLEACHED, BLEACH, LIME = 0.42, (0.70, 0.62, 0.53), (0.58, 0.49, 0.41)
+"""Share of what sun and lime leave on tiles outdoors, and its colours, sRGB."""
 
 
 def floor_name(material: str) -> str:
@@ -34,16 +45,27 @@ def laid(material: Material, *, outdoors: bool) -> Material | None:
     made = material.model_copy(
         update={"texture": pattern, "texture_scale": material.texture_scale * factor}
     )
-    return _weathered(made) if outdoors and pattern == "planks" else made
+    if not outdoors:
+        return made
+    if pattern == "planks":
+        return _blended(made, GREYED, GREY, DARK_GREY)
+    if pattern == "slabs":
+        return _blended(made, QUARRIED, SAND, ASH)
+    return _blended(made, BLEACHED, BLEACH, LIME)
 
 
-def _weathered(boards: Material) -> Material:
-    """Return boards that have lain in sun and rain: greyer and duller."""
+def _blended(
+    pieces: Material,
+    share: float,
+    light: tuple[float, float, float],
+    dark: tuple[float, float, float],
+) -> Material:
+    """Return pieces that have lain in sun and rain: duller, and with a share of other colours."""
     first, second = (
-        tuple((1.0 - GREYED) * c + GREYED * g for c, g in zip(color, grey, strict=True))
-        for color, grey in ((boards.color, GREY), (boards.color2 or boards.color, DARK_GREY))
+        tuple((1.0 - share) * c + share * g for c, g in zip(color, other, strict=True))
+        for color, other in ((pieces.color, light), (pieces.color2 or pieces.color, dark))
     )
-    roughness = max(boards.roughness, 0.75)
-    return boards.model_copy(
+    roughness = max(pieces.roughness, 0.75)
+    return pieces.model_copy(
         update={"color": first, "color2": second, "roughness": roughness, "clearcoat": 0.0}
     )

@@ -18,7 +18,14 @@ from render.config import Material, Weather
 from render.plume import Puff
 from render.water import WaterSurface
 
-DUST: Mapping[str, float] = {"sand": 1.6, "soil": 1.2, "snow": 0.8, "gravel": 0.6, "grass": 0.2}
+DUST: Mapping[str, float] = {
+    "sand": 1.6,
+    "soil": 1.2,
+    "snow": 0.8,
+    "gravel": 0.6,
+    "grass": 0.2,
+    "moss": 0.2,
+}
 """Optical depth of the dust of a strong step, by the texture of the ground."""
 
 MAX_PUFFS = 64

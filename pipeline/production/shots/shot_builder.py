@@ -12,10 +12,12 @@ from pipeline.errors import Problem, SceneError
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, first_frames
+from pipeline.production.camera.director.director import edit_decisions
+from pipeline.production.camera.director.edit_decision import EditDecision
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import soiled_wall
 from pipeline.production.scenery.clearings import Clearings
@@ -27,6 +29,7 @@ from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
 from pipeline.production.scenery.puddles import Puddles, PuddleSurface
 from pipeline.production.scenery.scatter_choice import ScatterChoice
 from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
+from pipeline.production.scenery.track import Track
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
@@ -48,6 +51,7 @@ from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.production.shots.sunken_stones import sunken
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
@@ -63,6 +67,9 @@ from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
 
+DRY_SOIL = 0.05
+"""Least part of the mean linear colour from which soil is that of dry land."""
+
 
 class ShotBuilder:
     """Builds the shots of one take by the materials, lights and cameras of one scene.
@@ -73,6 +80,7 @@ class ShotBuilder:
         tracks: of the film, computed from the whole take by default.
 
     Attributes:
+        scene: of the film, with the cuts of a director in place of `auto`.
         tracks: of the film.
 
     Raises:
@@ -87,7 +95,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self._around = around = Choice.of(scene)
-        worn = chipped(weathered(take.terrain, scene), scene, take)
+        worn = weathered(sunken(take.terrain, scene, take), scene)
+        worn = chipped(worn, scene, take)
         self._drawn = fractured(worn, scene, take)
         self._land = Land.of(self._drawn, around)
         self._scatter = ScatterChoice.of(scene, around)
@@ -101,9 +110,13 @@ class ShotBuilder:
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
-        self._scene, self._clear = scene, clear
+        self._clear = clear
         self._filmed: list[FilmedCut] | None = None
-        self.tracks = tracks or self._computed_tracks()
+        decisions = tracks.cuts if tracks else self._decided_cuts(scene)
+        cameras = tuple(decision.camera for decision in decisions)
+        # With the cuts of a director in place of its `auto`.
+        self.scene = self._scene = scene = scene.model_copy(update={"camera": cameras})
+        self.tracks = tracks or self._computed_tracks(decisions)
         self._interpolator = PoseInterpolator(
             self.tracks.poses, first_frames(scene.camera, header.rate)
         )
@@ -165,9 +178,14 @@ class ShotBuilder:
             footprint_count=first.footprint_count,
         )
 
+    @property
+    def decisions(self) -> tuple[EditDecision, ...]:
+        """Cuts of the film, those of a director with their reasons."""
+        return self.tracks.cuts
+
     def camera_faults(self) -> list[CameraFault]:
         """Return what is wrong with the cameras, by their paths and the take."""
-        visibility = Visibility(self.take, VisibleGround(self._land), self._clear)
+        visibility = self._visibility
         filmed = self._filmed if self._filmed is not None else self._filmed_cuts()
         return camera_faults(visibility, self._scene.camera, filmed, self._aspect)
 
@@ -181,7 +199,15 @@ class ShotBuilder:
     def _aspect(self) -> float:
         return self.film.size[0] / self.film.size[1]
 
-    def _computed_tracks(self) -> FilmTracks:
+    @property
+    def _visibility(self) -> Visibility:
+        return Visibility(self.take, VisibleGround(self._land), self._clear)
+
+    def _decided_cuts(self, scene: Scene) -> tuple[EditDecision, ...]:
+        """Return the cuts of a scene, with those of a director in place of `auto`."""
+        return edit_decisions(self._visibility, scene.camera, scene.light, self._aspect)
+
+    def _computed_tracks(self, decisions: tuple[EditDecision, ...]) -> FilmTracks:
         """Return the tracks of the film, from all rows of its take."""
         self._filmed = self._filmed_cuts()
         texture = self.materials[self.take.terrain.material].texture
@@ -190,6 +216,7 @@ class ShotBuilder:
             tuple(pose for cut in self._filmed for pose in cut.poses),
             footprint_timeline(self.take, texture) if has_footprints else None,
             clearings=Clearings.of(self.take) if self._scatter.wanted or self._edging else None,
+            cuts=decisions,
         )
 
     def _filmed_cuts(self) -> list[FilmedCut]:
@@ -288,14 +315,21 @@ class ShotBuilder:
             return None
         detail = scenery_detail(self.film.size[0])
         sun = None if self.light.sun is None else sun_direction(self.light.sun)
-        return Edging.of(
-            *(self._edging, self.take.terrain, self._land, self.tracks.clearings, view),
-            *(self._scene.seed, detail, self._terrain.material, sun),
+        setting = Setting(
+            *(self.take.terrain, self._land, self.tracks.clearings, view),
+            *(self._scene.seed, detail, sun),
         )
+        return Edging.of(self._edging, setting, self._terrain.material)
 
-    @property
-    def _growth(self) -> Growth:
-        return Growth(self._scene.seed, self.tracks.clearings, self._puddles)
+    def _growth(self, view: FilmView) -> Growth:
+        clearings, seed = self.tracks.clearings, self._scene.seed
+        own = self.materials[self.take.terrain.material]
+        is_meadow = own.texture == "grass" and not self._land.is_platform
+        ahead = view.ahead[0, [0, 2]]
+        ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
+        track = Track.of(clearings, ahead, seed) if is_meadow else None
+        is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
+        return Growth(seed, clearings, self._puddles, track, is_dry)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
         """Return the puddles on natural ground, None without any."""
@@ -317,7 +351,7 @@ class ShotBuilder:
             return mesh
         middle = view.targets[:, [0, 2]].mean(axis=0)
         material = self.materials[mesh.material]
-        return replace(mesh, wear=self._growth.wear(material, self.light.weather, middle))
+        return replace(mesh, wear=self._growth(view).wear(material, self.light.weather, middle))
 
     def _scenery(
         self, horizon: Mesh, view: FilmView, treads: Treads, edging: Edging | None
@@ -336,7 +370,7 @@ class ShotBuilder:
             return scenery_meshes(
                 *(ground, view, self.tracks.clearings, self._scatter),
                 *(treads, self.light.weather.ground_wind),
-                *(self._growth, scenery_detail(width)),
+                *(self._growth(view), scenery_detail(width)),
                 also=edging.placed if edging else (),
                 plots=edging.plots if edging else (),
             )

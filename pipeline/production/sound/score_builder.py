@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from operator import attrgetter
 
-from audio.score import Marker, Score, ScoreEvent
+from audio.score import DanceBeat, Marker, Score, ScoreEvent
 from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.listener import Listener
 from pipeline.production.sound.strike_positions import StrikePositions
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
+from pipeline.spec.dance import Dance
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.scene import Scene
 from render.config import Camera
 from render.shot import CameraPose
@@ -41,8 +44,32 @@ def build_score(
         title=scene.title,
         markers=film_markers(scene, take),
         subframe=subframe,
+        dance=dance_beat(scene),
     )
     return score, len(take.events) - len(audible)
+
+
+def dance_beat(scene: Scene) -> DanceBeat | None:
+    """Return the beat of the dancers; None if none dances to beats, or each to its own."""
+    beats = [
+        DanceBeat(_tempo(member, dance), Fraction(str(member.start)), _meter(dance))
+        for _, member in scene.dancers
+        if (dance := scene.dances.get(member.dance)) is not None
+        and (member.durations is None or member.tempo_bpm is not None)
+    ]
+    if not beats or (len({beat.tempo for beat in beats}) > 1 and scene.sound.tempo_bpm is None):
+        return None
+    return min(beats, key=lambda beat: beat.start)
+
+
+def _tempo(member: Dancer, dance: Dance) -> Fraction:
+    return Fraction(str(member.tempo_bpm or dance.tempo_bpm))
+
+
+def _meter(dance: Dance) -> tuple[int, int]:
+    """Return the meter of a dance: bars of three where four do not divide its beats, but three."""
+    length = Fraction(str(dance.length))
+    return next(((beats, 4) for beats in (4, 3, 2) if length % beats == 0), (4, 4))
 
 
 def _score_event(
@@ -99,6 +126,8 @@ def _cut_description(cut: Camera) -> str:
         return "moving camera"
     if cut.at is not None:
         return "standing camera" if cut.look_at is not None else f"standing camera, {target}"
+    if isinstance(cut.view, float | int):
+        return f"{cut.view:g} degrees of {target}"
     return f"{cut.view or 'three-quarter'} of {target}"
 
 

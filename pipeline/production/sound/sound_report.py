@@ -6,9 +6,10 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from audio.midi_file import MidiReport
+from audio.midi_file import MidiReport, PlayedPart
 from audio.quantisation import TimingShifts
 from audio.score import Score
+from audio.tempo_report import TempoReport
 from audio.wav_file import WavReport
 
 
@@ -21,13 +22,43 @@ def midi_facts(midi: MidiReport, subframe: bool, rate: Fraction) -> dict[str, An
         "left_out_after_the_last_frame": midi.after_the_end,
         "merged": len(midi.losses.merged),
         "merged_by_frame": {str(frame): count for frame, count in midi.merged_by_frame.items()},
-        "heard_from_a_neighbouring_direction": midi.losses.pan_changed,
-        "heard_with_another_reverb": midi.losses.reverb_changed,
         "cut_short": midi.losses.cut_short,
-        "tails_cut": midi.losses.tails_cut,
         "without_their_gesture": midi.losses.without_curve,
+        "parts": [_part_facts(played) for played in midi.parts],
         "subframe": subframe,
+        "tempo": _tempo_facts(midi.tempo),
         **({"quantised": _quantisation_facts(midi.shifts, rate)} if midi.shifts.events else {}),
+    }
+
+
+def _part_facts(played: PlayedPart) -> dict[str, Any]:
+    part, losses = played.part, played.losses
+    return {
+        "track": part.key.track,
+        "performer": part.key.performer,
+        "instrument": part.key.instrument,
+        "port": part.port + 1,
+        "channel": part.channel + 1,
+        "notes": len(played.notes),
+        "merged": len(losses.merged),
+        "cut_short": losses.cut_short,
+        "without_their_gesture": losses.without_curve,
+    }
+
+
+def _tempo_facts(tempo: TempoReport) -> dict[str, Any]:
+    share = tempo.on_grid
+    return {
+        "bpm": round(float(tempo.bpm), 6),
+        "from": tempo.source,
+        "meter": tempo.meter,
+        "first_bar_s": round(float(tempo.first_bar), 6),
+        "ticks_per_beat": tempo.ticks_per_beat,
+        "ticks_per_frame": round(float(tempo.ticks_per_frame), 6),
+        "tempo_events": tempo.changes,
+        "greatest_time_error_us": round(float(1_000_000 * tempo.frame_error), 3),
+        "beat_error_at_the_end_us": round(float(1_000_000 * tempo.beat_error), 3),
+        **({} if share is None else {f"share_of_notes_on_{tempo.grid}": round(share, 4)}),
     }
 
 
@@ -48,7 +79,7 @@ def quantisation_summary(shifts: TimingShifts, score: Score) -> str | None:
     config = score.sound.quantise
     if config is None:
         return None
-    grid = f"{config.grid} at {score.sound.tempo_bpm:g} beats a minute"
+    grid = f"{config.grid} at {score.sound.beats_per_minute:g} beats a minute"
     if not shifts.moved:
         return f"score: all of {shifts.events} events stand on {grid} by themselves"
     mean, greatest = (1000 * float(by) for by in (shifts.mean, shifts.greatest))

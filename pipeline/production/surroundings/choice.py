@@ -9,6 +9,7 @@ from render.config import MATERIALS, Material
 
 NATURAL = {
     "grass": "hills",
+    "moss": "hills",
     "soil": "hills",
     "sand": "dunes",
     "snow": "mountains",

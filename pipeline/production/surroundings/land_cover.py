@@ -16,7 +16,7 @@ from pipeline.simulation.spatial import Array
 
 Color = tuple[float, float, float]
 
-GRASS: Color = (0.105, 0.115, 0.040)
+GRASS: Color = (0.088, 0.122, 0.034)
 DRY_GRASS: Color = (0.245, 0.205, 0.105)
 WOODS: Color = (0.028, 0.044, 0.016)
 SCREE: Color = (0.185, 0.165, 0.135)
@@ -25,6 +25,7 @@ SNOW: Color = (0.82, 0.85, 0.90)
 SAND: Color = (0.47, 0.365, 0.235)
 RED_ROCK: Color = (0.27, 0.150, 0.095)
 PALE_ROCK: Color = (0.42, 0.265, 0.16)
+SCRUB: Color = (0.082, 0.088, 0.042)
 BEACH: Color = (0.34, 0.275, 0.185)
 WET: Color = (0.13, 0.105, 0.075)
 
@@ -73,6 +74,9 @@ def cover(site: Site, kind: str) -> Array:
     )
     ragged = site.out * (1.0 + 0.7 * np.clip(site.fractal(23.0, 8), -1.0, 1.0))
     share = smoothstep(NEAR, FAR, ragged)
+    if kind == "dunes":
+        # Sand is of one colour: the tones of what covers land would be stains on it.
+        share = share * (0.25 + 0.75 * smoothstep(0.45, 0.8, site.steepness))
     return np.concatenate([np.clip(color, 0.004, 0.9), share[:, None]], axis=1)
 
 
@@ -112,7 +116,7 @@ def _mixed(first: Array | Color, second: Color | Array, share: Array) -> Array:
 def _lush(site: Site) -> Array:
     """Return the ground's own colour going over to meadows, fresh and dry."""
     dry = smoothstep(-0.5, 0.6, site.fractal(170.0, 4))
-    meadow = _mixed(GRASS, DRY_GRASS, 0.75 * dry)
+    meadow = _mixed(GRASS, DRY_GRASS, 0.55 * dry)
     own = np.asarray(site.ground, float)
     # Land keeps something of its near colour, greener than bare soil, to the horizon.
     return 0.45 * own + 0.55 * meadow
@@ -145,6 +149,24 @@ def _desert(site: Site) -> Array:
     return _mixed(sand, rock, smoothstep(0.55, 0.95, site.steepness))
 
 
+def _banded(site: Site) -> Array:
+    """Return the beds of table mountains over plains of their own soil, with dry scrub."""
+    own = np.asarray(site.ground, float)
+    plain = _mixed(own, DRY_GRASS, 0.55 * smoothstep(-0.3, 0.6, site.fractal(140.0, 4)))
+    scrub = smoothstep(0.1, 0.7, site.fractal(48.0, 1, 5)) * (
+        1.0 - smoothstep(0.3, 0.6, site.steepness)
+    )
+    plain = _mixed(plain, SCRUB, 0.45 * scrub)
+    level = site.height + 6.0 * site.fractal(160.0, 6)
+    band = noise(np.stack([level / 17.0, 0.01 * level], axis=-1), site.seed + 61)
+    rock = _mixed(RED_ROCK, PALE_ROCK, smoothstep(-0.5, 0.5, band))
+    rock = rock * (0.75 + 0.2 * site.fractal(90.0, 9, 3))[:, None]
+    color = _mixed(
+        plain, 0.5 * own + 0.5 * np.asarray(RED_ROCK), smoothstep(0.22, 0.5, site.steepness)
+    )
+    return _mixed(color, rock, smoothstep(0.5, 0.9, site.steepness))
+
+
 def _coast(site: Site) -> Array:
     color = _green(site, "sea")
     sandy = 1.0 - smoothstep(0.5, 2.2, site.height + 0.5 * site.fractal(18.0, 5))
@@ -157,6 +179,7 @@ COVERS: Mapping[str, Callable[[Site], Array]] = {
     "mountains": _alpine,
     "plain": lambda site: _green(site, "plain"),
     "dunes": _desert,
+    "mesas": _banded,
     "forest": lambda site: _green(site, "forest"),
     "sea": _coast,
 }

@@ -111,14 +111,14 @@ def _plain(places: Array, out: Array, seed: int) -> Array:
 def _dunes(places: Array, out: Array, seed: int) -> Array:
     def dunes(p: Array) -> Array:
         # Crests lie across the wind, which blows along the second axis.
-        bent = _bent(p, seed, 160.0, 40.0) / np.array([260.0, 105.0])
-        crest = 1.0 - np.abs(fractal(bent, seed + 10, 3))
-        return 24.0 * np.clip(crest, 0.0, 1.0) ** 1.7
+        bent = _bent(p, seed, 190.0, 40.0) / np.array([330.0, 150.0])
+        crest = 1.0 - np.abs(fractal(bent, seed + 10, 2))
+        return 30.0 * np.clip(crest, 0.0, 1.0) ** 1.7
 
     def great(p: Array) -> Array:
         # Sand seas: long rounded crests across the wind, each row higher than the last.
         bent = _bent(p, seed + 3, 520.0, 150.0) / np.array([1150.0, 430.0])
-        crest = 1.0 - np.abs(fractal(bent, seed + 20, 4))
+        crest = 1.0 - np.abs(fractal(bent, seed + 20, 2))
         return (34.0 + 76.0 * smoothstep(500.0, 1900.0, np.hypot(*p.T))) * _rounded(crest)
 
     def ranges(p: Array) -> Array:
@@ -127,7 +127,7 @@ def _dunes(places: Array, out: Array, seed: int) -> Array:
         return 250.0 * worn**1.5 * _uneven(p, seed + 40)
 
     return (
-        _rising(places, out, (40.0, 420.0), dunes)
+        _rising(places, out, (20.0, 300.0), dunes)
         + _rising(places, out, (260.0, 1200.0), great)
         + _rising(places, out, (1500.0, 4400.0), ranges)
     )
@@ -169,6 +169,34 @@ def _sea(places: Array, out: Array, seed: int) -> Array:
     return _swells(places, out, seed, 2.0) * (1.0 - sunk) - SEA_DEPTH * sunk + rise
 
 
+def _mesas(places: Array, out: Array, seed: int) -> Array:
+    """Return table mountains: walls over slopes of scree, with level tops, before a far range."""
+
+    def tables(p: Array, width: float, salt: int) -> Array:
+        value = fractal(_bent(p, seed + salt, 0.3 * width, 0.05 * width) / width, seed + salt, 4)
+        gully = 0.05 * np.abs(fractal(p / (0.07 * width), seed + salt + 7, 3))
+        scree = smoothstep(-0.02, 0.34, value - gully)
+        wall = smoothstep(0.27, 0.33, value - gully)
+        upper = smoothstep(0.42, 0.46, value - gully)
+        return np.asarray(0.36 * scree + 0.46 * wall + 0.18 * upper)
+
+    def near(p: Array) -> Array:
+        return 95.0 * tables(p, 620.0, 10)
+
+    def middle(p: Array) -> Array:
+        return 210.0 * tables(p, 1500.0, 20)
+
+    def far(p: Array) -> Array:
+        return 330.0 * eroded(p / 2100.0, seed + 30, 5) * _uneven(p, seed + 40)
+
+    return (
+        _swells(places, out, seed, 6.0)
+        + _rising(places, out, (480.0, 800.0), near)
+        + _rising(places, out, (1200.0, 1900.0), middle)
+        + _rising(places, out, (2800.0, 4800.0), far)
+    )
+
+
 def _flat(places: Array, out: Array, seed: int) -> Array:
     del places, seed
     return np.zeros_like(out)
@@ -179,6 +207,7 @@ LANDFORMS: Mapping[str, Landform] = {
     "mountains": _mountains,
     "plain": _plain,
     "dunes": _dunes,
+    "mesas": _mesas,
     "forest": _forest,
     "sea": _sea,
     "none": _flat,

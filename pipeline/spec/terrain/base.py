@@ -38,11 +38,14 @@ CellCount = Annotated[Integer, Field(ge=2, le=MAX_CELLS)]
 Cells = tuple[CellCount, CellCount]
 Size = tuple[Length, Length]
 Polygons = Literal["triangles", "quads"]
-Surroundings = Literal["auto", "hills", "mountains", "forest", "sea", "plain", "dunes", "none"]
+Surroundings = Literal[
+    "auto", "hills", "mountains", "forest", "sea", "plain", "dunes", "mesas", "none"
+]
 Edging = Literal[
     "auto",
     "hedge",
     "wall",
+    "fence",
     "railing",
     "planters",
     "houses",
@@ -100,18 +103,18 @@ class TerrainConfig(ConfigModel):
     surroundings: Surroundings = Field(
         "auto",
         description="The land from the terrain's edge to the horizon: `hills`, `mountains`, "
-        "`forest`, `sea`, `plain`, `dunes` or `none`. `auto`: dunes around sand, mountains around "
-        "snow, rock, gravel and ice, a plain around mud, none around a floor in a studio, hills "
-        "around all else.",
+        "`forest`, `sea`, `plain`, `dunes`, `mesas` or `none`. `auto`: dunes around sand, "
+        "mountains around snow, rock, gravel and ice, a plain around mud, none around a floor in "
+        "a studio, hills around all else.",
     )
     edging: Edging = Field(
         "auto",
         description="How a floor on open land ends: with a `hedge`, a dry-stone `wall`, a "
-        "`railing`, `planters`, a row of `houses`, a single `house` or `school`, the walls of a "
-        "`room`, or `overgrown` with nothing behind. Slabs break up at the border, boards have a "
-        "rim, and level floors are no larger than the cast needs. Houses stand on natural ground, "
-        "too. `auto` is what suits floor and surroundings; `none` leaves the whole terrain a "
-        "bare floor.",
+        "`fence` of split rails, a `railing`, `planters`, a row of `houses`, a single `house` or "
+        "`school`, the walls of a `room`, or `overgrown` with nothing behind. Slabs end at a "
+        "kerb, boards have a rim, and level floors are no larger than the cast needs. "
+        "Houses, walls and fences stand on natural ground, too. `auto` is what suits floor and "
+        "surroundings; `none` leaves the whole terrain a bare floor.",
     )
     water: Water | None = Field(
         None,

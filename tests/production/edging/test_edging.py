@@ -10,10 +10,11 @@ import pytest
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
+from pipeline.production.edging.turned import fountain, ivy, lamp, pot, vase
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS
 from pipeline.production.scenery.film_view import FilmView
@@ -29,7 +30,10 @@ from render.shot import CameraPose, Mesh
 EYE, TARGET = (6.5, 2.0, 0.0), (0.0, 0.8, 0.0)
 VIEW = FilmView.of((CameraPose(EYE, TARGET),), 1.6)
 PIECE, SEED = 1.2, 5
-WORDS = ("hedge", "wall", "railing", "planters", "overgrown", "room", "houses", "house", "school")
+WORDS = (
+    *("hedge", "wall", "fence", "railing", "planters", "overgrown"),
+    *("room", "houses", "house", "school"),
+)
 
 
 def terrain(size: float = 30.0, heading: float = 0.0) -> TerrainRecord:
@@ -59,7 +63,7 @@ def edging(
     record = terrain()
     land = Land(record, "hills", "platform", 2)
     choice = EdgingChoice(floor, word, PIECE)
-    return Edging.of(choice, record, land, clearings(), VIEW, SEED, 0.5, "concrete", sun)
+    return Edging.of(choice, Setting(record, land, clearings(), VIEW, SEED, 0.5, sun), "concrete")
 
 
 def top(mesh: Mesh) -> Array:
@@ -167,7 +171,7 @@ def test_no_tree_throws_its_shade_on_the_cast() -> None:
 
 def test_a_room_is_around_cast_and_cameras_and_has_windows_towards_the_sun() -> None:
     made = edging("room", sun=(0.0, 0.5, 0.866))
-    walls = next(m for m in made.meshes() if m.material == "edging wall").vertices
+    walls = next(m for m in made.meshes() if m.material.startswith("edging wall")).vertices
     assert walls[:, 0].max() > EYE[0] + 0.5
     assert walls[:, 0].min() < -2.0
     tall = walls[walls[:, 1] > 2.0]
@@ -175,10 +179,36 @@ def test_a_room_is_around_cast_and_cameras_and_has_windows_towards_the_sun() -> 
         assert np.ptp(tall[:, axis]) > 5.0
     # Wall above and below the windows, none between.
     sunny = walls[walls[:, 2] > walls[:, 2].max() - 0.3]
-    assert {0.75, 2.25} <= {round(float(y), 2) for y in sunny[:, 1]}
-    rug = next(m for m in made.meshes() if m.material == "edging blue cloth").vertices
-    low = rug[(np.abs(rug[:, [0, 2]]) < 1.8).all(axis=1)]
-    assert 0.0 < low[:, 1].max() < 0.006
+    assert {0.7, 2.4} <= {round(float(y), 2) for y in sunny[:, 1]}
+    wool = {m.material: m.vertices for m in made.meshes() if "rug" in m.material}
+    assert len(wool) > 2
+    for rug in wool.values():
+        # Performers stand on it; its bound edge and its fringes are beyond them.
+        low = rug[(np.abs(rug[:, [0, 2]]) < 1.6).all(axis=1)]
+        assert low[:, 1].max(initial=0.0) < 0.006
+    assert max(rug[:, 1].max() for rug in wool.values()) > 0.008
+
+
+def test_squares_are_paved_to_the_houses_and_furnished() -> None:
+    made = edging("houses")
+    names = {mesh.material for mesh in made.meshes()}
+    assert {"edging water", "edging dark soil", "edging hewn stone"} <= names
+    assert made.floor is not None
+    hedged = edging("hedge")
+    assert hedged.floor is not None
+    assert np.ptp(made.floor.vertices[:, 0]) > np.ptp(hedged.floor.vertices[:, 0]) + 4.0
+
+
+def test_what_grows_and_turns_is_of_sound_shapes() -> None:
+    for made in (fountain(), pot(), vase(), lamp(), ivy(1, 0), ivy(2, 1)):
+        assert np.isfinite(made.vertices).all()
+        assert made.triangles > 100
+        assert made.vertices[:, 1].min() > -0.2
+    # A shape of revolution faces outwards.
+    basin = fountain()
+    a, b, c = (basin.vertices[basin.solid[:, k]] for k in range(3))
+    facing = np.cross(b - a, c - a)
+    assert ((facing * basin.normals[basin.solid[:, 0]]).sum(axis=1) > -1e-9).all()
 
 
 def test_houses_are_seen_have_windows_and_stand_where_they_shade_nobody() -> None:
@@ -194,9 +224,12 @@ def test_houses_are_seen_have_windows_and_stand_where_they_shade_nobody() -> Non
         border = made.border
         corners = plot.middle + [[dx, dz] for dx in (-3.0, 3.0) for dz in (-3.0, 3.0)]
         assert not border.shades_the_cast(corners, 6.3, 0.0).any()
+    houses = [plot for plot in made.plots if plot.half.max() > 3.0]
+    assert houses
     for placed in made.placed:
-        for plot in made.plots:
-            assert not plot.holds(placed.points[:, [0, 2]], -0.5).any()
+        for plot in houses:
+            # Flowers grow before the facade, on its pavement and sills.
+            assert not plot.holds(placed.points[:, [0, 2]], -2.6).any()
 
 
 def test_the_door_of_a_house_is_at_the_head_of_stairs() -> None:
@@ -206,7 +239,7 @@ def test_the_door_of_a_house_is_at_the_head_of_stairs() -> None:
     record = replace(record, vertices=vertices)
     land = Land(record, "hills", "platform", 2)
     choice = EdgingChoice("paving", "house", PIECE)
-    made = Edging.of(choice, record, land, clearings(), VIEW, SEED, 0.5, "concrete", None)
+    made = Edging.of(choice, Setting(record, land, clearings(), VIEW, SEED, 0.5), "concrete")
     doors = [
         m.vertices
         for m in made.meshes()
@@ -252,7 +285,7 @@ def test_boards_have_their_grain_along_their_longest_side() -> None:
 @pytest.mark.parametrize(
     ("ground", "light", "expected"),
     [
-        ("{kind: flat, material: concrete, surroundings: forest}", "", ("paving", "hedge", 1.2)),
+        ("{kind: flat, material: concrete, surroundings: forest}", "", ("paving", "hedge", 0.45)),
         ("{kind: flat, material: wood, surroundings: sea}", "", ("deck", "railing", 0.125)),
         ("{kind: flat, material: tiles}", "", ("paving", "wall", 0.4)),
         ("{kind: flat, material: tiles, edging: room}", "", ("paving", "room", 0.4)),

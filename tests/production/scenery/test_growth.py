@@ -53,7 +53,7 @@ def test_the_ground_is_drawn_bare_where_plants_find_it_bare_or_stand_thin() -> N
     # Soil shows where grass is thin, not in its tufts.
     free = growth.worn(x, z) == 0.0
     tufts = growth.gathered("tufts", np.stack([x, z], axis=-1))
-    assert drawn[free & (tufts < TUFT_LEAST + 0.02)].min() > 0.25
+    assert drawn[free & (tufts < TUFT_LEAST + 0.02)].min() > 0.12
     assert drawn[free & (tufts > 0.99)].max() < 0.01
     # It ends before its edge, so that no edge is seen.
     assert wear.texels[[0, -1]].max() == wear.texels[:, [0, -1]].max() == 0
@@ -83,3 +83,37 @@ def test_tufts_and_clumps_leave_the_share_on_average_that_densities_count_on() -
             assert abs(found.mean() - share) < 0.03
             assert (found < 0.3).mean() > 0.25
             assert (found > 0.8).mean() > 0.2
+
+
+def test_dry_beds_cross_dry_land_and_stones_lie_along_them() -> None:
+    x, z = places()
+    dry, other = Growth(5, dry=True), Growth(5)
+    wash = dry.wash(np.stack([x, z], axis=-1))
+    assert 0.03 < (wash > 0.9).mean() < 0.3
+    assert dry.worn(x, z)[wash > 0.95].min() > 0.94
+    assert (dry.worn(x, z) >= other.worn(x, z)).all()
+    stones = dry.share("rubble", x, z)
+    edge = (wash > 0.4) & (wash < 0.6)
+    assert stones[edge].min() > 0.9
+    assert stones[wash == 0.0].mean() < 0.6
+    wear = dry.wear(MATERIALS["dry soil"], CALM, np.zeros(2))
+    assert wear is not None
+    # The silt is paler than the soil.
+    assert min(wear.color) > 0.3
+
+
+def test_on_worn_moss_half_of_the_soil_shows() -> None:
+    growth, middle = Growth(5), np.zeros(2)
+    wears = [growth.wear(MATERIALS[name], CALM, middle) for name in ("grass", "moss")]
+    assert wears[0] is not None
+    assert wears[1] is not None
+    assert 0.4 < wears[1].texels.sum() / wears[0].texels.sum() < 0.5
+
+
+def test_tall_grass_keeps_off_the_ways_of_the_cast() -> None:
+    distances = np.minimum(np.hypot(*np.mgrid[-40:41, -40:41]) * 0.1 / Clearings.UNIT, 255)
+    used = Clearings((-4.0, -4.0), 0.1, distances.astype(np.uint8), np.zeros((81, 81), bool))
+    growth = Growth(5, used)
+    x = np.array([0.0, 0.2, 2.5])
+    shares = growth.share("untrodden", x, np.zeros(3)) / growth.share("tufts", x, np.zeros(3))
+    np.testing.assert_allclose(shares, [0.0, 0.0, 1.0])

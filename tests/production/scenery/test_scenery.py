@@ -201,6 +201,16 @@ def test_too_many_triangles_are_refused_with_their_memory(
         scenery_meshes(ground, VIEW, None, choice, UNTRODDEN, (3.0, 0.0), Growth(9), DETAIL)
 
 
+def test_listed_species_stand_on_the_bed_where_all_is_under_water() -> None:
+    for level, where in ((2.8, "wet"), (0.1, "dry")):
+        scene = read_scene(
+            "pronk: 1\nframes: 1\nterrain: {preset: dunes, height: 0.5, scatter: [boulder], "
+            f"water: {{preset: lagoon, level: {level}}}}}\ncast: [{{figure: beetle}}]\n"
+        )
+        (asked,) = ScatterChoice.of(scene, Choice.of(scene)).asked
+        assert (asked.name, asked.where) == ("boulder", where)
+
+
 def test_tracks_keep_clearings() -> None:
     where = clearings()
     again = FilmTracks.of_arrays(FilmTracks(POSES, None, (), where).arrays()).clearings

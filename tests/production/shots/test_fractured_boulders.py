@@ -64,14 +64,16 @@ def test_feet_stand_on_the_true_ground() -> None:
     assert abs(after - before)[far].max() > 0.05
 
 
-def test_the_ground_between_boulders_stays_and_boulders_keep_their_size() -> None:
+def test_boulders_stand_in_groups_with_open_ground_between() -> None:
     take, before, after = shown()
     assert (abs(after - before) < 1e-6).mean() > 0.3
-    # Faces stand out at the foot of a boulder, but none towers over its top.
+    # Faces stand out at the foot of a trodden boulder, but none towers over its top.
     shape = take.terrain.cells[1] + 1, take.terrain.cells[0] + 1
-    tops = maximum_filter(before.reshape(shape), 9)
-    assert (after.reshape(shape) - tops).max() < 0.1
-    assert after.mean() == pytest.approx(before.mean(), abs=0.02)
+    tops = maximum_filter(before.reshape(shape), 9).ravel()
+    assert (after - tops)[away_from_treads(take) < 0.5 * RISE_EDGE].max() < 0.1
+    # Some of the others are left out, some are larger.
+    assert (after - before < -0.05).mean() > 0.03
+    assert 0.3 < (after - before).max() < 2.0
 
 
 def test_boulders_have_faces_instead_of_domes() -> None:

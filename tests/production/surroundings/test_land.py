@@ -146,3 +146,13 @@ def test_surroundings_suit_ground_and_light_unless_an_author_says_otherwise(
 ) -> None:
     text = f"pronk: 1\nframes: 1\nseed: 9\nterrain: {terrain}\ncast: [{{figure: beetle}}]\n{rest}\n"
     assert Choice.of(read_scene(text)) == Choice(kind, joins, material, 9)
+
+
+def test_mesas_have_level_tops_over_steep_walls() -> None:
+    x = np.arange(-3000.0, 3000.0, 4.0)
+    places = np.stack([x, np.full_like(x, 1900.0)], axis=-1)
+    height = LANDFORMS["mesas"](places, np.full_like(x, 2200.0), 3)
+    slope = np.abs(np.diff(height)) / 4.0
+    assert np.ptp(height) > 100.0
+    assert slope.max() > 0.9
+    assert np.median(slope[height[1:] > height.max() - 25.0]) < 0.35

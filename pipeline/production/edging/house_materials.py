@@ -1,0 +1,47 @@
+"""House materials: plasters, stone, tiles, paints and glass of houses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from render.config import Material
+
+
+def _plaster(color: str, second: str) -> Material:
+    values = {"color": color, "color2": second, "roughness": 0.95, "texture": "plaster"}
+    return Material.model_validate({**values, "texture_scale": 3.0, "bump": 0.4})
+
+
+def _dull(color: str, roughness: float = 0.8, texture: str = "mottle") -> Material:
+    values = {"color": color, "roughness": roughness, "texture": texture, "bump": 0.3}
+    return Material.model_validate({**values, "texture_scale": 0.8})
+
+
+MATERIALS_OF_HOUSES: Mapping[str, Material] = {
+    "ochre": _plaster("#c08f52", "#ad7f47"),
+    "rose": _plaster("#b97a66", "#a86b59"),
+    "cream": _plaster("#d6c8ac", "#c8b899"),
+    "grey": _plaster("#a5a7a6", "#959796"),
+    "sage": _plaster("#8f9a83", "#808a74"),
+    "straw": _plaster("#d9be84", "#cbae74"),
+    "white": _plaster("#ded9cc", "#d0cabb"),
+    "brick": _plaster("#8f5c4b", "#7d4e40"),
+    "hewn stone": _plaster("#b3a78f", "#9c917c"),
+    "tile red": _dull("#96523a"),
+    "tile brown": _dull("#84483a"),
+    "tile dark": _dull("#6d4034"),
+    "shutter green": _dull("#3f5a48", 0.55, "wood"),
+    "shutter blue": _dull("#4f6a7c", 0.55, "wood"),
+    "shutter brown": _dull("#6a4a34", 0.55, "wood"),
+    "shutter grey": _dull("#7d7f78", 0.55, "wood"),
+    "awning red": _dull("#a23a2c", 0.9, "weave"),
+    "awning green": _dull("#3d6b4c", 0.9, "weave"),
+    "awning blue": _dull("#3c5f86", 0.9, "weave"),
+    "awning white": _dull("#dcd4c2", 0.9, "weave"),
+    "window frame": _dull("#cfc8b8", 0.7),
+    "pane": Material.model_validate({"color": "#1d282d", "roughness": 0.08}),
+    "curtain": _dull("#cfc8b6", 0.9, "weave"),
+    "lantern glass": Material.model_validate({"color": "#cdbf9a", "roughness": 0.3}),
+    "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
+}
+"""Materials of houses, by the names that follow `edging`."""

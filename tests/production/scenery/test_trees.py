@@ -1,0 +1,53 @@
+"""Trees: variants differ, birch bark has no rings, far trees stand in clumps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.production.scenery import clumps
+from pipeline.production.scenery.birch_bark import SLIT, bark_colors
+from pipeline.production.scenery.species import prototype
+from pipeline.production.scenery.trees import CROWNS, HABITS, crown_skeleton, crown_tree, habit
+
+
+@pytest.mark.parametrize("kind", HABITS)
+def test_variants_of_a_species_have_habits_of_their_own(kind: str) -> None:
+    found = [habit(kind, 101 * v + 7) for v in range(len(HABITS[kind]))]
+    assert len(set(found)) == len(found)
+    assert habit("scrub", 108) == CROWNS["scrub"]
+
+
+def test_a_leaning_tree_stands_on_its_foot() -> None:
+    kind, seed = "acacia", 3 * 101 + 7
+    assert habit(kind, seed).lean > 0.1
+    nodes = crown_skeleton(kind, seed).nodes
+    assert np.hypot(*nodes[0, [0, 2]]) < 0.05
+    top = nodes[nodes[:, 1] > 0.8 * nodes[:, 1].max()]
+    assert np.hypot(*top[:, [0, 2]].mean(axis=0)) > 0.3
+
+
+def test_birch_bark_is_white_above_its_foot_and_no_mark_goes_round() -> None:
+    skeleton, config = crown_skeleton("birch", 7), CROWNS["birch"]
+    color = bark_colors(skeleton, config.foot, config.bark, np.random.default_rng(1))
+    light = color.mean(axis=1)
+    trunk = (skeleton.radii > 0.5 * config.foot) & (skeleton.nodes[:, 1] > 1.2)
+    assert light[trunk].min() > 0.4
+    assert light[skeleton.radii < 0.14 * config.foot].max() < 0.15
+    assert light[skeleton.nodes[:, 1] < 0.1].max() < 0.3
+    tree = crown_tree("birch", 7, 0)
+    dark = np.abs(tree.colors - np.array(SLIT, np.float32)).max(axis=1) < 1e-5
+    corners = tree.solid[dark[tree.solid].all(axis=1)]
+    normals = tree.normals[corners]
+    # Corners of one mark look about the same way.
+    assert len(corners) > 100
+    assert (normals[:, 0] * normals[:, 2]).sum(axis=1).min() > 0.1
+
+
+def test_a_far_tree_is_a_clump_of_smaller_ones() -> None:
+    one, several = crown_tree("oak", 7, clumps.FAR), prototype("oak", 0, clumps.FAR)
+    assert np.ptp(several.vertices[:, 0]) > 1.1 * np.ptp(one.vertices[:, 0])
+    assert several.triangles < 1.4 * one.triangles
+    assert several.vertices[:, 1].max() < 1.3 * one.vertices[:, 1].max()
+    near = clumps.tree(lambda seed, level: crown_tree("oak", seed, level), 3, 7, 2)
+    assert near.triangles == crown_tree("oak", 7, 2).triangles

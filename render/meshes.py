@@ -75,7 +75,7 @@ class MeshGroup:
         footprints: in the ground, or None; a mesh with footprints is not merged.
         colors: (V, 3) linear base colours of the vertices, or None.
         given_normals: whether the meshes bring their normals.
-        cover: (V, 4) colours and their shares, or None; a mesh with a cover is not merged.
+        cover: (V, 4) colours and their shares, or None; ground with a cover is not merged.
         wear: bare soil in the ground, or None; a mesh with wear is not merged.
     """
 
@@ -106,9 +106,10 @@ def group_meshes(
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
         is_alone = len(mesh.vertices) >= MERGE_LIMIT or mesh.footprints is not None
-        is_alone |= mesh.cover is not None or mesh.wear is not None
+        is_alone |= _surface(mesh) == "ground" and mesh.cover is not None
+        is_alone |= mesh.wear is not None
         name = mesh.name if is_alone else ""
-        extra = tuple(x is not None for x in (mesh.warned, mesh.colors, mesh.normals))
+        extra = tuple(x is not None for x in (mesh.warned, mesh.colors, mesh.normals, mesh.cover))
         key = mesh.material, _surface(mesh), mesh.smooth, extra, name
         members.setdefault(key, []).append(i)
     return tuple(
@@ -139,8 +140,8 @@ def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
     _check_colors(mesh, materials[mesh.material])
     if mesh.cover is not None and mesh.cover.shape != (n, 4):
         raise ShotError(f"mesh {mesh.name!r} has cover of shape {mesh.cover.shape}, not ({n}, 4)")
-    if mesh.cover is not None and mesh.uv is None:
-        raise ShotError(f"mesh {mesh.name!r} has a cover, but is no ground: it lacks uv")
+    if mesh.cover is not None and mesh.colors is not None:
+        raise ShotError(f"mesh {mesh.name!r} has colours and a cover; it may have one of them")
     if mesh.warned is not None and mesh.warned.shape != mesh.faces.shape[:1]:
         counts = f"{len(mesh.warned)} values for {len(mesh.faces)} faces"
         raise ShotError(f"mesh {mesh.name!r} has `warned` with {counts}")
@@ -183,6 +184,7 @@ def _group(
         rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in grouped]
         unwrapped = unwrap(np.concatenate(rest), faces)
     colors = [mesh.colors for mesh in (meshes[i] for i in members) if mesh.colors is not None]
+    cover = [mesh.cover for mesh in (meshes[i] for i in members) if mesh.cover is not None]
     base = linear(material.color).astype(np.float32)
     return MeshGroup(
         members,
@@ -196,7 +198,7 @@ def _group(
         meshes[members[0]].footprints,
         np.concatenate(colors) * base if colors else None,
         meshes[members[0]].normals is not None,
-        meshes[members[0]].cover,
+        np.concatenate(cover) if cover else None,
         meshes[members[0]].wear,
     )
 

@@ -49,8 +49,9 @@ class Mesh:
         colors: (V, 3) float32 linear colours, or None. Constant over a film.
         normals: (V, 3) float32 unit normals to shade with, None to have them computed.
         owner: name of the performer that it is a part of, or empty. Constant.
-        cover: (V, 4) float32 of ground: a linear colour in place of that of the material, and
-            its share; or None. Constant over a film.
+        cover: (V, 4) float32 linear colour in place of that of the material, and its share; or
+            None. On a body it takes the place of the base colour, under the pattern. Constant over
+            a film.
         wear: bare soil in this ground, or None. Constant.
     """
 

@@ -402,7 +402,7 @@ def test_figure_prints_and_draws_a_figure(pronk: Pronk, folder: Path) -> None:
     assert (code, out) == (2, "")
     assert err == (
         "error: no figure or scene is called 'beatle', did you mean 'beetle'? "
-        "`pronk list figures` has all 14\n"
+        "`pronk list figures` has all 23\n"
     )
 
 

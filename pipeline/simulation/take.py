@@ -115,6 +115,8 @@ class Mesh:
         nodes: (V, 2) int32 node numbers.
         weights: (V, 2) float32, summing to one.
         uv: (V, 2) float32, (0, 2) for none [m].
+        paint: (V, 4) float32 linear colour in place of the material's, and its share; (0, 4) for
+            none.
     """
 
     vertices: NDArray[np.float32]
@@ -122,6 +124,7 @@ class Mesh:
     nodes: NDArray[np.int32]
     weights: NDArray[np.float32]
     uv: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 2), np.float32))
+    paint: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
 
 
 OWN, UNSEEN = -1, -2
@@ -353,14 +356,21 @@ class Take:
         for name in ("vertices", "faces", "forbidden"):
             yield f"terrain/{name}", getattr(self.terrain, name)
         # Concatenated meshes: a handful of arrays, however many meshes there are.
-        for f in fields(Mesh):
-            values = [getattr(mesh, f.name) for mesh in self.meshes]
-            yield f"meshes/{f.name}", np.concatenate(values) if values else np.zeros((0, 2))
+        for name in self._mesh_arrays:
+            values = [getattr(mesh, name) for mesh in self.meshes]
+            yield f"meshes/{name}", np.concatenate(values) if values else np.zeros((0, 2))
+
+    @property
+    def _mesh_arrays(self) -> list[str]:
+        """Arrays of meshes; paint only where there is some, so that others keep their digests."""
+        names = [f.name for f in fields(Mesh)]
+        return names if any(len(mesh.paint) for mesh in self.meshes) else names[:-1]
 
     @property
     def mesh_sizes(self) -> list[list[int]]:
         """Lengths of the arrays of each mesh."""
-        return [[len(getattr(mesh, f.name)) for f in fields(Mesh)] for mesh in self.meshes]
+        names = self._mesh_arrays
+        return [[len(getattr(mesh, name)) for name in names] for mesh in self.meshes]
 
     def tables(self) -> dict[str, list[list[Any]]]:
         """Returns all tables as rows of plain values.

@@ -197,7 +197,8 @@ def _assemble(group: zarr.Group, plain: dict[str, Any], with_rows: bool = True) 
         header=Header.from_dict(plain["header"]),
         scaled=tuple(plain["scaled"]),
         meshes=_meshes(
-            {name: array(f"meshes/{name}") for name in Mesh.__dataclass_fields__}, plain["meshes"]
+            {name: array(f"meshes/{name}") for name in _mesh_names(plain["meshes"])},
+            plain["meshes"],
         ),
         terrain=TerrainRecord(
             array("terrain/vertices"),
@@ -209,6 +210,12 @@ def _assemble(group: zarr.Group, plain: dict[str, Any], with_rows: bool = True) 
         **rows,
         **tables,
     )
+
+
+def _mesh_names(sizes: list[list[int]]) -> list[str]:
+    """Returns the names of the arrays of meshes; those without any paint have none."""
+    names = list(Mesh.__dataclass_fields__)
+    return names[: len(sizes[0])] if sizes else names[:-1]
 
 
 def _meshes(joined: dict[str, NDArray[Any]], sizes: list[list[int]]) -> tuple[Mesh, ...]:

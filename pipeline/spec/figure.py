@@ -29,6 +29,7 @@ from pipeline.spec.model_base import (
 )
 from pipeline.spec.operations import Operation, carry_out
 from pipeline.spec.operations.drawing import MAX_NODES, Mark, Sheet, faults_of_chain
+from pipeline.spec.skin import Skin
 from pipeline.spec.suggestions import hint
 
 PartKind = Literal["leg", "arm", "head", "tail", "feeler", "horn", "wing", "body"]
@@ -57,6 +58,13 @@ class Node(ConfigModel):
         description="Shape of the links that end here; round: swelling like a limb; straight: a "
         "plain cone; box: a bar; plate: flat in the plane of the drawing; ball: a ball around "
         "the node, on a stem if need be.",
+    )
+    width: Positive = Field(1.0, le=5, description="Width of an animal's skin here, in the radius.")
+    height: Positive = Field(
+        1.0, le=5, description="Height of an animal's skin here, in the radius."
+    )
+    lift: Annotated[Number, Field(ge=-3, le=3)] = Field(
+        0.0, description="How far the middle of the skin lies above the node, in the radius."
     )
 
     @model_validator(mode="before")
@@ -127,6 +135,9 @@ class Figure(ConfigModel):
         description="Whether its head ends in two jaws, which are seen and weigh nothing; an "
         "insect's does if left out.",
     )
+    skin: Skin | None = Field(
+        None, description="The rendered surface; what suits style and feet if left out."
+    )
     density: Annotated[Positive, Field(le=MAX_DENSITY)] = Field(
         1000.0, description="Mass of the visible solids by volume [kg/m³]; water's if left out."
     )
@@ -163,6 +174,10 @@ def _faults_of_figure(figure: Figure) -> Iterator[Fault]:
         if tip not in sheet.marks:
             message = f"no node is called '{tip}', {hint(tip, sheet.marks)}"
             yield Fault(("parts", tip), message, at_key=True)
+    for i, lump in enumerate(figure.skin.lumps if figure.skin else ()):
+        if lump.node not in sheet.marks:
+            message = f"no node is called '{lump.node}', {hint(lump.node, sheet.marks)}"
+            yield Fault(("skin", "lumps", i, "node"), message)
 
 
 Angle = Annotated[Number, Field(ge=-180, le=180)]

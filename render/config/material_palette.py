@@ -46,6 +46,8 @@ CREATURES: dict[str, Row] = {
     "ivory":          _row("#e6dcc3", "#d8c8a0", 0.3,  ("wood", 0.4), clearcoat=0.4),
     "skin":           _row("#c98f73", "#b87a62", 0.5,  ("pores", 0.12, 0.7),
                            clearcoat=0.1, sheen=0.3),
+    "green skin":     _row("#5a7a2c", "#46642a", 0.35, ("pores", 0.12, 0.8), clearcoat=0.5),
+    "grey hide":      _row("#6f6962", "#5d5852", 0.85, ("pores", 0.4, 2.0), sheen=0.2),
     "dark skin":      _row("#6b412c", "#57311f", 0.45, ("pores", 0.12, 0.7),
                            clearcoat=0.15, sheen=0.2),
     "fair skin":      _row("#d6a283", "#d39f80", 0.5,  ("pores", 0.1, 0.15),

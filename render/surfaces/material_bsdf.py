@@ -28,7 +28,7 @@ from render.surfaces.mitsuba_bsdf import (
     vertex_colors,
     warned_bsdf,
 )
-from render.surfaces.patterns import BodyShader, GroundShader, PlainShader
+from render.surfaces.patterns import BodyShader, GroundShader, PaintedShader, PlainShader
 
 _NO_PATTERN = {
     "texture": "none",
@@ -68,19 +68,23 @@ def material_bsdf(
     has_pattern = surface != "bare" and material.texture != "none"
     plain = vertex_colors() if has_colors else rgb_texture(material.color)
     is_thin = material.translucency > 0
-    is_ground = is_warned or footprints is not None or has_cover or wear is not None
-    if not (has_pattern or is_ground or is_thin) or _is_scalar():
+    is_body = surface != "ground"
+    is_ground = is_warned or footprints is not None or wear is not None
+    is_ground |= has_cover and not is_body
+    if not (has_pattern or is_ground or is_thin or has_cover) or _is_scalar():
         if is_thin and not has_pattern:
             return mi.load_dict(thin_plugin(material, plain))
         made = patterned_bsdf(material, surface) if has_pattern else opaque_bsdf(material, plain)
         made = covered_bsdf(made) if has_cover else made
         made = warned_bsdf(made) if is_warned else made
         return mi.load_dict({"type": "twosided", "bsdf": made})
-    shader: BodyShader | GroundShader | PlainShader
-    if has_colors or not (has_pattern or is_ground):
+    shader: BodyShader | GroundShader | PaintedShader | PlainShader
+    if has_cover and is_body and not has_pattern and not is_warned:
+        shader = PaintedShader(material)
+    elif has_colors or not (has_pattern or is_ground):
         shader = PlainShader(mi.load_dict(plain))
     elif has_pattern and surface == "body":
-        shader = BodyShader(material)
+        shader = BodyShader(material, has_cover=has_cover)
     else:
         shown = material if has_pattern else material.model_copy(update=_NO_PATTERN)
         shader = GroundShader(shown, is_warned, footprints, has_cover=has_cover, wear=wear)

@@ -245,11 +245,26 @@ class PlainShader:
         return _told(self._texture.eval(si), LOST_COLOR), si.sh_frame.n
 
 
+class PaintedShader:
+    """Shades a body without pattern in its material's colour and what covers it."""
+
+    def __init__(self, material: Material) -> None:
+        self._color = material.color
+        # Opaque, so that another lens does not compile the kernel again.
+        self.values: dict[str, Any] = {PIXEL_WIDTH: dr.opaque(mi.Float, 1e-3)}
+
+    def __call__(self, si: Any) -> tuple[Any, Any]:
+        """Return colour and normal at surface interactions."""
+        cover, share = _cover_at(si)
+        color = dr.lerp(mi.Color3f(*_linear(self._color)), cover, share)
+        return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), si.sh_frame.n
+
+
 class BodyShader:
     """Shades a body, whose pattern moves with it."""
 
-    def __init__(self, material: Material) -> None:
-        self._material = material
+    def __init__(self, material: Material, *, has_cover: bool = False) -> None:
+        self._material, self._has_cover = material, has_cover
         # Opaque, so that another lens does not compile the kernel again.
         self.values: dict[str, Any] = {PIXEL_WIDTH: dr.opaque(mi.Float, 1e-3)}
         self._first = device_texture(pattern_mipmap(material.texture), self.values, "first")
@@ -269,10 +284,19 @@ class BodyShader:
             patch = self._patches.at(uv.x / span, uv.y / span, turn_deg, None)
             # One layer is enough for a body, which is smaller than a few tiles.
             color = dr.lerp(color, colored(material.color2, first), patch.shade)
+        if self._has_cover:
+            cover, share = _cover_at(si)
+            color = dr.lerp(color, patterned(cover, first), share)
         if material.bump == 0:
             return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), n
         normal = bent_normal(n, _uv_gradient(si, first), material.bump)
         return dr.clip(color, MIN_REFLECTANCE, MAX_REFLECTANCE), normal
+
+
+def _cover_at(si: Any) -> tuple[Any, Any]:
+    """Return the colour of what covers a surface, and its share."""
+    cover = _told(mi.Color3f(si.shape.eval_attribute_3(COVER_COLOR, si)), LOST_COLOR)
+    return cover, _told(si.shape.eval_attribute_1(COVER_SHARE, si), 0.0)
 
 
 def _told(value: Any, otherwise: float) -> Any:

@@ -88,7 +88,7 @@ def test_the_message_of_a_missing_figure_names_the_search_places_and_the_nearest
     (folder / "figures" / "bugs.yaml").write_text(FIGURE)
     assert problems_of(load_scene, "play.yaml") == [
         "play.yaml:3:17: cast[0].figure: no figure is called 'bug', did you mean 'bugs'? "
-        "`pronk list figures` has all 14 (searched: this file, bug.yaml and figures/bug.yaml "
+        "`pronk list figures` has all 23 (searched: this file, bug.yaml and figures/bug.yaml "
         "beside it, the library)"
     ]
 

@@ -207,7 +207,7 @@ ONE_MISTAKE = [
      "must be at most 1, is 1.5"),
     # Names.
     ("figure: bug", "figure: §bog", "cast[0].figure",
-     "no figure is called 'bog', did you mean 'bug'?" + LISTED["figures"] +
+     "no figure is called 'bog', did you mean 'bug' or 'dog'?" + LISTED["figures"] +
      " (searched: this file, the library)"),
     ("figure: bug", "figure: §no/bug", "cast[0].figure",
      f"'no/bug' is no file: there is no folder {Path('no').resolve()}"),

@@ -247,6 +247,7 @@ class ShotBuilder:
                     *(piece.name, placed, mesh.faces, piece.material),
                     rest=rest,
                     owner=piece.performer,
+                    cover=mesh.paint if len(mesh.paint) else None,
                 )
             )
         if self._puddle_surface is not None:

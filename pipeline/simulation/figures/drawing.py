@@ -8,7 +8,7 @@ Source: Sims 1987, 4.1 and A.1.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,8 @@ class Drawing:
         shapes: of the links that end at each node.
         connections: pairs of node numbers, the lower first, each once.
         made_by: operation that made or last moved each node; -1 for none.
+        girths: (n, 3) width and height of the skin around each node, and how far its middle lies
+            above the node, all in the radius there.
     """
 
     names: tuple[str, ...]
@@ -38,6 +40,7 @@ class Drawing:
     shapes: tuple[LinkShape, ...]
     connections: tuple[tuple[int, int], ...]
     made_by: tuple[int, ...] = ()
+    girths: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @cached_property
     def neighbours(self) -> tuple[tuple[int, ...], ...]:
@@ -82,6 +85,7 @@ def draw(config: Figure) -> Drawing:
         shapes=tuple(node.shape for node in nodes),
         connections=tuple((a, b) for a, b in pairs),
         made_by=tuple(mark.made_by for mark in marks),
+        girths=np.array([[node.width, node.height, node.lift] for node in nodes], dtype=float),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from pipeline.errors import Problem, SceneError
@@ -13,6 +13,7 @@ from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton, lay_o
 from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import Figure as FigureConfig
+from pipeline.spec.skin import Skin as SkinConfig
 
 DEFAULT_FEET = {"insect": "claws", "mammal": "plain"}
 """What legs end in by default, by style."""
@@ -35,6 +36,7 @@ class Figure:
         jaws: whether its head has jaws.
         eyes: whether it has eyes.
         skeleton: joints and links, scaled.
+        skin: words for its rendered surface alone.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Figure:
     jaws: bool
     eyes: bool
     skeleton: Skeleton
+    skin: SkinConfig = field(default_factory=SkinConfig)
 
     @cached_property
     def body(self) -> Solid:
@@ -110,4 +113,5 @@ def build_figure(name: str, config: FigureConfig, scale: float) -> Figure:
         config.style == "insect" if config.jaws is None else config.jaws,
         config.eyes,
         skeleton,
+        config.skin or SkinConfig(),
     )

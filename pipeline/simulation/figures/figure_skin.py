@@ -15,6 +15,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.hide.animal import AnimalHide
+from pipeline.simulation.figures.hide.arthropod import ArthropodHide
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL, SWELLING, SolidPiece
 from pipeline.simulation.figures.network import FEELER, HEAD
@@ -233,6 +235,44 @@ def figure_skin(figure: Figure) -> FigureSkin:
 
 def build_figure_skin(figure: Figure) -> FigureSkin:
     """Return the rendered surface of a figure."""
+    form = skin_form(figure)
+    if form == "animal":
+        return _hide_skin(figure, AnimalHide(figure))
+    if form == "arthropod":
+        return _hide_skin(figure, ArthropodHide(figure))
+    return _plain_skin(figure)
+
+
+def skin_form(figure: Figure) -> str:
+    """Return the form of a figure's skin: what it says, or what suits it."""
+    if figure.skin.form is not None:
+        return figure.skin.form
+    if figure.skin.shell != "plain":
+        return "arthropod"
+    heads = [limb for limb in figure.skeleton.limbs if limb.kind == HEAD]
+    if figure.style != "mammal" or not figure.skeleton.legs:
+        return "plain"
+    # Faces of upright heads are made here.
+    faces = [limb for limb in heads if has_face(figure.skeleton.links[limb.links[-1]])]
+    return "plain" if faces or not heads else "animal"
+
+
+def _hide_skin(figure: Figure, hide: AnimalHide | ArthropodHide) -> FigureSkin:
+    number = _piece_numbers(figure.pieces)
+    found, covered = hide.skins()
+    skins = {number[link]: skin for link, skin in found.items()}
+    inside = {number[link] for link in covered}
+    # What is no part of the hide grows together by itself.
+    for limb in figure.skeleton.limbs:
+        if not hide.untouched.isdisjoint(limb.links):
+            for run in skin_runs(limb, figure.skeleton):
+                skins[number[run[0]]] = limb_skin(run, figure.skeleton.links, 0.0)
+                inside.update(number[link] for link in run[1:])
+    skins |= dict(hide.eyes())
+    return FigureSkin(skins, frozenset(inside))
+
+
+def _plain_skin(figure: Figure) -> FigureSkin:
     number = _piece_numbers(figure.pieces)
     skeleton = figure.skeleton
     skins, covered = dict[int, Skin](), set[int]()

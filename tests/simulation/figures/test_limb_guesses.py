@@ -239,10 +239,19 @@ def test_shipped_figures_have_the_limbs_that_they_were_drawn_with() -> None:
         assert not figure.anatomy.ignored
     four_legs = {"leg": 4, "head": 1, "tail": 1}
     assert limbs == {
+        "ant": {"leg": 6, "head": 1, "tail": 1, "feeler": 2},
         "antelope": four_legs | {"feeler": 4},
         "beetle": {"leg": 6, "head": 1, "tail": 1, "feeler": 2},
         "camel": four_legs | {"feeler": 2},
+        "cat": four_legs | {"feeler": 2},
         "centipede": {"leg": 20, "head": 1, "feeler": 2},
+        "crab": {"leg": 8, "head": 1, "feeler": 2},
+        "dog": four_legs | {"feeler": 2},
+        "elephant": four_legs | {"feeler": 5},
+        "frog": {"leg": 4, "head": 1},
+        "giraffe": four_legs | {"feeler": 4},
+        "lizard": four_legs,
+        "mouse": four_legs | {"feeler": 2},
         "hopper": {"leg": 1, "head": 1},
         "horse": four_legs | {"feeler": 2},
         "inchworm": {"head": 1, "tail": 1},

@@ -1,0 +1,1 @@
+"""Hides: grown-together surfaces of animals, meshed once as they stand."""

@@ -1,0 +1,410 @@
+"""Hides of animals: one grown-together surface of what has one material, meshed as it stands.
+
+Trunk, neck, limbs and tail are lumps of one coarse mesh. Skull and paws are meshed finer, together
+with a piece of what they grow from, whose surface is the same in both: no seam is seen. What is
+made of another material, such as hooves, horns and hair, is a surface of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.hide.coat import Coat
+from pipeline.simulation.figures.hide.feet import (
+    foot_way,
+    paw_claws,
+    paw_lumps,
+    spread_toes,
+    toe_nails,
+)
+from pipeline.simulation.figures.hide.head import Head
+from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid
+from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
+from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
+from pipeline.simulation.figures.hide.shanks import (
+    ankle_lump,
+    first_shank,
+    shank_solid,
+    tail_solid,
+)
+from pipeline.simulation.figures.hide.sheets import hoof, painted
+from pipeline.simulation.figures.hide.skulls import DEFAULT_SKULLS, SKULLS
+from pipeline.simulation.figures.hide.stance import Chain, Stance
+from pipeline.simulation.figures.hide.trunk import (
+    body_lumps,
+    haunch_lumps,
+    leg_lumps,
+    tube_lumps,
+)
+from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
+from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
+from pipeline.simulation.figures.skins import Skin, merge_skins
+from pipeline.simulation.spatial import UP, Array, rotation
+
+MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
+"""Most triangles of the coarse mesh, of a skull, and of a paw."""
+
+
+LIMB_TRIANGLES = 1000
+"""Most triangles of the coarse mesh of a limb that has a material of its own."""
+
+CELLS = 96
+"""Cells of the coarse mesh along the longest side of an animal, at first."""
+
+HEAD_CELL, FOOT_CELL = 0.13, 0.24
+"""Cell of a skull and of a paw, in the radius there, at first."""
+
+DEFAULT_TOES = {"hooves": 1, "paws": 4, "toes": 4, "claws": 5, "plain": 0}
+"""Toes of a foot that says no number."""
+
+DARK_HORN = "#2b231d"
+
+SIDEWAYS = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(eq=False)
+class Patch:
+    """Surfaces of one part of the take.
+
+    Attributes:
+        limbs: numbers of the limbs that it follows.
+        lumps: of its coarse mesh.
+        fine: lumps of finer meshes, their cell [m], their most triangles, and whether a skull's.
+        skins: more surfaces.
+        covered: links inside.
+    """
+
+    limbs: list[int] = field(default_factory=list)
+    lumps: list[Lump] = field(default_factory=list)
+    fine: list[tuple[list[Lump], float, int, bool]] = field(default_factory=list)
+    skins: list[Skin] = field(default_factory=list)
+    covered: set[int] = field(default_factory=set)
+
+
+class AnimalHide:
+    """Builds the hide of one figure.
+
+    Attributes:
+        figure: an animal.
+        stance: of the figure.
+        patches: by number of the link whose part shows them; 0 is the body.
+    """
+
+    def __init__(self, figure: Figure) -> None:
+        self.figure, self.stance = figure, Stance(figure)
+        self.patches: dict[int, Patch] = {0: Patch()}
+        self.untouched: set[int] = set()
+        skeleton = figure.skeleton
+        self.head_limb = next(
+            (i for i, limb in enumerate(skeleton.limbs) if limb.kind == HEAD), None
+        )
+        self.head: Head | None = None
+        if self.head_limb is not None:
+            name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
+            self.head = Head.of(
+                self.stance.chains[self.head_limb], SKULLS[name], figure.skin.eye_size
+            )
+        self.skull_name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
+        self.coat = Coat(self.stance, self.head)
+
+    def skins(self) -> tuple[dict[int, Skin], set[int]]:
+        """Return the skins by link, and the links that are inside them."""
+        figure = self.figure
+        body = self.patches[0]
+        body.lumps += [*body_lumps(figure), *self._haunches()]
+        for i, limb in enumerate(figure.skeleton.limbs):
+            if any(figure.skeleton.links[n].shape != "round" for n in limb.links):
+                self.untouched.update(limb.links)
+            elif limb.kind in (LEG, ARM):
+                self._add_leg(i)
+            elif limb.kind == HEAD:
+                self._add_head(i)
+            elif limb.kind == TAIL:
+                self._add_tail(i)
+            elif limb.kind == WING or self.head is None:
+                self.untouched.update(limb.links)
+            else:
+                self._add_twig(i)
+        self._add_lumps()
+        found = {}
+        covered = set[int]()
+        for link, patch in self.patches.items():
+            made = list(self._meshes(patch))
+            if made:
+                found[link] = merge_skins(made)
+            covered |= patch.covered
+        return found, covered - set(found)
+
+    def _haunches(self) -> Iterator[Lump]:
+        # Spread legs have no shoulders that stand out.
+        return haunch_lumps(self.stance) if self.figure.style == "mammal" else iter(())
+
+    @cached_property
+    def _material(self) -> str:
+        return self._resolved(self.figure.pieces[0].material)
+
+    def _resolved(self, material: str) -> str:
+        return material or self.figure.material
+
+    def _patch(self, link: int) -> Patch:
+        """Return the patch of a link: the body's where they are of one material."""
+        own = self._resolved(self.figure.skeleton.links[link].material)
+        key = 0 if own == self._material else link
+        return self.patches.setdefault(key, Patch())
+
+    def _runs(self, links: Sequence[int]) -> Iterator[tuple[int, int]]:
+        """Yield the first and the last but one of each run of links of one material."""
+        materials = [self._resolved(self.figure.skeleton.links[n].material) for n in links]
+        first = 0
+        for k in range(1, len(links) + 1):
+            if k == len(links) or materials[k] != materials[first]:
+                yield first, k
+                first = k
+
+    # --- legs and arms ---
+
+    def _add_leg(self, i: int) -> None:
+        limb, chain = self.figure.skeleton.limbs[i], self.stance.chains[i]
+        girths = self._girths(i)
+        feet = self.figure.feet if limb.kind == LEG else self._hand()
+        runs = list(self._runs(limb.links))
+        # A hoof of horn, toes and soles end a leg whose coat goes down to them.
+        if len(runs) > 1 and runs[-1][1] - runs[-1][0] == 1:
+            runs = [*runs[:-2], (runs[-2][0], runs[-1][1])]
+        for first, after in runs:
+            patch = self._patch(limb.links[first])
+            patch.limbs.append(i)
+            patch.covered.update(limb.links[first:after])
+            shank = min(max(first, first_shank(limb)), after)
+            if shank == after or after < len(limb.links) or first >= first_shank(limb):
+                lumps = list(leg_lumps(chain, first, after, girths))
+                patch.lumps += lumps
+            else:
+                patch.lumps += leg_lumps(chain, first, shank, girths)
+                lumps = [ankle_lump(chain)]
+                solid = shank_solid(chain, shank, girths)
+                paint = self.coat.paint(solid, [i], False)
+                patch.skins.append(self.stance.hide(solid, [i], paint))
+            if after == len(limb.links):
+                self._add_foot(chain, feet, patch, lumps, girths[-1])
+
+    def _girths(self, i: int) -> Array:
+        """Return width and depth (n + 1, 2) of a limb at its nodes, in the drawn radii."""
+        nodes = list(self.figure.anatomy.appendages[i].nodes)
+        girths = self.figure.drawing.girths[nodes, :2].copy()
+        # The girth of a body's node is the body's.
+        girths[0] = 1.0
+        return girths
+
+    def _hand(self) -> str:
+        return "paws" if self.figure.feet in ("paws", "hooves") else self.figure.feet
+
+    def _add_foot(
+        self, chain: Chain, feet: str, patch: Patch, lumps: list[Lump], girths: Array
+    ) -> None:
+        limb = chain.limb
+        last = limb.links[-1]
+        own = self._resolved(self.figure.skeleton.links[last].material)
+        toes = self.figure.skin.toes or DEFAULT_TOES[feet]
+        radius = float(chain.radii[-1])
+        target = patch
+        differs = own != self._resolved(self.figure.skeleton.links[limb.links[0]].material)
+        if feet == "hooves":
+            solid = hoof(chain.points[-1], foot_way(chain), radius, min(toes, 2))
+            if differs:
+                target = self.patches.setdefault(last, Patch())
+            paint = None if differs else painted(len(solid.vertices), DARK_HORN)
+            target.skins.append(self.stance.rigid(solid, last, paint))
+        elif feet == "paws":
+            fine = [*lumps[-1:], *paw_lumps(chain, toes, girths)]
+            patch.fine.append((fine, FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            for solid in paw_claws(chain, toes) if self.figure.skin.claws else ():
+                paint = painted(len(solid.vertices), DARK_HORN)
+                patch.skins.append(self.stance.rigid(solid, last, paint))
+        elif feet == "plain":
+            tip = chain.points[-1]
+            pad = ball(
+                tip - 0.2 * radius * UP, (1.08 * radius, 0.78 * radius, 1.04 * radius), 0.4 * radius
+            )
+            patch.fine.append(([*lumps[-1:], pad], FOOT_CELL * radius, FOOT_TRIANGLES, False))
+            for solid in toe_nails(chain, toes):
+                paint = painted(len(solid.vertices), "#b3a68f")
+                patch.skins.append(self.stance.rigid(solid, last, paint))
+        elif feet in ("toes", "claws"):
+            for toe, claw in spread_toes(chain, toes):
+                patch.skins.append(self.stance.rigid(toe, last))
+                paint = painted(len(claw.vertices), DARK_HORN)
+                patch.skins.append(self.stance.rigid(claw, last, paint))
+
+    # --- head, neck and tail ---
+
+    def _add_head(self, i: int) -> None:
+        limb, chain = self.figure.skeleton.limbs[i], self.stance.chains[i]
+        if i != self.head_limb or self.head is None:
+            self.untouched.update(limb.links)
+            return
+        necks = limb.links[:-1]
+        stub: list[Lump] = []
+        for first, after in self._runs(necks):
+            patch = self._patch(necks[first])
+            patch.limbs.append(i)
+            patch.covered.update(necks[first:after])
+            points, radii = chain.points[first : after + 1], chain.radii[first : after + 1]
+            deep, wide = self._neck_shape(first)
+            nodes = self.figure.anatomy.appendages[i].nodes[first : after + 1]
+            heights = self.figure.drawing.girths[list(nodes), 1].copy()
+            if first == 0:
+                heights[0] = 1.0
+            blend = 0.9 if first == 0 else 0.3
+            stub = list(tube_lumps(points, radii, deep, wide, blend, heights))
+            patch.lumps += stub
+        last = limb.links[-1]
+        is_bird = self.skull_name == "bird" and bool(necks)
+        # A head has the coat of its neck, whatever its tip is made of.
+        bearer = self._patch(necks[-1] if necks else last)
+        if i not in bearer.limbs:
+            bearer.limbs.append(i)
+        bearer.covered.add(last)
+        radius = max(self.head.radii)
+        lumps = [*stub[-2:], *self.head.lumps()]
+        bearer.fine.append((lumps, HEAD_CELL * radius, FINE_TRIANGLES, True))
+        if is_bird:
+            patch = self.patches.setdefault(last, Patch())
+            patch.skins.append(self.stance.rigid(beak_solid(self.head), last))
+        if self.figure.skin.mane != "none" and necks:
+            on_neck = list(self.figure.anatomy.appendages[i].nodes[:-1])
+            heights = self.figure.drawing.girths[on_neck, 1]
+            solid = mane_solid(chain, self.figure.skin.mane, self.head, heights)
+            color = next((p.color for p in self.figure.skin.paint if p.where == "mane"), "#17120f")
+            self.patches[0].skins.append(
+                self.stance.hide(solid, [i], painted(len(solid.vertices), color))
+            )
+
+    def _neck_shape(self, first: int) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return height and width of a neck at its ends, in the drawn radius."""
+        if self.skull_name == "bird":
+            return (1.0, 1.0), (1.0, 1.0)
+        return ((1.08, 1.0), (0.74, 0.80)) if first == 0 else ((1.0, 1.0), (0.78, 0.80))
+
+    def _add_tail(self, i: int) -> None:
+        limb, chain = self.figure.skeleton.limbs[i], self.stance.chains[i]
+        word = self.figure.skin.tail
+        patch = self._patch(limb.links[0])
+        patch.limbs.append(i)
+        patch.covered.update(limb.links)
+        if word in ("hair", "fan"):
+            own = self._patch(limb.links[-1])
+            if i not in own.limbs:
+                own.limbs.append(i)
+            solid = hair_solid(chain, word)
+            own.skins.append(self.stance.hide(solid, [i], self.coat.paint(solid, [i], False)))
+            return
+        shape = (1.0, 1.0), (1.0, 1.0)
+        for first, after in self._runs(limb.links):
+            own = self._patch(limb.links[first])
+            if i not in own.limbs:
+                own.limbs.append(i)
+            own.covered.update(limb.links[first:after])
+            points, radii = chain.points[first : after + 1], chain.radii[first : after + 1].copy()
+            if first == 0 and len(radii) > 1:
+                radii[0] = min(radii[0], 2.2 * radii[1])
+            if first == 0:
+                own.lumps += tube_lumps(points[:2], radii[:2], *shape, 0.6)
+            # Beyond its root a tail is too thin for the grid of the trunk.
+            solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0)
+            paint = self.coat.paint(solid, [i], False)
+            own.skins.append(self.stance.hide(solid, [i], paint))
+            if word in ("tassel", "brush") and after == len(limb.links):
+                own.lumps += tassel_lumps(chain, word)
+
+    # --- ears and horns ---
+
+    def _add_twig(self, i: int) -> None:
+        limb, chain = self.figure.skeleton.limbs[i], self.stance.chains[i]
+        head = self.head
+        assert head is not None
+        assert self.head_limb is not None
+        skull_link = self.figure.skeleton.limbs[self.head_limb].links[-1]
+        on_head = min(
+            float(np.linalg.norm(chain.points[0] - p))
+            for p in self.stance.chains[self.head_limb].points[1:]
+        )
+        side = float(np.sign(chain.points[-1][2])) if limb.side != "m" else 0.0
+        if side == 0.0 or on_head > 1e-6 * limb.length:
+            self.untouched.update(limb.links)
+            return
+        material = self.figure.skeleton.links[limb.links[-1]].material
+        patch = self.patches.setdefault(limb.links[0], Patch())
+        patch.covered.update(limb.links)
+        if limb.kind == HORN or "horn" in material or "bone" in material or "ivory" in material:
+            solid = horn_solid(head, chain, side, self.figure.skin.horns)
+            paint = None if material else painted(len(solid.vertices), DARK_HORN)
+        else:
+            solid, inner = ear_solid(head, chain, side, self.figure.skin)
+            color = next((p.color for p in self.figure.skin.paint if p.where == "ears"), "#7a5548")
+            paint = painted(len(solid.vertices), color, 0.75 * inner)
+        patch.skins.append(self.stance.rigid(solid, skull_link, paint))
+
+    def _add_lumps(self) -> None:
+        """Add the flesh that the figure's words ask for."""
+        figure = self.figure
+        names = figure.drawing.names
+        radii = figure.drawing.radii * figure.scale
+        placed = {n: figure.points[n] for n in figure.anatomy.body}
+        bearer: dict[int, Patch] = dict.fromkeys(placed, self.patches[0])
+        for chain, appendage in zip(self.stance.chains, figure.anatomy.appendages, strict=True):
+            for k, (node, point) in enumerate(zip(appendage.nodes, chain.points, strict=True)):
+                placed.setdefault(node, point)
+                bearer.setdefault(node, self._patch(chain.limb.links[max(k - 1, 0)]))
+        on_skull = (
+            () if self.head_limb is None else figure.anatomy.appendages[self.head_limb].nodes[-2:]
+        )
+        for word in figure.skin.lumps:
+            node = names.index(word.node)
+            r = float(radii[node])
+            turn = rotation(SIDEWAYS, np.radians(word.turn_deg))
+            axes = np.eye(3) @ turn.T
+            at, radii_of = placed[node] + r * np.array(word.at), [r * v for v in word.radii]
+            lump = ball(at, radii_of, word.blend * r, axes, word.carve)
+            lumps = [lump, lump.mirrored()] if word.mirror else [lump]
+            bearer[node].lumps += lumps
+            if node in on_skull:
+                for fine in bearer[node].fine:
+                    if fine[3]:
+                        fine[0].extend(lumps)
+
+    # --- surfaces ---
+
+    def _meshes(self, patch: Patch) -> Iterator[Skin]:
+        if patch.lumps:
+            low = np.min([np.minimum(g.a, g.b) - g.reach for g in patch.lumps], axis=0)
+            high = np.max([np.maximum(g.a, g.b) + g.reach for g in patch.lumps], axis=0)
+            cell = float((high - low).max()) / CELLS
+            most = MAIN_TRIANGLES if patch is self.patches[0] else LIMB_TRIANGLES
+            yield self._meshed(patch, patch.lumps, cell, most, False)
+        for lumps, cell, most, is_head in patch.fine:
+            yield self._meshed(patch, lumps, cell, most, is_head)
+        yield from patch.skins
+
+    def _meshed(
+        self, patch: Patch, lumps: list[Lump], cell: float, most: int, is_head: bool
+    ) -> Skin:
+        solid = budgeted(lumps, cell, most)
+        return self.stance.hide(solid, patch.limbs, self.coat.paint(solid, patch.limbs, is_head))
+
+    def eyes(self) -> Iterator[tuple[int, Skin]]:
+        """Yield the numbers of the pieces of the eyes, and their skins."""
+        if self.head is None or self.head_limb is None:
+            return
+        skull_link = self.figure.skeleton.limbs[self.head_limb].links[-1]
+        iris = self.figure.skin.iris or self.head.skull.iris
+        for number, piece in enumerate(self.figure.pieces):
+            if piece.material == EYE_MATERIAL and piece.link == skull_link:
+                side = -1.0 if piece.name.endswith("_l") else 1.0
+                solid, paint = self.head.eyeball(side, iris)
+                yield number, self.stance.rigid(solid, skull_link, paint)

@@ -1,0 +1,119 @@
+"""Feet of animals as they stand: hooves, paws with toes and claws, toes of birds and reptiles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
+from pipeline.simulation.figures.hide.sheets import tube
+from pipeline.simulation.figures.hide.stance import Chain
+from pipeline.simulation.figures.solids import Solid
+from pipeline.simulation.spatial import UP, Array, cross, normalized
+
+LEVEL_LINK = 0.55
+"""Sine of the slope up to which a foot points along its last link."""
+
+
+def foot_way(chain: Chain) -> Array:
+    """Return the level direction (3,) in which a foot points."""
+    way = chain.ways[-1]
+    if abs(float(way[1])) > LEVEL_LINK:
+        out = chain.points[-1] - chain.points[0]
+        level = np.array([out[0], 0.0, out[2]])
+        # Legs that hang point their feet ahead, legs that spread point them outward.
+        spread = float(np.linalg.norm(level)) > 0.7 * abs(float(out[1])) and abs(out[2]) > abs(
+            out[0]
+        )
+        way = (
+            level + np.array([0.6 * abs(out[2]), 0.0, 0.0]) if spread else np.array([1.0, 0.0, 0.0])
+        )
+    return normalized(np.array([way[0], 0.0, way[2]]))
+
+
+def paw_lumps(chain: Chain, toes: int, girth: Array) -> Iterator[Lump]:
+    """Yield a pad, and toes side by side; `girth` is width and height in the drawn radius."""
+    r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
+    side = cross(way, UP)
+    axes = np.stack([way, UP, side])
+    wide = (1.15 if toes > 2 else 0.95) * float(girth[0])
+    yield ball(tip + r * (0.10 * way - 0.25 * UP), (1.15 * r, 0.72 * r, wide * r), 0.5 * r, axes)
+    for k in range(toes):
+        place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
+        thick = 0.80 / max(toes, 2) ** 0.55
+        off = place * (wide - 0.55 * thick)
+        long = 1.0 - 0.30 * place**2
+        root = tip + r * (0.45 * way - 0.35 * UP + off * side)
+        end = tip + r * ((1.05 + 0.45 * long) * way - (0.98 - thick) * UP + 1.12 * off * side)
+        yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
+
+
+def paw_claws(chain: Chain, toes: int, size: float = 1.0) -> Iterator[Solid]:
+    """Yield the claws of a paw."""
+    r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
+    side = cross(way, UP)
+    for k in range(toes):
+        place = (k - 0.5 * (toes - 1)) / max(0.5 * (toes - 1), 0.5)
+        thick = 0.80 / max(toes, 2) ** 0.55
+        off = place * (1.15 - 0.55 * thick) * 1.12
+        ahead = 1.05 + 0.45 * (1.0 - 0.30 * place**2) + 0.7 * thick
+        root = tip + r * (ahead * way - (0.90 - thick) * UP + off * side)
+        curve = np.array(
+            [
+                root,
+                root + size * r * (0.32 * way - 0.05 * UP),
+                root + size * r * (0.50 * way - 0.34 * UP),
+            ]
+        )
+        yield tube(curve, r * np.array([0.20, 0.15, 0.03]) * min(size, 1.6), 6)
+
+
+def toe_nails(chain: Chain, toes: int) -> Iterator[Solid]:
+    """Yield the nails around a round foot."""
+    r, tip = float(chain.radii[-1]), chain.points[-1]
+    for k in range(toes):
+        angle = np.radians(-54.0 + 108.0 * (k + 0.5) / toes) * 1.1
+        way = np.array([np.cos(angle), 0.0, np.sin(angle)])
+        at = tip + r * (0.96 * way - 0.72 * UP)
+        curve = np.array(
+            [at - 0.02 * r * UP, at + 0.14 * r * UP, at + 0.32 * r * UP - 0.08 * r * way]
+        )
+        yield tube(curve, r * np.array([0.24, 0.22, 0.08]), 6, 0.8)
+
+
+def spread_toes(chain: Chain, toes: int) -> Iterator[tuple[Solid, Solid]]:
+    """Yield the toes of a bird, a frog or a lizard with their claws."""
+    r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
+    side = cross(way, UP)
+    if toes == 2:
+        turns = [(0.0, 4.4, 1.15), (34.0 * np.sign(tip[2] or 1.0), 2.9, 0.8)]
+    elif toes == 3:
+        turns = [(0.0, 4.2, 1.0), (36.0, 3.4, 0.9), (-36.0, 3.4, 0.9)]
+    else:
+        fan = np.linspace(-62.0, 62.0, toes if toes > 4 else 3)
+        turns = [(float(a), 4.0 - abs(float(a)) / 60.0, 0.85) for a in fan]
+        if toes == 4:
+            turns.append((180.0, 2.0, 0.75))
+    for degrees, length, thick in turns:
+        a = np.radians(degrees)
+        ahead = np.cos(a) * way + np.sin(a) * side
+        low = tip - 0.30 * r * UP
+        curve = np.array(
+            [
+                low,
+                low + 0.35 * length * r * ahead + 0.10 * r * UP,
+                low + 0.75 * length * r * ahead - 0.28 * r * UP,
+                low + length * r * ahead - 0.34 * r * UP,
+            ]
+        )
+        toe = tube(curve, r * thick * np.array([0.75, 0.60, 0.52, 0.40]), 8)
+        tipped = curve[-1] + 0.15 * r * ahead
+        claw = np.array(
+            [
+                tipped,
+                tipped + 0.5 * r * ahead + 0.1 * r * UP,
+                tipped + 0.95 * r * ahead - 0.22 * r * UP,
+            ]
+        )
+        yield toe, tube(claw, r * thick * np.array([0.36, 0.25, 0.04]), 6)

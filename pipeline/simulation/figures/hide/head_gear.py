@@ -1,0 +1,81 @@
+"""What grows from a skull: ears, horns, tusks and beaks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.figures.hide.head import Head
+from pipeline.simulation.figures.hide.sheets import ear, horn, outward
+from pipeline.simulation.figures.hide.stance import Chain
+from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.spatial import Array, normalized
+from pipeline.spec.skin import Skin as SkinConfig
+
+
+def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tuple[Solid, Array]:
+    """Return an ear and the share of its inner side at each vertex."""
+    skull = head.skull
+    length = 1.35 * skull.ear_length * config.ear_length * chain.limb.length
+    way = head.way(skull.ear_way, side)
+    opening = head.way((0.75, 0.0, 0.65), side)
+    width = length * skull.ear_width * config.ear_width / config.ear_length
+    return ear(head.place(skull.ear, side), way, opening, length, width, skull.ear_fold)
+
+
+HORN_CURVES = {
+    "straight": ((0.0, 0.0, 0.0), (-0.10, 0.5, 0.06), (-0.22, 1.0, 0.10)),
+    "curved": (
+        *((0.0, 0.0, 0.0), (0.02, 0.22, 0.05), (-0.10, 0.48, 0.12)),
+        *((-0.34, 0.70, 0.19), (-0.62, 0.80, 0.24)),
+    ),
+    "lyre": (
+        *((0.0, 0.0, 0.0), (-0.08, 0.22, 0.10), (-0.26, 0.44, 0.26)),
+        *((-0.42, 0.66, 0.34), (-0.46, 0.88, 0.26), (-0.36, 1.02, 0.16)),
+    ),
+    "tusks": ((0.0, 0.0, 0.0), (0.35, -0.30, 0.10), (0.70, -0.40, 0.16), (1.0, -0.26, 0.14)),
+    "stub": ((0.0, 0.0, 0.0), (-0.05, 0.5, 0.02), (-0.08, 1.0, 0.04)),
+}
+"""Curves of horns along, up and to the side of the head, in their length."""
+
+
+def horn_solid(head: Head, chain: Chain, side: float, shape: str) -> Solid:
+    """Return a horn that is fixed to the skull."""
+    length = chain.limb.length
+    root = head.place(head.skull.horn, side)
+    axes = head.axes * np.array([[1.0], [1.0], [side]])
+    # Horns stand on the head as the head is held, so that they lean backward over the neck.
+    curve = root + length * np.array(HORN_CURVES[shape]) @ axes
+    radius = float(chain.radii[1:].max())
+    if shape == "stub":
+        return horn(curve, 1.15 * radius, 0, 0.0, 0.85)
+    if shape == "tusks":
+        return horn(curve, radius, 0, 0.0)
+    return horn(curve, 1.25 * radius, 9, 0.16)
+
+
+def beak_solid(head: Head) -> Solid:
+    """Return a beak: flat, with an edge where it opens, and hooked a little."""
+    r0 = head.radii[0]
+    s = np.linspace(0.0, 1.0, 12)
+    length = 1.08 * (head.length + head.radii[1]) - 0.30 * head.length
+    wide = r0 * (0.62 * (1.0 - s**1.6) ** 0.7 + 0.05)
+    high = r0 * (0.44 * (1.0 - s) ** 0.7 + 0.07)
+    angle = np.arange(12) * (2.0 * np.pi / 12)
+    drop = -0.22 * r0 * s**2 - 0.10 * r0
+    # Flatter below than above.
+    ring_up = np.where(np.sin(angle) > 0, np.sin(angle), 0.7 * np.sin(angle))
+    x = 0.28 * head.length + s * length
+    rings = np.stack(
+        [
+            np.repeat(x[:, None], 12, axis=1),
+            drop[:, None] + high[:, None] * ring_up,
+            wide[:, None] * np.cos(angle),
+        ],
+        axis=-1,
+    )
+    rings = rings @ head.axes + head.back
+    along = normalized(head.axes[0])
+    ends = np.stack(
+        [rings[0].mean(axis=0) - 0.2 * r0 * along, rings[-1].mean(axis=0) + 0.05 * r0 * along]
+    )
+    return outward(loft(rings, ends))

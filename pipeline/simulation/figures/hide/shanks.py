@@ -1,0 +1,115 @@
+"""Shanks: the thin lower links of limbs, as rings along their bones.
+
+They are too thin for the grid of the trunk. A shank begins inside the muscles above it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.figures.hide.lumps import Lump, cone
+from pipeline.simulation.figures.hide.sheets import outward, tube
+from pipeline.simulation.figures.hide.stance import Chain
+from pipeline.simulation.figures.hide.trunk import (
+    FORWARD,
+    LEG_DEPTH,
+    LEG_WIDTH,
+    POINT_OF_JOINT,
+    SPLINE_STEPS,
+    spline,
+)
+from pipeline.simulation.figures.network import ARM
+from pipeline.simulation.figures.skeleton import Limb
+from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.spatial import Array, cross, normalized
+
+AROUND = 12
+"""Vertices of a ring."""
+
+LINK_RINGS = 9
+"""Rings of a link."""
+
+KNOB, WAIST = 1.08, 0.84
+"""Radius at a joint and halfway to the next, in that drawn."""
+
+BONE_OUT = 0.45
+"""How far the bone of a bent joint stands out, in the radius there."""
+
+
+def tail_solid(points: Array, radii: Array, start: float) -> Solid:
+    """Return a smooth tail through nodes, closed at both ends.
+
+    Args:
+        points: (n, 3) nodes [m].
+        radii: (n,) drawn at them [m].
+        start: share of the first link that is left to what it grows from.
+    """
+    curve, sizes = spline(points, radii, 2 * SPLINE_STEPS)
+    first = round(start * 2 * SPLINE_STEPS)
+    curve, sizes = curve[first:], sizes[first:].copy()
+    # The end is round.
+    sizes[-1] *= 0.55
+    return tube(curve, sizes, AROUND)
+
+
+def shank_solid(chain: Chain, start: int, girths: Array) -> Solid:
+    """Return the shank of a limb, from the middle of the link before `start` to its tip.
+
+    Args:
+        chain: the limb as it stands.
+        start: its first link, at least 1.
+        girths: (n + 1, 2) width and depth at the nodes, in the drawn radii.
+    """
+    points, radii = chain.points[start - 1 :], chain.radii[start - 1 :]
+    places, sizes = [], []
+    n = len(points) - 1
+    for i in range(n):
+        t = np.linspace(0.45 if i == 0 else 0.0, 1.0, LINK_RINGS + 1)
+        t = t if i == n - 1 else t[:-1]
+        r = radii[i] + (radii[i + 1] - radii[i]) * t
+        # Knobs at both ends of a bone; muscles taper into the first joint.
+        bone = WAIST + (KNOB - WAIST) * np.abs(2.0 * t - 1.0) ** 2.4
+        shape = np.interp(t, [0.45, 0.7, 1.0], [0.70, 0.92, KNOB]) if i == 0 else bone
+        places.append(points[i] + t[:, None] * (points[i + 1] - points[i]))
+        wide = girths[start - 1 + i] + (girths[start + i] - girths[start - 1 + i]) * t[:, None]
+        sizes.append((r * shape)[:, None] * wide)
+    middle, size = np.concatenate(places), np.concatenate(sizes)
+    for _ in range(2):
+        middle[1:-1] = 0.25 * middle[:-2] + 0.5 * middle[1:-1] + 0.25 * middle[2:]
+        size[1:-1] = 0.2 * size[:-2] + 0.6 * size[1:-1] + 0.2 * size[2:]
+    ways = normalized(np.gradient(middle, axis=0))
+    side = np.broadcast_to([0.0, 0.0, 1.0], ways.shape)
+    side = normalized(side - (side * ways).sum(axis=-1, keepdims=True) * ways)
+    ahead = cross(side, ways)
+    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    deep, wide = LEG_DEPTH * size[:, 1], LEG_WIDTH * size[:, 0]
+    ring = deep[:, None, None] * np.cos(angle)[:, None] * ahead[:, None]
+    ring = ring + wide[:, None, None] * np.sin(angle)[:, None] * side[:, None]
+    rings = middle[:, None] + ring
+    for i in range(start, len(chain.points) - 1):
+        bend = chain.ways[i - 1] - chain.ways[i]
+        sharp = float(np.linalg.norm(bend))
+        if sharp < 0.25 or (i == len(chain.points) - 2 and i > start):
+            continue
+        # The point of a hock or an elbow: what looks outward moves outward.
+        out, r = bend / sharp, float(chain.radii[i])
+        top = chain.points[i] - 0.45 * r * chain.ways[i - 1]
+        away = np.linalg.norm(rings - top - 0.5 * r * out, axis=-1) / (1.5 * r)
+        looks = np.clip((ring * out).sum(axis=-1) / np.linalg.norm(ring, axis=-1), 0.0, 1.0)
+        push = BONE_OUT * POINT_OF_JOINT * 2.0 * min(sharp, 1.0) * r
+        rings = rings + (push * looks**2 * np.exp(-(away**2) * 1.5))[..., None] * out
+    ends = np.stack([middle[0], middle[-1] + 0.6 * wide[-1] * ways[-1]])
+    return outward(loft(rings, ends))
+
+
+def ankle_lump(chain: Chain) -> Lump:
+    """Return the end of a shank, from which its foot grows."""
+    a = chain.points[-1] - 0.35 * chain.spans[-1]
+    r = float(chain.radii[-1])
+    return cone(a, chain.points[-1], (0.8 * r, 0.7 * r), (0.95 * r, 0.85 * r), 0.3 * r, FORWARD)
+
+
+def first_shank(limb: Limb) -> int:
+    """Return the first link of a limb that is too thin for the grid of the trunk."""
+    count = len(limb.links)
+    return 1 if limb.kind == ARM else max(count - (2 if count > 3 else 1), 1)

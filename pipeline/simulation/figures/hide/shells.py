@@ -1,0 +1,249 @@
+"""Shells: plates and segments of the bodies of arthropods, by kind.
+
+Plates meet in creases: their lumps are joined with hardly any blend.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
+from pipeline.simulation.figures.hide.stance import Stance
+from pipeline.simulation.figures.network import HEAD, TAIL
+from pipeline.simulation.spatial import UP, Array
+
+CREASE = 0.10
+"""Width of the union of two plates, in their radius."""
+
+ON_MIDLINE = 1e-6
+"""Distance from the midline of what is on it [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """The midline of an arthropod as it stands, from front to back.
+
+    Attributes:
+        body: (n, 3) nodes of the body on it [m].
+        radii: (n,) drawn at them [m].
+        head: (m, 3) nodes of the head from the body outward.
+        head_radii: (m,) of them.
+        tail: (k, 3) nodes of the tail from the body outward.
+        tail_radii: (k,) of them.
+    """
+
+    body: Array
+    radii: Array
+    head: Array
+    head_radii: Array
+    tail: Array
+    tail_radii: Array
+
+    @staticmethod
+    def of(stance: Stance) -> Axis:
+        """Return the midline of a figure."""
+        figure: Figure = stance.figure
+        radii = figure.drawing.radii * figure.scale
+        middle = [n for n in figure.anatomy.body if abs(figure.points[n, 2]) < ON_MIDLINE]
+        middle = middle or list(figure.anatomy.body)
+        middle.sort(key=lambda n: -float(figure.points[n, 0]))
+        ends: dict[str, tuple[Array, Array]] = {}
+        for chain in stance.chains:
+            if chain.limb.kind in (HEAD, TAIL):
+                ends.setdefault(chain.limb.kind, (chain.points, chain.radii))
+        nothing = np.zeros((0, 3)), np.zeros(0)
+        return Axis(
+            figure.points[middle],
+            radii[middle],
+            *ends.get(HEAD, nothing),
+            *ends.get(TAIL, nothing),
+        )
+
+    @property
+    def rear(self) -> tuple[Array, float]:
+        """The last node and its radius."""
+        if len(self.tail):
+            return self.tail[-1], float(self.tail_radii[-1])
+        return self.body[-1], float(self.radii[-1])
+
+
+def body_plates(kind: str, stance: Stance) -> dict[str, list[Lump]]:
+    """Return the plates of trunk, head and tail: "body", "head" and "tail".
+
+    Args:
+        kind: beetle, ant, spider, scorpion, centipede, crab or plain.
+        stance: of the figure.
+    """
+    axis = Axis.of(stance)
+    if kind == "beetle":
+        return {"body": list(_beetle(axis)), HEAD: list(_head(axis, 0.82, 1.05))}
+    if kind == "crab":
+        return {"body": list(_crab(axis))}
+    if kind == "spider":
+        return {
+            "body": list(_spider(axis)),
+            HEAD: list(_spider_head(axis)),
+            TAIL: list(_spider_abdomen(axis)),
+        }
+    if kind in ("scorpion", "centipede"):
+        rings = list(_rings(axis, 5 if kind == "scorpion" else 1))
+        return {"body": rings, HEAD: list(_head(axis, 0.66, 1.15))}
+    abdomen = list(_abdomen(axis, kind == "ant"))
+    return {"body": list(_thorax(axis)), HEAD: list(_head(axis, 0.80, 1.0)), TAIL: abdomen}
+
+
+def _plate(at: Array, radii: tuple[float, float, float], crease: float = CREASE) -> Lump:
+    return ball(at, radii, crease * min(radii))
+
+
+def _beetle(axis: Axis) -> Iterator[Lump]:
+    """Yield pronotum, wing cases with a seam, and the darker body below them."""
+    front, r_f = axis.body[0], float(axis.radii[0])
+    rear, r_r = axis.rear
+    widest = float(axis.radii[1:].max()) if len(axis.radii) > 1 else r_f
+    start = float(front[0]) - 0.62 * r_f
+    end = float(rear[0]) - 0.95 * r_r
+    length = start - end
+    y = float(front[1])
+    a = np.array([start - 0.62 * widest, y + 0.02 * widest, 0.0])
+    b = np.array([end + 0.34 * length, y - 0.04 * widest, 0.0])
+    wide = 1.04 * widest
+    for side in (-1.0, 1.0):
+        # Two wing cases side by side: the seam is the crease between them.
+        off = np.array([0.0, 0.0, 0.40 * wide * side])
+        case = cone(
+            *(a + off, b + off * 0.92, (0.60 * wide, 0.62 * wide), (0.56 * wide, 0.62 * wide)),
+            *(0.05 * wide, UP),
+        )
+        case.radii_a[0], case.radii_b[0] = 0.62 * widest, 0.34 * length
+        yield case
+    yield _plate(
+        0.5 * (a + b) - [0.0, 0.26 * widest, 0.0], (0.5 * length, 0.42 * widest, 0.82 * widest)
+    )
+    yield _plate(front, (0.66 * r_f, 0.60 * r_f, 1.10 * r_f), 0.06)
+    yield _plate(front - [0.28 * r_f, 0.02 * r_f, 0.0], (0.55 * r_f, 0.56 * r_f, 1.16 * r_f), 0.3)
+
+
+def _head(axis: Axis, high: float, wide: float) -> Iterator[Lump]:
+    """Yield the capsule of a head, and the neck behind it."""
+    if not len(axis.head):
+        return
+    at, r = axis.head[-1], float(axis.head_radii[-1])
+    for k in range(1, len(axis.head) - 1):
+        s = float(axis.head_radii[k])
+        yield _plate(axis.head[k], (0.9 * s, 0.62 * s, 0.88 * s))
+    neck = 0.6 * min(r, float(axis.head_radii[0]))
+    yield cone(axis.head[0], at, (0.7 * neck, neck), (0.7 * neck, neck), 0.1 * neck)
+    yield _plate(at, (1.05 * r, high * r, wide * r))
+    yield _plate(at + np.array([0.62 * r, -0.16 * r, 0.0]), (0.55 * r, 0.42 * r, 0.66 * r), 0.3)
+
+
+def _thorax(axis: Axis) -> Iterator[Lump]:
+    """Yield the segments of a body and what joins them."""
+    count = len(axis.body)
+    for k in range(count):
+        r = float(axis.radii[k])
+        yield _plate(axis.body[k], (1.02 * r, 0.80 * r, 0.92 * r))
+    for k in range(count - 1):
+        s = 0.55 * float(min(axis.radii[k], axis.radii[k + 1]))
+        yield cone(axis.body[k], axis.body[k + 1], (s, s), (s, s), 0.5 * s)
+
+
+def _abdomen(axis: Axis, is_ant: bool) -> Iterator[Lump]:
+    """Yield the segments behind the body; an ant's last one has rings, on a thin waist."""
+    rear = list(zip(axis.tail[1:], axis.tail_radii[1:], strict=True))
+    before = axis.body[-1]
+    for k, (at, radius) in enumerate(rear):
+        r = float(radius)
+        s = 0.5 * min(r, float(axis.tail_radii[k]))
+        yield cone(before, at, (s, s), (s, s), 0.5 * s)
+        if is_ant and k == len(rear) - 1 and r > 0.0:
+            # The rings of the abdomen.
+            for j in range(4):
+                x = 0.62 - 0.42 * j
+                size = r * (0.94, 1.02, 0.92, 0.62)[j]
+                yield _plate(
+                    at + np.array([x * r, 0.0, 0.0]), (0.62 * size, 0.86 * size, 0.92 * size), 0.05
+                )
+        else:
+            yield _plate(at, (1.1 * r, 0.85 * r, 0.95 * r))
+        before = at
+
+
+def _spider(axis: Axis) -> Iterator[Lump]:
+    """Yield the shield that carries the legs."""
+    front, back = axis.body[0], axis.body[-1]
+    r = float(axis.radii.max())
+    yield cone(front, back, (0.74 * r, 1.0 * r), (0.70 * r, 1.05 * r), 0.3 * r)
+
+
+def _spider_head(axis: Axis) -> Iterator[Lump]:
+    """Yield the front of the shield, which carries the eyes."""
+    if len(axis.head):
+        at, s = axis.head[-1], float(axis.head_radii[-1])
+        yield _plate(at - [0.35 * s, -0.18 * s, 0.0], (1.15 * s, 0.95 * s, 1.05 * s), 0.5)
+        yield cone(axis.head[0], at, (0.8 * s, s), (0.8 * s, s), 0.3 * s)
+
+
+def _spider_abdomen(axis: Axis) -> Iterator[Lump]:
+    """Yield the round abdomen on its waist, with its spinnerets."""
+    back = axis.body[-1]
+    nodes, radii = axis.tail[1:], axis.tail_radii[1:]
+    before = back
+    for k, at in enumerate(nodes):
+        s = float(radii[k])
+        yield cone(before, at, (0.30 * s, 0.30 * s), (0.4 * s, 0.4 * s), 0.1 * s)
+        if k == len(nodes) - 1:
+            yield _plate(at + np.array([0.0, 0.10 * s, 0.0]), (1.20 * s, 0.92 * s, 0.98 * s))
+            yield _plate(
+                at + np.array([-0.25 * s, 0.14 * s, 0.0]), (1.0 * s, 0.90 * s, 1.02 * s), 0.4
+            )
+            for side in (-1.0, 1.0):
+                tip = at + s * np.array([-1.34, -0.14, 0.13 * side])
+                yield cone(at - [s, 0, 0], tip, (0.16 * s,) * 2, (0.08 * s,) * 2, 0.1 * s)
+        before = at
+
+
+def _rings(axis: Axis, between: int) -> Iterator[Lump]:
+    """Yield overlapping plates along the body, each a little wider at its rear."""
+    line = [*zip(axis.body, axis.radii, strict=True)]
+    if between == 1:
+        for at, radius in line:
+            r = float(radius)
+            yield _plate(at, (0.92 * r, 0.66 * r, 1.16 * r), 0.05)
+            yield _plate(at - [0.35 * r, -0.03 * r, 0.0], (0.55 * r, 0.66 * r, 1.20 * r), 0.1)
+    else:
+        front, r_f = line[0]
+        yield _plate(front, (1.1 * float(r_f), 0.62 * float(r_f), 1.12 * float(r_f)), 0.1)
+        start, end = (
+            float(front[0]) - 0.55 * float(r_f),
+            float(axis.body[-1][0]) - 0.75 * float(axis.radii[-1]),
+        )
+        places = np.linspace(start, end, between + 1)
+        xs, rs = axis.body[::-1, 0], axis.radii[::-1]
+        for x in places:
+            r = float(np.interp(x, xs, rs))
+            at = np.array([x, float(front[1]), 0.0])
+            step = abs(float(places[1] - places[0]))
+            yield _plate(at, (0.72 * step, 0.60 * r, 1.10 * r), 0.06)
+
+
+def _crab(axis: Axis) -> Iterator[Lump]:
+    """Yield a broad carapace with teeth along its front edge."""
+    middle = axis.body.mean(axis=0)
+    r = float(axis.radii.max())
+    yield _plate(middle + np.array([0.08 * r, 0.10 * r, 0.0]), (0.98 * r, 0.52 * r, 1.42 * r))
+    yield _plate(
+        middle + np.array([0.10 * r, -0.10 * r, 0.0]), (0.95 * r, 0.40 * r, 1.36 * r), 0.05
+    )
+    yield _plate(middle + np.array([-0.45 * r, 0.05 * r, 0.0]), (0.62 * r, 0.46 * r, 0.95 * r), 0.6)
+    for side in (-1.0, 1.0):
+        for k in range(5):
+            angle = np.radians(24.0 + 13.5 * k)
+            rim = np.array([np.cos(angle), 0.0, side * 1.44 * np.sin(angle)])
+            at = middle + r * (0.92 * rim + [0.08, 0.0, 0.0])
+            yield cone(at, at + 0.20 * r * rim, (0.09 * r,) * 2, (0.02 * r,) * 2, 0.06 * r)

@@ -1,0 +1,279 @@
+"""Skulls: the lumps of heads by name.
+
+A place on a skull is given by its distance from the back of the head, in the length of the last
+link of the head's chain; by its height and its offset to the side, in the radius there, which goes
+from that drawn at the back to that at the tip. Radii are in the same radius. A row with an offset
+to the side is meant twice, left and right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+Row = tuple[
+    tuple[float, float, float], tuple[float, float, float], tuple[float, float], tuple[float, float]
+]
+"""Both ends, and the radii upward and to the side at both."""
+
+Hole = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Place and radii of what is carved out: along, up, to the side."""
+
+
+@dataclass(frozen=True, slots=True)
+class Skull:
+    """The shape of a head.
+
+    Attributes:
+        rows: lumps.
+        eye: place of the right eye.
+        eye_size: its radius.
+        look: direction in which the right eye looks: along, up, to the side.
+        pupil: `round`, `slit` (upright) or `bar` (level).
+        iris: sRGB colour of the iris.
+        holes: nostrils and the like.
+        ear: place of the root of the right ear.
+        ear_way: direction of the right ear: along, up, to the side.
+        ear_length, ear_width: length of the ear in that drawn; width in its length.
+        ear_fold: depth of the cup of an ear, in half of its width.
+        horn: place of the root of the right horn.
+        nose: place, radii and sRGB colour of a bare nose; None without.
+        mouth: heights of the mouth line at its corner and its front; None without.
+        lids: softness of the lids' union, in half of the eye's radius; 0 without lids.
+        muzzle_from: place along the head from which the muzzle begins.
+    """
+
+    rows: tuple[Row, ...]
+    eye: tuple[float, float, float]
+    eye_size: float = 0.2
+    look: tuple[float, float, float] = (0.25, 0.15, 1.0)
+    pupil: str = "bar"
+    iris: str = "#5a3a1c"
+    holes: tuple[Hole, ...] = ()
+    ear: tuple[float, float, float] = (0.02, 0.75, 0.5)
+    ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)
+    ear_length: float = 1.0
+    ear_width: float = 0.38
+    ear_fold: float = 0.55
+    horn: tuple[float, float, float] = (0.12, 0.75, 0.35)
+    nose: tuple[tuple[float, float, float], tuple[float, float, float], str] | None = None
+    mouth: tuple[float, float, float, float] | None = None
+    muzzle_from: float = 0.72
+    lids: float = 0.25
+
+
+_DEER = Skull(
+    rows=(
+        ((0.02, 0.10, 0), (0.34, 0.16, 0), (0.86, 0.74), (0.84, 0.80)),
+        ((0.28, 0.14, 0), (0.84, 0.06, 0), (0.72, 0.62), (0.78, 0.64)),
+        ((0.12, -0.48, 0.20), (0.52, -0.42, 0.08), (0.55, 0.34), (0.42, 0.30)),
+        ((0.50, -0.42, 0), (0.90, -0.52, 0), (0.40, 0.40), (0.40, 0.50)),
+        ((0.88, 0.02, 0), (1.02, -0.04, 0), (0.86, 0.80), (0.82, 0.80)),
+    ),
+    eye=(0.33, 0.40, 0.74),
+    eye_size=0.24,
+    holes=(((1.16, 0.18, 0.62), (0.10, 0.22, 0.18)),),
+    ear=(0.02, 0.55, 0.62),
+    ear_way=(-0.45, 0.75, 0.85),
+    ear_length=1.25,
+    ear_width=0.36,
+    horn=(0.17, 0.80, 0.34),
+    nose=((1.12, 0.02, 0.0), (0.16, 0.42, 0.52), "#1d1614"),
+    mouth=(0.66, -0.30, 1.2, -0.34),
+)
+
+SKULLS: Mapping[str, Skull] = {
+    "horse": Skull(
+        rows=(
+            ((0.02, 0.08, 0), (0.34, 0.14, 0), (0.88, 0.70), (0.86, 0.80)),
+            ((0.28, 0.10, 0), (0.86, 0.10, 0), (0.78, 0.74), (0.84, 0.72)),
+            ((0.14, -0.56, 0.24), (0.36, -0.58, 0.18), (0.72, 0.36), (0.66, 0.34)),
+            ((0.34, -0.58, 0.10), (0.88, -0.58, 0), (0.56, 0.34), (0.52, 0.50)),
+            ((0.84, 0.02, 0), (1.00, -0.06, 0), (1.02, 0.92), (1.12, 1.08)),
+            ((0.94, -0.92, 0), (1.04, -0.86, 0), (0.44, 0.66), (0.42, 0.60)),
+            ((0.30, 0.58, 0.58), (0.40, 0.56, 0.54), (0.20, 0.16), (0.18, 0.16)),
+        ),
+        eye=(0.36, 0.36, 0.72),
+        eye_size=0.23,
+        holes=(((1.14, 0.30, 0.80), (0.26, 0.36, 0.26)),),
+        ear=(0.03, 0.72, 0.38),
+        ear_way=(-0.05, 1.0, 0.16),
+        ear_length=1.0,
+        ear_width=0.34,
+        mouth=(0.80, -0.72, 1.3, -0.60),
+    ),
+    "deer": _DEER,
+    "camel": Skull(
+        rows=(
+            ((0.02, 0.05, 0), (0.34, 0.14, 0), (0.84, 0.72), (0.80, 0.78)),
+            ((0.28, 0.10, 0), (0.86, 0.00, 0), (0.66, 0.60), (0.72, 0.66)),
+            ((0.12, -0.45, 0.20), (0.50, -0.40, 0.08), (0.50, 0.34), (0.42, 0.32)),
+            ((0.48, -0.42, 0), (0.92, -0.62, 0), (0.42, 0.40), (0.40, 0.55)),
+            ((0.86, 0.00, 0), (1.06, -0.10, 0), (0.92, 0.86), (0.95, 0.92)),
+            ((1.02, -0.85, 0), (1.12, -0.95, 0), (0.40, 0.52), (0.34, 0.45)),
+            ((0.28, 0.62, 0.52), (0.42, 0.60, 0.52), (0.26, 0.26), (0.22, 0.22)),
+        ),
+        eye=(0.36, 0.38, 0.74),
+        eye_size=0.20,
+        holes=(((1.26, 0.34, 0.55), (0.16, 0.10, 0.30)),),
+        ear=(0.02, 0.62, 0.62),
+        ear_way=(-0.55, 0.9, 0.5),
+        ear_length=0.72,
+        ear_width=0.55,
+        mouth=(0.66, -0.42, 1.3, -0.60),
+        lids=0.45,
+    ),
+    "kangaroo": Skull(
+        rows=(
+            ((0.04, 0.05, 0), (0.36, 0.12, 0), (0.92, 0.80), (0.86, 0.80)),
+            ((0.30, 0.06, 0), (0.86, -0.05, 0), (0.74, 0.70), (0.86, 0.80)),
+            ((0.16, -0.42, 0.18), (0.70, -0.40, 0.04), (0.50, 0.36), (0.46, 0.40)),
+            ((0.84, -0.02, 0), (1.02, -0.10, 0), (0.95, 0.90), (0.90, 0.90)),
+        ),
+        eye=(0.40, 0.36, 0.76),
+        eye_size=0.21,
+        look=(0.3, 0.15, 1.0),
+        pupil="round",
+        iris="#2a170c",
+        holes=(((1.30, 0.22, 0.55), (0.14, 0.18, 0.22)),),
+        ear=(0.06, 0.70, 0.46),
+        ear_way=(-0.18, 1.0, 0.34),
+        ear_length=1.05,
+        ear_width=0.42,
+        nose=((1.28, 0.28, 0.0), (0.26, 0.42, 0.62), "#191312"),
+        mouth=(0.62, -0.35, 1.4, -0.40),
+    ),
+    "dog": Skull(
+        rows=(
+            ((0.05, 0.10, 0), (0.34, 0.18, 0), (0.92, 0.86), (0.86, 0.84)),
+            ((0.34, -0.10, 0.0), (0.92, -0.02, 0), (0.60, 0.62), (0.82, 0.72)),
+            ((0.20, -0.35, 0.30), (0.48, -0.30, 0.22), (0.45, 0.45), (0.40, 0.40)),
+            ((0.30, -0.55, 0), (0.88, -0.80, 0), (0.32, 0.50), (0.40, 0.58)),
+            ((0.40, 0.48, 0.40), (0.46, 0.44, 0.36), (0.26, 0.26), (0.22, 0.22)),
+        ),
+        eye=(0.44, 0.34, 0.50),
+        eye_size=0.21,
+        look=(1.0, 0.15, 0.72),
+        pupil="round",
+        iris="#4a2a10",
+        ear=(0.08, 0.66, 0.52),
+        ear_way=(-0.1, 1.0, 0.35),
+        ear_length=1.1,
+        ear_width=0.62,
+        nose=((1.10, 0.30, 0.0), (0.42, 0.44, 0.54), "#141011"),
+        mouth=(0.52, -0.42, 1.2, -0.46),
+        muzzle_from=0.5,
+    ),
+    "cat": Skull(
+        rows=(
+            ((0.08, 0.10, 0), (0.28, 0.14, 0), (0.95, 0.98), (0.88, 0.98)),
+            ((0.26, -0.28, 0.42), (0.46, -0.32, 0.34), (0.50, 0.52), (0.42, 0.46)),
+            ((0.45, -0.15, 0.0), (0.92, -0.10, 0), (0.55, 0.55), (0.70, 0.70)),
+            ((0.86, -0.30, 0.36), (0.95, -0.34, 0.34), (0.50, 0.50), (0.46, 0.48)),
+            ((0.66, -0.75, 0), (0.90, -0.85, 0), (0.34, 0.44), (0.30, 0.40)),
+        ),
+        eye=(0.50, 0.30, 0.44),
+        eye_size=0.26,
+        look=(1.0, 0.10, 0.36),
+        pupil="slit",
+        iris="#8fa33a",
+        ear=(0.16, 0.78, 0.58),
+        ear_way=(0.05, 1.0, 0.36),
+        ear_length=1.15,
+        ear_width=0.86,
+        nose=((1.12, 0.10, 0.0), (0.28, 0.22, 0.30), "#a85a54"),
+        mouth=(0.72, -0.62, 1.2, -0.52),
+        muzzle_from=0.72,
+    ),
+    "mouse": Skull(
+        rows=(
+            ((0.05, 0.0, 0), (0.40, 0.02, 0), (0.95, 0.92), (0.92, 0.92)),
+            ((0.38, 0.0, 0.0), (1.0, -0.10, 0), (0.84, 0.82), (0.85, 0.80)),
+            ((0.80, -0.25, 0.30), (0.90, -0.25, 0.28), (0.62, 0.56), (0.60, 0.56)),
+        ),
+        eye=(0.50, 0.42, 0.72),
+        eye_size=0.26,
+        look=(0.45, 0.3, 1.0),
+        pupil="round",
+        iris="#0c0808",
+        ear=(0.16, 0.62, 0.66),
+        ear_way=(-0.15, 0.9, 0.62),
+        ear_length=1.3,
+        ear_width=1.0,
+        nose=((1.10, 0.10, 0.0), (0.50, 0.52, 0.55), "#c97f78"),
+        mouth=(0.78, -0.70, 1.2, -0.60),
+    ),
+    "elephant": Skull(
+        rows=(
+            ((0.00, 0.15, 0), (0.42, 0.10, 0), (1.0, 0.85), (1.0, 0.82)),
+            ((0.20, 0.75, 0.28), (0.30, 0.72, 0.26), (0.42, 0.42), (0.40, 0.40)),
+            ((0.20, -0.45, 0), (0.62, -0.72, 0), (0.52, 0.50), (0.36, 0.40)),
+            ((0.42, 0.02, 0), (1.0, 0.0, 0), (0.86, 0.74), (1.0, 1.0)),
+        ),
+        eye=(0.50, 0.24, 0.80),
+        eye_size=0.10,
+        pupil="round",
+        iris="#5a3a1c",
+        horn=(0.72, -0.40, 0.50),
+        ear=(0.10, 0.40, 0.72),
+        ear_way=(-0.20, -0.80, 0.62),
+        ear_length=1.0,
+        ear_width=1.15,
+        ear_fold=0.14,
+        lids=0.6,
+    ),
+    "frog": Skull(
+        rows=(
+            ((0.0, 0.0, 0), (0.40, -0.05, 0), (0.78, 1.05), (0.66, 1.05)),
+            ((0.30, -0.10, 0), (0.95, -0.22, 0), (0.60, 1.05), (0.62, 1.12)),
+            ((0.36, 0.62, 0.56), (0.42, 0.66, 0.56), (0.44, 0.42), (0.42, 0.40)),
+        ),
+        eye=(0.42, 0.78, 0.62),
+        eye_size=0.40,
+        look=(0.45, 0.45, 1.0),
+        pupil="bar",
+        iris="#b08a1e",
+        holes=(((1.28, 0.30, 0.30), (0.06, 0.08, 0.08)),),
+        mouth=(0.15, -0.25, 1.6, -0.30),
+        muzzle_from=2.0,
+    ),
+    "lizard": Skull(
+        rows=(
+            ((0.0, 0.0, 0), (0.42, 0.08, 0), (0.72, 0.92), (0.74, 0.96)),
+            ((0.36, 0.0, 0), (1.0, -0.10, 0), (0.70, 0.90), (0.80, 0.95)),
+            ((0.36, 0.45, 0.56), (0.50, 0.42, 0.52), (0.26, 0.24), (0.22, 0.22)),
+            ((0.10, -0.30, 0.35), (0.45, -0.35, 0.25), (0.42, 0.46), (0.36, 0.42)),
+        ),
+        eye=(0.44, 0.30, 0.80),
+        eye_size=0.20,
+        look=(0.25, 0.1, 1.0),
+        pupil="round",
+        iris="#a5751c",
+        holes=(((1.20, 0.35, 0.50), (0.08, 0.10, 0.10)),),
+        mouth=(0.25, -0.26, 1.5, -0.30),
+        muzzle_from=2.0,
+    ),
+    "bird": Skull(
+        rows=(
+            ((-0.10, 0.0, 0), (0.25, 0.02, 0), (0.92, 0.86), (0.80, 0.78)),
+            ((0.20, -0.05, 0), (0.42, -0.05, 0), (0.72, 0.72), (0.60, 0.62)),
+        ),
+        eye=(0.14, 0.20, 0.66),
+        eye_size=0.30,
+        look=(0.25, 0.08, 1.0),
+        pupil="round",
+        iris="#2c1a0c",
+        muzzle_from=2.0,
+        lids=0.35,
+    ),
+}
+"""Skulls by name."""
+
+DEFAULT_SKULLS: Mapping[str, str] = {
+    "hooves": "deer",
+    "paws": "dog",
+    "toes": "bird",
+    "claws": "lizard",
+    "plain": "dog",
+}
+"""Skull of a figure that names none, by its feet."""

@@ -1,0 +1,115 @@
+"""Hides: budgets, their shape as a figure stands, and the refusal of bad words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from pydantic import ValidationError
+
+from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
+from pipeline.simulation.figures.hide.lumps import ball, mesh_lumps
+from pipeline.simulation.figures.hide.stance import Stance
+from pipeline.spec.figure import Figure as Words
+
+MOST_TRIANGLES = 12_400
+
+ANIMALS = ("horse", "camel", "dog", "cat", "elephant", "mouse", "frog", "lizard", "ostrich")
+SHELLS = ("beetle", "ant", "spider", "scorpion", "centipede", "crab")
+
+TABLE = {
+    "style": "mammal",
+    "nodes": {
+        "muzzle": [0, -1.5],
+        "poll": [0, -1.1],
+        "chest": {"at": [0, -0.6], "radius": 0.3},
+        "rump": {"at": [0, 0.6], "radius": 0.3},
+        "knee1_l": [-0.5, -0.6],
+        "foot1_l": [-1.0, -0.6],
+        "knee2_l": [-0.5, 0.6],
+        "foot2_l": [-1.0, 0.6],
+    },
+    "chains": [
+        ["muzzle", "poll", "chest", "rump"],
+        ["chest", "knee1_l", "foot1_l"],
+        ["rump", "knee2_l", "foot2_l"],
+    ],
+    "then": [{"mirror": "x"}],
+}
+
+
+def words_of(name: str) -> dict[str, object]:
+    text = Path(f"scenes/figures/{name}.yaml").read_text(encoding="utf-8")
+    words: dict[str, object] = yaml.safe_load(text)["figure"]
+    return words
+
+
+def built(words: dict[str, object]) -> Figure:
+    return build_figure("it", Words.model_validate(words), 1.0)
+
+
+@pytest.mark.parametrize("name", [*ANIMALS, *SHELLS])
+def test_a_hide_has_few_triangles(name: str) -> None:
+    figure = built(words_of(name))
+    looks = figure_skin(figure)
+    assert skin_form(figure) == ("arthropod" if name in SHELLS else "animal")
+    assert sum(len(skin.faces) for skin in looks.skins.values()) <= MOST_TRIANGLES
+
+
+def test_a_drawing_without_words_gets_a_head_and_legs() -> None:
+    figure = built(TABLE)
+    assert skin_form(figure) == "animal"
+    looks = figure_skin(figure)
+    body = looks.skins[0]
+    followed = set(np.unique(body.links).tolist())
+    assert {limb.links[-1] for limb in figure.skeleton.legs} <= followed
+    assert body.paint is not None
+    assert len(looks.skins) == 3  # the hide and two eyes
+
+
+def test_words_of_the_skin_change_no_mass() -> None:
+    words = words_of("horse")
+    with_skin = FigureMass(built(words)).at_rest
+    nodes = {
+        name: {k: v for k, v in node.items() if k not in ("width", "height", "lift")}
+        for name, node in dict(words["nodes"]).items()  # type: ignore[call-overload]
+    }
+    bare = FigureMass(built({**words, "nodes": nodes, "skin": {"form": "plain"}})).at_rest
+    assert with_skin.mass == bare.mass
+    np.testing.assert_array_equal(with_skin.inertia, bare.inertia)
+
+
+def test_a_surface_goes_to_the_creation_frame_and_back() -> None:
+    """What follows one link comes back where that link stands."""
+    figure = built(words_of("horse"))
+    stance = Stance(figure)
+    link = figure.skeleton.legs[0].links[-1]
+    places = stance.placed(link, figure.skeleton.links[link].ends)
+    links = np.full((2, 2), link)
+    back = stance.unposed(places, links, np.zeros(2))
+    np.testing.assert_allclose(back, figure.skeleton.links[link].ends, atol=1e-9)
+
+
+def test_lumps_are_meshed_to_their_radii() -> None:
+    solid = mesh_lumps([ball(np.zeros(3), (0.5, 0.3, 0.2), 0.1)], 0.03)
+    np.testing.assert_allclose(np.abs(solid.vertices).max(axis=0), [0.5, 0.3, 0.2], atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("skin", "message"),
+    [
+        ({"skull": "hors"}, "horse"),
+        ({"shell": "bee"}, "beetle"),
+        ({"paint": [{"where": "bely", "color": "#ffffff"}]}, "belly"),
+        ({"paint": [{"where": "belly", "color": "white"}]}, "pattern"),
+        ({"lumps": [{"node": "chst"}]}, "chest"),
+        ({"toes": 9}, "5"),
+    ],
+)
+def test_bad_words_are_refused(skin: dict[str, object], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        Words.model_validate({**TABLE, "skin": skin})

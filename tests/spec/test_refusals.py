@@ -171,8 +171,8 @@ ONE_MISTAKE = [
     ("terrain: hills", "terrain: {kind: flat, show_forbidden: §1}", "terrain.show_forbidden",
      "should be true or false, is 1"),
     ("terrain: hills", "terrain: {kind: flat, surroundings: §hils}", "terrain.surroundings",
-     "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes' or 'none', is "
-     "the text 'hils'; did you mean 'hills'?"),
+     "must be 'auto', 'hills', 'mountains', 'forest', 'sea', 'plain', 'dunes', 'mesas' or "
+     "'none', is the text 'hils'; did you mean 'hills'?"),
     ("terrain: hills", "terrain: {kind: flat, edging: §hegde}", "terrain.edging",
      "must be 'auto', 'hedge', 'wall', 'fence', 'railing', 'planters', 'houses', 'house', "
      "'school', 'overgrown', 'room' or 'none', is the text 'hegde'; did you mean 'hedge'?"),

@@ -13,13 +13,22 @@ from pipeline.spec import Scene, read_scene
 LIBRARY = Path(__file__).parents[3] / "scenes/figures"
 
 MOST = {
+    "ant": 96.0,
     "antelope": 505.0,
     "beetle": 80.0,
     "camel": 235.0,
+    "cat": 677.0,
     "centipede": 170.0,
+    "crab": 186.0,
+    "dog": 381.0,
+    "elephant": 104.0,
+    "frog": 174.0,
+    "giraffe": 120.0,
     "hopper": 411.0,
     "horse": 283.0,
     "kangaroo": 315.0,
+    "lizard": 235.0,
+    "mouse": 741.0,
     "ostrich": 213.0,
     "person": 325.0,
     "scorpion": 173.0,

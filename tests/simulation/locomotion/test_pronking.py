@@ -120,7 +120,8 @@ def test_flights_are_parabolas(level_hops):
 
 
 LIBRARY = (
-    "antelope beetle camel centipede hopper horse kangaroo ostrich person scorpion spider tripod"
+    "ant antelope beetle camel cat centipede crab dog elephant frog giraffe hopper horse kangaroo "
+    "lizard mouse ostrich person scorpion spider tripod"
 ).split()
 """Shipped figures with legs."""
 

@@ -123,8 +123,13 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
 TEMPO = "gait: trot, cycle: 1.05, speed: 0.95"
 
 
+LARGER = {"dog": 1.5, "lizard": 1.4}
+"""Scales of figures whose legs are too short for this tempo."""
+
+
 def walking(figure: str, swing: str) -> str:
-    return f"{{figure: {figure}, walk: {{swing: {swing}, {TEMPO}}}}}"
+    scale = LARGER.get(figure, 1.0)
+    return f"{{figure: {figure}, scale: {scale}, walk: {{swing: {swing}, {TEMPO}}}}}"
 
 
 @pytest.mark.sample(3)
@@ -140,7 +145,7 @@ def test_least_effort_needs_less_work_than_the_spline(
     assert (works[:, 0] <= works[:, 1] * (1 + 1e-12)).all()
     least, plain = works.sum(axis=0)
     # Of legs that hardly lift, less is left to save.
-    assert least < (0.96 if shipped.name in ("centipede", "scorpion") else 0.85) * plain
+    assert least < (0.96 if shipped.name in ("centipede", "lizard", "scorpion") else 0.85) * plain
 
 
 UPRIGHT = ("horse", "person", "ostrich", "kangaroo")

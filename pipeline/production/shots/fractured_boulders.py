@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import find_objects, label
 
+from pipeline.production.shots.natural_ground import is_natural_ground
 from pipeline.production.shots.untrodden import distance_from_treads
-from pipeline.production.surroundings.choice import NATURAL
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
@@ -24,7 +24,6 @@ from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.natural_terrain import Boulders, scattered_boulders, swells
 from pipeline.spec.scene import Scene
 from pipeline.spec.terrain.kinds import BouldersTerrain, StonesTerrain
-from render.config import MATERIALS
 
 TOPS, SIDES = (2, 4), (5, 7)
 """Numbers of planes that cut the top and the sides of a boulder."""
@@ -75,12 +74,10 @@ def fractured(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord
         take: whose performers tread on it.
     """
     author = scene.terrain
-    name = terrain.material
-    material = scene.materials[name] if name in scene.materials else MATERIALS[name]
-    if not isinstance(author, BouldersTerrain) or material.texture not in NATURAL:
+    if not isinstance(author, BouldersTerrain) or not is_natural_ground(terrain, scene):
         return terrain
     shape = terrain.cells[1] + 1, terrain.cells[0] + 1
-    if author.show_forbidden or len(terrain.vertices) != shape[0] * shape[1]:
+    if len(terrain.vertices) != shape[0] * shape[1]:
         return terrain
     before = terrain.vertices[:, 1].astype(float)
     return _away_from_feet(terrain, _broken(author, scene.seed, take).ravel() - before, take)

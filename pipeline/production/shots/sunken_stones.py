@@ -13,13 +13,11 @@ from functools import lru_cache
 import numpy as np
 from scipy.ndimage import find_objects, label
 
+from pipeline.production.shots.natural_ground import natural_pit
 from pipeline.production.shots.untrodden import distance_from_treads
-from pipeline.production.surroundings.choice import NATURAL
 from pipeline.production.surroundings.lattice_noise import fractal
 from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.spec.scene import Scene
-from pipeline.spec.terrain.kinds import StonesTerrain
-from render.config import MATERIALS
 
 CLEAR = 0.06
 """Distance from treads up to which a stone stands as it was [m]."""
@@ -48,12 +46,8 @@ def sunken(terrain: TerrainRecord, scene: Scene, take: Take) -> TerrainRecord:
         scene: of the film.
         take: whose performers tread on it.
     """
-    author = scene.terrain
-    name = terrain.material
-    material = scene.materials[name] if name in scene.materials else MATERIALS[name]
-    if not isinstance(author, StonesTerrain) or author.water is None:
-        return terrain
-    if material.texture not in NATURAL or author.show_forbidden:
+    author = natural_pit(terrain, scene)
+    if author is None or author.water is None:
         return terrain
     shape = terrain.cells[1] + 1, terrain.cells[0] + 1
     if len(terrain.vertices) != shape[0] * shape[1]:

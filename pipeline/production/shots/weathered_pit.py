@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, label
 
-from pipeline.production.surroundings.choice import NATURAL
+from pipeline.production.shots.natural_ground import natural_pit
 from pipeline.production.surroundings.lattice_noise import fractal, smoothstep
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
 from pipeline.spec.scene import Scene
-from pipeline.spec.terrain.kinds import StonesTerrain
-from render.config import MATERIALS
 
 GROWN, GROWN_OF_GAP, SLOPE = 0.34, 0.5, (0.6, 1.25)
 """How far a bank has grown into the pit at most [m], the same relative to the gap between stones,
@@ -41,12 +39,8 @@ LOWEST = 0.02
 
 def weathered(terrain: TerrainRecord, scene: Scene) -> TerrainRecord:
     """Return a take's terrain as it is drawn: with a weathered pit, if it is one in water."""
-    author = scene.terrain
-    name = terrain.material
-    material = scene.materials[name] if name in scene.materials else MATERIALS[name]
-    if not isinstance(author, StonesTerrain) or author.water is None:
-        return terrain
-    if material.texture not in NATURAL or author.show_forbidden:
+    author = natural_pit(terrain, scene)
+    if author is None:
         return terrain
     return _weathered(terrain, scene.seed, float(author.gap))
 

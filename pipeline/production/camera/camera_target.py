@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pipeline.production.camera.camera_path import smoothed
 from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.spatial import Array, matrix, normalized
-from pipeline.simulation.take import Mesh, Part, Take
+from pipeline.simulation.take import UNSEEN, Mesh, Part, Take
 
 TARGET_SMOOTHING_S = 0.45
 """Standard deviation of the filter of a target's path [s]."""
@@ -40,7 +40,7 @@ They include all corners of a box, and a ball exceeds them by at most a tenth.
 
 @dataclass(frozen=True, eq=False)
 class ExtremePoints:
-    """Extreme points of P parts, or of the pieces of parts that follow several nodes.
+    """Extreme points of P parts as they are seen, or of the pieces that follow different nodes.
 
     Attributes:
         nodes: (P,) that they follow.
@@ -54,12 +54,12 @@ class ExtremePoints:
 
     @staticmethod
     def of(take: Take, wanted: Callable[[Part], bool]) -> ExtremePoints:
-        """Return the extreme points of the parts that satisfy `wanted`."""
+        """Return the extreme points of the visible parts that satisfy `wanted`."""
         found = [
             (node, points, part.performer)
             for part in take.parts
-            if wanted(part)
-            for node, points in _extreme_points(take, take.meshes[part.mesh])
+            if part.seen != UNSEEN and wanted(part)
+            for node, points in _extreme_points(take, take.meshes[part.seen])
         ]
         return ExtremePoints(
             np.array([node for node, _, _ in found], dtype=np.int64),
@@ -84,15 +84,15 @@ class ExtremePoints:
 
 
 def _extreme_points(take: Take, mesh: Mesh) -> list[tuple[int, Array]]:
-    """Return the extreme points (26, 3) of a mesh in the node it follows.
+    """Return the extreme points (26, 3) of each piece of a mesh, relative to the node it follows.
 
-    If the mesh of a group follows several nodes, each has its own points.
+    A vertex that follows two nodes belongs to the one with the greater weight.
     """
-    nodes = mesh.nodes[:, 0]
-    several = bool((mesh.weights[:, 1] == 0.0).all()) and bool((nodes != nodes[0]).any())
+    rows = np.arange(len(mesh.nodes))
+    nodes = mesh.nodes[rows, mesh.weights.argmax(axis=1)]
     extremes = []
-    for node in np.unique(nodes) if several else nodes[:1]:
-        vertices = (mesh.vertices[nodes == node] if several else mesh.vertices).astype(float)
+    for node in np.unique(nodes):
+        vertices = mesh.vertices[nodes == node].astype(float)
         outer = [int((vertices * direction).sum(axis=1).argmax()) for direction in DIRECTIONS]
         extremes.append((int(node), vertices[outer] - take.nodes[int(node)].rest))
     return extremes

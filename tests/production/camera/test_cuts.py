@@ -167,7 +167,11 @@ def test_a_camera_follows_named_performers(take: Take) -> None:
         replace(n, performer="twin", parent=n.parent + count if n.parent >= 0 else -1)
         for n in take.nodes
     )
-    parts = tuple(replace(p, performer="twin", mesh=p.mesh + len(take.meshes)) for p in take.parts)
+    more = len(take.meshes)
+    parts = tuple(
+        replace(p, performer="twin", mesh=p.mesh + more, look=p.look + more if p.look >= 0 else p.look)
+        for p in take.parts
+    )
     meshes = tuple(replace(mesh, nodes=mesh.nodes + count) for mesh in take.meshes)
     both = replace(
         take,

@@ -169,7 +169,9 @@ def test_a_camera_follows_named_performers(take: Take) -> None:
     )
     more = len(take.meshes)
     parts = tuple(
-        replace(p, performer="twin", mesh=p.mesh + more, look=p.look + more if p.look >= 0 else p.look)
+        replace(
+            p, performer="twin", mesh=p.mesh + more, look=p.look + more if p.look >= 0 else p.look
+        )
         for p in take.parts
     )
     meshes = tuple(replace(mesh, nodes=mesh.nodes + count) for mesh in take.meshes)

@@ -17,6 +17,9 @@ from pipeline.production.camera.director.edit_decision import EditDecision
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
+from pipeline.production.coats.coats import MATERIALS as COAT_MATERIALS
+from pipeline.production.coats.coats import Coats
+from pipeline.production.coats.grain import finest_pixels
 from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import soiled_wall
@@ -133,6 +136,7 @@ class ShotBuilder:
         self._skin = Skin.of(take)
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
+        self._coats = self._grown_coats()
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
         self._plumes = PlumeTracks.of(scene, take)
@@ -212,11 +216,15 @@ class ShotBuilder:
         self._filmed = self._filmed_cuts()
         texture = self.materials[self.take.terrain.material].texture
         has_footprints = self._scene.terrain.footprints
+        poses = tuple(pose for cut in self._filmed for pose in cut.poses)
+        grows = any(len(mesh.hair) for mesh in self.take.meshes)
+        height = self.film.size[1]
         return FilmTracks(
-            tuple(pose for cut in self._filmed for pose in cut.poses),
+            poses,
             footprint_timeline(self.take, texture) if has_footprints else None,
             clearings=Clearings.of(self.take) if self._scatter.wanted or self._edging else None,
             cuts=decisions,
+            grain=finest_pixels(self.take, poses, height) if grows else np.zeros(0),
         )
 
     def _filmed_cuts(self) -> list[FilmedCut]:
@@ -250,14 +258,25 @@ class ShotBuilder:
                     cover=mesh.paint if len(mesh.paint) else None,
                 )
             )
+        camera = self._interpolator.at(frame, part)
+        if self._coats is not None:
+            meshes += self._coats.at(self.take, at, camera, self.film.size[1])
         if self._puddle_surface is not None:
             meshes.append(self._puddle_surface.at(self._time(frame, part)))
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
         lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
         puffs = self._puffs.at(float((frame - 1 + part) / self.clock.rate))
         made = self._footprints.count(at) if self._footprints else 0
-        camera = self._interpolator.at(frame, part)
         return Moment(tuple(meshes), camera, lamps, time, plumes, puffs, made)
+
+    def _grown_coats(self) -> Coats | None:
+        """Return the hair and feathers of the animals, None without any."""
+        if not len(self.tracks.grain):
+            return None
+        coats = Coats.of(self.take, self.materials, self.tracks.grain, self._scene.seed)
+        if coats is not None:
+            self.materials = {**self.materials, **COAT_MATERIALS}
+        return coats
 
     def _time(self, frame: int, part: float) -> float:
         """Return the time since the film began [s], 0 where light, water and air stand still."""

@@ -31,10 +31,10 @@ PIXELS = 0.85
 LEAST_PIXELS = 1.5
 """Length of a coat in the frame, in pixels, below which its paint shows all there is."""
 
-VANE_WIDTH = 0.34
+VANE_WIDTH = 0.15
 """Width of a feather, in its length."""
 
-VANE_COVER = 2.4
+VANE_COVER = 5.0
 """Feathers over a point of the skin."""
 
 CLUMP = 0.25

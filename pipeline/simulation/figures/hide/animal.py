@@ -302,7 +302,7 @@ class AnimalHide:
             own = self._patch(limb.links[-1])
             if i not in own.limbs:
                 own.limbs.append(i)
-            solid = hair_solid(chain, word)
+            solid = hair_solid(chain, word, self.stance.ground)
             paint, locks = self.coat.paint(solid, [i], False), self.hair_lay.locks(solid, i)
             own.skins.append(self.stance.hide(solid, [i], paint, locks))
             return

@@ -104,6 +104,8 @@ class HairLay:
         way = chain.ways[chain.distances(solid.vertices).argmin(axis=0)]
         back = 0.35 if chain.limb.kind == HEAD else -1.0
         length = np.full(len(way), LOCK_LENGTH * COATS["short"][0] * self.coat.girth)
+        if chain.limb.kind == TAIL:
+            length *= np.interp(arc_share(chain.points, solid.vertices), [0.7, 1.0], [1.0, 0.4])
         return self._laid(-UP - back * way, vertex_normals(solid), length, np.radians(8.0))
 
     @staticmethod

@@ -111,7 +111,8 @@ def test_a_figure_may_be_shorn() -> None:
       nodes: {a: {at: [0, 0.3], radius: 0.2}, b: {at: [0, -0.3], radius: 0.2},
               l: {at: [-0.2, -0.3], radius: 0.06}, k: {at: [-0.6, -0.3], radius: 0.05},
               h: {at: [-0.2, 0.3], radius: 0.06}, g: {at: [-0.6, 0.3], radius: 0.05}},
-      chains: [[a, b], [b, l, k], [a, h, g]], then: [{mirror: x}], skin: {form: animal, coat: COAT}}"""
+      chains: [[a, b], [b, l, k], [a, h, g]], then: [{mirror: x}],
+      skin: {form: animal, coat: COAT}}"""
     for coat, some in (("long", True), ("none", False)):
         shot = builder("sheep", drawn=drawing.replace("COAT", coat)).shot(1)
         assert any(mesh.material == HAIR for mesh in shot.meshes) == some

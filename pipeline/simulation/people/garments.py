@@ -146,6 +146,7 @@ def bib(build: BodyMeasures) -> SkinnedPatch:
     ]
     ends = [
         half_space((0.0, build.level(0.745), 0.0), (0.0, 1.0, 0.0)),
+        half_space((0.0, build.level(0.555), 0.0), (0.0, -1.0, 0.0)),
         half_space((0.02 * g, 0.0, 0.0), (-1.0, 0.0, 0.0)),
     ]
     line = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -55,6 +56,7 @@ from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.shots.sunken_stones import sunken
+from pipeline.production.shots.title_timing import problems_of_titles, words_at
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
@@ -87,8 +89,8 @@ class ShotBuilder:
         tracks: of the film.
 
     Raises:
-        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist; or, when
-            the first shot is made, more is scattered than memory holds.
+        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist; a title
+            does not fit; or, when the first shot is made, more is scattered than memory holds.
     """
 
     def __init__(self, scene: Scene, take: Take, tracks: FilmTracks | None = None) -> None:
@@ -97,6 +99,9 @@ class ShotBuilder:
         self.light = scene.light
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
+        problems = [scene.source_map.with_location(p) for p in problems_of_titles(scene)]
+        if problems:
+            raise SceneError(problems)
         self._around = around = Choice.of(scene)
         worn = weathered(sunken(take.terrain, scene, take), scene)
         worn = chipped(worn, scene, take)
@@ -180,6 +185,7 @@ class ShotBuilder:
             puffs=first.puffs,
             scenery=self._scattered[0],
             footprint_count=first.footprint_count,
+            words=words_at(self._scene, float((frame - Fraction(1, 2)) / self.clock.rate)),
         )
 
     @property

@@ -1,9 +1,9 @@
 """Development: scene light as a picture, by exposure, contrast and look.
 
 The order is that of a camera and its darkroom: glare of the lens, darkening towards its corners,
-more exposure of shade, the curve of the film, then the grading, and at last words over it. Slope, offset, power and
-saturation are those of the colour decision list of the American Society of Cinematographers (ASC
-CDL 1.2, 2009).
+more exposure of shade, the curve of the film, then the grading, and at last words over it. Slope,
+offset, power and saturation are those of the colour decision list of the American Society of
+Cinematographers (ASC CDL 1.2, 2009).
 """
 
 from __future__ import annotations

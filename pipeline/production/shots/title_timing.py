@@ -53,16 +53,18 @@ def problems_of_titles(scene: Scene) -> Iterator[Problem]:
             continue
         if start_of(title, scene) >= length:
             yield Problem(f"{path}.start", f"the film ends at {length:g} s")
-        size = scene.film.resolved().size
-        wide, high = text_extent(text, title.font, title.size, size)
-        most = min(
-            (1.0 - 2.0 * SAFE) / wide,
-            float("inf") if title.roll else (1.0 - 2.0 * SAFE) / high,
-        )
-        if most < 1.0:
-            # Letters of another size are not exactly as wide.
-            fits = int(0.97 * title.size * most * 1000.0) / 1000.0
+        frame = scene.film.resolved().size
+        if not _fits(title, text, title.size, frame):
+            # Letters are whole pixels wide: their width does not go straight by their size.
+            steps = range(int(title.size * 1000.0), 0, -1)
+            fits = next((k / 1000.0 for k in steps if _fits(title, text, k / 1000.0, frame)), 0.0)
             yield Problem(f"{path}.size", f"too large for these words, at most {fits:g} fits")
+
+
+def _fits(title: Title, text: str, size: float, frame: tuple[int, int]) -> bool:
+    """Return whether words of a size stay clear of the frame's border, what rolls across alone."""
+    wide, high = text_extent(text, title.font, size, frame)
+    return wide <= 1.0 - 2.0 * SAFE and (title.roll or high <= 1.0 - 2.0 * SAFE)
 
 
 def words_at(scene: Scene, time: float) -> tuple[Lettering, ...]:

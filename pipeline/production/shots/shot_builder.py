@@ -357,11 +357,13 @@ class ShotBuilder:
         return Growth(seed, clearings, self._puddles, track, is_dry)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
-        """Return the puddles on natural ground, None without any."""
+        """Return the puddles on natural ground or paving, None without any."""
         own = self.materials[self.take.terrain.material]
-        if self._land.is_platform or own.texture not in NATURAL:
+        is_floor = own.texture not in NATURAL
+        # Water runs off between boards, and indoors no rain falls on the floor.
+        if is_floor != self._land.is_platform or own.texture == "wood":
             return None
-        return Puddles.of(scene.seed, scene.light.weather, self._land.field)
+        return Puddles.of(scene.seed, scene.light.weather, self._land.field, is_floor=is_floor)
 
     @cached_property
     def _puddle_surface(self) -> PuddleSurface | None:
@@ -419,10 +421,11 @@ def _materials(
     names = {part.material for part in take.parts} | {take.terrain.material, *around.materials}
     own = {**GROUP_MATERIALS, **scene.materials}
     made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
+    dry, weather = made[take.terrain.material], scene.light.weather
     for name in {take.terrain.material, around.material}:
-        made[name] = ground_in_weather(made[name], scene.light.weather)
-    outdoors = around.joins == "platform"
-    floor = laid(made[take.terrain.material], outdoors=outdoors)
-    if floor is not None:
-        made[floor_name(take.terrain.material)] = floor
+        made[name] = ground_in_weather(made[name], weather)
+    floor = laid(dry, outdoors=around.joins == "platform")
+    # Deep snow hides the joints.
+    if floor is not None and made[take.terrain.material].texture == dry.texture:
+        made[floor_name(take.terrain.material)] = ground_in_weather(floor, weather)
     return {**made, **SCENERY_MATERIALS} if scatter.wanted else made

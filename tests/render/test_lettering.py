@@ -9,6 +9,7 @@ import pytest
 
 from render.development import Development, Tone, developed, developed16
 from render.lettering import FOLDER, FONTS, Lettering, lettered, text_extent
+from render.picture_levels import PictureLevels
 
 WORDS = Lettering("Dawn\nover it", (0.5, 0.5), "center", 0.1, "serif", (1.0, 1.0, 1.0), 1.0, 0.6)
 GREY = np.full((180, 320, 3), 90, np.uint8)
@@ -27,13 +28,19 @@ def test_letters_stand_in_the_middle_and_change_nothing_else() -> None:
     assert (GREY == 90).all()
 
 
-@pytest.mark.parametrize(("align", "low", "high"), [("left", 0.1, 0.5), ("right", -0.3, 0.1)])
-def test_lines_are_aligned_to_their_place(align: str, low: float, high: float) -> None:
-    words = replace(WORDS, text="Mabel", place=(0.1 if align == "left" else 0.9, 0.8), align=align)
-    columns = np.nonzero((lettered(GREY, [words]) != GREY).any(axis=(0, 2)))[0] / 320
-    ends = (columns.min(), columns.max()) if align == "left" else (columns.min() - 1, 0.0)
-    assert ends[0] > (0.05 if align == "left" else -0.5)
-    assert columns.max() < (0.5 if align == "left" else 0.95)
+def test_lines_are_aligned_to_their_place() -> None:
+    for align, x in (("left", 0.1), ("right", 0.9)):
+        words = replace(WORDS, text="Mabel\nit is", place=(x, 0.8), align=align, shadow=0.0)
+        changed = (lettered(GREY, [words]) != GREY).any(axis=-1)
+        for rows in (slice(0, 144), slice(144, 180)):
+            columns = np.flatnonzero(changed[rows].any(axis=0)) / 320
+            end = columns.min() if align == "left" else columns.max()
+            assert end == pytest.approx(x, abs=0.012)
+
+
+def test_levels_are_those_of_the_picture_below() -> None:
+    black, how = np.zeros((90, 160, 3), np.float32), Development(words=(WORDS,))
+    assert PictureLevels.of(black, how) == PictureLevels.of(black, Development())
 
 
 def test_words_fade_and_vanish() -> None:

@@ -39,13 +39,15 @@ class Coats:
     """The pelts of a film.
 
     Attributes:
+        take: of the film.
+        parts: the visible ones.
         pelts: by number of the visible part.
-        skin: of the roots of the hair, part after part of those with a pelt.
-        tips: of the tips of the hair at each vertex, likewise.
+        tips: of the hair at each vertex, part after part of those with a pelt.
     """
 
+    take: Take
+    parts: Sequence[Part]
     pelts: Mapping[int, Pelt]
-    skin: Skin
     tips: Skin
 
     @staticmethod
@@ -72,32 +74,30 @@ class Coats:
             names = (f"{part.name} coat", part.performer, strands)
             pelts[i] = grown_pelt(take.meshes[part.seen], material, count, width, (seed, i), names)
         meshes = [take.meshes[parts[i].seen] for i in pelts]
-        return Coats(
-            pelts,
-            Skin.of_meshes(take, meshes),
-            Skin.of_meshes(take, meshes, [mesh.vertices + mesh.hair for mesh in meshes]),
-        )
+        tips = Skin.of_meshes(take, meshes, [mesh.vertices + mesh.hair for mesh in meshes])
+        return Coats(take, parts, pelts, tips)
 
-    def at(self, take: Take, row: float, camera: CameraPose, height: int) -> list[Mesh]:
+    def at(
+        self, row: float, skins: Sequence[NDArray[np.float32]], camera: CameraPose, height: int
+    ) -> list[Mesh]:
         """Return the strands at a row of the take, or between two.
 
         Args:
-            take: of the film.
-            row: of it.
+            row: of the take.
+            skins: (V, 3) vertices of each visible part, posed at that row [m].
             camera: whom hair faces.
             height: of the frame in pixels.
         """
-        skin, tips = self.skin.posed(take, row), self.tips.posed(take, row)
+        tips = self.tips.posed(self.take, row)
         eye = np.array(camera.p_WC)
         pixel = float(pixel_sizes(camera, eye[None] + camera.axes[2:], height)[0])
-        parts = visible_parts(take)
         found = []
         for k, (i, pelt) in enumerate(self.pelts.items()):
-            own = slice(self.skin.starts[k], self.skin.starts[k + 1])
-            part = parts[i]
+            own = slice(self.tips.starts[k], self.tips.starts[k + 1])
+            part = self.parts[i]
             alive = part.life[0] <= int(row) < part.life[1]
-            mesh = take.meshes[part.seen]
-            found.append(pelt.at(skin[own], tips[own], mesh.faces, eye, pixel, alive))
+            faces = self.take.meshes[part.seen].faces
+            found.append(pelt.at(skins[i], tips[own], faces, eye, pixel, alive))
         return found
 
 

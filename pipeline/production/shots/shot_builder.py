@@ -266,7 +266,8 @@ class ShotBuilder:
             )
         camera = self._interpolator.at(frame, part)
         if self._coats is not None:
-            meshes += self._coats.at(self.take, at, camera, self.film.size[1])
+            skins = np.split(vertices, self._skin.starts[1:-1])
+            meshes += self._coats.at(at, skins, camera, self.film.size[1])
         if self._puddle_surface is not None:
             meshes.append(self._puddle_surface.at(self._time(frame, part)))
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)

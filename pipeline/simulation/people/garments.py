@@ -127,9 +127,7 @@ def suit_front(build: BodyMeasures) -> SkinnedPatch:
 def tie(build: BodyMeasures) -> SkinnedPatch:
     """Return a tie, from the collar into the jacket."""
     g = build.girth
-    sides = [
-        half_space((0.0, 0.0, sign * 0.0085 * g), (0.0, 0.0, sign * 1.0)) for sign in (1.0, -1.0)
-    ]
+    sides = _between(0.0085 * g)
     ends = [
         half_space((0.0, build.level(0.70), 0.0), (0.0, -1.0, 0.0)),
         half_space((0.02 * g, 0.0, 0.0), (-1.0, 0.0, 0.0)),
@@ -141,9 +139,7 @@ def tie(build: BodyMeasures) -> SkinnedPatch:
 def bib(build: BodyMeasures) -> SkinnedPatch:
     """Return the bib of dungarees, and its straps over the shoulders."""
     g = build.girth
-    sides = [
-        half_space((0.0, 0.0, sign * 0.056 * g), (0.0, 0.0, sign * 1.0)) for sign in (1.0, -1.0)
-    ]
+    sides = _between(0.056 * g)
     ends = [
         half_space((0.0, build.level(0.745), 0.0), (0.0, 1.0, 0.0)),
         half_space((0.0, build.level(0.555), 0.0), (0.0, -1.0, 0.0)),
@@ -162,6 +158,11 @@ def bib(build: BodyMeasures) -> SkinnedPatch:
     points = np.array([(x * g, build.level(y), z * g) for x, y, z in line])
     strap = tube(points, np.full(len(points), 0.0085 * g), 6).follow("chest")
     return merge_patches([_panel(build, [*sides, *ends], 1.0), with_mirror(strap)])
+
+
+def _between(half: float) -> list[Field]:
+    """Return the limits of what reaches as far to both sides [m]."""
+    return [half_space((0.0, 0.0, sign * half), (0.0, 0.0, sign)) for sign in (1.0, -1.0)]
 
 
 def _panel(build: BodyMeasures, limits: list[Field], worn: float) -> SkinnedPatch:

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from pipeline.simulation.combed_hair import combed
+from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.head_mesh import Head
-from pipeline.simulation.people.skinned_surface import SkinnedPatch, vertex_normals
-from pipeline.simulation.spatial import UP, Array, normalized
+from pipeline.simulation.people.skinned_surface import SkinnedPatch
+from pipeline.simulation.spatial import UP, Array
 
 LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun": 0.26}
 """Length of the strands by style, in heads. They overlap: long hair needs no longer."""
@@ -37,18 +39,11 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
         aside = 0.0 if style == "short" else 2.5
         side = np.where(seen[:, 2] < 0.0, -1.0, 1.0) * np.maximum(seen[:, 0], 0.0)
         flow[:, 2] += aside * side
-    return _laid(flow, normals, LENGTHS[style] * head.size, LIFTS_DEG[style])
+    return combed(flow, normals, LENGTHS[style] * head.size, np.radians(LIFTS_DEG[style]))
 
 
 def brow_hair(head: Head, patch: SkinnedPatch) -> Array:
     """Return the hair (V, 3) of the brows, which goes outward [m]."""
     normals = vertex_normals(patch.vertices, patch.faces)
     outward = np.where(patch.vertices[:, 2:] < 0.0, -1.0, 1.0) * np.array([0.0, 0.0, 1.0])
-    return _laid(outward + 0.4 * UP, normals, BROW_LENGTH * head.size, 14.0)
-
-
-def _laid(flow: Array, normals: Array, length: float, lift_deg: float) -> Array:
-    flat = normalized(flow - (flow * normals).sum(axis=-1, keepdims=True) * normals)
-    lift = np.radians(lift_deg)
-    result: Array = length * (np.cos(lift) * flat + np.sin(lift) * normals)
-    return result
+    return combed(outward + 0.4 * UP, normals, BROW_LENGTH * head.size, np.radians(14.0))

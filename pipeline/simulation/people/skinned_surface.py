@@ -211,15 +211,6 @@ def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
     return places
 
 
-def vertex_normals(vertices: Array, faces: NDArray[np.uint32]) -> Array:
-    """Return the unit normals (V, 3) of a surface."""
-    a, b, c = (vertices[faces[:, k].astype(int)] for k in range(3))
-    n = cross(b - a, c - a)
-    corners = faces.T.ravel().astype(int)
-    sums = [np.bincount(corners, np.tile(n[:, k], 3), len(vertices)) for k in range(3)]
-    return normalized(np.stack(sums, axis=-1))
-
-
 def ramp(values: Array, start: float | Array, end: float | Array) -> Array:
     """Return 0 up to `start`, 1 from `end` on, smooth between; `end` may be the lower."""
     s = np.clip((values - start) / (end - start), 0.0, 1.0)

@@ -11,11 +11,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pipeline.simulation.figures.hide.coat import Coat, arc_share, vertex_normals
+from pipeline.simulation.combed_hair import combed
+from pipeline.simulation.figures.hide.coat import Coat, arc_share
 from pipeline.simulation.figures.hide.stance import smoothstep
 from pipeline.simulation.figures.network import ARM, HEAD, LEG, TAIL
-from pipeline.simulation.figures.solids import Solid
-from pipeline.simulation.spatial import UP, Array, normalized
+from pipeline.simulation.figures.solids import Solid, vertex_normals
+from pipeline.simulation.spatial import UP, Array
 from pipeline.spec.skin import CoatName
 
 COATS: Mapping[CoatName, tuple[float, float]] = {
@@ -71,7 +72,7 @@ class HairLay:
         """
         if self.length == 0.0:
             return None
-        places, normals = solid.vertices, vertex_normals(solid)
+        places, normals = solid.vertices, vertex_normals(solid.vertices, solid.faces)
         body = self.coat.stance.body_distance(places)
         flows = [self._trunk_flow(normals)]
         lengths = [np.full(len(places), self.length)]
@@ -94,7 +95,7 @@ class HairLay:
         length = (weights * np.array(lengths)).sum(axis=0)
         if is_head:
             flow, length = self._face(places, normals)
-        return self._laid(flow, normals, length, self.lift)
+        return combed(flow, normals, length, self.lift)
 
     def locks(self, solid: Solid, limb: int) -> Array | None:
         """Return the long hair (V, 3) of a mane or of a tail of hair, which hangs down [m]."""
@@ -106,14 +107,9 @@ class HairLay:
         length = np.full(len(way), LOCK_LENGTH * COATS["short"][0] * self.coat.girth)
         if chain.limb.kind == TAIL:
             length *= np.interp(arc_share(chain.points, solid.vertices), [0.7, 1.0], [1.0, 0.4])
-        return self._laid(-UP - back * way, vertex_normals(solid), length, np.radians(8.0))
-
-    @staticmethod
-    def _laid(flow: Array, normals: Array, length: Array, lift: float) -> Array:
-        """Return hair that lies along a flow (V, 3) and stands off by an angle [rad]."""
-        flat = normalized(flow - (flow * normals).sum(axis=-1, keepdims=True) * normals)
-        result: Array = length[:, None] * (np.cos(lift) * flat + np.sin(lift) * normals)
-        return result
+        return combed(
+            -UP - back * way, vertex_normals(solid.vertices, solid.faces), length, np.radians(8.0)
+        )
 
     @staticmethod
     def _trunk_flow(normals: Array) -> Array:

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from pipeline.errors import SceneError
 from pipeline.production.coats.coats import FEATHERS, HAIR, MOST_STRANDS
+from pipeline.production.run.picture_notes import shooting_notes
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.simulate import simulate
@@ -28,6 +29,14 @@ cast:
 camera: {{at: [0, 1.2, {away}], look_at: [0, 0.8, 0]}}
 film: {{size: [1280, 720]}}
 """
+
+SHEEP = """figures:
+  sheep: {style: mammal, feet: paws, material: fur,
+      nodes: {a: {at: [0, 0.3], radius: 0.2}, b: {at: [0, -0.3], radius: 0.2},
+              l: {at: [-0.2, -0.3], radius: 0.06}, k: {at: [-0.6, -0.3], radius: 0.05},
+              h: {at: [-0.2, 0.3], radius: 0.06}, g: {at: [-0.6, 0.3], radius: 0.05}},
+      chains: [[a, b], [b, l, k], [a, h, g]], then: [{mirror: x}],
+      skin: {form: animal, coat: COAT}}"""
 
 
 @lru_cache(maxsize=8)
@@ -105,16 +114,18 @@ def test_tracks_keep_the_grain() -> None:
     assert len(builder("beetle").tracks.grain) == 0
 
 
+def test_a_coat_that_cannot_grow_is_told() -> None:
+    for material, told in (("steel", ["bare_coat"]), ("grey fur", [])):
+        drawn = SHEEP.replace("COAT", "long").replace("material: fur", f"material: {material}")
+        shooting = builder("sheep", drawn=drawn)
+        notes = shooting_notes(shooting.scene, shooting)
+        assert [note.kind for note in notes if note.kind == "bare_coat"] == told
+        assert not told or notes[-1].place.endswith(":7")
+
+
 def test_a_figure_may_be_shorn() -> None:
-    drawing = """figures:
-  sheep: {style: mammal, feet: paws, material: fur,
-      nodes: {a: {at: [0, 0.3], radius: 0.2}, b: {at: [0, -0.3], radius: 0.2},
-              l: {at: [-0.2, -0.3], radius: 0.06}, k: {at: [-0.6, -0.3], radius: 0.05},
-              h: {at: [-0.2, 0.3], radius: 0.06}, g: {at: [-0.6, 0.3], radius: 0.05}},
-      chains: [[a, b], [b, l, k], [a, h, g]], then: [{mirror: x}],
-      skin: {form: animal, coat: COAT}}"""
     for coat, some in (("long", True), ("none", False)):
-        shot = builder("sheep", drawn=drawing.replace("COAT", coat)).shot(1)
+        shot = builder("sheep", drawn=SHEEP.replace("COAT", coat)).shot(1)
         assert any(mesh.material == HAIR for mesh in shot.meshes) == some
     with pytest.raises(SceneError, match=r"shaggi.*shaggy"):
-        builder("sheep", drawn=drawing.replace("COAT", "shaggi"))
+        builder("sheep", drawn=SHEEP.replace("COAT", "shaggi"))

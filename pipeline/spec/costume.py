@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from collections.abc import Mapping
+from typing import Literal
 
 # fmt: off
 Costume = Literal[
@@ -10,4 +11,18 @@ Costume = Literal[
 ]
 # fmt: on
 
-COSTUMES: tuple[Costume, ...] = get_args(Costume)
+COSTUME_TEXTS: Mapping[Costume, str] = {
+    "casual": "a shirt with short sleeves over jeans",
+    "summer": "a shirt with short sleeves over shorts",
+    "office": "a shirt tucked into trousers",
+    "hoodie": "a top with a hood",
+    "coat": "a coat down to above the knees",
+    "dress": "a dress of one colour",
+    "skirt": "a blouse and a skirt",
+    "suit": "a jacket over a shirt with a tie",
+    "sport": "a tracksuit with stripes",
+    "workwear": "dungarees over a shirt",
+}
+"""All costumes, with what they are."""
+
+COSTUMES: tuple[Costume, ...] = tuple(COSTUME_TEXTS)

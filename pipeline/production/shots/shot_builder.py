@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.errors import SceneError
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, first_frames
@@ -46,7 +45,7 @@ from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.shots.standing_scenery import StandingScenery
 from pipeline.production.shots.sunken_stones import sunken
-from pipeline.production.shots.title_timing import problems_of_titles, words_at
+from pipeline.production.shots.title_timing import require_titles, words_at
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
@@ -84,9 +83,7 @@ class ShotBuilder:
         self.light = scene.light
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
-        problems = [scene.source_map.with_location(p) for p in problems_of_titles(scene)]
-        if problems:
-            raise SceneError(problems)
+        require_titles(scene)
         self._around = around = Choice.of(scene)
         worn = weathered(sunken(take.terrain, scene, take), scene)
         worn = chipped(worn, scene, take)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pipeline.errors import Problem
+from pipeline.errors import Problem, SceneError
 from pipeline.spec.scene import Scene
 from render.config.titles import Title
 from render.lettering import LEADING, Align, Lettering, text_extent
@@ -59,6 +59,17 @@ def problems_of_titles(scene: Scene) -> Iterator[Problem]:
             steps = range(int(title.size * 1000.0), 0, -1)
             fits = next((k / 1000.0 for k in steps if _fits(title, text, k / 1000.0, frame)), 0.0)
             yield Problem(f"{path}.size", f"too large for these words, at most {fits:g} fits")
+
+
+def require_titles(scene: Scene) -> None:
+    """Refuse a scene with titles that cannot be shown.
+
+    Raises:
+        SceneError: with all that is wrong with them.
+    """
+    problems = list(problems_of_titles(scene))
+    if problems:
+        raise scene.source_map.with_locations(SceneError(problems))
 
 
 def _fits(title: Title, text: str, size: float, frame: tuple[int, int]) -> bool:

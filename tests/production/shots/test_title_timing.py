@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.production.run.scene_check import check_scene
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.shots.title_timing import problems_of_titles, words_at
 from pipeline.simulation.simulate import simulate
@@ -76,7 +77,7 @@ def test_wrong_words_are_refused(title: str, message: str) -> None:
 def test_words_that_do_not_fit_are_refused_with_the_size_that_does() -> None:
     scene = scene_with("{text: A title that is far too long for one line of the frame, size: 0.2}")
     with pytest.raises(SceneError, match=r"scene:11.*titles\[0\].size: too large.*at most 0\.0\d+"):
-        ShotBuilder(scene, simulate(scene))
+        check_scene(scene)
     (problem,) = problems_of_titles(scene)
     size = problem.message.split("at most ")[1].split()[0]
     text = "A title that is far too long for one line of the frame"

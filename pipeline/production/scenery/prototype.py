@@ -196,7 +196,7 @@ def add_leaves(
     fold: float = 0.18,
     triangles: int = 2,
 ) -> None:
-    """Add N leaves of two triangles that are folded along their middle, or of one.
+    """Add N leaves: egg-shaped and bent, of four triangles; folded, of two; or of one.
 
     Args:
         shape: to which they are added.
@@ -208,20 +208,31 @@ def add_leaves(
         colors: (N, 3) linear.
         normals: (N, 3) to shade with; across the leaf by default.
         fold: depth of the fold relative to the width.
-        triangles: of each leaf, 2 or 1.
+        triangles: of each leaf, 4, 2 or 1.
     """
     axes = unit(axes)
     side = unit(np.cross(axes, faces_to) + 1e-6)
     face = np.cross(side, axes)
-    middle = bases + 0.45 * lengths[:, None] * axes + fold * widths[:, None] * face
-    tip = bases + lengths[:, None] * axes
     half = 0.5 * widths[:, None] * side
-    corners = np.stack([bases, middle - half, tip, middle + half], axis=1)
     shade = face if normals is None else normals
-    bent = shade[:, None] + np.array([0.0, -0.25, 0.0, 0.25])[:, None] * side[:, None]
-    light = np.array([0.9, 1.0, 1.08, 1.0])[None, :, None]
-    shades = colors[:, None] * light
-    numbers = np.array([[0, 3, 2], [0, 2, 1]])
+    if triangles == 4:
+        # Widest below the middle; the tip bends down.
+        shares = np.array([0.0, 0.34, 0.34, 0.74, 0.74, 1.0])
+        sides = np.array([0.0, -1.0, 1.0, -0.62, 0.62, 0.0])
+        lifts = np.array([0.0, 0.07, 0.07, 0.02, 0.02, -0.14]) - 0.10 * (sides == 0.0)
+        along = lengths[:, None, None] * axes[:, None]
+        corners = bases[:, None] + shares[:, None] * along + sides[:, None] * half[:, None]
+        corners = corners + lifts[:, None] * lengths[:, None, None] * face[:, None]
+        tilts, light = 0.3 * sides, 0.88 + 0.2 * shares
+        numbers = np.array([[0, 2, 1], [1, 2, 4], [1, 4, 3], [3, 4, 5]])
+    else:
+        middle = bases + 0.45 * lengths[:, None] * axes + fold * widths[:, None] * face
+        tip = bases + lengths[:, None] * axes
+        corners = np.stack([bases, middle - half, tip, middle + half], axis=1)
+        tilts, light = np.array([0.0, -0.25, 0.0, 0.25]), np.array([0.9, 1.0, 1.08, 1.0])
+        numbers = np.array([[0, 3, 2], [0, 2, 1]])
+    bent = shade[:, None] + tilts[:, None] * side[:, None]
+    shades = colors[:, None] * light[:, None]
     if triangles == 1:
         corners, bent, shades = corners[:, 1:], bent[:, 1:], shades[:, 1:]
         numbers = np.array([[0, 2, 1]])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Literal
 
-from pipeline.production.scenery import clumps, grasses, herbs, stones, trees
+from pipeline.production.scenery import clumps, conifers, grasses, herbs, stones, trees
 from pipeline.production.scenery.growth import Habitat
 from pipeline.production.scenery.prototype import Prototype
 
@@ -317,7 +317,7 @@ KINDS: dict[str, Species] = {
     "oak": _tree(partial(trees.crown_tree, "oak"), 0.0035, 9.5, 4.0, 3),
     "birch": _tree(partial(trees.crown_tree, "birch"), 0.005, 11.0, 2.0, 3),
     "acacia": _tree(partial(trees.crown_tree, "acacia"), 0.0022, 7.0, 4.2, 2, cover=0.5),
-    "spruce": _tree(trees.spruce, 0.006, 13.0, 2.6, 4),
+    "spruce": _tree(conifers.spruce, 0.006, 13.0, 2.6, 4),
     "pebbles": Species(
         *(_pebbles, 6.0, "cover", 0.04, 0.3),
         levels=(2.5, 6.0),

@@ -1,4 +1,4 @@
-"""Trees and shrubs: skeletons with bark and leaves."""
+"""Broad-leaved trees and shrubs: skeletons with bark and shoots of leaves."""
 
 from __future__ import annotations
 
@@ -83,30 +83,30 @@ SHRUB = 0.1
 
 CROWNS: dict[str, Crown] = {
     "oak": Crown(
-        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.175, 0.62, 15500,
+        8.5, 0.20, 0.22, 1.05, 0.52, 1, 0.27, 900, 0.34, 0.20, 0.62, 14000,
         (0.108, 0.152, 0.036), (0.218, 0.268, 0.072), (0.115, 0.092, 0.068),
     ),
     "birch": Crown(
-        9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.125, 0.72, 12500,
+        9.5, 0.16, 0.20, 0.50, 0.42, 1, 0.10, 620, 0.32, 0.125, 0.72, 11200,
         (0.125, 0.170, 0.042), (0.258, 0.300, 0.088), (0.55, 0.53, 0.49),
         sag=0.22, hollow=0.1, lobes=12,
     ),
     "acacia": Crown(
-        6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.12, 0.45, 12500,
+        6.0, 0.27, 0.68, 1.55, 0.62, 1, 0.17, 800, 0.30, 0.135, 0.45, 14500,
         (0.108, 0.134, 0.046), (0.205, 0.224, 0.086), (0.135, 0.104, 0.076), hollow=0.1,
     ),
     "bush": Crown(
-        1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.085, 0.58, 3900,
+        1.5, 0.01, 0.0, 1.4, 0.40, 8, 0.020, 460, 0.11, 0.080, 0.58, 5200,
         (0.100, 0.142, 0.038), (0.205, 0.250, 0.074), (0.110, 0.086, 0.062), hollow=0.2, lobes=6,
         escaped=0.10,
     ),
     "scrub": Crown(
-        0.7, 0.02, 0.06, 1.5, 0.6, 7, 0.0085, 300, 0.065, 0.042, 0.40, 1700,
+        0.7, 0.02, 0.06, 1.5, 0.6, 7, 0.0085, 300, 0.065, 0.040, 0.42, 2700,
         (0.115, 0.118, 0.064), (0.245, 0.232, 0.140), (0.130, 0.105, 0.078), hollow=0.1,
         escaped=0.06,
     ),
     "willow scrub": Crown(
-        0.55, 0.02, 0.05, 1.8, 0.6, 7, 0.0075, 260, 0.06, 0.050, 0.36, 1500,
+        0.55, 0.02, 0.05, 1.8, 0.6, 7, 0.0075, 260, 0.06, 0.046, 0.38, 2400,
         (0.072, 0.095, 0.034), (0.215, 0.215, 0.095), (0.090, 0.068, 0.050), hollow=0.05,
     ),
 }  # fmt: skip
@@ -151,9 +151,18 @@ TIER = 0.42
 BOUGH = (0.36, 0.82)
 """Least and greatest distance of the middle of a lobe from that of the crown."""
 
-LEVELS = ((1.0, 1.0, 7, 2), (0.75, 1.2, 5, 1), (0.30, 2.1, 4, 1), (0.08, 4.6, 3, 1))
+LEVELS = ((1.0, 1.0, 7, 4), (0.75, 1.2, 5, 2), (0.30, 2.1, 4, 1), (0.08, 4.6, 3, 1))
 """Levels of detail: share of the leaves, factor on their length, sides of branches, triangles of a
 leaf."""
+
+SPRAY = (7, 5, 3, 1)
+"""Leaves of a shoot by level of detail."""
+
+SHOOT = 0.62
+"""Distance between the leaves of a shoot relative to their length."""
+
+OPENED = (0.9, 1.15)
+"""Cosine and sine, not normalised, of the angle between a leaf and its shoot."""
 
 CALM = (1.0, 0.8, 0.45, 0.15)
 """Share of the differences between single leaves by level: far ones are smaller than a pixel, where
@@ -263,100 +272,75 @@ def crown_tree(kind: str, seed: int, level: int) -> Prototype:
     tall, low = (0.03, 0.08, 0.2, 0.42), (0.1, 0.4, 0.8, 2.0)
     least = config.foot * (low if config.is_shrub else tall)[level]
     add_bark(shape, skeleton, bark, least, sides)
-    # Leaves grow on thin twigs only.
+    # Leaves grow on shoots of thin twigs only.
     thin = np.flatnonzero(skeleton.radii < (0.6 if config.is_shrub else 0.2) * config.foot)
-    count = max(round(config.leaves * share), 24)
-    at = thin[rng.integers(0, len(thin), count)]
-    size = config.leaf * long * rng.uniform(0.65, 1.2, count)
-    back = rng.uniform(0.0, config.step, (count, 1)) * skeleton.ways[at]
-    loose = 0.7 * config.step * rng.normal(size=(count, 3))
-    # No leaf hangs in the air away from all twigs.
-    loose *= np.minimum(1.0, config.step / np.linalg.norm(loose, axis=1, keepdims=True))
-    base = skeleton.nodes[at] - back + loose
+    each = SPRAY[level]
+    shoots = max(round(config.leaves * share / each), 24)
+    at = thin[rng.integers(0, len(thin), shoots)]
+    foot = skeleton.nodes[at] - rng.uniform(0.0, config.step, (shoots, 1)) * skeleton.ways[at]
     middle = np.array([0.0, 0.5 * (config.low + 0.9) * config.height, 0.0])
     if config.is_shrub:
         middle = middle * [1, 0.5, 1]
     if config.lean:
         middle[[0, 2]] = skeleton.nodes[thin][:, [0, 2]].mean(axis=0)
     half = np.array([0.5 * config.width, 0.5 * (1 - config.low), 0.5 * config.width])
-    out = (base - middle) / (half * config.height)
+    out = (foot - middle) / (half * config.height)
     depth = np.clip(np.linalg.norm(out, axis=-1), 0.0, 1.2)
-    way = 0.6 * unit(out) + 0.8 * random_directions(rng, count) + [0.0, -0.25 - config.sag, 0.0]
-    face = 0.6 * UP + random_directions(rng, count)
+    hang = np.array([0.0, 0.1 - config.sag, 0.0])
+    way = unit(0.55 * unit(out) + 0.45 * skeleton.ways[at] + 0.75 * random_directions(rng, shoots))
+    way = unit(way + hang)
+    leaf = config.leaf * long * rng.uniform(0.75, 1.15, shoots)
+    length = SHOOT * each * leaf
+    if level < 2:
+        # A shoot is wood too: leaves without one hang in the air.
+        wood, ends = np.asarray(config.bark) * 0.8, foot + 0.9 * length[:, None] * way
+        wide = np.full(shoots, 0.022 * config.leaf)
+        add_tubes(shape, foot, ends, 1.6 * wide, wide, np.tile(wood, (shoots, 1)), 3)
+    base, axis, face = _sprays(rng, foot, way, length, each)
     lit = np.clip((depth - 0.25) / 0.75, 0.0, 1.0) * (0.75 + 0.25 * unit(out)[:, 1])
     color = np.asarray(config.color) + lit[:, None] * (
         np.asarray(config.young) - np.asarray(config.color)
     )
-    color = color * (0.97 + CALM[level] * rng.uniform(-0.34, 0.34, (count, 1)))
-    normals = unit(0.9 * unit(out) + 0.5 * CALM[level] * unit(face) + 0.25 * UP)
-    wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0)
-    add_leaves(shape, base, way, face, size, wide * size, color, normals, triangles=triangles)
+    # Shoots differ from each other, and their leaves a little less.
+    color = color * (0.97 + CALM[level] * rng.uniform(-0.22, 0.22, (shoots, 1)))
+    color = np.repeat(color, each, axis=0)
+    color = color * (1.0 + CALM[level] * rng.uniform(-0.16, 0.16, (len(color), 1)))
+    size = np.repeat(leaf, each) * rng.uniform(0.72, 1.12, len(base))
+    normals = unit(
+        0.9 * np.repeat(unit(out), each, axis=0) + 0.6 * CALM[level] * unit(face) + 0.25 * UP
+    )
+    wide = min(config.leaf_wide * (1.0, 1.1, 1.35, 1.6)[level], 1.0) * size
+    add_leaves(shape, base, axis, face, size, wide, color, normals, triangles=triangles)
     return shape.prototype()
 
 
-def spruce(seed: int, level: int) -> Prototype:
-    """Return a spruce: whorls of drooping branches with sprays of needles."""
-    rng, shape = np.random.default_rng([seed, 79]), Shape()
-    # Young ones are slim and clothed to the ground, old ones broad, gappy and bare below.
-    age = (seed // 101 % 4) / 3.0
-    height = 10.0 * (0.80 + 0.42 * age) * rng.uniform(0.95, 1.05)
-    broad, bare, gaps = 0.165 + 0.085 * age, 0.02 + 0.12 * age**2, 0.05 + 0.20 * age
-    whorls, each, sprays = ((34, 8, 11), (26, 7, 6), (16, 6, 3), (10, 6, 1))[level]
-    t = (np.arange(whorls) + 0.5) / whorls
-    at = height * (bare + (0.99 - bare) * t**0.92)
-    length = broad * height * (1.0 - t) ** 0.82 * (1.0 - 0.25 * np.exp(-t / 0.05)) + 0.06
-    around = 2 * np.pi * (np.arange(each) / each + 0.618 * np.arange(whorls)[:, None])
-    around = around + rng.normal(0, 0.18, around.shape)
-    length = length[:, None] * rng.uniform(0.62, 1.16, around.shape)
-    # Some branches are broken or starved, more of them low down.
-    starved = rng.uniform(size=around.shape) < gaps * (1.25 - t[:, None])
-    length = np.where(starved, 0.45 * length, length)
-    root = np.stack([np.zeros_like(around), at[:, None] + 0 * around, np.zeros_like(around)], -1)
-    root = root + [0, 1, 0] * rng.normal(0, 0.35 * height / whorls, (*around.shape, 1))
-    out = np.stack([np.cos(around), np.zeros_like(around), np.sin(around)], axis=-1)
-    n = whorls * each
-    root, out, length = root.reshape(n, 3), out.reshape(n, 3), length.reshape(n)
-    droop = np.repeat(0.42 - 0.75 * t, each)
-    along = np.linspace(0.12, 1.0, sprays + 1)[1:] if sprays > 1 else np.array([0.4])
-    sway = along - 0.75 * along**2
-    place = (
-        root[:, None]
-        + (length[:, None] * along)[..., None] * out[:, None]
-        - (length[:, None] * (droop[:, None] * along - 0.22 * sway))[..., None] * UP
-    )
-    green, tip = np.array([0.094, 0.142, 0.062]), np.array([0.185, 0.240, 0.095])
-    color = green + along[None, :, None] ** 2 * (tip - green)
-    color = color * (0.975 + CALM[level] * rng.uniform(-0.225, 0.225, (n, 1, 1)))
-    side = np.cross(out, UP)
-    spread = (1.15, 1.15, 1.3, 1.7)[level] * length[:, None] * (1.1 - 0.72 * along)
-    wide = (0.30, 0.42, 0.70, 1.5)[level]
-    normals = unit(out + 0.75 * UP)
-    for sign in (-1.0, 1.0):
-        way = sign * side[:, None] + 0.85 * out[:, None] - [0.0, 0.3, 0.0]
-        way = way + 0.18 * rng.normal(size=place.shape)
-        _add_sprays(shape, place, way, 0.62 * spread, wide, color, normals)
-    # The end of each branch.
-    _add_sprays(
-        shape, place[:, -1:], out[:, None], 0.3 * length[:, None], 0.5, color[:, -1:], normals
-    )
-    sides = (8, 6, 4, 3)[level]
-    trunk = height * np.linspace(-0.01, 0.96, 6)
-    points = np.stack([0.012 * height * np.sin(trunk), trunk, 0 * trunk], axis=-1)
-    radii = 0.016 * height * (1.03 - np.linspace(0.0, 1.0, 6))
-    bark = np.tile([0.085, 0.062, 0.047], (5, 1))
-    ways = np.tile(UP, (5, 1))
-    add_tubes(shape, points[:-1], points[1:], radii[:-1], radii[1:], bark, sides, (ways, ways))
-    return shape.prototype()
+def _sprays(
+    rng: np.random.Generator, foot: Array, way: Array, length: Array, each: int
+) -> tuple[Array, Array, Array]:
+    """Return the feet, axes and faces of the leaves of N shoots, (N * each, 3) of each.
 
+    They stand in turn on both sides of the shoot, in about one plane that faces up, and the last
+    at its tip, as in beech, birch and most shade leaves.
 
-def _add_sprays(
-    shape: Shape, place: Array, way: Array, size: Array, wide: float, color: Array, normals: Array
-) -> None:
-    """Add sprays (N, S) of needles that grow from places (N, S, 3)."""
-    n, s = place.shape[:2]
-    lengths = np.broadcast_to(size, (n, s)).ravel()
-    colors = np.broadcast_to(color, (n, s, 3)).reshape(-1, 3)
-    shade = np.repeat(normals, s, axis=0)
-    face = np.tile(UP, (n * s, 1))
-    ways = np.broadcast_to(way, (n, s, 3)).reshape(-1, 3)
-    add_leaves(shape, place.reshape(-1, 3), ways, face, lengths, wide * lengths, colors, shade)
+    Args:
+        rng: of their differences.
+        foot: (N, 3) of the shoots [m].
+        way: (N, 3) unit vectors along them.
+        length: (N,) [m].
+        each: leaves of a shoot.
+    """
+    n = len(foot)
+    aside = unit(np.cross(way, UP) + 0.35 * rng.normal(size=(n, 3)))
+    k = np.arange(each)
+    s = ((k + 0.6) / max(each - 0.4, 1.0))[None, :, None] * np.ones((n, 1, 1))
+    s = np.clip(s + rng.uniform(-0.3, 0.3, s.shape) / each, 0.05, 1.0)
+    # The tips of shoots hang.
+    bow = 0.22 * length[:, None, None] * s**2
+    base = foot[:, None] + s * length[:, None, None] * way[:, None] - bow * UP
+    sign = np.where((k + rng.integers(0, 2, (n, 1))) % 2, 1.0, -1.0)[..., None]
+    is_last = (k == each - 1)[None, :, None]
+    axis = OPENED[0] * way[:, None] + np.where(is_last, 0.0, OPENED[1]) * sign * aside[:, None]
+    axis = unit(axis + 0.28 * rng.normal(size=axis.shape) - [0.0, 0.22, 0.0])
+    face = np.cross(aside, way)
+    face = np.where(face[:, 1:2] < 0.0, -face, face)[:, None] + 0.38 * rng.normal(size=axis.shape)
+    return base.reshape(-1, 3), axis.reshape(-1, 3), face.reshape(-1, 3)

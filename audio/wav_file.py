@@ -89,7 +89,7 @@ def write_wav(score: Score, path: Path) -> WavReport:
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
     track = master_mix(mix, score.sound.master, score.sound.volume_db)
-    changed = write_sound_file(path, _wav_bytes(track.samples))
+    changed = write_sound_file(path, wav_bytes(track.samples))
     peak = int(np.abs(track.samples).max(initial=0))
     power = np.sum((track.samples / FULL_SCALE) ** 2) / max(track.samples.size, 1)
     events = sum(note.is_first for note in notes)
@@ -150,7 +150,7 @@ def _cached_sound(
     return cache[parameters]
 
 
-def _wav_bytes(samples: NDArray[np.int32]) -> bytes:
+def wav_bytes(samples: NDArray[np.int32]) -> bytes:
     """Return the file of samples: (N, 2) integers of 24 bits."""
     out = io.BytesIO()
     with wave.open(out, "wb") as file:
@@ -182,6 +182,19 @@ def read_waveform(path: Path, columns: int) -> Signal:
             return _extrema(file, columns)
     except (OSError, EOFError, wave.Error) as error:
         raise SoundFileError(f"{path}: cannot be read as a WAV file ({error})") from error
+
+
+def read_samples(path: Path, first: int, count: int) -> Signal:
+    """Return samples of a WAV file as `write_wav` writes it: (up to count, 2), -1 to 1.
+
+    Raises:
+        OSError, EOFError, wave.Error: it cannot be read.
+    """
+    with wave.open(str(path), "rb") as file:
+        if (file.getsampwidth(), file.getnchannels()) != (_SAMPLE_BYTES, _CHANNELS):
+            raise wave.Error("not of 24 bits and two sides")
+        file.setpos(min(first, file.getnframes()))
+        return _decode(file.readframes(count))
 
 
 def _extrema(file: wave.Wave_read, columns: int) -> Signal:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
-Integer = TypeVar("Integer", np.uint8, np.uint16)
+Integer = TypeVar("Integer", bound="np.unsignedinteger[Any]")
 
 FONTS = {"serif": "DejaVuSerif.ttf", "sans": "DejaVuSans.ttf"}
 

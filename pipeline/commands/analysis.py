@@ -101,7 +101,7 @@ def plot_events(
     from pipeline.production.reports import event_plot
 
     reporter = options.reporter()
-    order = options.order(scene, backend=backend)
+    order = options.order(scene, backend=backend.value)
     svg, png = event_plot.plot_events(order, reporter, pictures)
     reporter.result(f"{svg}, {png}")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,11 +23,13 @@ from pipeline.commands.options import (
     say,
     with_options,
 )
+from pipeline.errors import UsageError
 from pipeline.production.sound.export_kind import ExportKind
 
 if TYPE_CHECKING:
     from pipeline.production.run.order import Order
     from pipeline.production.run.progress import Reporter
+    from pipeline.spec import Scene
 
 
 @with_options
@@ -42,19 +44,41 @@ def render(
 ) -> None:
     """Render films: simulate, write the score, render the frames, encode.
 
-    Outputs that are still right are kept; a run that was stopped goes on where it was. Where one
-    of several scenes fails, the others are rendered all the same.
+    A sequence joins clips of several scenes. Outputs that are still right are kept; a run that was
+    stopped goes on where it was. Where one of several scenes fails, the others are rendered all the
+    same.
     """
     from pipeline.production.run import production
     from pipeline.production.run.budget import job_of
     from pipeline.production.run.frame_ranges import read_frames
+    from pipeline.production.run.order import Order
+    from pipeline.spec import find_scene, is_sequence
 
     if frames is not None:
         read_frames(frames)
 
+    settings: dict[str, Any] = {"jobs": jobs, "sound": not no_sound, "strict": strict}
+    settings["backend"] = options.backend.value
+
+    def join(name: str, reporter: Reporter) -> None:
+        from pipeline.production.sequence.sequence_run import render_sequence
+
+        if frames is not None:
+            raise UsageError("--frames: a sequence is rendered whole; its clips have start and end")
+        sequence = options.sequence(name, preset)
+
+        def order_of(scene: Scene, clip: str, out: Path, stretch: str) -> Order:
+            order = Order(scene, clip, out, stretch, **settings)
+            options.budget.refuse(scene, job_of(order, "render"))
+            return order
+
+        reporter.result(f"{render_sequence(sequence, options.out, order_of, reporter).folder}")
+
     def make(name: str, reporter: Reporter) -> None:
-        settings = {"frames": frames, "jobs": jobs, "sound": not no_sound, "strict": strict}
-        order = options.frame_order(name, preset, **settings)
+        if is_sequence(find_scene(name)):
+            join(name, reporter)
+            return
+        order = options.order(name, preset, frames=frames, **settings)
         options.budget.refuse(order.scene, job_of(order, "render"))
         reporter.result(f"{production.render(order, reporter).folder}")
 

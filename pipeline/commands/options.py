@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from pipeline.production.run.budget import Budget
     from pipeline.production.run.order import Order
     from pipeline.production.run.progress import Reporter
-    from pipeline.spec import Scene
+    from pipeline.spec import Scene, SceneSequence
+    from render.backend import Choice
 
 
 class Preset(enum.StrEnum):
@@ -278,7 +279,7 @@ class RunOptions(SceneOptions):
         self,
         name: str,
         preset: Preset | None = None,
-        backend: BackendName = BackendName.auto,
+        backend: Choice = "auto",
         **more: Any,
     ) -> Order:
         """Return the order to run a scene.
@@ -304,7 +305,7 @@ class RunOptions(SceneOptions):
             from pipeline.production.run.outputs import Outputs, refuse_links
 
             refuse_links(Outputs(out / file.stem, file.stem), file.parent)
-        return Order(scene, file.stem, out, backend=backend.value, **more)
+        return Order(scene, file.stem, out, backend=backend, **more)
 
 
 @dataclass(kw_only=True)
@@ -337,9 +338,21 @@ class FrameOptions(RunOptions):
             changes.append(f"film.samples={self.samples}")
         return [*changes, *(self.sets or [])]
 
+    def sequence(self, name: str, preset: Preset | None = None) -> SceneSequence:
+        """Return a sequence with its scenes, as the options change them.
+
+        Raises:
+            UsageError: there is no such file.
+            SceneError: it or one of its scenes is wrong.
+        """
+        from pipeline.spec import find_scene, load_sequence
+
+        before = [f"film.preset={preset.value}"] if preset else []
+        return load_sequence(find_scene(name), before, self.assignments(), self.is_untrusted)
+
     def frame_order(self, name: str, preset: Preset | None = None, **more: Any) -> Order:
         """Return the order to render a scene, see `order`."""
-        return self.order(name, preset, self.backend, **more)
+        return self.order(name, preset, self.backend.value, **more)
 
 
 @dataclass(kw_only=True)

@@ -18,10 +18,12 @@ from pipeline.commands.options import (
     StrictOption,
     with_options,
 )
+from pipeline.errors import UsageError
 from pipeline.text_stream import print_json, print_text
 
 if TYPE_CHECKING:
     from pipeline.production.run.progress import Reporter
+    from pipeline.spec import Scene
 
 
 def new(
@@ -49,13 +51,28 @@ def check(
     ] = False,
     strict: StrictOption = False,
 ) -> None:
-    """Check scenes: every mistake of every scene, with its line."""
+    """Check scenes and sequences: every mistake of each, with its line."""
     from pipeline.production.run.budget import estimate_text
     from pipeline.production.run.scene_check import check_scene, figure_remarks
     from pipeline.production.run.scene_cost import Job, scene_cost
+    from pipeline.production.sequence.sequence_run import check_sequence
+    from pipeline.spec import find_scene, is_sequence, load_sequence
 
     def examine(name: str, reporter: Reporter) -> None:
-        scene = options.scene(name)
+        if is_sequence(find_scene(name)):
+            examine_clips(name, reporter)
+            return
+        examine_scene(options.scene(name), name, reporter)
+
+    def examine_clips(name: str, reporter: Reporter) -> None:
+        sequence = load_sequence(find_scene(name), (), options.sets or (), options.is_untrusted)
+        check_sequence(sequence)
+        for clip in sequence.clips:
+            examine_scene(clip.scene, clip.name, reporter)
+        length = float(sequence.n_frames / sequence.rate)
+        reporter.result(f"{name}: {len(sequence.clips)} clips, {length:g} s")
+
+    def examine_scene(scene: Scene, name: str, reporter: Reporter) -> None:
         options.budget.refuse(scene, Job("simulate" if simulate else "check"))
         cost = scene_cost(scene, Job("render", scene.n_frames))
         facts = {"memory": round(cost.memory), "seconds": round(cost.seconds, 1)}
@@ -106,14 +123,19 @@ def schema(
     figure: Annotated[
         bool, typer.Option("--figure", help="Schema of figure files instead.")
     ] = False,
+    sequence: Annotated[
+        bool, typer.Option("--sequence", help="Schema of files that join scenes instead.")
+    ] = False,
 ) -> None:
     """Print the JSON Schema (draft-07) of the scene language, for editors."""
     import json
 
-    from pipeline.spec import figure_schema
+    from pipeline.spec import figure_schema, sequence_schema
     from pipeline.spec import schema as scene_schema
 
-    result = figure_schema() if figure else scene_schema()
+    if figure and sequence:
+        raise UsageError("--figure and --sequence: give one of them")
+    result = figure_schema() if figure else sequence_schema() if sequence else scene_schema()
     print_text(sys.stdout, json.dumps(result, indent=2, ensure_ascii=False))
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from pipeline.spec.library_search import FigureFile
 from pipeline.spec.scene import Scene
+from pipeline.spec.scene_sequence import SequenceFile
 from pipeline.spec.schema_names import with_closed_names, with_names
 from pipeline.spec.schema_unions import with_conditions
 
@@ -26,6 +27,14 @@ def schema() -> dict[str, Any]:
 def figure_schema() -> dict[str, Any]:
     """Return the JSON Schema of a figure file."""
     return _finished(_draft_07(FigureFile.model_json_schema()), "A figure of pronk")
+
+
+def sequence_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a file that joins scenes."""
+    schema = _finished(_draft_07(SequenceFile.model_json_schema()), "A sequence of pronk")
+    clips = schema["properties"]["sequence"]["items"]
+    schema["properties"]["sequence"]["items"] = {"anyOf": [{"type": "string"}, clips]}
+    return schema
 
 
 def _finished(marked: dict[str, Any], title: str) -> dict[str, Any]:

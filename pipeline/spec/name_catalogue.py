@@ -26,7 +26,15 @@ from pipeline.spec.events import EVENTS
 from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
 from pipeline.spec.model_base import ConfigModel
 from pipeline.spec.mood import MOODS
-from pipeline.spec.scene_library import SUFFIX, files_beside, library, names_in, scenes_in
+from pipeline.spec.scene_library import (
+    SEQUENCES,
+    SUFFIX,
+    files_beside,
+    library,
+    names_in,
+    scenes_in,
+)
+from pipeline.spec.scene_sequence import is_sequence
 from pipeline.spec.script import flow_text, order_keys
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
@@ -109,6 +117,13 @@ def _dances(folder: Path) -> Iterator[NameEntry]:
 def _scenes(folder: Path) -> Iterator[NameEntry]:
     shipped = {name: library() / (name + SUFFIX) for name in names_in(library())}
     return _files({} if folder.resolve() == library() else scenes_in(folder), shipped)
+
+
+def _sequences(folder: Path) -> Iterator[NameEntry]:
+    shelf = library() / SEQUENCES
+    shipped = {name: shelf / (name + SUFFIX) for name in names_in(shelf)}
+    own = {name: folder / (name + SUFFIX) for name in names_in(folder)}
+    return _files({name: path for name, path in own.items() if is_sequence(path)}, shipped)
 
 
 def _entries(folder: Path, block: LibraryBlock) -> Iterator[NameEntry]:
@@ -333,6 +348,7 @@ NAME_KINDS: Mapping[str, NameKind] = {
     "figures": NameKind("`figure:` of the cast, with their sizes at `scale: 1`", _figures),
     "dances": NameKind("`dance:` of dancers and of their orders", _dances),
     "scenes": NameKind("what commands take", _scenes),
+    "sequences": NameKind("several scenes as one film, for `pronk render`", _sequences),
     "materials": NameKind("`material:`, by what they sound like", _materials),
     "terrains": NameKind("`terrain:`", _terrains),
     "lights": NameKind("`light:`", _lights),

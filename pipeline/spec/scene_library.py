@@ -24,6 +24,13 @@ DANCES = "dances"
 """Folder of dances beside a scene and in the library."""
 
 
+SEQUENCE = "sequence"
+"""Key of a file that joins scenes."""
+
+SEQUENCES = "sequences"
+"""Folder of sequences in the library."""
+
+
 def library() -> Path:
     """Return the folder of the shipped scenes; its folder `figures` holds the shipped figures."""
     package = Path(__file__).resolve().parents[1]
@@ -162,9 +169,9 @@ def _scene_file(name: str) -> Path:
         for path in (given, beside):
             if path.exists() and not path.is_dir():
                 return path
-        shipped = library() / beside
-        if len(beside.parts) == 1 and shipped.is_file():
-            return shipped
+        for shipped in (library() / beside, library() / SEQUENCES / beside):
+            if len(beside.parts) == 1 and shipped.is_file():
+                return shipped
         if given.is_dir():
             raise UsageError(f"'{name}' is a folder; give the file of a scene")
     except (OSError, ValueError) as error:

@@ -23,7 +23,7 @@ from pipeline.spec.name_references import faults_of_references
 from pipeline.spec.overrides import override
 from pipeline.spec.renamed_keys import rename_keys
 from pipeline.spec.scene import VERSION, Scene
-from pipeline.spec.scene_library import find_figure
+from pipeline.spec.scene_library import SEQUENCE, find_figure
 from pipeline.spec.suggestions import hint
 from pipeline.spec.timing import faults_of_timing
 from pipeline.spec.validation import MISSING, check, in_order, problems_of_faults, with_meant_keys
@@ -143,7 +143,7 @@ def _figure_file(path: Path) -> tuple[FigureFile, MappingNode]:
     tree, problems = read_file(path)
     if tree is None:
         raise SceneError(in_order(problems, [str(path)]))
-    _refuse_newer(tree)
+    refuse_newer(tree)
     loaded, invalid = check(FigureFile, tree)
     if loaded is None or problems or invalid:
         raise SceneError(in_order([*problems, *invalid], [str(path)]))
@@ -183,7 +183,10 @@ def _scene(
     """
     if tree is None:
         raise SceneError(in_order(problems, [file]))
-    _refuse_newer(tree)
+    refuse_newer(tree)
+    if SEQUENCE in tree.entries:
+        message = "is a sequence of scenes; pronk render, check and verify take it, or one scene"
+        raise SceneError([tree.entries[SEQUENCE].key.problem((SEQUENCE,), message)])
     tree, warnings, renamed_twice = rename_keys(tree)
     tree, wrong_overrides = override(tree, overrides)
     tree, more_warnings, _ = rename_keys(tree)
@@ -212,7 +215,7 @@ def _scene(
     return scene.with_source(tree)
 
 
-def _refuse_newer(tree: MappingNode) -> None:
+def refuse_newer(tree: MappingNode) -> None:
     """Refuse a file in a later version of the language, before its new keys are called wrong.
 
     Raises:

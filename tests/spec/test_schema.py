@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 import yaml
 
-from pipeline.spec import Scene, dump, library, shipped_scenes
+from pipeline.spec import Scene, dump, library, sequence_schema, shipped_scenes
 from pipeline.spec import figure_schema as written_figure_schema
 from pipeline.spec import schema as written_schema
 
@@ -58,12 +58,21 @@ def changed(scene, path, value):
     return scene
 
 
-@pytest.mark.parametrize("json_schema", [schema(), figure_schema()], ids=["scene", "figure"])
+SCHEMAS = {"scene": schema, "figure": figure_schema, "sequence": sequence_schema}
+
+
+@pytest.mark.parametrize("json_schema", [write() for write in SCHEMAS.values()], ids=SCHEMAS)
 def test_schemas_follow_draft_07(json_schema):
     jsonschema.Draft7Validator.check_schema(json_schema)
     assert json_schema["$schema"] == "http://json-schema.org/draft-07/schema#"
     for later in ("$defs", "prefixItems", "discriminator"):
         assert not list(occurrences(json_schema, later))
+
+
+def test_the_schema_of_sequences_takes_names_and_clips():
+    clips = ["dunes", {"scene": "hug", "start": 1, "dissolve": 0.5}]
+    assert accepts(sequence_schema(), {"pronk": 1, "sequence": clips})
+    assert not accepts(sequence_schema(), {"pronk": 1, "sequence": [{"scene": "hug", "begin": 1}]})
 
 
 def occurrences(json_schema, key):

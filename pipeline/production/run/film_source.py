@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -18,6 +18,7 @@ from pipeline.production.run.frame_ranges import read_frames
 from pipeline.production.run.outputs import Outputs
 from pipeline.spec import Scene
 from render.development import developed, developed16
+from render.errors import RenderError
 from render.film_codecs import CODECS
 from render.film_segments import Picture, segment_length
 from render.image_files import read_development, read_exr, read_png
@@ -125,3 +126,21 @@ class FilmSource:
         """
         for path in self.files(outputs):
             yield self.picture(path)
+
+    def whole_pictures(
+        self, outputs: Outputs, damaged: Collection[str]
+    ) -> Iterator[Picture | None]:
+        """Yield the pictures of the film, None for a damaged one.
+
+        Args:
+            outputs: of the frames.
+            damaged: names of damaged files from the folder of the outputs.
+        """
+        for path in self.files(outputs):
+            if path.relative_to(outputs.folder).as_posix() in damaged:
+                yield None
+                continue
+            try:
+                yield self.picture(path)
+            except RenderError:
+                yield None

@@ -26,6 +26,7 @@ class Order:
         subframe: whether sounds stand at the exact times of their causes, not on frames.
         backend: variant of Mitsuba.
         strict: whether notes are an error.
+        film: whether a film is made of the frames.
 
     Raises:
         UsageError: the scene does not have these frames.
@@ -40,6 +41,7 @@ class Order:
     subframe: bool = False
     backend: Choice = "auto"
     strict: bool = False
+    film: bool = True
 
     def __post_init__(self) -> None:
         # Early, before anything is made.

@@ -39,7 +39,8 @@ def render(order: Order, reporter: Reporter) -> Outputs:
         make_frames(run, shooting, frames)
         note_levels(run, shooting, frames)
         run.refuse_notes()
-        make_film(run, frames)
+        if order.film:
+            make_film(run, frames)
         run.finish()
         return run.outputs
 

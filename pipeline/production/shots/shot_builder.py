@@ -45,7 +45,7 @@ from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
 from pipeline.production.shots.standing_scenery import StandingScenery
 from pipeline.production.shots.sunken_stones import sunken
-from pipeline.production.shots.title_timing import require_titles, words_at
+from pipeline.production.shots.title_timing import TitledFilm, require_titles, words_at
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
@@ -84,6 +84,7 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         require_titles(scene)
+        self._titled = TitledFilm.of(scene)
         self._around = around = Choice.of(scene)
         worn = weathered(sunken(take.terrain, scene, take), scene)
         worn = chipped(worn, scene, take)
@@ -167,7 +168,7 @@ class ShotBuilder:
             puffs=first.puffs,
             scenery=self._standing.made[0],
             footprint_count=first.footprint_count,
-            words=words_at(self._scene, float((frame - Fraction(1, 2)) / self.clock.rate)),
+            words=words_at(self._titled, float((frame - Fraction(1, 2)) / self.clock.rate)),
         )
 
     @property

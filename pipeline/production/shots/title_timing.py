@@ -1,8 +1,9 @@
-"""Title timing: the words of a scene's titles at a moment of its film."""
+"""Title timing: the words of a film's titles at a moment of it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
 from pipeline.spec.scene import Scene
@@ -25,40 +26,61 @@ LOW, HIGH = 0.88, 0.12
 """Height from above of the last line below, and of the first one above."""
 
 
-def text_of(title: Title, scene: Scene) -> str:
-    """Return the words of a title, those of the scene where it has none of its own."""
-    if title.text:
-        return title.text.strip("\n")
-    if not title.roll:
-        return scene.title
-    names = [member.name for member in scene.cast]
-    return "\n".join([scene.title, "", "with", *names]).strip("\n")
+@dataclass(frozen=True)
+class TitledFilm:
+    """What the titles of a film go by.
+
+    Attributes:
+        titles: of the film.
+        title: of the whole.
+        names: that end credits list.
+        length: of the film [s].
+        size: of its frames [pixels].
+    """
+
+    titles: tuple[Title, ...]
+    title: str
+    names: tuple[str, ...]
+    length: float
+    size: tuple[int, int]
+
+    @staticmethod
+    def of(scene: Scene) -> TitledFilm:
+        """Return those of a scene's film."""
+        names = tuple(member.name for member in scene.cast)
+        length = float(scene.n_frames / scene.rate)
+        return TitledFilm(scene.titles, scene.title, names, length, scene.film.resolved().size)
+
+    def text_of(self, title: Title) -> str:
+        """Return the words of a title, those of the film where it has none of its own."""
+        if title.text:
+            return title.text.strip("\n")
+        if not title.roll:
+            return self.title
+        return "\n".join([self.title, "", "with", *self.names]).strip("\n")
+
+    def start_of(self, title: Title) -> float:
+        """Return when a title appears [s]."""
+        if title.start is not None:
+            return title.start
+        return max(self.length - title.duration, 0.0) if title.roll else 0.0
 
 
-def start_of(title: Title, scene: Scene) -> float:
-    """Return when a title appears [s]."""
-    if title.start is not None:
-        return title.start
-    length = float(scene.n_frames / scene.rate)
-    return max(length - title.duration, 0.0) if title.roll else 0.0
-
-
-def problems_of_titles(scene: Scene) -> Iterator[Problem]:
-    """Yield what is wrong with the titles of a scene: no words, too wide, or after its end."""
-    length = float(scene.n_frames / scene.rate)
-    for i, title in enumerate(scene.titles):
-        path, text = f"titles[{i}]", text_of(title, scene)
+def problems_of_titles(film: TitledFilm) -> Iterator[Problem]:
+    """Yield what is wrong with the titles of a film: no words, too wide, or after its end."""
+    for i, title in enumerate(film.titles):
+        path, text = f"titles[{i}]", film.text_of(title)
         if not text:
             yield Problem(path, "has no words: write text, or a title of the scene")
             continue
-        if start_of(title, scene) >= length:
-            yield Problem(f"{path}.start", f"the film ends at {length:g} s")
-        frame = scene.film.resolved().size
-        if not _fits(title, text, title.size, frame):
+        if film.start_of(title) >= film.length:
+            yield Problem(f"{path}.start", f"the film ends at {film.length:g} s")
+        if not _fits(title, text, title.size, film.size):
             # Letters are whole pixels wide: their width does not go straight by their size.
             steps = range(int(title.size * 1000.0), 0, -1)
-            fits = next((k / 1000.0 for k in steps if _fits(title, text, k / 1000.0, frame)), 0.0)
-            yield Problem(f"{path}.size", f"too large for these words, at most {fits:g} fits")
+            fits = (k / 1000.0 for k in steps if _fits(title, text, k / 1000.0, film.size))
+            most = next(fits, 0.0)
+            yield Problem(f"{path}.size", f"too large for these words, at most {most:g} fits")
 
 
 def require_titles(scene: Scene) -> None:
@@ -67,7 +89,7 @@ def require_titles(scene: Scene) -> None:
     Raises:
         SceneError: with all that is wrong with them.
     """
-    problems = list(problems_of_titles(scene))
+    problems = list(problems_of_titles(TitledFilm.of(scene)))
     if problems:
         raise scene.source_map.with_locations(SceneError(problems))
 
@@ -78,19 +100,19 @@ def _fits(title: Title, text: str, size: float, frame: tuple[int, int]) -> bool:
     return wide <= 1.0 - 2.0 * SAFE and (title.roll or high <= 1.0 - 2.0 * SAFE)
 
 
-def words_at(scene: Scene, time: float) -> tuple[Lettering, ...]:
+def words_at(film: TitledFilm, time: float) -> tuple[Lettering, ...]:
     """Return the words over the picture at a time [s]."""
-    return tuple(_words(scene, time))
+    return tuple(_words(film, time))
 
 
-def _words(scene: Scene, time: float) -> Iterator[Lettering]:
-    for title in scene.titles:
-        since = time - start_of(title, scene)
+def _words(film: TitledFilm, time: float) -> Iterator[Lettering]:
+    for title in film.titles:
+        since = time - film.start_of(title)
         if not 0.0 <= since < title.duration:
             continue
         fade = min(title.fade, 0.5 * title.duration)
         shown = min(since, title.duration - since) / fade if fade > 0.0 else 1.0
-        text = text_of(title, scene)
+        text = film.text_of(title)
         extent = LEADING * title.size * len(text.split("\n"))
         x, align = PLACES[title.place]
         y = {"middle": 0.5, "top": HIGH + 0.5 * (extent - LEADING * title.size)}.get(

@@ -6,15 +6,17 @@ import contextlib
 import glob
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pipeline.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.run.file_records import FileRecords
+from pipeline.production.run.film_source import FilmSource
 from pipeline.production.run.manifest import Manifest
 from pipeline.production.run.outputs import Outputs, locked
 from pipeline.production.run.progress import Reporter, Stage, stage
+from pipeline.production.sequence.sequence_source import SequenceSource
 from pipeline.production.verification.fault import MISSING, NOT_AS_WRITTEN, Fault, OutputsDamaged
 from pipeline.production.verification.file_check import fault_of, is_frame
 from pipeline.production.verification.film_check import film_faults, film_sources, is_current
@@ -107,6 +109,7 @@ class _Check:
         remarks: on what cannot be judged.
         films: names of films that were compared.
         count: number of files.
+        clips: the checks of a sequence's clips, whose faults are among its own.
     """
 
     outputs: Outputs
@@ -115,6 +118,7 @@ class _Check:
     remarks: list[str] = field(default_factory=list)
     films: list[str] = field(default_factory=list)
     count: int = 0
+    clips: list[_Check] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.records = FileRecords(self.outputs.folder, self.manifest.files)
@@ -122,17 +126,35 @@ class _Check:
 
     def run(self, reporter: Reporter) -> None:
         """Check files, then films against those that are whole."""
+        self._check_clips(reporter)
         self._check_manifest()
         names = sorted({*self.records, *self._unrecorded()})
-        self.count = len(names) + 1
+        self.count += len(names) + 1
         with stage(reporter, "verify", len(names) + len(self.sources), "files") as current:
             self._check_files(names, current)
             self._check_films(current)
             bad = len(self.faults)
             current.result = f"{self.count} files, {bad or 'none'} damaged or missing"
 
+    def _check_clips(self, reporter: Reporter) -> None:
+        """Check the outputs of the clips of a sequence, which are within its own."""
+        sequences = [one for one in self.sources.values() if isinstance(one, SequenceSource)]
+        for outputs in (clip.outputs(self.outputs) for one in sequences for clip in one.clips):
+            check = _Check(outputs, Manifest.read(outputs.manifest))
+            check.run(reporter)
+            self.clips.append(check)
+            self.count += check.count
+            self.remarks += check.remarks
+            place = self.records.name(outputs.folder)
+            self.faults += [
+                replace(fault, file=f"{place}/{fault.file}", remedy="") for fault in check.faults
+            ]
+
     def mark(self) -> None:
         """Have the next run read what is damaged, if the manifest can be written."""
+        for clip in self.clips:
+            if clip.faults:
+                clip.mark()
         if not self.manifest.is_sealed or not self.outputs.manifest.exists():
             # It counts for nothing, and its files are all read.
             return
@@ -199,7 +221,8 @@ class _Check:
         path = outputs.folder / name
         if is_frame(path) or path in (*own, *cues, *films):
             return ""
-        if name in self.sources:
-            text = self.sources[name].facts["frames"]
+        source = self.sources.get(name)
+        if isinstance(source, FilmSource):
+            text = source.facts["frames"]
             return f"pronk render {outputs.name} --frames {text}"
         return "its own command writes it again"

@@ -1,0 +1,1 @@
+"""A sequence of scenes: their clips as one film with one sound."""

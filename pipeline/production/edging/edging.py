@@ -15,7 +15,7 @@ from pipeline.production.edging.edging_choice import HOUSES, EdgingChoice
 from pipeline.production.edging.fence import stand_fence
 from pipeline.production.edging.floor_mesh import deck_mesh, dirt, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
-from pipeline.production.edging.house_materials import MATERIALS_OF_HOUSES
+from pipeline.production.edging.house_materials import AFTER_DARK, MATERIALS_OF_HOUSES
 from pipeline.production.edging.joint_growth import grow_in_joints
 from pipeline.production.edging.plot import Plot
 from pipeline.production.edging.square import furnish
@@ -27,7 +27,8 @@ from pipeline.production.scenery.placement import Placed
 from pipeline.production.surroundings.land import Land
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
-from render.config import MATERIALS, Material
+from render.config import MATERIALS, Light, Material
+from render.lights.sun_position import sun_elevation_deg
 from render.shot import Mesh
 
 BUILT = ("iron", "dark soil", *room.BUILT)
@@ -70,12 +71,27 @@ WEATHERED = Material.model_validate(
 )
 """Of boards that have stood in the rain for years."""
 
-MATERIALS_OF_EDGING: Mapping[str, Material] = {
-    **{f"edging {name}": MATERIALS[name] for name in BUILT},
-    "edging weathered": WEATHERED,
-    **{f"edging {name}": made for name, made in MATERIALS_OF_ROOMS.items()},
-    **{f"edging {name}": made for name, made in MATERIALS_OF_HOUSES.items()},
-}
+LIGHTS_ON = 2.0
+"""Height of the sun at which lamps are lit [degrees]."""
+
+
+def edging_materials(light: Light) -> Mapping[str, Material]:
+    """Return the materials of what stands along floors, by name, in a light."""
+    made = {
+        **{name: MATERIALS[name] for name in BUILT},
+        "weathered": WEATHERED,
+        **MATERIALS_OF_ROOMS,
+        **MATERIALS_OF_HOUSES,
+        **(AFTER_DARK if _is_dark(light) else {}),
+    }
+    return {f"edging {name}": material for name, material in made.items()}
+
+
+def _is_dark(light: Light) -> bool:
+    if light.sun is not None:
+        return sun_elevation_deg(light.sun) < LIGHTS_ON
+    return light.studio is None and light.hdr is None
+
 
 TREES: Mapping[str, tuple[str, ...]] = {
     "forest": ("birch", "oak", "spruce"),

@@ -40,6 +40,10 @@ ROOFS = ("tile red", "tile brown", "tile dark")
 AWNINGS = ("awning red", "awning green", "awning blue")
 
 
+AT_HOME = 0.42
+"""Share of the windows behind which there is light after dark."""
+
+
 @dataclass(frozen=True)
 class Opening:
     """A door or window, relative to the middle of its bay and the foot of its storey [m]."""
@@ -197,7 +201,7 @@ class House:
             self.add("pane", (middle, foot + 2.33, -0.2), (wide, 0.4, 0.03))
             self.add("hewn stone", (middle, foot + 2.12, -0.18), (wide, 0.07, 0.1))
         else:
-            self.add("pane", (middle, up, -0.27), (wide, tall, 0.02))
+            self.add(self._pane(middle, foot), (middle, up, -0.27), (wide, tall, 0.02))
             if opening.kind == "window" and self.rng.uniform() < 0.7:
                 drawn = float(self.rng.uniform(0.2, 0.38)) * wide
                 for side in (-1.0, 1.0):
@@ -210,6 +214,13 @@ class House:
             for t in (0.0, 0.68, 1.0):
                 high = foot + opening.low + 0.5 * bar + t * (tall - bar)
                 self.add(frame, (middle, high, -0.22), (wide, bar, 0.055))
+
+    def _pane(self, middle: float, foot: float) -> str:
+        """Return the material of the panes of a window: somebody is at home behind some of them."""
+        x, y, z = self.at((middle, foot, 0.0))
+        # By its place, so that the rest of the house is the same.
+        chance = np.sin(12.9898 * x + 78.233 * y + 37.719 * z) * 43758.5453
+        return "lit pane" if chance % 1.0 < AT_HOME else "pane"
 
     def _flower_box(self, middle: float, sill: float, wide: float) -> None:
         """Add a box on a sill, and note where flowers grow in it."""

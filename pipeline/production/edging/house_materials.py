@@ -17,6 +17,9 @@ def _dull(color: str, roughness: float = 0.8, texture: str = "mottle") -> Materi
     return Material.model_validate({**values, "texture_scale": 0.8})
 
 
+PANE = Material.model_validate({"color": "#1d282d", "roughness": 0.08})
+LANTERN_GLASS = Material.model_validate({"color": "#cdbf9a", "roughness": 0.3})
+
 MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "ochre": _plaster("#c08f52", "#ad7f47"),
     "rose": _plaster("#b97a66", "#a86b59"),
@@ -39,9 +42,17 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "awning blue": _dull("#3c5f86", 0.9, "weave"),
     "awning white": _dull("#dcd4c2", 0.9, "weave"),
     "window frame": _dull("#cfc8b8", 0.7),
-    "pane": Material.model_validate({"color": "#1d282d", "roughness": 0.08}),
+    "pane": PANE,
+    # By day one does not see that somebody is at home.
+    "lit pane": PANE,
     "curtain": _dull("#cfc8b6", 0.9, "weave"),
-    "lantern glass": Material.model_validate({"color": "#cdbf9a", "roughness": 0.3}),
+    "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }
 """Materials of houses, by the names that follow `edging`."""
+
+AFTER_DARK: Mapping[str, Material] = {
+    "lit pane": Material.model_validate({"color": "#ffa04a", "roughness": 0.3, "glow": 1.1}),
+    "lantern glass": Material.model_validate({"color": "#ffc27a", "roughness": 0.3, "glow": 1.5}),
+}
+"""Those that glow when the sun is down, from behind curtains, and in the lanterns of the street."""

@@ -66,6 +66,9 @@ class ScatterChoice:
         land = _suiting(scene, around.material)
         if around.kind == "none" and scene.light.studio is not None:
             own, land = "none", "none"
+        elif around.joins == "platform" and scene.terrain.edging != "room":
+            # Out of doors leaves and grit blow over a floor.
+            own = "pavement"
         if around.kind == "sea":
             own, land = (("beach" if name == "dunes" else name) for name in (own, land))
         if scatter.preset != "auto":

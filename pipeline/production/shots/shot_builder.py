@@ -20,7 +20,7 @@ from pipeline.production.camera.visibility import Visibility
 from pipeline.production.coats.coats import MATERIALS as COAT_MATERIALS
 from pipeline.production.coats.coats import Coats
 from pipeline.production.coats.grain import finest_pixels
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING
+from pipeline.production.edging.edging import edging_materials
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
@@ -97,7 +97,8 @@ class ShotBuilder:
         if self._puddles is not None:
             self.materials = {**self.materials, **PUDDLE_MATERIALS}
         if self._edging is not None:
-            self.materials = {**self.materials, **SCENERY_MATERIALS, **MATERIALS_OF_EDGING}
+            built = edging_materials(scene.light)
+            self.materials = {**self.materials, **SCENERY_MATERIALS, **built}
         clear = frozenset(
             name for name, material in self.materials.items() if material.transmission > 0.5
         )
@@ -229,7 +230,7 @@ class ShotBuilder:
         # The last frame of a take has no next one.
         at = min(row + part * self.clock.samples, len(self.take.positions) - 1)
         vertices = self._skin.posed(self.take, at)
-        meshes = list(self._trodden_at(at))
+        meshes = [*self._trodden_at(at), *self._standing.glowing]
         for i, piece in enumerate(self._parts):
             mesh = self.take.meshes[piece.seen]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]

@@ -84,8 +84,22 @@ class StandingScenery:
     def made(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         """Terrain, land, plants and stones, made when the first shot needs them.
 
-        What stands still, as one object for all shots, and what performers tread on.
+        What stands still and gives no light, as one object for all shots, and what performers
+        tread on.
         """
+        meshes, trodden = self._all
+        return tuple(mesh for mesh in meshes if not self._glows(mesh)), trodden
+
+    @cached_property
+    def glowing(self) -> tuple[Mesh, ...]:
+        """What stands still and gives light, such as windows at night."""
+        return tuple(mesh for mesh in self._all[0] if self._glows(mesh))
+
+    def _glows(self, mesh: Mesh) -> bool:
+        return mesh.material in self.materials and self.materials[mesh.material].glow > 0.0
+
+    @cached_property
+    def _all(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
         width, weather = self.width, self.scene.light.weather
         meshes = surrounding_meshes(self.drawn, self.around, self.materials, width)
         land = tuple(snowed_cover(mesh, weather) for mesh in meshes)

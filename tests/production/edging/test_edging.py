@@ -10,7 +10,7 @@ import pytest
 from pipeline.production.edging.apron import Apron
 from pipeline.production.edging.border import Border
 from pipeline.production.edging.carpentry import Carpentry
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
+from pipeline.production.edging.edging import Edging, Setting, edging_materials
 from pipeline.production.edging.edging_choice import EdgingChoice
 from pipeline.production.edging.floor_mesh import deck_mesh, paving_mesh
 from pipeline.production.edging.floor_plan import FloorPlan
@@ -25,6 +25,7 @@ from pipeline.simulation.take import TerrainRecord
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec.scene_loader import read_scene
 from pipeline.spec.terrain.kinds import FlatTerrain
+from render.config import Light
 from render.shot import CameraPose, Mesh
 
 EYE, TARGET = (6.5, 2.0, 0.0), (0.0, 0.8, 0.0)
@@ -133,7 +134,7 @@ def test_soil_creeps_over_the_border_but_never_under_the_cast_or_above_the_land_
 @pytest.mark.parametrize("floor", ["paving", "deck"])
 def test_nothing_stands_in_the_way_of_the_cast_or_of_the_camera(word: str, floor: str) -> None:
     made = edging(word, floor)
-    named = {*MATERIALS, *MATERIALS_OF_EDGING}
+    named = {*MATERIALS, *edging_materials(Light())}
     assert made.floor is not None
     for mesh in made.meshes():
         assert mesh.material in named

@@ -225,7 +225,8 @@ def test_tracks_keep_clearings() -> None:
     [
         ("{kind: flat, material: grass}", "oak", "oak"),
         ("{kind: flat, material: sand}", "beach grass", "beach grass"),
-        ("{kind: flat, material: concrete}", None, "oak"),
+        ("{kind: flat, material: concrete}", "leaves", "oak"),
+        ("{kind: flat, material: concrete, edging: room}", None, "oak"),
         ("{kind: flat, material: concrete, scatter: pavement}", "leaves", "oak"),
         ("{kind: flat, material: grass, scatter: none}", None, None),
         ("{kind: flat, material: grass, scatter: [fern]}", "fern", "fern"),

@@ -48,6 +48,11 @@ MARGIN: Mapping[str, float] = {"cover": 0.0, "solid": 0.12, "tree": 1.4}
 """Distance from performers by layer, besides its own radius [m]."""
 
 
+LENS_SHARE, LENS_HEIGHT = 0.16, 0.4
+"""Share of the distance to a camera's target within which no grasses and herbs of a height [m] are
+seen."""
+
+
 @dataclass(frozen=True)
 class Wanted:
     """One species that is wanted.
@@ -318,6 +323,11 @@ class Placement:
         free[some] = ~self.view.in_the_way(
             points[some], heights, radii, hides=species.layer == "solid"
         )
+        if height > LENS_HEIGHT and species.layer == "cover":
+            # A single stalk right before the lens is no foreground.
+            some = np.flatnonzero(free)
+            heights, radii = np.full(len(some), height), np.full(len(some), radius)
+            free[some] = ~self.view.in_the_foreground(points[some], heights, radii, LENS_SHARE)
         return free
 
 

@@ -160,7 +160,7 @@ SCATTER_PRESETS: Mapping[str, Mapping[str, float]] = {
     "wetland": {"reeds": 1.0, "sedge": 1.2, "tussock": 0.5, "twigs": 0.4, "willow scrub": 0.6},
     "wheat field": {"wheat": 1.0, "poppy": 0.5, "cornflower": 0.6},
     "maize field": {"maize": 1.0, "short grass": 0.15},
-    "pavement": {"leaves": 0.12, "pebbles": 0.12, "twigs": 0.08},
+    "pavement": {"leaves": 0.16, "pebbles": 0.12},
     "room": {},
 }
 """Presets: species with factors on their own densities."""

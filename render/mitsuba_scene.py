@@ -100,14 +100,11 @@ class MitsubaScene:
             for i, group in enumerate(still_groups)
         }
         self._traced: Any = self.scene
-        self._still_values: Any = None
         if still:
             self._traced = ScenePair(self.scene, mi.load_dict({"type": "scene", **still}))
-            self._still_values = mi.traverse(self._traced.still)
-            if wavefront_limitation(self._traced):
-                # Mitsuba's own path tracer takes one scene.
+            # Mitsuba's own path tracer takes one scene, and so does a GPU.
+            if wavefront_limitation(self._traced) or _holds_one_scene(str(mi.variant())):
                 self.scene = self._traced = self._traced.joined()
-                self._still_values = None
         self._water_surface = shot.water
         self._water = None if shot.water is None else Water.of(shot.water, around.downwelling)
         if self._water is not None and shot.water is not None and around.key is not None:
@@ -123,6 +120,8 @@ class MitsubaScene:
         )
         self._passes = self._pass_tracer(shot, still_groups) if self._film.passes else None
         self._values = mi.traverse(self.scene)
+        is_pair = isinstance(self._traced, ScenePair)
+        self._still_values = mi.traverse(self._traced.still) if is_pair else self._values
         self._meshes: tuple[Mesh, ...] = shot.meshes
         keys = [shape for shape in self.scene.shapes() if shape.id() == "key"]
         self._key = keys[0].emitter() if keys else None
@@ -144,13 +143,13 @@ class MitsubaScene:
             self._values["sky.data"] = self._around.drifting.at(moment.time)
             self._sky_time = moment.time
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
+        for i, group in enumerate(self._still_groups):
+            count = moment.footprint_count
+            update_footprints(self._still_values, f"still{i}.", group, count)
         self._values.update()
-        if self._still_values is not None:
+        if self._still_values is not self._values:
             # No vertices: the acceleration structure stays.
             set_pixel_width(self._still_values, moment.camera.fov_deg, self._film.size[1])
-            for i, group in enumerate(self._still_groups):
-                count = moment.footprint_count
-                update_footprints(self._still_values, f"still{i}.", group, count)
             self._still_values.update()
         self._shade(self._tracer, moment.time)
         self._flow(moment, self._film.size[1])
@@ -241,6 +240,15 @@ class MitsubaScene:
     def whole(self) -> Any:
         """Return one scene of Mitsuba, `mi.Scene`, with all that is seen now, for a reference."""
         return self._traced.joined() if isinstance(self._traced, ScenePair) else self.scene
+
+
+def _holds_one_scene(variant: str) -> bool:
+    """Return whether a kernel of a variant traces rays through one scene alone.
+
+    OptiX takes one acceleration structure a kernel; Dr.Jit leaves out the rays through a second
+    one, with a line on standard error alone. GPUs rebuild quickly, so they need no second one.
+    """
+    return variant.startswith("cuda")
 
 
 def _still_groups(shot: Shot) -> tuple[MeshGroup, ...]:

@@ -242,10 +242,13 @@ def one_print() -> FootprintRaster:
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize("still", [False, True])
+@pytest.mark.parametrize("still", ["", "apart", "in one scene"])
 def test_a_footprint_is_visible_in_its_place_once_made(
-    renderer: Renderer, make_shot: Make, still: bool
+    renderer: Renderer, make_shot: Make, monkeypatch: pytest.MonkeyPatch, still: str
 ) -> None:
+    if still == "in one scene":
+        # As on a GPU.
+        monkeypatch.setattr("render.mitsuba_scene._holds_one_scene", lambda variant: True)
     if renderer.backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant shows no prints")
     shot = make_shot(camera=ABOVE, film=FILM)

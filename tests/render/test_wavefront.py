@@ -288,3 +288,28 @@ def test_scenery_stands_still_while_the_rest_moves(renderer: Renderer, make_shot
     np.testing.assert_array_equal(
         scene.trace(5, range(2), 2).light, MitsubaScene(shots[1]).trace(5, range(2), 2).light
     )
+
+
+def test_a_gpu_holds_scenery_and_the_rest_in_one_scene(
+    renderer: Renderer, make_shot: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On CUDA rays through a second scene would be left out without an error."""
+    from render import mitsuba_scene
+    from render.tracing.scene_pair import ScenePair
+
+    assert mitsuba_scene._holds_one_scene("cuda_ad_rgb")
+    assert not mitsuba_scene._holds_one_scene("llvm_ad_rgb")
+    film = Film(size=(32, 24), depth=3, denoise="off")
+    first, second = (_leafy(make_shot(x, film)) for x in (0.0, 0.6))
+
+    def seen() -> np.ndarray:
+        scene = mitsuba_scene.MitsubaScene(first)
+        assert isinstance(scene._traced, ScenePair) == is_pair
+        scene.update(second.moments[0])
+        return np.asarray(scene.trace(5, range(4), 4).light)
+
+    is_pair = True
+    pair = seen()
+    monkeypatch.setattr(mitsuba_scene, "_holds_one_scene", lambda variant: True)
+    is_pair = False
+    np.testing.assert_allclose(seen(), pair, rtol=1e-3, atol=1e-4)

@@ -45,7 +45,7 @@ MATERIALS_OF_HOUSES: Mapping[str, Material] = {
     "pane": PANE,
     # By day one does not see that somebody is at home.
     "lit pane": PANE,
-    "curtain": _dull("#cfc8b6", 0.9, "weave"),
+    "curtain": _dull("#cfc8b6", 0.9),
     "lantern glass": LANTERN_GLASS,
     "water": Material.model_validate({"color": "#24403c", "roughness": 0.06}),
 }

@@ -52,7 +52,7 @@ LEAF, YOUNG = (0.045, 0.085, 0.022), (0.14, 0.2, 0.05)
 IVY_WIDTH, IVY_HEIGHT = 1.0, 1.0
 """Of a climbing plant at scale 1 [m]."""
 
-IVY_LEAVES = (900, 520)
+IVY_LEAVES = (2600, 1100)
 """Number of its leaves by level of detail."""
 
 
@@ -131,7 +131,7 @@ def ivy(seed: int, level: int) -> Prototype:
     face = random_directions(rng, n) * 0.5 + [0.0, 0.35, 1.0]
     lit = smoothstep(0.02, 0.14, out) * rng.uniform(0.3, 1.0, n)
     color = mixed(LEAF, YOUNG, lit) * rng.uniform(0.75, 1.25, (n, 1))
-    size = (0.085, 0.12)[min(level, 1)] * rng.uniform(0.7, 1.25, n)
+    size = (0.055, 0.085)[min(level, 1)] * rng.uniform(0.7, 1.25, n)
     # Copies are taller than wide: leaves are drawn the other way round.
     add_leaves(
         *(shape, base, way * [1.0, 0.45, 1.0], face, size, 0.8 * size, color, face + 0.2 * UP),

@@ -141,6 +141,8 @@ def _sizes(placed: Placed) -> Array:
     # A crop stands even.
     if KINDS[placed.name].widens and KINDS[placed.name].habitat != "open":
         sizes = sizes * vigour(placed.points[:, [0, 2]])
+    if KINDS[placed.name].layer == "tree":
+        sizes = sizes * (1.0 - DWARFED * smoothstep(*DISTANT, placed.distances))
     return sizes
 
 
@@ -180,6 +182,13 @@ def copies(
                     *(shape, placed.points[some], turns[some], scales[some], tints[some]),
                     None if bends is None else bends[some],
                 )
+
+
+DWARFED, DISTANT = 0.55, (90.0, 420.0)
+"""By how much trees are smaller in the distance, and from where to where [m].
+
+The land around a terrain is smaller than life: full-grown trees on its ridges would say so.
+"""
 
 
 def vigour(places: Array) -> Array:

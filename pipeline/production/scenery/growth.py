@@ -72,12 +72,12 @@ SOILS = {
     "grass": "#786a52",
     "moss": "#5f4e3a",
     "soil": "#a89679",
-    "rock": "#8b7658",
+    "rock": "#7f766a",
     "gravel": "#8b7658",
 }
 """Colour of worn ground by the texture of the ground."""
 
-LIGHTLY = {"moss": 0.45}
+LIGHTLY = {"moss": 0.45, "rock": 0.7}
 """Share of the soil that shows where ground is worn, by its texture; all of it on others."""
 
 WET = 0.55

@@ -110,7 +110,7 @@ def _tree(
     return Species(
         *(partial(clumps.tree, make, clump), 3.0 * density, "tree", height, radius),
         sizes=(0.45, 1.25),
-        levels=(14.0, 34.0, 85.0),
+        levels=(8.0, 28.0, 75.0),
         near=95.0,
         reach=700.0,
         steepest=0.8,

@@ -10,6 +10,7 @@ from math import cos, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import butter, sosfilt
 
 from audio.time_grid import SAMPLE_RATE
 
@@ -21,6 +22,8 @@ SILENCE_EXPONENT = float(np.log(1000.0))
 """-60 dB as an exponent of e."""
 
 _MIN_FFT_SIZE = 1 << 14
+# Below 30 Hz loudspeakers move and nobody hears.
+_RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE, output="sos")
 # Duration of the click of an impact on loose ground, of a grain, and of a grain's decay [s].
 _CRUNCH_DECAY, _GRAIN_LENGTH, _GRAIN_DECAY = 0.003, 0.006, 0.0012
 
@@ -153,6 +156,11 @@ def mix_in(stereo: Signal, start: int, sound: Signal, gains: tuple[Gain, Gain]) 
             stereo[start : start + size, side] += gain[:size] * sound[:size]
         elif gain:
             stereo[start : start + size, side] += gain * sound[:size]
+
+
+def without_rumble(sound: Signal) -> Signal:
+    """Return a sound (N,) without what is too low to be heard, from its first sample on."""
+    return np.asarray(sosfilt(_RUMBLE, sound))
 
 
 def fade_out(stereo: Signal, samples: int) -> None:

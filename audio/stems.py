@@ -1,7 +1,7 @@
 """Stems: the sound of each performer and cause as a WAV file of its own.
 
-All stems have the gain of the master and none of its limiting, so their sum is the track before
-its peaks were lowered. They are 32-bit floats, which do not clip.
+All stems have the gain of the master and of its limiter, so their sum is the track. They are 32-bit
+floats, which do not clip.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from audio.dsp import Signal
+from audio.dsp import Gain, Signal
 from audio.errors import ScoreError
 from audio.names import file_stems
 from audio.notes import Note, notes_of
@@ -44,13 +44,13 @@ class Stem:
     changed: bool
 
 
-def write_stems(score: Score, folder: Path, gain_db: float) -> Iterator[Stem]:
+def write_stems(score: Score, folder: Path, gain: Gain) -> Iterator[Stem]:
     """Write the stems of a score, and yield each, by performer and cause.
 
     Args:
         score: the score; a SoundFont of it is not used.
         folder: that exists.
-        gain_db: of the master [dB].
+        gain: of the master, as a factor, at each sample (N, 1) where its limiter works.
 
     Raises:
         ScoreError: an event lies outside the score, or a SoundFont plays it.
@@ -64,7 +64,7 @@ def write_stems(score: Score, folder: Path, gain_db: float) -> Iterator[Stem]:
         groups[note.event.who, note.event.cause].append(note)
     names = file_stems(sorted({performer for performer, _ in groups}))
     for (performer, cause), notes in sorted(groups.items(), key=lambda item: item[0]):
-        mix = mix_notes(score, notes, samples) * 10 ** (gain_db / 20)
+        mix = mix_notes(score, notes, samples) * gain
         path = folder / f"{names[performer]}_{cause}.wav"
         yield Stem(performer, cause, path, write_sound_file(path, float_wav_bytes(mix)))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from audio.acoustic_materials import MaterialFamily, family_of
 from audio.cause_voices import Motion, MotionVoice, cause_voice
-from audio.dsp import Signal, band_noise, grain_noise, normalized, resample
+from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
 from audio.loudness_at_listener import SPEED_EXPONENT
 from audio.modal_synthesis import ModalBank, excited_modes, ring, with_contact_time
 from audio.notes import Note
@@ -138,6 +138,7 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
         signal = _friction(sound, _profile(sound, voice.seconds if voice else 0.0), rolls, rng)
     else:
         signal = _impact(sound, rng)
+    signal = without_rumble(signal)
     fade = min(_FADE, signal.size)
     signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
     signal = normalized(signal)

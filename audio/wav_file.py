@@ -53,6 +53,8 @@ class WavReport:
         true_peak_db: largest magnitude, between samples too [dB]; -inf for silence.
         gain_db: of the whole mix [dB].
         limited_db: reduction of the highest peak after that gain [dB].
+        target: loudness that was aimed at [LUFS]; see `Mastered`.
+        curve: gain of the limiter (N,), None where it had nothing to do.
     """
 
     path: Path
@@ -66,6 +68,14 @@ class WavReport:
     true_peak_db: float
     gain_db: float
     limited_db: float
+    target: float = -np.inf
+    curve: Signal | None = None
+
+    @property
+    def gain(self) -> Gain:
+        """Factor of the master on the mix, at each sample (N, 1) where its limiter works."""
+        factor = 10 ** (self.gain_db / 20)
+        return factor if self.curve is None else factor * self.curve[:, None]
 
 
 def write_wav(score: Score, path: Path) -> WavReport:
@@ -105,6 +115,8 @@ def write_wav(score: Score, path: Path) -> WavReport:
         true_peak_db=track.true_peak_db,
         gain_db=track.gain_db,
         limited_db=track.limited_db,
+        target=track.target,
+        curve=track.curve,
     )
 
 

@@ -162,11 +162,11 @@ class Master(AudioConfig):
         description="Greatest gain of a soft scene [dB]: a nearly silent scene stays soft.",
     )
     most_limiting_db: float = Field(
-        18.0,
+        6.0,
         ge=0,
-        le=40,
-        description="Greatest reduction of the highest peak [dB]: loud sounds stay louder than "
-        "soft ones.",
+        le=18,
+        description="Greatest reduction of the highest peak [dB], and of rare ones alone: loud "
+        "sounds stay louder than soft ones.",
     )
 
 

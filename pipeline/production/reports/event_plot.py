@@ -108,7 +108,7 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
     """
     with working(order, reporter) as run:
         take = take_of(run)
-        score = write_score(run, take, ShotBuilder(order.scene, take))
+        score, _ = write_score(run, take, ShotBuilder(order.scene, take))
         shape = order.scene.film.resolved().size
         axis = axis_of(score)
         frames = shown_frames(axis, shape, score.frames) if pictures else []

@@ -74,8 +74,8 @@ def score_only(order: Order, reporter: Reporter, exports: Collection[ExportKind]
     """
     with working(order, reporter) as run:
         shooting = shooting_of(run)
-        score = write_score(run, shooting.take, shooting)
+        score, wav = write_score(run, shooting.take, shooting)
         if exports:
-            store_exports(run, score, exports)
+            store_exports(run, score, wav, exports)
         run.finish()
         return run.outputs

@@ -18,6 +18,7 @@ from pipeline.production.sound.export_kind import ExportKind
 from pipeline.production.sound.score_builder import build_score
 from pipeline.production.sound.score_export import export_score
 from pipeline.production.sound.sound_report import (
+    asked_loudness,
     loudness_summary,
     midi_facts,
     quantisation_summary,
@@ -33,7 +34,7 @@ def store_events(run: SceneRun, take: Take) -> bool:
     return changed
 
 
-def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
+def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> tuple[Score, WavReport]:
     """Write MIDI, WAV, events, edit list and labels, inside `working`."""
     with stage(run.reporter, "score", 3, "files") as current:
         score, late = build_score(shooting.scene, take, shooting.poses, run.order.subframe)
@@ -45,8 +46,9 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
         wav = _write_sound(run, score)
         if changed or midi.changed or wav.changed:
             run.record_time(current)
-        current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
-            f", {late} after the last frame" if late else ""
+        current.result = (
+            f"{len(score.events)} events, {loudness_summary(wav, asked_loudness(score))}"
+            + (f", {late} after the last frame" if late else "")
         )
     if not run.outputs.edit_list.exists():
         run.reporter.note(
@@ -61,14 +63,15 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> Score:
     run.manifest.entries["events"] = {"written": len(score.events), "after_the_last_frame": late}
     run.manifest.entries["midi"] = midi_facts(midi, score.subframe, score.rate)
     run.manifest.entries["wav"] = wav_facts(wav)
-    return score
+    return score, wav
 
 
-def store_exports(run: SceneRun, score: Score, kinds: Collection[ExportKind]) -> None:
+def store_exports(
+    run: SceneRun, score: Score, wav: WavReport, kinds: Collection[ExportKind]
+) -> None:
     """Write the score for other programs, inside `working`, after the score itself."""
-    gain = run.manifest.entries["wav"]["gain_db"]
     with stage(run.reporter, "export", 1, "files") as current:
-        exported = export_score(run.outputs, score, kinds, gain or 0.0)
+        exported = export_score(run.outputs, score, kinds, wav.gain)
         current.advance(1)
         current.result = f"{len(exported.paths)} files in {run.outputs.score_folder.name}"
     run.records.update(*exported.paths, *exported.removed)

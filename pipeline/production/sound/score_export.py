@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from audio.dsp import Gain
 from audio.notation import musicxml
 from audio.performer_files import PerformerFile, write_performers
 from audio.reaper_project import reaper_project
@@ -35,7 +36,7 @@ class Export:
 
 
 def export_score(
-    outputs: Outputs, score: Score, kinds: Collection[ExportKind], gain_db: float
+    outputs: Outputs, score: Score, kinds: Collection[ExportKind], gain: Gain
 ) -> Export:
     """Write a score for other programs.
 
@@ -43,7 +44,7 @@ def export_score(
         outputs: of the scene.
         score: the score.
         kinds: what to write; a Reaper project has stems and performers, too.
-        gain_db: of the master, for stems [dB].
+        gain: of the master, as a factor, for stems.
 
     Raises:
         AudioError: something cannot be written; earlier files stay.
@@ -59,7 +60,7 @@ def export_score(
     sheet = musicxml(score) if ExportKind.musicxml in kinds else None
     if is_project or ExportKind.stems in kinds:
         make_folder(folder / "stems")
-        stems = list(write_stems(score, folder / "stems", gain_db))
+        stems = list(write_stems(score, folder / "stems", gain))
         removed += _remove_others(folder / "stems", (stem.path for stem in stems))
     if is_project or ExportKind.performers in kinds:
         make_folder(folder / "performers")

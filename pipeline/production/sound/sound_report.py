@@ -96,6 +96,7 @@ def wav_facts(wav: WavReport) -> dict[str, Any]:
     return {
         "samples": wav.samples,
         "lufs": _finite(wav.lufs),
+        "target_lufs": _finite(wav.target),
         "true_peak_db": _finite(wav.true_peak_db),
         "peak_db": _finite(wav.peak_db),
         "gain_db": _finite(wav.gain_db),
@@ -107,9 +108,27 @@ def _finite(decibels: float) -> float | None:
     return round(decibels, 2) if math.isfinite(decibels) else None
 
 
-def loudness_summary(wav: WavReport) -> str:
-    """Return loudness and true peak of a track in words."""
+def asked_loudness(score: Score) -> float:
+    """Return the loudness that a score asks for [LUFS], -inf for none."""
+    master = score.sound.master
+    return -math.inf if master is None else master.lufs + score.sound.volume_db
+
+
+TOLD_LU = 0.3
+"""By how much a track is below the loudness that was asked for when it is told [LU]."""
+
+
+def loudness_summary(wav: WavReport, asked: float) -> str:
+    """Return loudness and true peak of a track in words, and whether it is less than asked for.
+
+    Args:
+        wav: of the track.
+        asked: loudness that its scene asks for [LUFS]; -inf for none.
+    """
     if wav.peak_db == -math.inf:
         return "silent"
     peak = f"true peak {wav.true_peak_db:.1f} dB"
-    return f"loud {wav.lufs:.1f} LUFS, {peak}" if wav.lufs > -math.inf else peak
+    if wav.lufs == -math.inf:
+        return peak
+    low = f" instead of {asked:.1f}, to keep its peaks" if asked - wav.lufs > TOLD_LU else ""
+    return f"loud {wav.lufs:.1f} LUFS{low}, {peak}"

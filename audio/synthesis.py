@@ -8,6 +8,7 @@ from math import log2
 
 import numpy as np
 
+from audio import footsteps
 from audio.acoustic_materials import MaterialFamily, family_of
 from audio.cause_voices import Motion, MotionVoice, cause_voice
 from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
@@ -136,6 +137,10 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
     elif voice is not None or sound.duration > 0:
         rolls = voice is not None and voice.rolls
         signal = _friction(sound, _profile(sound, voice.seconds if voice else 0.0), rolls, rng)
+    elif sound.cause == footsteps.CAUSE and not sound.pitch and not sound.decay:
+        # One that is tuned plays its note instead.
+        parts = (sound.material, sound.surface, sound.size, sound.speed)
+        signal = _through_air(footsteps.footstep(*parts, rng), sound.distance)
     else:
         signal = _impact(sound, rng)
     signal = without_rumble(signal)
@@ -145,6 +150,14 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
     # The onset must be detectable on its sample.
     signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
     return signal
+
+
+def _through_air(signal: Signal, distance: float) -> Signal:
+    """Return a sound as it arrives over a distance [m], duller: (N,)."""
+    spectrum = np.fft.rfft(signal)
+    frequency = np.fft.rfftfreq(signal.size, 1 / SAMPLE_RATE)
+    loss = 10 ** (-_AIR_ABSORPTION * frequency**2 * distance / 20)
+    return np.asarray(np.fft.irfft(spectrum * loss, signal.size))
 
 
 def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:

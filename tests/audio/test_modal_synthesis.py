@@ -56,7 +56,8 @@ def test_the_point_of_impact_changes_the_spectrum_of_a_bar(step, score_of, read_
     def lowest_over_next(spot):
         share = []
         for frame in range(1, 12):
-            event = step(frame, material="wood", surface="stone", size=0.2, spot=spot)
+            blow = {"cause": "collision", "material": "wood", "surface": "stone"}
+            event = step(frame, size=0.2, spot=spot, **blow)
             sound = {"room": "dry", "master": "off"}
             write_wav(score_of([event], 48, sound=sound), tmp_path / "b.wav")
             power = np.abs(np.fft.rfft(read_wav(tmp_path / "b.wav")[:, 0])) ** 2

@@ -78,7 +78,9 @@ def test_twice_the_distance_is_6_db_softer(step, render):
 def test_distance_dulls_and_small_size_brightens(step, render):
     def brightness(**changes):
         # Averaged over variants.
-        blows = (render([step(f, surface="rock", **changes)], 48) for f in range(1, 9))
+        blows = (
+            render([step(f, cause="collision", surface="rock", **changes)], 48) for f in range(1, 9)
+        )
         return np.mean([centroid(blow) for blow in blows])
 
     assert brightness(distance=400) < 0.9 * brightness(distance=4)
@@ -125,7 +127,8 @@ def test_every_pair_of_materials_has_its_own_spectrum(step, render):
 
 def test_metal_rings_longer_than_wood_and_wood_longer_than_rubber(step, render):
     def ringing(material):
-        sound = render([step(1, material=material, surface="concrete", size=0.1)], 96)
+        blow = step(1, cause="collision", material=material, surface="concrete", size=0.1)
+        sound = render([blow], 96)
         energy = np.cumsum((sound**2).sum(axis=1))
         return int(np.searchsorted(energy, 0.999 * energy[-1]))
 

@@ -1,0 +1,248 @@
+"""Footsteps: the stages of a step, each in the grains and the ring of its ground.
+
+A foot comes down with its heel, rolls, slaps down its ball and pushes off; a hoof or claw strikes
+twice. Loose ground answers each stage with many small collisions of its own grains, which are
+short resonances at random times, snow with a creak besides, and floors with their modes. No two
+steps have the same times, levels and grains.
+
+Sources: Cook 1997 (PhISM) for grains; Fontana and Bresin 2003 for the stages of crushing ground;
+Turchet, Serafin, Dimitrov and Nordahl 2010 for heel and toe and the materials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from audio.acoustic_materials import MaterialFamily, family_name, family_of
+from audio.dsp import Signal, band_noise, convolve, normalized
+from audio.modal_synthesis import excited_modes, ring, with_contact_time
+from audio.time_grid import SAMPLE_RATE
+
+CAUSE = "footfall"
+
+HARD = frozenset({"chitin", "bone", "stone", "brick", "metal", "glass", "ice", "plastic"})
+"""Families of feet that strike without rolling: hooves, claws, shells."""
+
+LEG = 0.95
+"""Length of a person's leg, by which all others are measured [m]."""
+
+HEEL_TO_TOE, TWO_TICKS = 0.105, 0.032
+"""Time from heel to ball of a walking person, and between the two strikes of a hoof [s]."""
+
+PUSH = (2.3, 3.1)
+"""When the foot pushes off, in times from heel to ball."""
+
+TAIL = 0.14
+"""Time after the last stage that is kept [s]."""
+
+RESONATORS = 9
+"""Kinds of grains of one step."""
+
+
+@dataclass(frozen=True, slots=True)
+class LooseGround:
+    """How ground of grains answers a stage.
+
+    Attributes:
+        band: of the grains' resonances [Hz].
+        rate: grains a second at the strongest.
+        grain: time in which a grain falls by 60 dB [s].
+        spread: duration of a stage [s].
+        thump: frequency of the dull blow below [Hz].
+        weight: level of that blow beside the grains.
+        creak: level of the creak of snow beside the grains.
+        drops: level of bubbles beside the grains.
+    """
+
+    band: tuple[float, float]
+    rate: float
+    grain: float
+    spread: float
+    thump: float
+    weight: float
+    creak: float = 0.0
+    drops: float = 0.0
+
+
+GROUNDS: Mapping[str, LooseGround] = {
+    "soil": LooseGround((220, 1300), 900, 0.007, 0.050, 82, 0.55),
+    "grass": LooseGround((2400, 9000), 700, 0.004, 0.075, 70, 0.40),
+    "sand": LooseGround((1700, 6500), 9000, 0.0015, 0.075, 62, 0.28),
+    "gravel": LooseGround((1300, 7000), 420, 0.009, 0.080, 95, 0.22),
+    "snow": LooseGround((500, 2300), 2600, 0.004, 0.110, 55, 0.30, creak=0.5),
+    "water": LooseGround((900, 5200), 500, 0.010, 0.110, 110, 0.30, drops=0.9),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A stage of a step.
+
+    Attributes:
+        at: after the first touch [s].
+        level: relative to the first.
+        spread: its duration relative to that of a strike.
+        strikes: whether it is a blow; rolling and pushing off rub alone.
+    """
+
+    at: float
+    level: float
+    spread: float
+    strikes: bool
+
+
+def footstep(
+    material: str, surface: str, size: float, speed: float, rng: np.random.Generator
+) -> Signal:
+    """Return a step from its first touch on: (N,).
+
+    Args:
+        material: of the foot.
+        surface: of the ground.
+        size: of the leg [m].
+        speed: at which it comes down [m/s].
+        rng: of all that sets one step apart from the next.
+    """
+    stages = list(_stages(family_name(material) in HARD, size, speed, rng))
+    samples = round((stages[-1].at + TAIL) * SAMPLE_RATE)
+    loose = GROUNDS.get(family_name(surface))
+    sound = np.zeros(samples)
+    for stage in stages:
+        start = round(stage.at * SAMPLE_RATE)
+        if loose is not None:
+            part = _crushed(loose, stage, size, rng)
+        else:
+            part = _struck(family_of(material), family_of(surface), stage, size, speed, rng)
+        part = part[: samples - start]
+        sound[start : start + part.size] += stage.level * part
+    return sound
+
+
+def _stages(is_hard: bool, size: float, speed: float, rng: np.random.Generator) -> Iterator[Stage]:
+    """Yield the stages of a step in their order; small and fast feet take less time."""
+    pace = float(np.clip((size / LEG) ** 0.5 * max(speed, 0.1) ** -0.2, 0.3, 1.6))
+    if is_hard:
+        second = TWO_TICKS * pace * rng.uniform(0.8, 1.3)
+        yield Stage(0.0, 1.0, 0.7, True)
+        yield Stage(second, rng.uniform(0.35, 0.6), 0.6, True)
+        yield Stage(
+            second + 0.09 * pace * rng.uniform(0.9, 1.3), rng.uniform(0.08, 0.2), 1.2, False
+        )
+        return
+    toe = HEEL_TO_TOE * pace * rng.uniform(0.85, 1.2)
+    yield Stage(0.0, 1.0, 1.0, True)
+    yield Stage(0.35 * toe, rng.uniform(0.10, 0.22), 1.4, False)
+    yield Stage(toe, rng.uniform(0.55, 0.9), 0.9, True)
+    yield Stage(toe * rng.uniform(*PUSH), rng.uniform(0.10, 0.26), 1.6, False)
+
+
+def _crushed(ground: LooseGround, stage: Stage, size: float, rng: np.random.Generator) -> Signal:
+    """Return the answer of loose ground to a stage, of peak 1: (N,)."""
+    spread = ground.spread * stage.spread * rng.uniform(0.8, 1.25)
+    samples = round((spread + 0.05) * SAMPLE_RATE)
+    t = np.arange(samples) / SAMPLE_RATE
+    # Most grains give way at once, the others as they settle; what only rubs swells and ebbs.
+    envelope = np.exp(-4.0 * t / spread) if stage.strikes else np.sin(np.pi * t / t[-1]) ** 2
+    sound = normalized(_grains(ground, envelope, rng))
+    if ground.creak:
+        sound = sound + ground.creak * normalized(_creak(ground, envelope, rng))
+    if ground.drops and stage.strikes:
+        sound = sound + ground.drops * normalized(_bubbles(samples, rng))
+    if stage.strikes:
+        pitch = ground.thump * (LEG / max(size, 0.1)) ** 0.4 * rng.uniform(0.75, 1.4)
+        swing = 2.0 * np.pi * (min(pitch, 400.0) * t + rng.uniform(0.0, 0.45))
+        blow = np.sin(swing) * np.exp(-t / rng.uniform(0.008, 0.018))
+        sound = sound + ground.weight * blow
+    return normalized(sound)
+
+
+def _grains(ground: LooseGround, envelope: Signal, rng: np.random.Generator) -> Signal:
+    """Return grains at random times along an envelope, each a short resonance: (N,)."""
+    chance = ground.rate / SAMPLE_RATE * envelope
+    hits = np.flatnonzero(rng.random(envelope.size) < chance)
+    # The first touch is heard on its sample.
+    hits = np.concatenate(([0], hits))
+    strengths = (
+        rng.exponential(1.0, hits.size)
+        * np.sqrt(envelope[hits])
+        * rng.choice((-1.0, 1.0), hits.size)
+    )
+    kinds = rng.integers(0, RESONATORS, hits.size)
+    length = max(round(2.0 * ground.grain * SAMPLE_RATE), 32)
+    t = np.arange(length) / SAMPLE_RATE
+    sound = np.zeros(envelope.size)
+    low, high = np.log(ground.band[0]), np.log(ground.band[1])
+    for kind in range(RESONATORS):
+        own = kinds == kind
+        if not own.any():
+            continue
+        impulses = np.zeros(envelope.size)
+        np.add.at(impulses, hits[own], strengths[own])
+        pitch = np.exp(rng.uniform(low, high))
+        grain = np.cos(2.0 * np.pi * pitch * t) * np.exp(-6.9 * t / ground.grain)
+        sound += convolve(impulses, grain - grain.mean())
+    return sound
+
+
+def _creak(ground: LooseGround, envelope: Signal, rng: np.random.Generator) -> Signal:
+    """Return the creak of snow that is pressed: slips at a rate that rises, (N,)."""
+    rate = rng.uniform(150.0, 260.0) * (1.0 + 0.5 * np.linspace(0.0, 1.0, envelope.size))
+    phase = np.cumsum(rate * (1.0 + 0.25 * rng.standard_normal(envelope.size)) / SAMPLE_RATE)
+    slips = np.diff(np.floor(phase), prepend=0.0) * envelope
+    noise = band_noise(round(0.006 * SAMPLE_RATE), ground.band, rng)
+    return convolve(slips, noise * np.exp(-6.0 * np.linspace(0.0, 1.0, noise.size)))
+
+
+def _bubbles(samples: int, rng: np.random.Generator) -> Signal:
+    """Return bubbles that close and rise in pitch; van den Doel 2005: (N,)."""
+    sound, t = np.zeros(samples), np.arange(samples) / SAMPLE_RATE
+    for start in rng.uniform(0.0, 0.6 * t[-1], 7):
+        pitch, since = (
+            np.exp(rng.uniform(np.log(420.0), np.log(1900.0))),
+            np.maximum(t - start, 0.0),
+        )
+        phase = 2.0 * np.pi * pitch * (since + 2.0 * since**2)
+        bubble = np.sin(phase) * np.exp(-0.02 * pitch * since)
+        sound += rng.exponential(1.0) * bubble * (t >= start)
+    return sound
+
+
+def _struck(
+    own: MaterialFamily,
+    ground: MaterialFamily,
+    stage: Stage,
+    size: float,
+    speed: float,
+    rng: np.random.Generator,
+) -> Signal:
+    """Return the answer of a firm floor to a stage, of peak 1: (N,)."""
+    if not stage.strikes:
+        # A sole that rubs over the floor.
+        samples = round(0.055 * stage.spread * SAMPLE_RATE)
+        swell = np.sin(np.pi * np.arange(samples) / samples) ** 2
+        low, high = ground.grain_band
+        return normalized(band_noise(samples, (0.6 * low, high), rng) * swell)
+    soft = own.softness + ground.softness
+    contact = (
+        rng.uniform(0.6, 1.5) * soft * max(speed, 0.1) ** -0.2 * (size / LEG) ** 0.3 / stage.spread
+    )
+    taps = int(np.clip(round(1e-3 * contact * SAMPLE_RATE), 1, 60))
+    samples = round(0.13 * SAMPLE_RATE)
+    # One board or slab sounds unlike the next.
+    pitch = ground.ground * rng.uniform(0.65, 1.6)
+    # The floor is damped by whoever stands on it.
+    bank = excited_modes(
+        *(ground.shape, pitch, ground.friction, ground.damping + 26.0, ground.tilt, None, rng)
+    )
+    foot_pitch = float(np.clip(own.pitch * (LEG / size) ** 0.8 * rng.uniform(0.82, 1.22), 40, 6000))
+    damping = own.damping + 90.0
+    foot = excited_modes(*(own.shape, foot_pitch, own.friction, damping, own.tilt, None, rng))
+    sound = rng.uniform(0.25, 0.75) * normalized(with_contact_time(ring(bank, samples), taps))
+    sound += rng.uniform(0.35, 0.8) * normalized(with_contact_time(ring(foot, samples), taps))
+    # Sole and floor meet at many points, not at one.
+    slap = band_noise(samples, (500.0, 1600.0 + 900.0 / soft), rng)
+    slap *= np.exp(-np.arange(samples) / (0.0035 * SAMPLE_RATE))
+    return normalized(sound + rng.uniform(0.5, 0.9) * normalized(slap))

@@ -72,7 +72,9 @@ class Mastered:
     curve: Signal | None = None
 
 
-def master_mix(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Mastered:
+def master_mix(
+    mix: Signal, master: Master | None, volume_db: float = 0.0, bed: Signal | None = None
+) -> Mastered:
     """Return a mix at the target loudness.
 
     One gain raises the whole mix, so the balance of soft and loud stays; only peaks above the
@@ -82,6 +84,7 @@ def master_mix(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Ma
         mix: (N, 2), of any level.
         master: the target; None to apply the usual ceiling only.
         volume_db: configured volume, already in the mix, by which the target is raised [dB].
+        bed: (N, 2) of its final level, which no gain raises; only the limiter works on it.
     """
     config = master or _CEILING_ONLY
     ceiling_db, target = config.true_peak_db - _MARGIN, config.lufs + volume_db
@@ -96,7 +99,7 @@ def master_mix(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Ma
         )
         max_gain_db = min(config.most_gain_db, room)
         gain_db = min(target - loudness, max_gain_db)
-    out, curve = _limited(mix, gain_db, ceiling_db)
+    out, curve = _limited(mix, gain_db, ceiling_db, bed)
     # Secant search: limiting makes loudness grow slower than the gain.
     slope, loudness = 1.0, integrated_loudness(out)
     for _ in range(_SEARCH.max_rounds if master and curve is not None else 0):
@@ -104,7 +107,7 @@ def master_mix(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Ma
         if abs(step) < _SEARCH.tolerance or target - loudness < _SEARCH.tolerance:
             break
         gain_db += step
-        out, curve = _limited(mix, gain_db, ceiling_db)
+        out, curve = _limited(mix, gain_db, ceiling_db, bed)
         previous, loudness = loudness, integrated_loudness(out)
         slope = min(max((loudness - previous) / step, _SEARCH.min_slope), 1.0)
     done = _measured(out, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
@@ -129,9 +132,11 @@ def _usual_peak(peaks: Signal) -> float:
     return float(attacks[attacks.size - 1 - int(_RARE * attacks.size)])
 
 
-def _limited(mix: Signal, gain_db: float, ceiling_db: float) -> tuple[Signal, Signal | None]:
+def _limited(
+    mix: Signal, gain_db: float, ceiling_db: float, bed: Signal | None
+) -> tuple[Signal, Signal | None]:
     """Return the mix with a gain and limited, and the gain of the limiter (N,), if it works."""
-    raised = mix * 10 ** (gain_db / 20)
+    raised = mix * 10 ** (gain_db / 20) + (0.0 if bed is None else bed)
     curve = limiting_gain(raised, 10 ** (ceiling_db / 20))
     return (raised, None) if curve is None else (raised * curve[:, None], curve)
 

@@ -48,6 +48,9 @@ def reaper_project(
         # The MIDI of a performer is silent until an instrument is chosen for its track.
         path = performer.path.relative_to(folder)
         lines += _track_lines(f"{performer.performer} MIDI", "2 -1", ("MIDI", path, length))
+    for stem in causes[""]:
+        path = stem.path.relative_to(folder)
+        lines += _track_lines(stem.cause, "0 0", ("WAVE", path, length))
     return "\n".join([*lines, ">", ""]).encode("utf-8", "replace")
 
 

@@ -11,6 +11,7 @@ from fractions import Fraction
 from math import isfinite
 from typing import Literal
 
+from audio.ambience import Place
 from audio.config.sound import Sound
 from audio.errors import ScoreError
 
@@ -138,6 +139,7 @@ class Score:
         subframe: whether sounds stand at the exact times of their causes instead of on the
             frames that first show them.
         dance: beat of the dancers who start first; None without any.
+        place: what is heard around, in the track alone; None for nothing.
     """
 
     rate: Fraction
@@ -149,6 +151,7 @@ class Score:
     markers: tuple[Marker, ...] = ()
     subframe: bool = False
     dance: DanceBeat | None = None
+    place: Place | None = None
 
     def onset(self, event: ScoreEvent) -> Fraction:
         """Return the time of an event's sound [s]."""

@@ -21,7 +21,10 @@ from audio.notes import Note, notes_of
 from audio.score import Score
 from audio.sound_files import write_sound_file
 from audio.time_grid import SAMPLE_RATE, sample_of_frame
-from audio.wav_file import mix_notes
+from audio.wav_file import bed_of, mix_notes
+
+AMBIENCE = "ambience"
+"""Name of the stem of what is heard around."""
 
 _FLOAT_FORMAT = 3
 _FRAME_BYTES = 8
@@ -44,13 +47,16 @@ class Stem:
     changed: bool
 
 
-def write_stems(score: Score, folder: Path, gain: Gain) -> Iterator[Stem]:
+def write_stems(
+    score: Score, folder: Path, gain: Gain, curve: Signal | None = None
+) -> Iterator[Stem]:
     """Write the stems of a score, and yield each, by performer and cause.
 
     Args:
         score: the score; a SoundFont of it is not used.
         folder: that exists.
         gain: of the master, as a factor, at each sample (N, 1) where its limiter works.
+        curve: of the limiter alone (N,), which works on the ambience, too; None without any.
 
     Raises:
         ScoreError: an event lies outside the score, or a SoundFont plays it.
@@ -67,6 +73,11 @@ def write_stems(score: Score, folder: Path, gain: Gain) -> Iterator[Stem]:
         mix = mix_notes(score, notes, samples) * gain
         path = folder / f"{names[performer]}_{cause}.wav"
         yield Stem(performer, cause, path, write_sound_file(path, float_wav_bytes(mix)))
+    bed = bed_of(score, samples)
+    if bed is not None:
+        bed = bed if curve is None else bed * curve[:, None]
+        path = folder / f"{AMBIENCE}.wav"
+        yield Stem("", AMBIENCE, path, write_sound_file(path, float_wav_bytes(bed)))
 
 
 def float_wav_bytes(samples: Signal) -> bytes:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from audio.ambience import USUAL_LUFS, ambience
 from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
 from audio.errors import ScoreError, SoundFileError
 from audio.mastering import FULL_SCALE, master_mix
@@ -98,7 +99,8 @@ def write_wav(score: Score, path: Path) -> WavReport:
         mix = mix_notes(score, notes, samples)
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
-    track = master_mix(mix, score.sound.master, score.sound.volume_db)
+    bed = bed_of(score, samples)
+    track = master_mix(mix, score.sound.master, score.sound.volume_db, bed)
     changed = write_sound_file(path, wav_bytes(track.samples))
     peak = int(np.abs(track.samples).max(initial=0))
     power = np.sum((track.samples / FULL_SCALE) ** 2) / max(track.samples.size, 1)
@@ -118,6 +120,15 @@ def write_wav(score: Score, path: Path) -> WavReport:
         target=track.target,
         curve=track.curve,
     )
+
+
+def bed_of(score: Score, samples: int) -> Signal | None:
+    """Return what is heard around the events of a score, (N, 2), None for nothing."""
+    if score.place is None:
+        return None
+    sound = score.sound
+    target = USUAL_LUFS if sound.master is None else sound.master.lufs
+    return ambience(score.place, samples, score.seed & 0x7FFFFFFF, target + sound.volume_db)
 
 
 def mix_notes(score: Score, notes: Sequence[Note], samples: int) -> Signal:

@@ -179,6 +179,11 @@ def _expand_master(value: object) -> object:
     return None if value is False or value == "off" else value
 
 
+AmbienceName = Literal[
+    "auto", "none", "meadow", "forest", "desert", "shore", "stream", "rain", "night", "street",
+    "room", "underwater",
+]  # fmt: skip
+
 RoomOrName = Annotated[Room, BeforeValidator(_expand_room, json_schema_input_type=RoomName | Room)]
 MasterOrOff = Annotated[
     Master | None,
@@ -236,6 +241,11 @@ class Sound(AudioConfig):
     )
     listener: Literal["camera"] | tuple[float, float, float] = Field(
         "camera", description="At the camera, or at a place [x, y, z] with its orientation."
+    )
+    ambience: AmbienceName = Field(
+        "auto",
+        description="What is heard around: auto goes by ground, hour and weather; none, or the "
+        "name of a place.",
     )
     room: RoomOrName = Field(Room(), description="Acoustics of the track: open, dry, room, hall.")
     master: MasterOrOff = Field(

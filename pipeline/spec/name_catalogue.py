@@ -14,6 +14,7 @@ from typing import get_args
 from pydantic.fields import FieldInfo
 
 from audio.acoustic_materials import family_name
+from audio.ambience import PLACES
 from audio.config.sound import Room, RoomName
 from audio.general_midi import DRUMS, FAMILIES, FAMILY_SIZE, INSTRUMENTS, LOWEST_DRUM_KEY
 from audio.harmony import MODES
@@ -117,6 +118,14 @@ def _dances(folder: Path) -> Iterator[NameEntry]:
 def _scenes(folder: Path) -> Iterator[NameEntry]:
     shipped = {name: library() / (name + SUFFIX) for name in names_in(library())}
     return _files({} if folder.resolve() == library() else scenes_in(folder), shipped)
+
+
+def _ambiences(folder: Path) -> Iterator[NameEntry]:
+    yield NameEntry("auto", "by ground, hour and weather")
+    yield NameEntry("none", "silence between the events")
+    for name, place in PLACES.items():
+        layers = (f"{layer} {amount:g}" for layer, amount in place.layers.items())
+        yield NameEntry(name, ", ".join(layers))
 
 
 def _sequences(folder: Path) -> Iterator[NameEntry]:
@@ -348,6 +357,7 @@ NAME_KINDS: Mapping[str, NameKind] = {
     "figures": NameKind("`figure:` of the cast, with their sizes at `scale: 1`", _figures),
     "dances": NameKind("`dance:` of dancers and of their orders", _dances),
     "scenes": NameKind("what commands take", _scenes),
+    "ambiences": NameKind("`sound: {ambience: ...}`", _ambiences),
     "sequences": NameKind("several scenes as one film, for `pronk render`", _sequences),
     "materials": NameKind("`material:`, by what they sound like", _materials),
     "terrains": NameKind("`terrain:`", _terrains),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,14 @@ def test_tracks_of_shipped_scenes_have_their_onsets_and_loudness(
     scene = load_scene(library() / (name + SUFFIX))
     take = simulate(scene)
     score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
+    with_bed = write_wav(score, tmp_path / "track.wav")
+    sound = read_wav(tmp_path / "track.wav")
+    # Nowhere silent, and the events stand out of it.
+    level = np.sqrt((sound[: len(sound) // 2400 * 2400] ** 2).reshape(-1, 4800).mean(axis=1))
+    assert np.mean(level > 10 ** (-60 / 20)) > 0.7
+    score = replace(score, place=None)
     report = write_wav(score, tmp_path / "track.wav")
+    assert report.lufs == -np.inf or report.lufs - 1 < with_bed.lufs < max(report.lufs + 3, -20)
     sound = read_wav(tmp_path / "track.wav")
     magnitude = np.abs(sound).max(axis=1)
     onsets = sorted({sample_at(note.onset) for note in notes_of(score)})

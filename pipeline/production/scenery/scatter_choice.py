@@ -83,7 +83,7 @@ class ScatterChoice:
         if fitted and (scene.terrain.water is not None or around.kind == "sea"):
             fitted = (*fitted, *WATERSIDE)
         asked = tuple(_asked(one) for one in scatter.species)
-        if _is_drowned(scene):
+        if is_drowned(scene):
             asked = tuple(replace(one, where="wet") for one in asked)
         return ScatterChoice(fitted, asked, max(scatter.density, 1.0))
 
@@ -93,7 +93,7 @@ class ScatterChoice:
         return (*self.fitted, *self.asked)
 
 
-def _is_drowned(scene: Scene) -> bool:
+def is_drowned(scene: Scene) -> bool:
     """Return whether water stands over all of the terrain, as about the height of it tells."""
     terrain = scene.terrain
     if terrain.water is None or not hasattr(terrain, "height"):

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from audio.dsp import Gain
+from audio.dsp import Gain, Signal
 from audio.notation import musicxml
 from audio.performer_files import PerformerFile, write_performers
 from audio.reaper_project import reaper_project
@@ -36,7 +36,11 @@ class Export:
 
 
 def export_score(
-    outputs: Outputs, score: Score, kinds: Collection[ExportKind], gain: Gain
+    outputs: Outputs,
+    score: Score,
+    kinds: Collection[ExportKind],
+    gain: Gain,
+    curve: Signal | None = None,
 ) -> Export:
     """Write a score for other programs.
 
@@ -45,6 +49,7 @@ def export_score(
         score: the score.
         kinds: what to write; a Reaper project has stems and performers, too.
         gain: of the master, as a factor, for stems.
+        curve: of its limiter alone.
 
     Raises:
         AudioError: something cannot be written; earlier files stay.
@@ -60,7 +65,7 @@ def export_score(
     sheet = musicxml(score) if ExportKind.musicxml in kinds else None
     if is_project or ExportKind.stems in kinds:
         make_folder(folder / "stems")
-        stems = list(write_stems(score, folder / "stems", gain))
+        stems = list(write_stems(score, folder / "stems", gain, curve))
         removed += _remove_others(folder / "stems", (stem.path for stem in stems))
     if is_project or ExportKind.performers in kinds:
         make_folder(folder / "performers")

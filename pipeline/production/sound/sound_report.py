@@ -130,5 +130,7 @@ def loudness_summary(wav: WavReport, asked: float) -> str:
     peak = f"true peak {wav.true_peak_db:.1f} dB"
     if wav.lufs == -math.inf:
         return peak
+    if not wav.events:
+        return f"ambience alone, {wav.lufs:.1f} LUFS"
     low = f" instead of {asked:.1f}, to keep its peaks" if asked - wav.lufs > TOLD_LU else ""
     return f"loud {wav.lufs:.1f} LUFS{low}, {peak}"

@@ -1,0 +1,299 @@
+"""Ambience: the bed of sound of a place, as long as the film.
+
+Wind and what it moves, birds, crickets, rain, surf, running water, the tone of a room and the dull
+world below water; each layer comes from both sides and changes slowly, and none has an onset that
+could be taken for an event.
+
+Sources: Farnell, Designing Sound, 2010, chapters on wind, rain, water and insects; van den Doel
+2005 for bubbles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from audio.dsp import Signal, convolve, pan_gains, without_rumble
+from audio.loudness_meter import integrated_loudness
+from audio.time_grid import SAMPLE_RATE
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What is heard at a place when nothing happens, each from 0 to 1.
+
+    Attributes:
+        wind: in the open.
+        leaves: that the wind moves.
+        birds: by day.
+        crickets: at night, and in dry heat.
+        rain: on the ground around.
+        surf: of a sea.
+        stream: of running water.
+        room: tone of a room.
+        submerged: below water, from where nothing else is heard.
+    """
+
+    wind: float = 0.0
+    leaves: float = 0.0
+    birds: float = 0.0
+    crickets: float = 0.0
+    rain: float = 0.0
+    surf: float = 0.0
+    stream: float = 0.0
+    room: float = 0.0
+    submerged: float = 0.0
+
+    @property
+    def layers(self) -> dict[str, float]:
+        """Its layers that are heard."""
+        amounts = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: amount for name, amount in amounts.items() if amount > 0.0}
+
+
+PLACES: Mapping[str, Place] = {
+    "meadow": Place(wind=0.35, leaves=0.25, birds=0.6),
+    "forest": Place(wind=0.25, leaves=0.7, birds=0.8),
+    "desert": Place(wind=0.8),
+    "shore": Place(wind=0.4, surf=1.0),
+    "stream": Place(wind=0.2, leaves=0.3, birds=0.4, stream=1.0),
+    "rain": Place(wind=0.3, rain=0.8),
+    "night": Place(wind=0.2, leaves=0.15, crickets=0.8),
+    "street": Place(wind=0.45, birds=0.2),
+    "room": Place(room=1.0),
+    "underwater": Place(submerged=1.0),
+}
+"""Places by name."""
+
+LOUDNESS: Mapping[str, float] = {
+    "wind": -34.0,
+    "leaves": -38.0,
+    "birds": -41.0,
+    "crickets": -41.0,
+    "rain": -30.0,
+    "surf": -33.0,
+    "stream": -35.0,
+    "room": -47.0,
+    "submerged": -36.0,
+}
+"""Loudness of each layer at its full amount, beside a track of -16 LUFS [LUFS]."""
+
+USUAL_LUFS = -16.0
+
+CONTROL_RATE = 50
+"""Values of slow changes a second."""
+
+
+def ambience(place: Place, samples: int, seed: int, target_lufs: float = USUAL_LUFS) -> Signal:
+    """Return the bed of a place: (samples, 2).
+
+    Args:
+        place: what is heard.
+        samples: of the film.
+        seed: of the scene.
+        target_lufs: loudness that the track is meant to have [LUFS].
+    """
+    bed = np.zeros((samples, 2))
+    gusts = _slow(samples, 0.16, 4.0, np.random.default_rng([seed, 70]))
+    for number, (name, make) in enumerate(_LAYERS.items()):
+        amount = place.layers.get(name, 0.0)
+        if not amount:
+            continue
+        rng = np.random.default_rng([seed, 71 + number])
+        layer = make(samples, gusts, rng)
+        loudness = integrated_loudness(layer)
+        if np.isfinite(loudness):
+            wanted = LOUDNESS[name] + 20.0 * np.log10(amount) + target_lufs - USUAL_LUFS
+            bed += layer * 10 ** ((wanted - loudness) / 20)
+    edge = min(round(0.02 * SAMPLE_RATE), samples // 2)
+    bed[:edge] *= np.linspace(0.0, 1.0, edge)[:, None]
+    bed[samples - edge :] *= np.linspace(1.0, 0.0, edge)[:, None]
+    return bed
+
+
+def _slow(samples: int, rate: float, depth: float, rng: np.random.Generator) -> Signal:
+    """Return a slow change around 1, (samples,).
+
+    Args:
+        samples: of the film.
+        rate: of its changes [Hz].
+        depth: in decibels, as a deviation.
+        rng: of the change.
+    """
+    count = samples * CONTROL_RATE // SAMPLE_RATE + 2
+    size = 1 << (count + 4 * CONTROL_RATE).bit_length()
+    spectrum = np.fft.rfft(rng.standard_normal(size))
+    frequency = np.fft.rfftfreq(size, 1 / CONTROL_RATE)
+    spectrum *= np.exp(-((frequency / rate) ** 2))
+    curve = np.fft.irfft(spectrum, size)[:count]
+    curve = curve / max(float(np.std(curve)), 1e-9)
+    level = 10 ** (depth * np.clip(curve, -1.4, 2.2) / 20)
+    at = np.arange(samples) * (CONTROL_RATE / SAMPLE_RATE)
+    return np.interp(at, np.arange(count), level)
+
+
+def _noise(
+    samples: int, band: tuple[float, float], rng: np.random.Generator, slope: float = 0.0
+) -> Signal:
+    """Return noise between two frequencies, not alike on both sides: (samples, 2).
+
+    Args:
+        samples: of the film.
+        band: lower and upper edge [Hz].
+        rng: of the noise.
+        slope: power of the frequency by which its amplitude falls.
+    """
+    size = 1 << max(int(samples - 1).bit_length(), 6)
+    frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE)
+    low, high = band
+    shape = (frequency / low) ** 2 / np.sqrt(1 + (frequency / low) ** 4)
+    shape /= np.sqrt(1 + (frequency / high) ** 6)
+    shape *= np.maximum(frequency, low) ** -slope
+    sides = [
+        np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * shape, size)[:samples]
+        for _ in range(2)
+    ]
+    # Part of it is the same on both sides: a place is around, not at two ears.
+    middle = 0.5 * (sides[0] + sides[1])
+    return np.stack([0.8 * side + 0.6 * middle for side in sides], axis=-1)
+
+
+def _wind(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    body = _noise(samples, (90.0, 420.0), rng, 0.6)
+    whistle = _noise(samples, (500.0, 1100.0), rng, 0.5)
+    return body * gusts[:, None] + 9.0 * whistle * (gusts**2)[:, None]
+
+
+def _leaves(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    flutter = _slow(samples, 2.2, 2.5, rng)
+    return _noise(samples, (1800.0, 7000.0), rng, 0.4) * (gusts**1.5 * flutter)[:, None]
+
+
+def _scattered(
+    samples: int,
+    rate: float,
+    make: Callable[[np.random.Generator], Signal],
+    rng: np.random.Generator,
+) -> Signal:
+    """Return sounds at random times, from random sides and distances: (samples, 2).
+
+    Args:
+        samples: of the film.
+        rate: of the sounds, a second.
+        make: returns one of them (N,).
+        rng: of all that is random.
+    """
+    out = np.zeros((samples, 2))
+    for _ in range(max(int(rng.poisson(rate * samples / SAMPLE_RATE)), 1)):
+        sound = make(rng) * rng.uniform(0.12, 1.0) ** 1.5
+        start = int(rng.integers(0, max(samples - sound.size, 1)))
+        left, right = pan_gains(rng.uniform(-0.85, 0.85))
+        part = sound[: samples - start]
+        out[start : start + part.size] += part[:, None] * [left, right]
+    return out
+
+
+def _phrase(rng: np.random.Generator) -> Signal:
+    """Return a phrase of one bird: chirps that glide, alike within the phrase."""
+    base, notes = rng.uniform(2400.0, 5200.0), int(rng.integers(2, 7))
+    glide, length = rng.uniform(-0.35, 0.45), rng.uniform(0.05, 0.14)
+    trill = rng.uniform(18.0, 45.0) * (rng.random() < 0.4)
+    pieces = []
+    for _ in range(notes):
+        t = np.arange(round(length * rng.uniform(0.8, 1.2) * SAMPLE_RATE)) / SAMPLE_RATE
+        u = t / t[-1]
+        pitch = base * rng.uniform(0.94, 1.06) * (1.0 + glide * u + 0.03 * np.sin(6.28 * trill * t))
+        tone = np.sin(2.0 * np.pi * np.cumsum(pitch) / SAMPLE_RATE) * np.sin(np.pi * u) ** 1.5
+        pieces += [tone, np.zeros(round(rng.uniform(0.03, 0.12) * SAMPLE_RATE))]
+    return np.concatenate(pieces)
+
+
+def _birds(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    near = _scattered(samples, 0.55, _phrase, rng)
+    # The wood answers softly.
+    tail = rng.standard_normal(round(0.5 * SAMPLE_RATE)) * np.exp(
+        -np.arange(round(0.5 * SAMPLE_RATE)) / (0.11 * SAMPLE_RATE)
+    )
+    tail /= np.sqrt((tail**2).sum())
+    return near + 0.5 * np.stack([convolve(side, tail) for side in near.T], axis=-1)
+
+
+def _crickets(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    t = np.arange(samples) / SAMPLE_RATE
+    out = np.zeros((samples, 2))
+    for _ in range(5):
+        pitch, chirps = rng.uniform(3900.0, 4800.0), rng.uniform(1.6, 2.9)
+        beat = (t * chirps + rng.uniform()) % 1.0
+        # Three strokes of the wings in each chirp.
+        strokes = np.sin(3.0 * np.pi * np.minimum(beat / 0.28, 1.0)) ** 2 * (beat < 0.28)
+        song = np.sin(2.0 * np.pi * pitch * t) * strokes * _slow(samples, 0.1, 3.0, rng)
+        left, right = pan_gains(rng.uniform(-0.9, 0.9))
+        out += song[:, None] * [left, right] * rng.uniform(0.2, 1.0)
+    return out
+
+
+def _rain(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    wash = _noise(samples, (900.0, 8500.0), rng, 0.35)
+    wash /= np.sqrt(np.mean(wash**2))
+    length = round(0.004 * SAMPLE_RATE)
+    t = np.arange(length) / SAMPLE_RATE
+    drops = np.zeros((samples, 2))
+    for pitch in (1400.0, 2300.0, 3600.0, 5200.0):
+        hits = rng.random((samples, 2)) < 55.0 / SAMPLE_RATE
+        strength = np.where(hits, np.minimum(rng.exponential(1.0, (samples, 2)), 2.5), 0.0)
+        drop = np.cos(2.0 * np.pi * pitch * t) * np.exp(-t / 0.0008)
+        drops += np.stack([convolve(side, drop - drop.mean()) for side in strength.T], axis=-1)
+    drops /= np.sqrt(np.mean(drops**2))
+    return (wash + 0.8 * drops) * (gusts**0.4)[:, None]
+
+
+def _surf(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    swell = _slow(samples, 0.14, 5.0, rng)
+    low = _noise(samples, (110.0, 700.0), rng, 0.7)
+    foam = _noise(samples, (1100.0, 6500.0), rng, 0.5)
+    later = np.roll(swell, round(1.1 * SAMPLE_RATE))
+    return low * swell[:, None] + 7.0 * foam * (later**1.6)[:, None]
+
+
+def _bubble(rng: np.random.Generator) -> Signal:
+    pitch = np.exp(rng.uniform(np.log(420.0), np.log(2100.0)))
+    t = np.arange(round(0.06 * SAMPLE_RATE)) / SAMPLE_RATE
+    phase = 2.0 * np.pi * pitch * (t + 1.5 * t**2)
+    return np.sin(phase) * np.exp(-0.025 * pitch * t) * np.minimum(t / 0.002, 1.0)
+
+
+def _stream(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    wash = _noise(samples, (350.0, 2600.0), rng, 0.5)
+    bubbles = _scattered(samples, 70.0, _bubble, rng)
+    scale = np.sqrt(np.mean(bubbles**2)) / max(float(np.sqrt(np.mean(wash**2))), 1e-12)
+    return bubbles + 0.7 * scale * wash
+
+
+def _room(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    return _noise(samples, (70.0, 300.0), rng, 0.8) * _slow(samples, 0.2, 0.8, rng)[:, None]
+
+
+def _submerged(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    deep = _noise(samples, (55.0, 190.0), rng, 0.8) * gusts[:, None]
+    bubbles = _scattered(samples, 2.5, _bubble, rng)
+    scale = np.sqrt(np.mean(deep**2)) / max(float(np.sqrt(np.mean(bubbles**2))), 1e-12)
+    dull = np.stack([without_rumble(side) for side in deep.T], axis=-1)
+    return dull + 0.25 * scale * bubbles
+
+
+_Layer = Callable[[int, Signal, np.random.Generator], Signal]
+
+_LAYERS: Mapping[str, _Layer] = {
+    "wind": _wind,
+    "leaves": _leaves,
+    "birds": _birds,
+    "crickets": _crickets,
+    "rain": _rain,
+    "surf": _surf,
+    "stream": _stream,
+    "room": _room,
+    "submerged": _submerged,
+}
+"""Layers by the names of the attributes of a place."""

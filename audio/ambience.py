@@ -4,8 +4,7 @@ Wind and what it moves, birds, crickets, rain, surf, running water, the tone of 
 world below water; each layer comes from both sides and changes slowly, and none has an onset that
 could be taken for an event.
 
-Sources: Farnell, Designing Sound, 2010, chapters on wind, rain, water and insects; van den Doel
-2005 for bubbles.
+Source: Farnell, Designing Sound, 2010, chapters on wind, rain, water and insects.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from audio.bubbles import bubble
 from audio.dsp import Signal, convolve, pan_gains, without_rumble
 from audio.loudness_meter import integrated_loudness
 from audio.time_grid import SAMPLE_RATE
@@ -257,16 +257,9 @@ def _surf(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     return low * swell[:, None] + 7.0 * foam * (later**1.6)[:, None]
 
 
-def _bubble(rng: np.random.Generator) -> Signal:
-    pitch = np.exp(rng.uniform(np.log(420.0), np.log(2100.0)))
-    t = np.arange(round(0.06 * SAMPLE_RATE)) / SAMPLE_RATE
-    phase = 2.0 * np.pi * pitch * (t + 1.5 * t**2)
-    return np.sin(phase) * np.exp(-0.025 * pitch * t) * np.minimum(t / 0.002, 1.0)
-
-
 def _stream(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     wash = _noise(samples, (350.0, 2600.0), rng, 0.5)
-    bubbles = _scattered(samples, 70.0, _bubble, rng)
+    bubbles = _scattered(samples, 70.0, bubble, rng)
     scale = np.sqrt(np.mean(bubbles**2)) / max(float(np.sqrt(np.mean(wash**2))), 1e-12)
     return bubbles + 0.7 * scale * wash
 
@@ -277,7 +270,7 @@ def _room(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
 
 def _submerged(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     deep = _noise(samples, (55.0, 190.0), rng, 0.8) * gusts[:, None]
-    bubbles = _scattered(samples, 2.5, _bubble, rng)
+    bubbles = _scattered(samples, 2.5, bubble, rng)
     scale = np.sqrt(np.mean(deep**2)) / max(float(np.sqrt(np.mean(bubbles**2))), 1e-12)
     dull = np.stack([without_rumble(side) for side in deep.T], axis=-1)
     return dull + 0.25 * scale * bubbles

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from audio.acoustic_materials import MaterialFamily, family_name, family_of
+from audio.bubbles import bubble
 from audio.dsp import Signal, band_noise, convolve, normalized
 from audio.modal_synthesis import excited_modes, ring, with_contact_time
 from audio.time_grid import SAMPLE_RATE
@@ -37,6 +38,9 @@ PUSH = (2.3, 3.1)
 
 TAIL = 0.14
 """Time after the last stage that is kept [s]."""
+
+BUBBLES = 7
+"""Number of them under a foot in water."""
 
 RESONATORS = 9
 """Kinds of grains of one step."""
@@ -197,16 +201,11 @@ def _creak(ground: LooseGround, envelope: Signal, rng: np.random.Generator) -> S
 
 
 def _bubbles(samples: int, rng: np.random.Generator) -> Signal:
-    """Return bubbles that close and rise in pitch; van den Doel 2005: (N,)."""
-    sound, t = np.zeros(samples), np.arange(samples) / SAMPLE_RATE
-    for start in rng.uniform(0.0, 0.6 * t[-1], 7):
-        pitch, since = (
-            np.exp(rng.uniform(np.log(420.0), np.log(1900.0))),
-            np.maximum(t - start, 0.0),
-        )
-        phase = 2.0 * np.pi * pitch * (since + 2.0 * since**2)
-        bubble = np.sin(phase) * np.exp(-0.02 * pitch * since)
-        sound += rng.exponential(1.0) * bubble * (t >= start)
+    """Return some bubbles that close one after the other: (samples,)."""
+    sound = np.zeros(samples)
+    for start in rng.integers(0, round(0.6 * samples), BUBBLES).tolist():
+        part = bubble(rng)[: samples - start]
+        sound[start : start + part.size] += rng.exponential(1.0) * part
     return sound
 
 

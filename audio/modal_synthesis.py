@@ -14,12 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from audio.acoustic_materials import Solid
+from audio.body_shape import SIDES, BodyShape
 from audio.dsp import SILENCE_EXPONENT, Signal
+from audio.elastic_modes import body_modes, membrane_modes
 from audio.mode_shapes import ModeShape
 from audio.time_grid import SAMPLE_RATE
 
 # Modes outside are inaudible, and would alias above half the sample rate [Hz].
 _MIN_FREQUENCY, _MAX_FREQUENCY = 20, 18_000.0
+SPEED_OF_SOUND = 343.0
+"""In air at 20 °C [m/s]."""
 # Samples per step of the coarse table of powers; near the square root of a usual length.
 _BLOCK = 256
 # Multiplications below which BLAS uses one thread: the bits must not depend on the number of
@@ -150,14 +155,65 @@ def ring(bank: ModalBank, samples: int) -> Signal:
     return np.matmul(stacked, right).reshape(-1)[:samples]
 
 
-def with_contact_time(response: Signal, taps: int) -> Signal:
-    """Return an impulse response as excited by a half-sine force: same shape.
+def body_bank(
+    shape: BodyShape, solid: Solid, damping: float, spot: float | None, rng: np.random.Generator
+) -> ModalBank:
+    """Return the modes of a body that a unit impulse excites, as pressure at the listener.
 
-    The longer the contact, the duller the sound.
+    A mode's acceleration is ω φ(struck) φ(facing the listener) / mass. The body also recoils as
+    a whole: the pressure of a rigid ball of radius a that is pushed is a tone of frequency
+    c / (2π a) that decays as fast, the click that is left where all modes are above hearing.
+
+    Source: Morse and Ingard 1968, 7.2, for the ball; both radiate as dipoles.
 
     Args:
-        response: (N,).
-        taps: samples that the contact lasts, at least one.
+        shape: of the body.
+        solid: its material.
+        damping: of all modes, from what the body lies on [1/s].
+        spot: point of impact along the longest axis, 0 to 1; None for a random one.
+        rng: of the point of impact, the side that faces the listener, and signs.
     """
-    force = np.sin(np.pi * (np.arange(taps) + 1) / (taps + 1))
-    return np.convolve(response, force / force.sum())[: response.size]
+    if shape.kind == "membrane":
+        modes = membrane_modes()
+    else:
+        modes = body_modes(shape.kind, *shape.proportions, round(solid.poisson, 2))
+    omega = modes.omega * np.sqrt(solid.young / solid.density) / shape.length
+    struck, facing = rng.uniform(0, 1, 2)
+    jitter = rng.uniform(-_IMPACT.spot_jitter, _IMPACT.spot_jitter)
+    if spot is not None:
+        struck = min(max(spot + jitter, 0.0), 1.0)
+    sides = rng.integers(0, SIDES, 2)
+    # A body vibrates towards the listener on average; one side of it more or less.
+    near = np.sqrt(0.5 + 0.5 * _at(modes.displacement[:, :, sides[0]], facing) ** 2)
+    excitation = _at(modes.displacement[:, :, sides[1]], struck)
+    corner = SPEED_OF_SOUND / shape.radiating_radius
+    wave = omega / corner
+    amplitude = omega * excitation * near * wave / np.sqrt(4 + wave**4)
+    amplitude = amplitude * _signs(omega.size, rng)
+    frequency = np.append(omega / (2 * np.pi), corner / (2 * np.pi))
+    decay = np.append(0.5 * omega * solid.loss + damping, corner)
+    amplitude = np.append(amplitude, np.sqrt(2) * corner)
+    scale = shape.radiating_radius**2 / (shape.volume * solid.density)
+    audible = (frequency < _MAX_FREQUENCY) & (frequency > _MIN_FREQUENCY)
+    # However small the body, it clicks.
+    audible[-1] = True
+    frequency[-1] = min(frequency[-1], _MAX_FREQUENCY)
+    return ModalBank(frequency[audible], decay[audible], scale * amplitude[audible])
+
+
+def lowest_frequency(shape: BodyShape, solid: Solid) -> float:
+    """Return the frequency of the lowest mode of a body [Hz]."""
+    if shape.kind == "membrane":
+        modes = membrane_modes()
+    else:
+        modes = body_modes(shape.kind, *shape.proportions, round(solid.poisson, 2))
+    wave_speed = np.sqrt(solid.young / solid.density)
+    return float(modes.omega[0] * wave_speed / shape.length / (2 * np.pi))
+
+
+def _at(table: Signal, along: float) -> Signal:
+    """Return values between stations, of a table of (M, STATIONS), at 0 to 1: (M,)."""
+    position = along * (table.shape[1] - 1)
+    i = min(int(position), table.shape[1] - 2)
+    x = position - i
+    return np.asarray((1 - x) * table[:, i] + x * table[:, i + 1])

@@ -11,6 +11,7 @@ from fractions import Fraction
 from math import isfinite
 from typing import Literal
 
+from audio.body_shape import BodyShape
 from audio.config.sound import Sound
 from audio.errors import ScoreError
 
@@ -53,6 +54,8 @@ class ScoreEvent:
             unknown.
         course: of a sustained sound that moves, its bearings at these times; empty if it stays.
         spot: point of impact along the part's longest axis, 0 to 1; None if unknown.
+        shape: of the part; None if unknown.
+        struck_shape: of the body that the part met; None for the ground or if unknown.
     """
 
     frame: int
@@ -72,6 +75,8 @@ class ScoreEvent:
     speeds: tuple[float, ...] = ()
     course: tuple[Bearing, ...] = ()
     spot: float | None = None
+    shape: BodyShape | None = None
+    struck_shape: BodyShape | None = None
 
     @property
     def key(self) -> tuple[object, ...]:

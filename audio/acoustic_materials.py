@@ -208,7 +208,7 @@ _FAMILY_BY_WORD: dict[str, str] = {
     **dict.fromkeys(("drumhead",), "flesh"),
     **dict.fromkeys(("vinyl", "acrylic", "resin", "nylon"), "plastic"),
     **dict.fromkeys(("latex", "foam", "silicone"), "rubber"),
-    **dict.fromkeys(("skin", "fur", "leather", "hide", "paw", "body", "lips"), "flesh"),
+    **dict.fromkeys(("skin", "fur", "leather", "hide", "paw", "body", "lips", "iris"), "flesh"),
     **dict.fromkeys(("felt", "wool", "fabric", "velvet", "carpet", "silk"), "cloth"),
     **dict.fromkeys(("plush", "denim", "linen", "cotton"), "cloth"),
     **dict.fromkeys(("earth", "dirt", "mud", "ground", "loam", "peat", "dust"), "soil"),

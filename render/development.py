@@ -1,9 +1,9 @@
 """Development: scene light as a picture, by exposure, contrast and look.
 
 The order is that of a camera and its darkroom: glare of the lens, darkening towards its corners,
-more exposure of shade, the curve of the film, and then the grading. Slope, offset, power and
-saturation are those of the colour decision list of the American Society of Cinematographers (ASC
-CDL 1.2, 2009).
+more exposure of shade, the curve of the film, then the grading, and at last words over it. Slope,
+offset, power and saturation are those of the colour decision list of the American Society of
+Cinematographers (ASC CDL 1.2, 2009).
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from render.color import CURVE_SAMPLES, LUMINANCE, curve, curve_index, inset, outset
 from render.config.look import PLAIN, Look
+from render.lettering import Lettering, lettered
 from render.shadow_fill import fill_stops
 
 Integer = TypeVar("Integer", np.uint8, np.uint16)
@@ -67,10 +68,12 @@ class Development:
     Attributes:
         tone: with the author's compensation.
         look: grading.
+        words: over the picture.
     """
 
     tone: Tone = field(default_factory=Tone)
     look: Look = PLAIN
+    words: tuple[Lettering, ...] = ()
 
     @classmethod
     def read(cls, text: str) -> Self:
@@ -79,14 +82,20 @@ class Development:
         Raises:
             ValueError: it is another text.
         """
-        *tone, look = json.loads(text)
+        *tone, look = values = json.loads(text)
+        words: tuple[Lettering, ...] = ()
+        if isinstance(look, list):
+            words = tuple(Lettering.of_list(one) for one in look)
+            *tone, look = values[:-1]
         stops, contrast, white = (float(value) for value in tone)
-        return cls(Tone(stops, contrast, white), Look.model_validate(look))
+        return cls(Tone(stops, contrast, white), Look.model_validate(look), words)
 
     def __str__(self) -> str:
         look = self.look.model_dump(exclude={"preset"})
         tone = self.tone.stops, self.tone.contrast, self.tone.white
-        return json.dumps([*tone, {"preset": "plain", **look}])
+        # Without words it is the text that it was before there were any.
+        words = [[one.as_list() for one in self.words]] if self.words else []
+        return json.dumps([*tone, {"preset": "plain", **look}, *words])
 
 
 def developed(light: Image, how: Development | None = None) -> NDArray[np.uint8]:
@@ -126,7 +135,7 @@ def _quantized(light: Image, how: Development, kind: type[Integer]) -> NDArray[I
             seen = seen * _quadrupled(fill, range(*rows.indices(len(light))), light.shape[1])
         for i, c in enumerate(_tone_mapped(seen, how)):
             out[rows, ..., i] = np.clip(c * top + 0.5, 0, top)
-    return out
+    return lettered(out, how.words) if how.words else out
 
 
 def _tone_mapped(light: Image, how: Development) -> list[Image]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self, TypeVar
 
 import numpy as np
@@ -38,8 +38,8 @@ class PictureLevels:
 
     @classmethod
     def of(cls, light: NDArray[np.float32], how: Development) -> Self:
-        """Return the levels of linear light (H, W, 3), developed."""
-        return cls.of_srgb8(developed(_thinned(light), how))
+        """Return the levels of linear light (H, W, 3), developed without words over it."""
+        return cls.of_srgb8(developed(_thinned(light), replace(how, words=())))
 
     @classmethod
     def of_srgb8(cls, picture: NDArray[np.uint8]) -> Self:

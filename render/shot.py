@@ -23,6 +23,7 @@ from render.config import Film, Light, Material
 from render.development import Development, Tone
 from render.footprints import FootprintRaster
 from render.ground_wear import GroundWear
+from render.lettering import Lettering
 from render.panorama_file import file_digest
 from render.plume import Plume, Puff
 from render.water import WaterSurface
@@ -207,6 +208,7 @@ class Shot:
         plumes: flames and smoke.
         puffs: dust and spray.
         footprint_count: number of the ground's footprints made so far.
+        words: over the picture.
     """
 
     meshes: tuple[Mesh, ...]
@@ -225,12 +227,13 @@ class Shot:
     plumes: tuple[Plume, ...] = ()
     puffs: tuple[Puff, ...] = ()
     footprint_count: int = 0
+    words: tuple[Lettering, ...] = ()
 
     @property
     def development(self) -> Development:
         """How its light is shown: its tone, compensated by the film, and the film's look."""
         stops = self.tone.stops + self.film.exposure
-        return Development(replace(self.tone, stops=stops), self.film.look)
+        return Development(replace(self.tone, stops=stops), self.film.look, self.words)
 
     @property
     def moments(self) -> tuple[Moment, ...]:

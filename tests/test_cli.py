@@ -567,6 +567,7 @@ def joint_frames(rows: list[dict[str, Any]], q: Array) -> Array:
     return np.array([moved[row["joint"]] @ np.array(row["tool"]) for row in rows])
 
 
+@pytest.mark.sample(6)
 @pytest.mark.usefixtures("folder", "no_pictures")
 @pytest.mark.parametrize("name", sorted(path.stem for path in FIGURES.glob("*.yaml")))
 def test_printed_parameters_reproduce_poses(pronk: Pronk, name: str) -> None:

@@ -68,7 +68,7 @@ def test_numpy_and_its_blas_use_the_common_units() -> None:
     assert "Haswell" in python_output("import pipeline, numpy", OPENBLAS_VERBOSE="2")
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "variables"),

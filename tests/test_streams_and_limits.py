@@ -141,7 +141,7 @@ def test_scenes_whose_names_no_folder_should_have_are_refused(tmp_path: Path, na
         write_starter(name, tmp_path / "new")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_scene_called_dots_writes_nothing_outside_its_folder(tmp_path: Path) -> None:
     (tmp_path / "work").mkdir()
     (tmp_path / "work" / "...yaml").write_text(SCENE, encoding="utf-8")

@@ -117,6 +117,7 @@ class Mesh:
         uv: (V, 2) float32, (0, 2) for none [m].
         paint: (V, 4) float32 linear colour in place of the material's, and its share; (0, 4) for
             none.
+        hair: (V, 3) float32 of a coat, from root to tip in the rest frame [m]; (0, 3) for none.
     """
 
     vertices: NDArray[np.float32]
@@ -125,6 +126,11 @@ class Mesh:
     weights: NDArray[np.float32]
     uv: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 2), np.float32))
     paint: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    hair: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+
+
+OPTIONAL_ARRAYS = ("paint", "hair")
+"""Arrays of meshes that may be empty, the last ones of a mesh."""
 
 
 OWN, UNSEEN = -1, -2
@@ -362,9 +368,16 @@ class Take:
 
     @property
     def _mesh_arrays(self) -> list[str]:
-        """Arrays of meshes; paint only where there is some, so that others keep their digests."""
+        """Arrays of meshes; optional ones only up to the last that there is.
+
+        So takes without them keep the digests that they had before there were any.
+        """
         names = [f.name for f in fields(Mesh)]
-        return names if any(len(mesh.paint) for mesh in self.meshes) else names[:-1]
+        while names[-1] in OPTIONAL_ARRAYS and not any(
+            len(getattr(mesh, names[-1])) for mesh in self.meshes
+        ):
+            names.pop()
+        return names
 
     @property
     def mesh_sizes(self) -> list[list[int]]:

@@ -23,6 +23,7 @@ from pipeline.simulation.mechanism import Leg, Mechanism, NodeAlias
 from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.take import (
     FORMAT,
+    OPTIONAL_ARRAYS,
     OPTIONAL_TABLES,
     Channel,
     Contact,
@@ -213,9 +214,9 @@ def _assemble(group: zarr.Group, plain: dict[str, Any], with_rows: bool = True) 
 
 
 def _mesh_names(sizes: list[list[int]]) -> list[str]:
-    """Returns the names of the arrays of meshes; those without any paint have none."""
+    """Returns the names of the arrays of meshes, of the optional ones those that are stored."""
     names = list(Mesh.__dataclass_fields__)
-    return names[: len(sizes[0])] if sizes else names[:-1]
+    return names[: len(sizes[0])] if sizes else names[: -len(OPTIONAL_ARRAYS)]
 
 
 def _meshes(joined: dict[str, NDArray[Any]], sizes: list[list[int]]) -> tuple[Mesh, ...]:

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Traits
 from pipeline.spec.character_kinds import HANDS, PEOPLE, Kind
+from pipeline.spec.costume import Costume
 from pipeline.spec.keyframes import PoseKey, Turn
 from pipeline.spec.model_base import Fault, Number, raise_faults
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
@@ -21,6 +22,11 @@ class Character(Performer):
     character: Kind = Field(
         description="child and adult stand, walk, reach, hug and sit as the script tells them; "
         "a ragdoll, a ball, a merry-go-round, a box and a bench are pushed, thrown and carried."
+    )
+    costume: Costume | None = Field(
+        None,
+        description="What it wears; by the seed if left out, and all different while there are "
+        "enough costumes.",
     )
     at: At = Field(
         (0.0, 0.0),
@@ -83,6 +89,9 @@ class Character(Performer):
         if self.limp and self.character not in PEOPLE:
             message = f"a {self.character} never stands by itself; remove this"
             yield Fault(("limp",), message, at_key=True)
+        if self.costume is not None and self.character not in (*PEOPLE, "ragdoll"):
+            message = f"a {self.character} wears nothing; remove this"
+            yield Fault(("costume",), message, at_key=True)
         if not self.acts:
             return
         for key in ("rotation_deg", "spin_deg", "velocity"):

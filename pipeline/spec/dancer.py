@@ -9,6 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from audio.config.sound import Sound
+from pipeline.spec.costume import Costume
 from pipeline.spec.dance import ARM_JOINTS, TRUNK_JOINTS, Controller, Seconds
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
@@ -231,6 +232,11 @@ class Dancer(Performer, DanceSettings):
 
     dancer: BuildOrName = Field(
         description="torso, adult or child; or how it is made, {build: adult, height: 1.8}."
+    )
+    costume: Costume | None = Field(
+        None,
+        description="What it wears; by the seed if left out, and all different while there are "
+        "enough costumes.",
     )
     at: tuple[Coordinate, Coordinate] = Field(
         (0.0, 0.0), description="Where it stands, [x, z] on the ground [m]."

@@ -21,6 +21,7 @@ from audio.room_acoustics import room_acoustics
 from pipeline.errors import UsageError
 from pipeline.spec import behaviour, body, group, prop
 from pipeline.spec.character_kinds import KIND_TEXTS
+from pipeline.spec.costume import COSTUME_TEXTS
 from pipeline.spec.events import EVENTS
 from pipeline.spec.library_search import DANCE_BLOCK, FIGURE_BLOCK, LibraryBlock
 from pipeline.spec.model_base import ConfigModel
@@ -37,6 +38,7 @@ from render.config import LIGHTS, MATERIALS, Clouds, Film, Light, Look, Water, W
 from render.config.base import PresetModel
 from render.config.film import Preset
 from render.config.light import HAZES
+from render.config.titles import Title
 from render.config.water import WAVES
 
 OWN_GROUP = "this folder"
@@ -181,6 +183,11 @@ def _preset_models(model: type[PresetModel]) -> Callable[[Path], Iterator[NameEn
             yield NameEntry(name, _values(values) or "the defaults")
 
     return entries
+
+
+def _costumes(_: Path) -> Iterator[NameEntry]:
+    for name, text in COSTUME_TEXTS.items():
+        yield NameEntry(name, text)
 
 
 def _strengths(words: Mapping[str, float]) -> Callable[[Path], Iterator[NameEntry]]:
@@ -337,6 +344,8 @@ NAME_KINDS: Mapping[str, NameKind] = {
     "water": NameKind("`terrain.water`", _preset_models(Water)),
     "waves": NameKind("`terrain.water.waves`, and the strengths they stand for", _strengths(WAVES)),
     "looks": NameKind("`film.look`", _preset_models(Look)),
+    "titles": NameKind("`titles:`", _preset_models(Title)),
+    "costumes": NameKind("`costume:` of people and dancers", _costumes),
     "presets": NameKind("`film.preset`, and `--preset`", _presets),
     "gaits": NameKind("`gait:` of walks and orders", _gaits),
     "moods": NameKind("`mood:` of creatures and orders", _moods),

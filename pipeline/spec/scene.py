@@ -42,6 +42,7 @@ from pipeline.spec.timing import (
 from pipeline.spec.yaml_tree import SourceMap, SourceNode
 from render.config import Camera, Cuts, Film, Light, Material
 from render.config.film import Even
+from render.config.titles import MAX_TITLES, Title
 
 MAX_GOLDEN_FRAMES = 24
 """Frames of one golden, which is kept in version control."""
@@ -137,6 +138,9 @@ class Scene(ConfigModel):
     camera: Cuts = Field((Camera(),), description="One camera, or a list of cuts.")
     light: Light = Field(Light(), description="Lights of the scene.")
     film: Film = Field(Film(), description="Size and quality of the frames.")
+    titles: Annotated[tuple[Title, ...], Field(max_length=MAX_TITLES)] = Field(
+        (), description="Words over the picture: titles, captions and end credits."
+    )
     sound: SceneSound = Field(SceneSound(), description="Sound of the scene.")
     golden: Golden = Field(Golden(), description="Frames of the regression test.")
     _source_map: SourceMap = PrivateAttr(default_factory=SourceMap)

@@ -18,6 +18,7 @@ SkullName = Literal[
 Hair = Literal["none", "hanging", "upright"]
 TailName = Literal["plain", "hair", "tassel", "brush", "fan"]
 HornName = Literal["straight", "curved", "lyre", "stub", "tusks"]
+CoatName = Literal["none", "sleek", "short", "long", "shaggy"]
 ShellName = Literal["plain", "beetle", "ant", "spider", "scorpion", "centipede", "crab"]
 # fmt: off
 Place = Literal[
@@ -85,6 +86,12 @@ class Skin(ConfigModel):
     horns: HornName = Field("curved", description="Shape of an animal's horns.")
     mane: Hair = Field("none", description="Mane along the neck.")
     tail: TailName = Field("plain", description="What an animal's tail is made of.")
+    coat: CoatName | None = Field(
+        None,
+        description="Hair or plumage of an animal, which grows on materials with the texture fur "
+        "or plumage; chosen by its feet if left out.",
+    )
+    coat_length: Extent = Field(1.0, description="Length of the coat, in the usual one.")
     ear_length: Extent = Field(1.0, description="Length of the ears, in the usual one.")
     ear_width: Extent = Field(1.0, description="Width of the ears, in the usual one.")
     eye_size: Extent = Field(1.0, description="Size of the eyes, in the usual one.")

@@ -55,7 +55,7 @@ def with_mido(data: bytes) -> Iterator[int]:
                 yield now
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_note_of_a_shipped_scene_is_on_its_frame(
     name: str, read_smf: Any, check_laws: Any, tmp_path: Path
@@ -104,6 +104,7 @@ DANCES = ("drummer", "clapping", "macarena")
 """Scenes whose events are meant on beats."""
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [24, 25, "24000/1001"])
 @pytest.mark.parametrize("name", DANCES)

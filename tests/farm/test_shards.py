@@ -79,7 +79,7 @@ def test_missing_frames_are_named_and_nothing_is_written(
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_damaged_pictures_are_rendered_again(
     farmed: Farmed, unmade: Studio, film: Studio, tmp_path: Path, pronk: Pronk
 ) -> None:

@@ -103,7 +103,7 @@ def test_arrays_are_read_back(store: Store, tmp_path: Path) -> None:
     assert read["none"].dtype == np.uint32
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_shots_of_some_rows_are_those_of_the_whole_take(
     long_take: tuple[Scene, Take], memory: Store, tmp_path: Path
 ) -> None:

@@ -93,6 +93,17 @@ def test_ground_is_dark_and_glossy_in_rain_and_white_under_snow() -> None:
     assert ground_in_weather(soil, Weather()) is soil
 
 
+def test_a_floor_is_soaked_by_less_rain_than_soil_and_shines_more() -> None:
+    drizzle = Weather(rain=0.2)
+    wet = {}
+    for name in ("dry soil", "terracotta tiles", "concrete"):
+        dry = MATERIALS[name]
+        wet[name] = ground_in_weather(dry, drizzle)
+        assert wet[name].roughness < dry.roughness
+    assert wet["concrete"].roughness < 0.3 < wet["dry soil"].roughness
+    assert ground_in_weather(MATERIALS["concrete"], Weather(rain=1.0)) == wet["concrete"]
+
+
 def test_snow_lies_where_land_is_level() -> None:
     corners = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [9, 0, 0], [9, 5, 0.1], [9, 0, 1]])
     mesh = Mesh(

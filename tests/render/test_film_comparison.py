@@ -153,6 +153,7 @@ def wav_of(path: Path, samples: np.ndarray) -> Path:
     return path
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize(
     "samples",

@@ -74,6 +74,7 @@ def shown_times(film: Path) -> list[Fraction]:
         return [Fraction(f.pts or 0) * f.time_base for f in container.decode(video=0)]
 
 
+@pytest.mark.sample(3)
 @kinds
 def test_joined_segments_are_the_film_of_one_process(
     tmp_path: Path, noise: Path, codec: str, suffix: str

@@ -40,6 +40,7 @@ def middle(renderer: Renderer, shot: Shot) -> float:
     return float(luminance(seen)[16:20, 20:28].mean())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "kind", [{}, {"radius": 0.04}, {"spot": {"toward": [0, 0, 0]}, "radius": None}]

@@ -107,7 +107,7 @@ def test_a_pinhole_and_a_lens_do_not_share_a_scene() -> None:
     assert seen_through(None, 1.0).build != seen_through(Lens(0.01, 1.0), 1.0).build
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_each_moment_has_its_own_lens(renderer: Renderer, make_shot: Callable[..., Shot]) -> None:
     shot = seen_through(Lens(RADIUS, 2.0), 4.0)
     other = replace(shot.camera, lens=Lens(RADIUS, 4.0))

@@ -71,7 +71,7 @@ def test_night_is_darker_and_bluer_than_dusk_and_dusk_than_day() -> None:
     assert level["day"][2] < level["day"][0]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_moon_and_clouds_set_the_light_of_a_night() -> None:
     def level(**config: object) -> float:
         return float(luminance(irradiance_of(light({"preset": "night", **config}))[0]))

@@ -79,7 +79,7 @@ def test_a_panorama_turns_about_the_vertical(tmp_path: Path) -> None:
         np.testing.assert_allclose(flat, xz, atol=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_reduced_panorama_gives_the_same_light(tmp_path: Path) -> None:
     from render.lights.environment_map import UP, irradiance
     from render.panorama_reader import reduced

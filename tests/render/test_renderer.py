@@ -174,6 +174,7 @@ def test_only_warned_faces_are_red(
     assert red(both).min() > red(plain).max()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("lit", ["day", "noon", "golden hour", "overcast", "studio", "dawn"])
 def test_every_light_is_finite_and_well_exposed(
     renderer: Renderer, make_shot: Make, lit: str

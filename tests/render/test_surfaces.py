@@ -241,6 +241,7 @@ def one_print() -> FootprintRaster:
     return FootprintRaster((-0.5, -0.5), 1.0 / BLOCK, np.array([[1]], np.uint32), texels)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("still", [False, True])
 def test_a_footprint_is_visible_in_its_place_once_made(
     renderer: Renderer, make_shot: Make, still: bool
@@ -289,6 +290,7 @@ def test_memory_stays_flat_over_many_scenes(renderer: Renderer, make_shot: Make)
     assert resident() - before < 60
 
 
+@pytest.mark.nightly
 def test_colours_of_needles_are_numbers(renderer: Renderer, make_shot: Make) -> None:
     if renderer.backend.variant.startswith("scalar"):
         pytest.skip("the scalar variant shows vertex colours by a texture of Mitsuba")

@@ -75,6 +75,7 @@ def test_sound_and_picture_are_synchronous(tmp_path: Path, fps: Fraction) -> Non
     assert abs(late_ms(write_late_film(tmp_path, fps, 0.0), fps)) < 1.0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("codec", "suffix"), [("vp9", ".mp4"), ("vp9", ".webm"), ("av1", ".mp4")])
 def test_other_codecs_are_as_synchronous(tmp_path: Path, codec: str, suffix: str) -> None:

@@ -102,6 +102,7 @@ def test_haze_is_that_of_the_formula_and_no_light_is_lost(
     np.testing.assert_array_equal(veiled.air[sky], seen.air[sky])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("depth", [1, 2, 3])
 def test_each_depth_equals_path(renderer: Renderer, make_shot: Make, depth: int) -> None:
     film = Film(size=(64, 48), samples=64, depth=depth, denoise="off")
@@ -179,7 +180,7 @@ def test_passes_may_be_added_in_parts(renderer: Renderer, make_shot: Make) -> No
         np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), rtol=1e-4, atol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_another_number_of_passes_is_recorded_anew(renderer: Renderer, make_shot: Make) -> None:
     from render.mitsuba_scene import MitsubaScene
 
@@ -274,6 +275,7 @@ def test_scenery_lights_as_in_one_scene_of_path(renderer: Renderer, make_shot: M
     assert np.abs(bare - theirs).mean() / theirs.mean() > 4.0 * apart
 
 
+@pytest.mark.nightly
 def test_scenery_stands_still_while_the_rest_moves(renderer: Renderer, make_shot: Make) -> None:
     from render.mitsuba_scene import MitsubaScene
 

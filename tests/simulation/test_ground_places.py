@@ -51,6 +51,7 @@ def script_of(order: str) -> str:
     return f"{PLACES}\nscript: [{order}]"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("member", "order", "path"), OFF)
 def test_places_off_the_terrain_are_refused(
     scene_of: SceneOf, member: str, order: str, path: str

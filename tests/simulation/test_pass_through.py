@@ -43,6 +43,7 @@ def test_a_body_that_meets_the_ground_alone_is_told_with_its_key(scene_of: Scene
     assert not passages(scene_of(BUG, f"{{{solid}}}", duration=2))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "members",
     [

@@ -75,6 +75,7 @@ def test_greatest_stride_and_height_of_the_message_work(scene_of: SceneOf) -> No
     )
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "walk_config",

@@ -91,7 +91,7 @@ def test_prop_that_sinks_has_fallen() -> None:
     assert 1.0 < given_at(take, "stop") < 1.2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_settling_is_no_coming_to_rest() -> None:
     # The crate drops by 1 cm, rests, and is kicked by the cart.
     cast = [
@@ -116,7 +116,7 @@ BALL = (
 )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_events_of_many_bodies() -> None:
     cast = [DOMINOES, BALL, "{name: kid, figure: person, at: [0, 3], walk: {}}"]
     script = [
@@ -160,6 +160,7 @@ def test_finished_order_is_done_and_leaves_no_note() -> None:
     assert not take_notes(take, CLOCK)
 
 
+@pytest.mark.nightly
 def test_jumps_replace_no_order_and_are_done_one_after_the_other() -> None:
     cast = [
         "{name: roo, figure: hopper, scale: 0.5, pronk: {jumps: 1, height: 0.1}}",
@@ -231,6 +232,7 @@ def test_one_of_many_bodies_is_a_target() -> None:
 CHILD = "{name: kid, character: child, at: [0.8, 0.1], heading_deg: 180}"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "ball",

@@ -36,6 +36,7 @@ def test_a_creature_in_a_prop_is_noted(scene_of: SceneOf) -> None:
     assert found["bug"].endswith(" m deep in 'crate'; move one of them")
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("one", "other"),
     [

@@ -43,7 +43,7 @@ ONE_MISTAKE = [
     ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
     ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, dances, "
      "duration, figures, film, fps, frames, golden, light, materials, moods, places, pronk, "
-     "rows_per_frame, script, seed, sound, steps, terrain, title"),
+     "rows_per_frame, script, seed, sound, steps, terrain, title, titles"),
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
@@ -70,7 +70,7 @@ ONE_MISTAKE = [
     ("terrain: hills", "§<<: {duration: 3}", "<<",
      "unknown key, known: camera, cast, dances, duration, figures, film, fps, frames, golden, "
      "light, materials, moods, places, pronk, rows_per_frame, script, seed, sound, steps, "
-     "terrain, title"),
+     "terrain, title, titles"),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",

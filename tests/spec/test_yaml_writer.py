@@ -69,7 +69,7 @@ def test_dumped_image_terrains_are_read_back(tmp_path):
     assert read_scene(dump(written)) == written
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @example(title="\x85", duration=1.0, at=(0.0, 0.0), names=["0", "1"])
 @given(
     title=st.text(max_size=200),

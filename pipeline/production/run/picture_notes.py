@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
+from pipeline.production.coats.coats import GROWING
 from pipeline.production.run.notes import Note, cut_path, place_of
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.spec import Scene
@@ -24,8 +25,9 @@ MAX_RUNS = 4
 
 
 def shooting_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
-    """Return notes on what cameras do not show and on who wades, before anything is rendered."""
-    return [*_camera_notes(scene, shooting), *_wading_notes(scene, shooting)]
+    """Return notes on what the film will not show as asked, before anything is rendered."""
+    notes = _camera_notes(scene, shooting), _wading_notes(scene, shooting)
+    return [*itertools.chain(*notes), *_coat_notes(scene, shooting)]
 
 
 def _camera_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
@@ -55,6 +57,25 @@ def _wading_notes(scene: Scene, shooting: ShotBuilder) -> list[Note]:
         )
         for wading in shooting.waders()
     ]
+
+
+def _coat_notes(scene: Scene, shooting: ShotBuilder) -> Iterator[Note]:
+    """Yield notes on coats that were asked for and cannot grow."""
+    grown = {
+        part.performer
+        for part in shooting.take.parts
+        if shooting.materials[part.material].texture in GROWING
+    }
+    for i, member in scene.creatures:
+        skin = scene.figures[member.figure].skin
+        coat = skin.coat if skin else None
+        if coat not in (None, "none") and member.name not in grown:
+            text = (
+                f"has no material on which a {coat} coat grows: none has the texture "
+                f"{' or '.join(GROWING)}"
+            )
+            place = place_of(scene, f"cast[{i}].figure")
+            yield Note("bare_coat", "picture", member.name, 0.0, 1, text, place)
 
 
 def level_notes(scene: Scene, frames: Sequence[int], levels: Sequence[PictureLevels]) -> list[Note]:

@@ -16,6 +16,7 @@ from pipeline.production.run.progress import Reporter
 from pipeline.production.run.scene_run import working
 from pipeline.production.run.score_stage import store_events, store_exports, write_score
 from pipeline.production.run.take_stage import store_take, take_of
+from pipeline.production.shots.title_timing import require_titles
 from pipeline.production.sound.export_kind import ExportKind
 from pipeline.simulation.take import Take
 
@@ -28,6 +29,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
     require_encoders(order.scene)
+    require_titles(order.scene)
     with working(order, reporter) as run:
         run.frames = frames
         shooting = shooting_of(run)

@@ -16,6 +16,7 @@ from pipeline.production.run.notes import clock_of, foreseen_notes, refuse_notes
 from pipeline.production.run.picture_notes import shooting_notes
 from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import ShotBuilder
+from pipeline.production.shots.title_timing import require_titles
 from pipeline.simulation.figure_analysis import Figure, build_figure, check_figure
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.simulate import Simulation
@@ -47,10 +48,11 @@ def check_scene(
     Raises:
         NotesRefused: there are notes, and the check is strict.
         PronkError: a figure is wrong, a performer cannot start its part, the film has no encoder
-            here, or the simulation fails.
+            here, a title does not fit, or the simulation fails.
     """
     reporter = reporter or Reporter()
     require_encoders(scene)
+    require_titles(scene)
     with compile_progress(reporter):
         simulation = Simulation(scene)
     names = NodeNames.joined(simulation.recorder.nodes, simulation.aliases)

@@ -21,11 +21,19 @@ from render.shot import Mesh
 
 MATERIAL = "puddle"
 
-MATERIALS = {MATERIAL: Material(color=(0.17, 0.15, 0.125), roughness=0.05)}
-"""Shallow water over mud, by name."""
+FLOOR_MATERIAL = "puddle on a floor"
+
+MATERIALS = {
+    MATERIAL: Material(color=(0.17, 0.15, 0.125), roughness=0.05),
+    FLOOR_MATERIAL: Material(color=(0.22, 0.205, 0.19), roughness=0.03),
+}
+"""Shallow water over mud and over soaked paving, by name."""
 
 LEAST_RAIN, SOAKED = 0.15, 0.5
 """Rain from which puddles begin to stand, and by which there are as many as there will be."""
+
+FLOOR_RAIN = 2.5
+"""How much more water a rain leaves on a floor, from which none seeps away."""
 
 MOST = 0.42, 0.25
 """Heights of the noise above which ground is a puddle, in the least and in heavy rain."""
@@ -39,8 +47,8 @@ LEVEL = 0.09, 0.2
 RIM = -0.05, 0.1
 """Depths in the noise between which the surface comes out of the ground."""
 
-SUNK, LIFTED = 0.015, 0.011
-"""How far below the ground the surface ends, and how far it stands above it [m]."""
+SUNK, LIFTED, FLOOR_LIFTED = 0.015, 0.011, 0.004
+"""How far below the ground the surface ends, and how far it stands above it and a floor [m]."""
 
 MUD, DROWNED = (-0.3, 0.0), (-0.1, 0.06)
 """Depths in the noise between which the ground turns to mud, and between which plants end."""
@@ -69,23 +77,33 @@ class Puddles:
         seed: of the scene.
         rain: amount, 0 to 1.
         ground: of the terrain, beyond which none are looked for.
+        is_floor: whether it is paved.
     """
 
     seed: int
     rain: float
     ground: HeightField
+    is_floor: bool = False
 
     @staticmethod
-    def of(seed: int, weather: Weather, ground: HeightField) -> Puddles | None:
-        """Return the puddles that a weather leaves on natural ground, None without any."""
-        return Puddles(seed, weather.rain, ground) if weather.rain > LEAST_RAIN else None
+    def of(
+        seed: int, weather: Weather, ground: HeightField, *, is_floor: bool = False
+    ) -> Puddles | None:
+        """Return the puddles that a weather leaves on the ground, None without any."""
+        made = Puddles(seed, weather.rain, ground, is_floor)
+        return made if made._standing > LEAST_RAIN else None
+
+    @property
+    def _standing(self) -> float:
+        """Rain that would leave as much water on natural ground."""
+        return self.rain * (FLOOR_RAIN if self.is_floor else 1.0)
 
     def depth(self, x: Array, z: Array) -> Array:
         """Return about how deep (N,) places lie in a puddle, negative outside any."""
         result = np.full(len(x), NOWHERE)
         some = np.flatnonzero(self.ground.inside(x, z))
         x, z = x[some], z[some]
-        wet = float(smoothstep(LEAST_RAIN, SOAKED, np.array(self.rain)))
+        wet = float(smoothstep(LEAST_RAIN, SOAKED, np.array(self._standing)))
         places = np.stack([x, z], axis=-1)
         noise = 0.45 * fractal(places / 1.5, self.seed + 4210, 2)
         noise += 0.22 * fractal(places / 0.42, self.seed + 4220, 2)
@@ -150,7 +168,8 @@ class PuddleSurface:
         spots = np.stack(np.meshgrid(at, at), axis=-1).reshape(-1, 2)
         x, z = (corners[:, None] + spots).reshape(-1, 2).T
         depth = puddles.depth(x, z)
-        up = -SUNK + (SUNK + LIFTED) * smoothstep(*RIM, depth)
+        lifted = FLOOR_LIFTED if puddles.is_floor else LIFTED
+        up = -SUNK + (SUNK + lifted) * smoothstep(*RIM, depth)
         vertices = np.stack([x, puddles.ground.height(x, z) + up, z], axis=-1)
         number = np.arange((PARTS + 1) ** 2).reshape(PARTS + 1, PARTS + 1)
         a, b, c, d = (
@@ -169,7 +188,7 @@ class PuddleSurface:
             "puddles",
             vertices[used].astype(np.float32),
             faces.reshape(-1, 3).astype(np.uint32),
-            MATERIAL,
+            FLOOR_MATERIAL if puddles.is_floor else MATERIAL,
             normals=still,
         )
         return PuddleSurface(mesh, puddles.rain)

@@ -7,7 +7,7 @@ the film. With these tracks a frame can be shot by whoever has only the rows of 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ _POSE_NUMBERS = 12
 
 @dataclass(frozen=True, eq=False)
 class FilmTracks:
-    """Camera poses, footprints, exposures and clearings of a film.
+    """Camera poses, footprints, exposures, clearings and grain of a film.
 
     Attributes:
         poses: of the camera, one for each frame.
@@ -41,6 +41,7 @@ class FilmTracks:
         tones: exposure and contrast of each frame; empty before they are metered.
         clearings: where performers are, if anything is scattered over the ground.
         cuts: of the film, in the order of time.
+        grain: (P,) least size of a pixel on each visible part [m]; empty where no coat grows.
     """
 
     poses: tuple[CameraPose, ...]
@@ -48,6 +49,7 @@ class FilmTracks:
     tones: tuple[Tone, ...] = ()
     clearings: Clearings | None = None
     cuts: tuple[EditDecision, ...] = ()
+    grain: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     def arrays(self) -> Arrays:
         """Return the tracks as arrays: `poses` (F, 12), a pinhole with a NaN for its lens.
@@ -62,6 +64,7 @@ class FilmTracks:
         values = [(tone.stops, tone.contrast, tone.white) for tone in self.tones]
         arrays["cuts"] = np.frombuffer(decisions_json(self.cuts), np.uint8)
         arrays["tones"] = np.array(values, float).reshape(-1, 3)
+        arrays["grain"] = self.grain
         if self.footprints is not None:
             raster = self.footprints.raster
             arrays["footprint_rows"] = self.footprints.rows
@@ -90,9 +93,10 @@ class FilmTracks:
                 footprints = FootprintTimeline(raster, arrays["footprint_rows"])
             clearings = Clearings.of_arrays(arrays)
             cuts = decisions_of_json(arrays["cuts"].tobytes())
+            grain = arrays["grain"]
         except (KeyError, ValueError, TypeError) as error:
             raise StoreError(f"the tracks of the film cannot be read ({error!r})") from error
-        return FilmTracks(poses, footprints, tones, clearings, cuts)
+        return FilmTracks(poses, footprints, tones, clearings, cuts, grain)
 
 
 def _lens_numbers(lens: Lens | None) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.production.surroundings.choice import NATURAL
 from pipeline.production.surroundings.land_cover import SNOW
 from render.config import MATERIALS, Material, Weather
 from render.shot import Mesh
@@ -19,6 +20,10 @@ WET_SHARE = 0.52
 """Brightness of soaked ground, as a share of dry ground, in sRGB values."""
 WET_ROUGHNESS = 0.42
 """Roughness of soaked ground."""
+SOAKED = 0.5
+"""Rain from which natural ground is soaked."""
+FLOOR_SOAKED, WET_FLOOR_ROUGHNESS = 0.2, 0.2
+"""Rain from which a floor is soaked, as nothing of it seeps away, and its roughness then."""
 
 _COVERED = 0.6
 """Snowfall at which all level ground is white."""
@@ -35,14 +40,18 @@ def ground_in_weather(material: Material, weather: Weather) -> Material:
     """Return a material of the ground as rain and snow change it."""
     values: dict[str, Any] = {}
     if weather.rain > 0.0:
-        wet = min(weather.rain / 0.5, 1.0)
+        is_natural = material.texture in NATURAL
+        soaked, smooth = (
+            (SOAKED, WET_ROUGHNESS) if is_natural else (FLOOR_SOAKED, WET_FLOOR_ROUGHNESS)
+        )
+        wet = min(weather.rain / soaked, 1.0)
         share = 1.0 + wet * (WET_SHARE - 1.0)
         for key in _COLORS:
             color = getattr(material, key)
             if color is not None:
                 values[key] = tuple(share * c for c in color)
         values["roughness"] = min(
-            material.roughness, material.roughness + wet * (WET_ROUGHNESS - material.roughness)
+            material.roughness, material.roughness + wet * (smooth - material.roughness)
         )
         # Rough snow, cloth and leaves keep their other qualities; what needs a dull surface goes.
         values |= {"translucency": 0.0, "sheen": 0.0}

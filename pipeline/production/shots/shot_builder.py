@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 
-from pipeline.errors import Problem, SceneError
 from pipeline.production.camera.camera_faults import CameraFault, camera_faults
 from pipeline.production.camera.clearance import VisibleGround
 from pipeline.production.camera.cuts import FilmedCut, cut_frames, filmed_cuts, first_frames
@@ -17,58 +17,47 @@ from pipeline.production.camera.director.edit_decision import EditDecision
 from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.production.camera.pose_interpolator import PoseInterpolator
 from pipeline.production.camera.visibility import Visibility
-from pipeline.production.edging.edging import MATERIALS_OF_EDGING, Edging, Setting
+from pipeline.production.coats.coats import MATERIALS as COAT_MATERIALS
+from pipeline.production.coats.coats import Coats
+from pipeline.production.coats.grain import finest_pixels
+from pipeline.production.edging.edging import MATERIALS_OF_EDGING
 from pipeline.production.edging.edging_choice import EdgingChoice
-from pipeline.production.edging.floor_mesh import soiled_wall
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.expansion import MATERIALS as SCENERY_MATERIALS
 from pipeline.production.scenery.film_view import FilmView
-from pipeline.production.scenery.ground_surface import GroundSurface
-from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.puddles import MATERIALS as PUDDLE_MATERIALS
-from pipeline.production.scenery.puddles import Puddles, PuddleSurface
+from pipeline.production.scenery.puddles import Puddles
 from pipeline.production.scenery.scatter_choice import ScatterChoice
-from pipeline.production.scenery.scenery import TooManyTriangles, scenery_detail, scenery_meshes
-from pipeline.production.scenery.track import Track
-from pipeline.production.scenery.treads import Treads
-from pipeline.production.scenery.trodden_cover import TroddenCover
 from pipeline.production.shots.carried_lamps import CarriedLamps
 from pipeline.production.shots.film_tracks import FilmTracks
 from pipeline.production.shots.footprint_timeline import footprint_timeline
 from pipeline.production.shots.fractured_boulders import chipped, fractured
 from pipeline.production.shots.ground_mesh import (
-    land_detail,
-    mean_color,
-    surrounding_meshes,
     terrain_mesh,
 )
-from pipeline.production.shots.ground_weather import frosted, ground_in_weather, snowed_cover
+from pipeline.production.shots.ground_weather import ground_in_weather
 from pipeline.production.shots.group_shapes import MATERIALS as GROUP_MATERIALS
 from pipeline.production.shots.group_shapes import drawn
 from pipeline.production.shots.laid_floor import floor_name, laid
-from pipeline.production.shots.near_relief import with_relief
 from pipeline.production.shots.pattern_coordinates import pattern_coordinates
 from pipeline.production.shots.plume_tracks import PlumeTracks, fire_lamps
 from pipeline.production.shots.puff_tracks import PuffTracks
 from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.production.shots.standing_scenery import StandingScenery
 from pipeline.production.shots.sunken_stones import sunken
+from pipeline.production.shots.title_timing import require_titles, words_at
 from pipeline.production.shots.wading import Wading, waders
 from pipeline.production.shots.weathered_pit import weathered
 from pipeline.production.surroundings.choice import NATURAL, Choice
 from pipeline.production.surroundings.land import Land
-from pipeline.production.surroundings.land_mesh import vertices_around
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material, Water
 from render.development import Tone
-from render.lights.sun_position import sun_direction
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.water import WaterSurface
-
-DRY_SOIL = 0.05
-"""Least part of the mean linear colour from which soil is that of dry land."""
 
 
 class ShotBuilder:
@@ -84,8 +73,8 @@ class ShotBuilder:
         tracks: of the film.
 
     Raises:
-        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist; or, when
-            the first shot is made, more is scattered than memory holds.
+        SceneError: the parent of a camera or lamp, or a camera's focus, does not exist; a title
+            does not fit; or, when the first shot is made, more is scattered than memory holds.
     """
 
     def __init__(self, scene: Scene, take: Take, tracks: FilmTracks | None = None) -> None:
@@ -94,6 +83,7 @@ class ShotBuilder:
         self.light = scene.light
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
+        require_titles(scene)
         self._around = around = Choice.of(scene)
         worn = weathered(sunken(take.terrain, scene, take), scene)
         worn = chipped(worn, scene, take)
@@ -133,6 +123,7 @@ class ShotBuilder:
         self._skin = Skin.of(take)
         self._parts = visible_parts(take)
         self._rests = pattern_coordinates(take, self.materials)
+        self._coats = self._grown_coats()
         self._lamps = CarriedLamps.of(scene, take)
         self._water = _water(scene, self._land)
         self._plumes = PlumeTracks.of(scene, take)
@@ -174,8 +165,9 @@ class ShotBuilder:
             water=self._water,
             plumes=first.plumes,
             puffs=first.puffs,
-            scenery=self._scattered[0],
+            scenery=self._standing.made[0],
             footprint_count=first.footprint_count,
+            words=words_at(self._scene, float((frame - Fraction(1, 2)) / self.clock.rate)),
         )
 
     @property
@@ -212,11 +204,15 @@ class ShotBuilder:
         self._filmed = self._filmed_cuts()
         texture = self.materials[self.take.terrain.material].texture
         has_footprints = self._scene.terrain.footprints
+        poses = tuple(pose for cut in self._filmed for pose in cut.poses)
+        grows = any(len(mesh.hair) for mesh in self.take.meshes)
+        height = self.film.size[1]
         return FilmTracks(
-            tuple(pose for cut in self._filmed for pose in cut.poses),
+            poses,
             footprint_timeline(self.take, texture) if has_footprints else None,
             clearings=Clearings.of(self.take) if self._scatter.wanted or self._edging else None,
             cuts=decisions,
+            grain=finest_pixels(self.take, poses, height) if grows else np.zeros(0),
         )
 
     def _filmed_cuts(self) -> list[FilmedCut]:
@@ -250,14 +246,27 @@ class ShotBuilder:
                     cover=mesh.paint if len(mesh.paint) else None,
                 )
             )
-        if self._puddle_surface is not None:
-            meshes.append(self._puddle_surface.at(self._time(frame, part)))
+        camera = self._interpolator.at(frame, part)
+        if self._coats is not None:
+            skins = np.split(vertices, self._skin.starts[1:-1])
+            meshes += self._coats.at(at, skins, camera, self.film.size[1])
+        puddles = self._standing.puddle_surface
+        if puddles is not None:
+            meshes.append(puddles.at(self._time(frame, part)))
         time, plumes = self._time(frame, part), self._plumes.placed(self.take, at)
         lamps = (*self._lamps.placed(self.take, at), *fire_lamps(plumes, time))
         puffs = self._puffs.at(float((frame - 1 + part) / self.clock.rate))
         made = self._footprints.count(at) if self._footprints else 0
-        camera = self._interpolator.at(frame, part)
         return Moment(tuple(meshes), camera, lamps, time, plumes, puffs, made)
+
+    def _grown_coats(self) -> Coats | None:
+        """Return the hair and feathers of the animals, None without any."""
+        if not len(self.tracks.grain):
+            return None
+        coats = Coats.of(self.take, self.materials, self.tracks.grain, self._scene.seed)
+        if coats is not None:
+            self.materials = {**self.materials, **COAT_MATERIALS}
+        return coats
 
     def _time(self, frame: int, part: float) -> float:
         """Return the time since the film began [s], 0 where light, water and air stand still."""
@@ -267,116 +276,27 @@ class ShotBuilder:
 
     def _trodden_at(self, row: float) -> tuple[Mesh, ...]:
         """Return the plants that performers tread on, as they are bent at a row of the take."""
-        _, trodden = self._scattered
+        _, trodden = self._standing.made
         return trodden.at(row) if trodden else ()
 
     @cached_property
-    def _scattered(self) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
-        """Terrain, land, plants and stones, made when the first shot needs them.
-
-        What stands still, as one object for all shots, and what performers tread on.
-        """
-        width, weather = self.film.size[0], self.light.weather
-        meshes = surrounding_meshes(self._drawn, self._around, self.materials, width)
-        land = tuple(snowed_cover(mesh, weather) for mesh in meshes)
-        if self._floor is not None:
-            # The floor's walls, and where a floor goes on to a backdrop.
-            land = tuple(
-                replace(mesh, material=self._floor)
-                if mesh.material == self.take.terrain.material
-                else mesh
-                for mesh in land
-            )
-        view, treads = FilmView.of(self.poses, self._aspect), Treads.of(self.take)
-        edging = self._edging_of(view)
-        base = self._terrain
-        if edging is not None:
-            land = (land[0], *edging.meshes()) if edging.apron else (*land, *edging.meshes())
-        if edging is not None and edging.cover is not None:
-            base = replace(base, cover=edging.cover)
-            land = tuple(soiled_wall(mesh) if mesh.name == "edge" else mesh for mesh in land)
-        if edging is not None and edging.floor is not None and edging.apron is not None:
-            base = replace(edging.floor, footprints=base.footprints)
-            land = (*land, snowed_cover(edging.apron.mesh(self._around.material), weather))
-        material = self.materials[self.take.terrain.material]
-        near = with_relief(base, material, view, treads, scenery_detail(width))
-        ground = (near, *land)
-        if not self._scatter.wanted and (edging is None or not edging.placed):
-            return ground, None
-        ground = tuple(self._worn(mesh, view) for mesh in ground)
-        still, trodden = self._scenery(land[0], view, treads, edging)
-        if trodden:
-            trodden = trodden.dressed(lambda mesh: frosted(mesh, weather))
-        return (*ground, *(frosted(mesh, weather) for mesh in still)), trodden
-
-    def _edging_of(self, view: FilmView) -> Edging | None:
-        """Return the edging of the floor."""
-        if self._edging is None:
-            return None
-        detail = scenery_detail(self.film.size[0])
-        sun = None if self.light.sun is None else sun_direction(self.light.sun)
-        setting = Setting(
-            *(self.take.terrain, self._land, self.tracks.clearings, view),
-            *(self._scene.seed, detail, sun),
+    def _standing(self) -> StandingScenery:
+        """What stands still, made when the first shot needs it."""
+        return StandingScenery(
+            *(self._scene, self.take, self._drawn, self._land, self._around, self._scatter),
+            *(self._edging, self.materials, self._terrain, self._floor, self._puddles),
+            *(self._water, FilmView.of(self.poses, self._aspect), self.tracks.clearings),
+            self.film.size[0],
         )
-        return Edging.of(self._edging, setting, self._terrain.material)
-
-    def _growth(self, view: FilmView) -> Growth:
-        clearings, seed = self.tracks.clearings, self._scene.seed
-        own = self.materials[self.take.terrain.material]
-        is_meadow = own.texture == "grass" and not self._land.is_platform
-        ahead = view.ahead[0, [0, 2]]
-        ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
-        track = Track.of(clearings, ahead, seed) if is_meadow else None
-        is_dry = own.texture == "soil" and min(mean_color(own)) > DRY_SOIL
-        return Growth(seed, clearings, self._puddles, track, is_dry)
 
     def _standing_rain(self, scene: Scene) -> Puddles | None:
-        """Return the puddles on natural ground, None without any."""
+        """Return the puddles on natural ground or paving, None without any."""
         own = self.materials[self.take.terrain.material]
-        if self._land.is_platform or own.texture not in NATURAL:
+        is_floor = own.texture not in NATURAL
+        # Water runs off between boards, and indoors no rain falls on the floor.
+        if is_floor != self._land.is_platform or own.texture == "wood":
             return None
-        return Puddles.of(scene.seed, scene.light.weather, self._land.field)
-
-    @cached_property
-    def _puddle_surface(self) -> PuddleSurface | None:
-        """What the cameras see of the puddles, None without any."""
-        if self._puddles is None:
-            return None
-        return self._puddles.surface(FilmView.of(self.poses, self._aspect))
-
-    def _worn(self, mesh: Mesh, view: FilmView) -> Mesh:
-        """Return ground with the bare soil on it."""
-        if mesh.uv is None or mesh.material not in self.materials:
-            return mesh
-        middle = view.targets[:, [0, 2]].mean(axis=0)
-        material = self.materials[mesh.material]
-        return replace(mesh, wear=self._growth(view).wear(material, self.light.weather, middle))
-
-    def _scenery(
-        self, horizon: Mesh, view: FilmView, treads: Treads, edging: Edging | None
-    ) -> tuple[tuple[Mesh, ...], TroddenCover | None]:
-        """Return the plants and stones over terrain and land."""
-        terrain, around = (
-            mean_color(self.materials[name])
-            for name in (self.take.terrain.material, self._around.material)
-        )
-        width = self.film.size[0]
-        columns = vertices_around(land_detail(width))
-        level = None if self._water is None else self._water.level
-        apron = edging.apron if edging else None
-        ground = GroundSurface(self._land, horizon, terrain, around, columns, level, apron)
-        try:
-            return scenery_meshes(
-                *(ground, view, self.tracks.clearings, self._scatter),
-                *(treads, self.light.weather.ground_wind),
-                *(self._growth(view), scenery_detail(width)),
-                also=edging.placed if edging else (),
-                plots=edging.plots if edging else (),
-            )
-        except TooManyTriangles as error:
-            problem = Problem("terrain.scatter", str(error))
-            raise SceneError([self._scene.source_map.with_location(problem)]) from error
+        return Puddles.of(scene.seed, scene.light.weather, self._land.field, is_floor=is_floor)
 
 
 def _water(scene: Scene, land: Land) -> WaterSurface | None:
@@ -394,10 +314,11 @@ def _materials(
     names = {part.material for part in take.parts} | {take.terrain.material, *around.materials}
     own = {**GROUP_MATERIALS, **scene.materials}
     made = {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}
+    dry, weather = made[take.terrain.material], scene.light.weather
     for name in {take.terrain.material, around.material}:
-        made[name] = ground_in_weather(made[name], scene.light.weather)
-    outdoors = around.joins == "platform"
-    floor = laid(made[take.terrain.material], outdoors=outdoors)
-    if floor is not None:
-        made[floor_name(take.terrain.material)] = floor
+        made[name] = ground_in_weather(made[name], weather)
+    floor = laid(dry, outdoors=around.joins == "platform")
+    # Deep snow hides the joints.
+    if floor is not None and made[take.terrain.material].texture == dry.texture:
+        made[floor_name(take.terrain.material)] = ground_in_weather(floor, weather)
     return {**made, **SCENERY_MATERIALS} if scatter.wanted else made

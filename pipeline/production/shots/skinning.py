@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, cross, matrix
-from pipeline.simulation.take import UNSEEN, Part, Take
+from pipeline.simulation.take import UNSEEN, Mesh, Part, Take
 
 TELEPORT_SPEED = 400.0
 """Speed above which a node is not interpolated between rows [m/s]."""
@@ -38,11 +39,25 @@ class Skin:
     @staticmethod
     def of(take: Take) -> Skin:
         """Return the skin of the visible parts of `take`."""
-        meshes = [take.meshes[part.seen] for part in visible_parts(take)]
+        return Skin.of_meshes(take, [take.meshes[part.seen] for part in visible_parts(take)])
+
+    @staticmethod
+    def of_meshes(
+        take: Take, meshes: Sequence[Mesh], places: Sequence[NDArray[np.float32]] | None = None
+    ) -> Skin:
+        """Return the skin of some meshes of a take.
+
+        Args:
+            take: that has their nodes.
+            meshes: in the order of the skin.
+            places: (V, 3) for each mesh in the rest frame, that follow its nodes in place of its
+                vertices [m].
+        """
         counts = [len(mesh.vertices) for mesh in meshes]
+        placed = places or [mesh.vertices for mesh in meshes]
         nodes = np.concatenate([mesh.nodes for mesh in meshes]).T
         rest = np.array([node.rest for node in take.nodes])
-        vertices = np.concatenate([mesh.vertices for mesh in meshes]).astype(float)
+        vertices = np.concatenate(placed).astype(float)
         weights = np.concatenate([mesh.weights for mesh in meshes]).T[..., None].astype(float)
         return Skin(
             vertices=vertices - rest[nodes],

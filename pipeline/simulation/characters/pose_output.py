@@ -25,8 +25,9 @@ from pipeline.simulation.people.body_frames import (
     frame_origins,
     frames_from_joints,
 )
-from pipeline.simulation.people.person_mesh import layer_parts, person_layers, random_clothes
+from pipeline.simulation.people.person_mesh import layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS
+from pipeline.simulation.people.wardrobe import random_clothes
 from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
@@ -181,13 +182,14 @@ def frame_poser(
     people, joints, things = list[int](), list[IntArray](), list[ThingFrame]()
     acting = list[int]()
     first = 0
+    names = [member.name for member in cast if proportions_of(member) is not None]
     for member, plan in zip(cast, plans, strict=True):
         frame = len(nodes)
         if proportions_of(member) is not None:
             acting += [len(people)] if member.acts else []
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
-            made = _person(member, frame, len(meshes), seed, rows)
+            made = _person(member, names, frame, len(meshes), seed, rows)
         else:
             span = first, first + len(plan.rest)
             things.append(ThingFrame(frame, span, plan.rest, axis_nodes(member.character)))
@@ -206,7 +208,7 @@ def frame_poser(
 
 
 def _person(
-    member: Character, frame: int, mesh: int, seed: int, rows: int
+    member: Character, names: Sequence[str], frame: int, mesh: int, seed: int, rows: int
 ) -> tuple[list[Node], list[Mesh], list[Part]]:
     proportions = proportions_of(member)
     assert proportions is not None
@@ -220,7 +222,7 @@ def _person(
         )
         for name, parent, (x, y, z) in zip(FRAMES, PARENTS, origins, strict=True)
     ]
-    clothes = random_clothes(member.name, seed, child=member.character != "adult")
+    clothes = random_clothes(member.name, seed, member.costume, names)
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
     meshes, parts = layer_parts(member.name, person_layers(proportions, clothes), frame, mesh, rows)

@@ -13,8 +13,9 @@ from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.obstacles import Obstacle, directions
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
-from pipeline.simulation.people.person_mesh import Clothes, layer_parts, person_layers
+from pipeline.simulation.people.person_mesh import layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 from pipeline.spec.dance import Drum

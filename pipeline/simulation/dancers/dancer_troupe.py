@@ -21,11 +21,11 @@ from pipeline.simulation.dancers.dancer_script import ScriptedDancer
 from pipeline.simulation.dancers.hand_contacts import HandStrike
 from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
-from pipeline.simulation.dancers.torso import dancer_proportions, is_child
+from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
-from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
+from pipeline.simulation.people.wardrobe import random_clothes
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
@@ -51,6 +51,7 @@ class DancerTroupe(Troupe):
         self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
         self.p_WB = [_origin(member, world) for member in self.members]
         self.looks, self.directed = list[DancerAppearance](), list[ScriptedDancer]()
+        names = [member.name for member in self.members]
         for k, (i, member) in enumerate(cast):
             own = partial(_to_dancer_frame, self.R_WB[k], self.p_WB[k])
             proportions, path = dancer_proportions(member), f"cast[{i}]"
@@ -61,7 +62,7 @@ class DancerTroupe(Troupe):
             programme = DanceSchedule(member, repertoire, until, path)
             dancing = _practised_motion(member, programme, clock.dt)
             self.directed.append(ScriptedDancer(dancing, programme, own, clock.dt))
-            self.looks.append(_appearance(member, proportions, repertoire.drums, world.seed))
+            self.looks.append(_appearance(member, names, proportions, repertoire.drums, world.seed))
         self.dancing = [dancer.dancing for dancer in self.directed]
         torsos = [dancer.torso for dancer in self.dancing]
         self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
@@ -202,9 +203,13 @@ def _to_dancer_frame(R: Array, p: Array, place: Place) -> Place:
 
 
 def _appearance(
-    member: Dancer, proportions: Proportions, drums: Mapping[str, Drum], seed: int
+    member: Dancer,
+    names: Sequence[str],
+    proportions: Proportions,
+    drums: Mapping[str, Drum],
+    seed: int,
 ) -> DancerAppearance:
-    clothes = random_clothes(member.name, seed, is_child(member))
+    clothes = random_clothes(member.name, seed, member.costume, names)
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
     return DancerAppearance(member.name, proportions, clothes, dict(drums))

@@ -76,6 +76,7 @@ class Skin:
         links: (V, 2) numbers.
         share: (V,) of the second link; the first has the rest.
         paint: (V, 4) linear colour in place of the material's, and its share; None for none.
+        hair: (V, 3) of a coat, from root to tip in the creation frame [m]; None for none.
     """
 
     vertices: Array
@@ -83,6 +84,7 @@ class Skin:
     links: NDArray[np.int64]
     share: Array
     paint: Array | None = None
+    hair: Array | None = None
 
     @staticmethod
     def rigid(solid: Solid, link: int) -> Skin:
@@ -100,16 +102,20 @@ def merge_skins(skins: Sequence[Skin]) -> Skin:
         np.concatenate(faces),
         np.concatenate([skin.links for skin in skins]),
         np.concatenate([skin.share for skin in skins]),
-        _merged_paint(skins),
+        _merged([skin.paint for skin in skins], skins, 4),
+        _merged([skin.hair for skin in skins], skins, 3),
     )
 
 
-def _merged_paint(skins: Sequence[Skin]) -> Array | None:
-    """Return the paint of several skins as one."""
-    if all(skin.paint is None for skin in skins):
+def _merged(values: Sequence[Array | None], skins: Sequence[Skin], columns: int) -> Array | None:
+    """Return what vertices of several skins have, 0 where a skin has nothing."""
+    if all(value is None for value in values):
         return None
     return np.concatenate(
-        [np.zeros((len(s.vertices), 4)) if s.paint is None else s.paint for s in skins]
+        [
+            np.zeros((len(skin.vertices), columns)) if value is None else value
+            for value, skin in zip(values, skins, strict=True)
+        ]
     )
 
 

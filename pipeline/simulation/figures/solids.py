@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, cross, normalized
 
 RING_VERTICES = 16
 """Vertices around a link: with smooth normals more are not visible."""
@@ -246,3 +246,12 @@ def _round_cone(
 def _axis_sums(x: Array, y: Array, z: Array) -> Array:
     """Return the sums of one number of each axis (n_x, n_y, n_z)."""
     return x[:, None, None] + y[:, None] + z
+
+
+def vertex_normals(vertices: Array, faces: NDArray[np.uint32]) -> Array:
+    """Return the unit normals (V, 3) of a surface."""
+    a, b, c = (vertices[faces[:, k].astype(int)] for k in range(3))
+    n = cross(b - a, c - a)
+    corners = faces.T.ravel().astype(int)
+    sums = [np.bincount(corners, np.tile(n[:, k], 3), len(vertices)) for k in range(3)]
+    return normalized(np.stack(sums, axis=-1))

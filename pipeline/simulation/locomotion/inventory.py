@@ -217,6 +217,7 @@ def _skin_meshes(figure: Figure) -> tuple[Mesh, ...]:
                 skin.links.astype(np.int32),
                 np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
                 **({} if skin.paint is None else {"paint": skin.paint.astype(np.float32)}),
+                **({} if skin.hair is None else {"hair": skin.hair.astype(np.float32)}),
             )
             for skin in figure_skin(figure).skins.values()
         )

@@ -50,35 +50,33 @@ TORSO = (
 )
 """Outline of chest and waist in a shirt, from its hem to its collar; see `BodyMeasures.outline`."""
 
-SHIRT_HEM = 0.520  # height
+SHIRT_HEM, TUCKED_HEM = 0.520, 0.590  # heights
 SHOULDER_RADIUS = 0.0255
 
 
 @cached_part
-def shirt(build: BodyMeasures) -> SkinnedPatch:
+def shirt(build: BodyMeasures, tucked: bool = False) -> SkinnedPatch:
     """Return the trunk of a shirt, between pelvis and chest."""
-    girth = build.girth
-    torso = oval_stack(build.outline(TORSO, _breadths(build)))
+    girth, end = build.girth, build.level(TUCKED_HEM if tucked else SHIRT_HEM)
+    torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
     neck = np.array([-0.008 * girth, build.level(0.832), 0.02 * girth])
     tip = np.array([0.0, build.level(0.811), build.shoulders - 0.006 * girth])
     right, left = (
         round_cone(neck * m, tip * m, 0.030 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
     )
-    hem = half_space((0.0, build.level(SHIRT_HEM), 0.0), (0.0, -1.0, 0.0))
+    hem = half_space((0.0, end, 0.0), (0.0, -1.0, 0.0))
     field = smooth_intersection(
         smooth_union([torso, right, left], 0.035 * girth), hem, HEM_ROUNDING * girth
     )
     wide = build.shoulders + 0.05 * girth
-    low = (-0.1 * girth, build.level(0.49), -wide)
+    low = (-0.1 * girth, end - 0.03 * girth, -wide)
     high = (0.1 * girth, build.level(0.87), wide)
-    net = polygonise(
-        field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=build.level(SHIRT_HEM)
-    )
+    net = polygonise(field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=end)
     share = ramp(net.vertices[:, 1], build.level(0.585), build.level(0.70))
     return net.follow("pelvis", "chest", share)
 
 
-def _breadths(build: BodyMeasures) -> Array:
+def torso_breadths(build: BodyMeasures) -> Array:
     """Return the breadth factor of each row of a shirt, from the hips to the chest."""
     up = ramp(np.array([row[0] for row in TORSO]), 0.56, 0.70)
     return build.hip_breadth + up * (build.shoulder_breadth - build.hip_breadth)

@@ -158,11 +158,22 @@ def eyeballs(head: Head) -> SkinnedPatch:
     return with_mirror(ellipsoid_surface(centre, np.full(3, radius), 7, 10).follow("head"))
 
 
+def irises(head: Head) -> SkinnedPatch:
+    """Return both irises: lenses on the eyeballs."""
+    return _on_eyes(head, 0.54, 0.58)
+
+
 def pupils(head: Head) -> SkinnedPatch:
-    """Return both pupils: lenses on the eyeballs."""
+    """Return both pupils: smaller lenses on the irises."""
+    return _on_eyes(head, 0.76, 0.33)
+
+
+def _on_eyes(head: Head, ahead: float, size: float) -> SkinnedPatch:
+    """Return a lens before each eye, by its place ahead and its radius in the eyeball's."""
     centre, radius = head.eye
     along = normalized(EYE_DIRECTION)
-    return with_mirror(_lens(centre + 0.54 * radius * along, along, 0.62 * radius).follow("head"))
+    lens = _lens(centre + ahead * radius * along, along, size * radius)
+    return with_mirror(lens.follow("head"))
 
 
 def _lens(centre: Array, along: Array, radius: float) -> Surface:

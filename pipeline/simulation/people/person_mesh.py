@@ -1,11 +1,10 @@
-"""Person mesh: random clothes, and a clothed person as one mesh for each material."""
+"""Person mesh: a clothed person as one mesh for each material."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -17,101 +16,32 @@ from pipeline.simulation.people.body_mesh import (
     sleeves,
     trousers,
 )
+from pipeline.simulation.people.garments import (
+    bib,
+    coat_skirt,
+    hood,
+    skirt,
+    stripes,
+    suit_front,
+    tie,
+)
+from pipeline.simulation.people.hair_lay import brow_hair, head_hair
 from pipeline.simulation.people.head_mesh import (
     Head,
     brows,
     eyeballs,
     hair_patch,
     head_skin,
+    irises,
     lids,
     lips,
     pupils,
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
-from pipeline.simulation.seeds import generator
+from pipeline.simulation.people.wardrobe import LIPS, Clothes, Garment, Hair, Stature
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
-
-Hair = Literal["short", "bob", "bun", "long", "none"]
-
-Stature = Literal["slim", "medium", "sturdy"]
-
-Word = TypeVar("Word", bound=str)
-
-LIPS = {
-    "fair skin": "lips",
-    "skin": "lips",
-    "tan skin": "lips",
-    "brown skin": "dark lips",
-    "dark skin": "dark lips",
-}
-"""Skin material -> lip material."""
-
-LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
-
-DARK_HAIR = ("black fur", "black fur", "chestnut fur")
-
-SHIRTS = ("red cloth", "green cloth", "white cloth", "yellow cloth", "blue cloth")
-
-TROUSERS = ("denim", "black cloth", "grey cloth")
-
-STYLES: tuple[Hair, ...] = ("short", "short", "bob", "bun", "long")
-
-STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
-
-SHOES = ("leather", "black cloth", "white cloth")
-
-
-@dataclass(frozen=True, slots=True)
-class Clothes:
-    """Clothes, hair and stature of a person; materials by name.
-
-    Attributes:
-        skin: material.
-        hair: material, of the brows too.
-        shirt: material.
-        trousers: material.
-        shoes: material.
-        style: of the hair.
-        short_sleeves: whether arms are bare from above the elbow.
-        shorts: whether legs are bare from above the knee.
-        build: stature.
-    """
-
-    skin: str = "fair skin"
-    hair: str = "chestnut fur"
-    shirt: str = "red cloth"
-    trousers: str = "denim"
-    shoes: str = "leather"
-    style: Hair = "short"
-    short_sleeves: bool = True
-    shorts: bool = False
-    build: Stature = "medium"
-
-
-def random_clothes(name: str, seed: int, child: bool = False) -> Clothes:
-    """Return the random clothes of a person by name, under a scene's seed."""
-    rng = generator(seed, f"{name}/clothes")
-
-    def choice(*options: Word) -> Word:
-        return options[int(rng.integers(len(options)))]
-
-    skin = choice(*LIPS)
-    hair = choice(*(LIGHT_HAIR if LIPS[skin] == "lips" else DARK_HAIR))
-    shirt, trousers = choice(*SHIRTS), choice(*TROUSERS)
-    style = choice(*STYLES)
-    return Clothes(
-        skin=skin,
-        hair=hair,
-        shirt=shirt,
-        trousers=trousers,
-        shoes=choice(*SHOES),
-        style=style,
-        short_sleeves=bool(rng.random() < 0.6),
-        shorts=bool(rng.random() < (0.6 if child else 0.15)),
-        build=choice(*STATURES),
-    )
-
 
 EYEBALL_MATERIAL, PUPIL_MATERIAL = "porcelain", "eye"
 
@@ -146,10 +76,14 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
         "shirt": clothes.shirt,
         "trousers": clothes.trousers,
         "shoes": clothes.shoes,
+        "accent": clothes.accent,
+        "front": "white cloth",
         "whites": EYEBALL_MATERIAL,
+        "irises": clothes.iris,
         "pupils": PUPIL_MATERIAL,
     }
-    shape = (clothes.style, clothes.short_sleeves, clothes.shorts, clothes.build)
+    sleeves_and_legs = (clothes.short_sleeves, clothes.shorts)
+    shape = (clothes.style, *sleeves_and_legs, clothes.build, clothes.garments)
     return tuple(
         MaterialLayer(name, mesh, materials[name])
         for name, mesh in _cached_meshes(proportions, *shape)
@@ -172,7 +106,7 @@ def layer_parts(
     for layer in layers:
         own = layer.mesh
         nodes = (own.nodes + first).astype(np.int32)
-        meshes.append(Mesh(own.vertices, own.faces, nodes, own.weights))
+        meshes.append(replace(own, nodes=nodes))
         size = float(np.ptp(own.vertices, axis=0).max())
         number = mesh + len(meshes) - 1
         parts.append(Part(f"{name}.{layer.name}", name, number, layer.material, size, (0, rows)))
@@ -181,38 +115,62 @@ def layer_parts(
 
 @lru_cache(maxsize=MESH_CACHE_SIZE)
 def _cached_meshes(
-    proportions: Proportions, style: Hair, short_sleeves: bool, shorts: bool, stature: Stature
+    proportions: Proportions,
+    style: Hair,
+    short_sleeves: bool,
+    shorts: bool,
+    stature: Stature,
+    garments: tuple[Garment, ...],
 ) -> tuple[tuple[str, Mesh], ...]:
     build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
-    layers = _layers(build, style, short_sleeves, shorts)
-    return tuple((name, _mesh(merge_patches(patches))) for name, patches in layers)
+    head = Head(build)
+    layers = [
+        (name, _mesh(merge_patches(patches)))
+        for name, patches in _layers(build, head, short_sleeves, shorts, garments)
+    ]
+    locks = [] if style == "none" else [hair_patch(head, style)]
+    hair = [*(head_hair(head, style, patch) for patch in locks), brow_hair(head, brows(head))]
+    combed = _mesh(merge_patches([*locks, brows(head)]), np.concatenate(hair))
+    return (*layers, ("hair", combed))
 
 
 def _layers(
-    build: BodyMeasures, style: Hair, short_sleeves: bool, shorts: bool
+    build: BodyMeasures,
+    head: Head,
+    short_sleeves: bool,
+    shorts: bool,
+    garments: tuple[Garment, ...],
 ) -> Iterator[tuple[str, list[SkinnedPatch]]]:
-    head = Head(build)
-    bare = [bare_shins(build)] if shorts else []
+    bare = [bare_shins(build)] if shorts or "skirt" in garments else []
     yield "skin", [head_skin(head), lids(head), bare_arms(build, short_sleeves), *bare]
     yield "lips", [lips(head)]
-    locks = [] if style == "none" else [hair_patch(head, style)]
-    yield "hair", [*locks, brows(head)]
-    yield "shirt", [shirt(build), sleeves(build, short_sleeves)]
-    yield "trousers", [trousers(build, shorts)]
+    tucked = not {"skirt", "coat", "tucked"}.isdisjoint(garments)
+    over = {"coat": coat_skirt, "hood": hood}
+    worn = [over[word](build) for word in garments if word in over]
+    yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
+    legs = skirt(build) if "skirt" in garments else trousers(build, shorts)
+    yield "trousers", [legs, *([bib(build)] if "bib" in garments else [])]
+    if "suit" in garments:
+        yield "front", [suit_front(build)]
+        yield "accent", [tie(build)]
+    if "stripes" in garments:
+        yield "accent", [stripes(build)]
     yield "shoes", [shoes(build)]
     yield "whites", [eyeballs(head)]
+    yield "irises", [irises(head)]
     yield "pupils", [pupils(head)]
 
 
-def _mesh(patch: SkinnedPatch) -> Mesh:
+def _mesh(patch: SkinnedPatch, hair: Array | None = None) -> Mesh:
     share = patch.share.astype(np.float32)
-    arrays = (
+    mesh = Mesh(
         patch.vertices.astype(np.float32),
         np.ascontiguousarray(patch.faces, dtype=np.uint32),
         patch.frames.astype(np.int32),
         np.stack([np.float32(1.0) - share, share], axis=-1),
+        **({} if hair is None else {"hair": hair.astype(np.float32)}),
     )
     # The cache shares them.
-    for array in arrays:
+    for array in (mesh.vertices, mesh.faces, mesh.nodes, mesh.weights, mesh.hair):
         array.setflags(write=False)
-    return Mesh(*arrays)
+    return mesh

@@ -64,7 +64,7 @@ def test_commands_replay_to_the_same_bytes_whatever_is_queried(
     assert again.digest != simulate(stage()).digest
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_scene_that_ends_now_has_the_simulated_length_and_replays(tmp_path: Path) -> None:
     kept = _directed(tmp_path, 5, "now", until=33)
     scene, again = load_scene(kept["scene"]), replayed(kept["scene"])
@@ -81,7 +81,7 @@ def test_a_scene_that_ends_now_has_the_simulated_length_and_replays(tmp_path: Pa
     assert (session.simulation.recorder.positions[rows] == again.positions[rows]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_without_commands_the_take_is_that_of_the_scene(tmp_path: Path) -> None:
     plain = stage()
     kept = asked(session_in(tmp_path, plain))("end")

@@ -55,7 +55,7 @@ def test_standard_output_has_only_messages(folder: Path) -> None:
     assert replayed(folder / "out/other/other.yaml").digest == answers[-1]["result"]["digest"]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_ctrl_c_leaves_a_finished_take(folder: Path) -> None:
     run = _started(folder)
     assert run.stdin is not None

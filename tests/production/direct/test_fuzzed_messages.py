@@ -184,6 +184,7 @@ def _check_session(messages: list[bytes], folder: Path) -> Counter[int]:
     return codes
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("sessions", "length"),
     [

@@ -55,6 +55,7 @@ def test_a_take_is_equal_after_killed_sessions(
     )
 
 
+@pytest.mark.nightly
 def test_unfinished_files_of_a_killed_session_are_removed(tmp_path: Path) -> None:
     made = [tmp_path / name / "stage_directed" for name in ("whole", "torn")]
     for name in LEFT:

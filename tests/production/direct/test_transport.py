@@ -90,8 +90,7 @@ def test_a_quiet_session_tells_the_address_of_a_free_port_alone(
     assert [line.rstrip("0123456789") for line in errors.getvalue().splitlines()] == told
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("reset", [False, True])
 def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
     def client(entrance: Entrance) -> None:
@@ -202,7 +201,7 @@ def test_an_unwritable_folder_is_refused_before_a_connection(tmp_path: Path) -> 
         direct(stage(), SceneRecorder("stage_directed", tmp_path / "out", Reporter()), transport)
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("presses", [[10], [10, 20]])
 def test_a_second_ctrl_c_drops_the_take(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, presses: list[int]

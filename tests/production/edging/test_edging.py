@@ -128,6 +128,7 @@ def test_soil_creeps_over_the_border_but_never_under_the_cast_or_above_the_land_
     assert not is_floor[out > 0.1].any()
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("word", WORDS)
 @pytest.mark.parametrize("floor", ["paving", "deck"])
 def test_nothing_stands_in_the_way_of_the_cast_or_of_the_camera(word: str, floor: str) -> None:

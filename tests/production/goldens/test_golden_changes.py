@@ -89,7 +89,7 @@ class Elsewhere(GoldenRenderer):
         return self._environment
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("fault", _twentieth(FAULTS))
 def test_a_fault_is_found_and_named(bases: Bases, fault: Fault) -> None:
     base = bases[fault.base]

@@ -436,6 +436,7 @@ def _default_bounciness() -> float:
     return float(troupe.herd.bounciness[0])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["bounciness", "cycle", "speed"])
 def test_a_slightly_different_walk_is_detected_at_its_first_difference(

@@ -35,6 +35,7 @@ def _tier(name: str) -> list[pytest.MarkDecorator]:
 SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]
 
 
+@pytest.mark.sample(14)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_a_shipped_scene_moves_like_its_golden(name: str) -> None:
@@ -68,7 +69,7 @@ def update(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
     return module
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_only_outdated_goldens_are_written(update: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "first_steps.json"
     assert "written" in update.update("first_steps", False)

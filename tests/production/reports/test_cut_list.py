@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 
+import pytest
 import yaml
 
 from render.config.camera import cuts
 
 
+@pytest.mark.nightly
 def test_the_cuts_of_a_director_can_stand_in_the_scene(studio, pronk) -> None:
     code, out, _ = pronk("cuts", "tiny", "--set", "camera=auto", cwd=studio.folder)
     assert code == 0

@@ -139,7 +139,7 @@ def test_the_png_shows_the_svg_with_its_texts(beetle: Figure) -> None:
     assert (bare[30:80, 50:180].sum(axis=-1) < 250).mean() == 0
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["play:worm", "play:dot", "tripod", "hopper", "person"])
 def test_figures_of_all_kinds_are_drawn(folder: Path, name: str) -> None:

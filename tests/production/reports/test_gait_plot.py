@@ -188,7 +188,7 @@ def test_gait_plot_command_refuses_with_one_message(
     assert not (folder / "out" / name).exists()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_planned_stances_follow_a_change_of_gait() -> None:
     member = "- {name: mare, figure: horse, walk: {gait: walk}}\n"
     script = "script: [{at: 1.5, who: mare, do: {gait: trot}}, {at: 5, who: mare, do: stop}]\n"

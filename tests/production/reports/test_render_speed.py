@@ -20,7 +20,7 @@ def test_the_table_has_every_preset_and_the_time_of_the_film() -> None:
     assert other.endswith("  3 h 12 min")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_bench_measures_and_overwrites_nothing(studio, pronk) -> None:
     before = studio.state()
     arguments = ("bench", "tiny", "--preset", "draft", "--frames", "1", "--json")

@@ -107,6 +107,7 @@ def test_a_copied_file_is_read_once_and_kept(studio: Studio) -> None:
     assert studio.changes(before) == set()
 
 
+@pytest.mark.nightly
 def test_a_frame_that_turns_out_damaged_ends_one_run_at_most(
     studio: Studio, film: Studio, pronk: Pronk
 ) -> None:

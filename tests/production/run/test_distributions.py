@@ -83,8 +83,9 @@ def test_a_wheel_holds_the_packages_and_the_library_and_nothing_else(wheel: Path
     }
     assert "pipeline/scenes/first_steps.yaml" in library
     page = {f"pipeline/production/goldens/report.{end}" for end in ("css", "js")}
-    assert library | modules | page <= names
-    rest = {name for name in names - library - modules - page if ".dist-info/" not in name}
+    fonts = {f"render/fonts/{name}" for name in ("DejaVuSans.ttf", "DejaVuSerif.ttf", "LICENSE")}
+    assert library | modules | page | fonts <= names
+    rest = {name for name in names - library - modules - page - fonts if ".dist-info/" not in name}
     assert rest == set()
 
 

@@ -88,7 +88,7 @@ def test_a_run_that_was_stopped_at_its_time_can_be_resumed(
     _assert_complete(studio, film)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "delays",
     [(0.8, 2.0), pytest.param((0.4, 1.2, 1.6, 2.3, 2.6, 3.2, 4.0), marks=pytest.mark.nightly)],

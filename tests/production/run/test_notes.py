@@ -135,7 +135,7 @@ def test_json_has_a_line_with_a_kind_for_each_note(pronk: Pronk, edge: Path) -> 
 
 @pytest.mark.sample(1)
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [("render",), ("simulate",), ("midi",)], ids=lambda c: c[0])
+@pytest.mark.parametrize("command", [("midi",), ("simulate",), ("render",)], ids=lambda c: c[0])
 def test_strict_stops_after_the_simulation_and_leaves_earlier_outputs(
     pronk: Pronk, edge: Path, command: tuple[str, ...]
 ) -> None:
@@ -202,6 +202,7 @@ def test_strict_refuses_a_stored_take_too(pronk: Pronk, edge: Path) -> None:
     assert not (edge / "out/edge/edge.mid").exists()
 
 
+@pytest.mark.nightly
 def test_check_simulates_only_if_asked(pronk: Pronk, edge: Path) -> None:
     quick, through = pronk("check", "edge")[2], pronk("check", "edge", "--simulate")[2]
     assert "never given" in quick

@@ -253,8 +253,7 @@ def test_a_sheet_shows_frames_of_the_film(studio: Studio, pronk: Pronk) -> None:
     np.testing.assert_array_equal(sheet[48:84, 76:140], read_png(studio.frame(8)))
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["虫の歩み", "Käfer läuft", "a.b", "it's 100% [new]"])
 def test_any_name_in_any_folder_makes_a_film(
     unmade: Studio, tmp_path: Path, pronk: Pronk, name: str

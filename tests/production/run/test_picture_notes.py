@@ -97,7 +97,7 @@ def test_a_note_names_the_runs_of_frames(studio: Studio) -> None:
 # --- runs -------------------------------------------------------------------------
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("exposure", "kind"), [(-12, "picture_black"), (0, ""), (9, "picture_blown_out")]
 )
@@ -112,7 +112,7 @@ def test_a_run_tells_its_pictures_again_when_they_come_from_the_cache(
     assert [note["kind"] for note in entries["notes"]] == ([kind] if kind else [])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_frames_without_levels_are_measured(studio: Studio) -> None:
     sets = "film.exposure=-12"
     told(studio, sets)

@@ -33,7 +33,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_pool_that_is_stopped_ends(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(STOPPED)

@@ -6,7 +6,15 @@ import numpy as np
 
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.growth import Growth
-from pipeline.production.scenery.puddles import LIFTED, SUNK, Puddles, PuddleSurface
+from pipeline.production.scenery.puddles import (
+    FLOOR_LIFTED,
+    FLOOR_MATERIAL,
+    LIFTED,
+    MATERIALS,
+    SUNK,
+    Puddles,
+    PuddleSurface,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 from render.config import Weather
@@ -47,6 +55,16 @@ def test_heavier_rain_leaves_more_puddles_and_a_dry_day_none() -> None:
         assert made is not None
         shares.append(float((made.depth(X, Z) > 0.0).mean()))
     assert 0.0 < shares[0] < shares[1] < shares[2] < 0.5
+
+
+def test_drizzle_leaves_puddles_on_a_floor_and_none_on_soil() -> None:
+    drizzle, field = Weather(rain=0.12), ground(0.0 * AT)
+    assert Puddles.of(5, drizzle, field) is None
+    made = Puddles.of(5, drizzle, field, is_floor=True)
+    assert made is not None
+    mesh = surface(made).mesh
+    assert mesh.material == FLOOR_MATERIAL in MATERIALS
+    assert 0.0 < mesh.vertices[:, 1].max() <= FLOOR_LIFTED + 1e-5
 
 
 def test_water_gathers_in_hollows_and_runs_off_slopes() -> None:

@@ -50,7 +50,7 @@ def test_all_frames_and_all_machines_have_one_scenery(scene: Scene, take: Take) 
     assert there.shot(2).digest == here.shot(2).digest
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_too_many_triangles_are_refused_at_their_line(
     scene: Scene, take: Take, monkeypatch: pytest.MonkeyPatch
 ) -> None:

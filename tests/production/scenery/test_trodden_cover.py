@@ -92,7 +92,7 @@ def test_plants_lean_downwind_in_gusts_and_not_in_a_calm() -> None:
     np.testing.assert_allclose(later, bends, atol=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_grass_bends_beside_feet_and_all_else_stands_still(scene: Scene, take: Take) -> None:
     shooting = ShotBuilder(scene, take)
     first, last = (

@@ -61,7 +61,7 @@ def test_a_new_take_leaves_no_cues_of_the_one_before(studio: Studio) -> None:
     assert not {"tiny_labels.txt", "tiny.edl"} & left
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("word", "due"),
@@ -134,6 +134,7 @@ def test_a_frames_key_follows_its_shot(unmade: Studio, take: Take) -> None:
         assert set(own).isdisjoint(other)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "harm", ["truncated", *(pytest.param(h, marks=SLOW) for h in ("deleted", "emptied", "torn"))]
 )
@@ -171,6 +172,7 @@ def test_only_a_deleted_output_is_made_again(studio: Studio, film: Studio, name:
     assert studio.contents() == film.contents()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("text", ["{", '{"seconds": 3}'])
 def test_an_unreadable_manifest_is_rewritten(studio: Studio, text: str) -> None:
     before = json.loads((studio.made / "manifest.json").read_text(encoding="utf-8"))

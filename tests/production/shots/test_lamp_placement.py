@@ -27,6 +27,7 @@ film: {shutter_deg: 180, samples: 2, moments: 2}
 """
 
 
+@pytest.mark.nightly
 def test_a_lamp_stays_on_its_parent_in_every_moment() -> None:
     scene = read_scene(SCENE.replace("WHO", "bug"))
     take = simulate(scene)

@@ -305,7 +305,7 @@ def test_a_prop_that_falls_looks_as_one_that_does_not() -> None:
 EVENTS = ("fell: pot", "at_rest: pot", "near: [pot, bug], within: 0.9", "touch: [pot, shelf]")
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("event", EVENTS)
 def test_falling_props_are_events(event: str) -> None:

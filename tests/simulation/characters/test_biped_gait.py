@@ -60,6 +60,7 @@ def soles(play: Play, kind: str, side: str) -> list[Array]:
     return [p + R @ [x * length, -ankle, 0.0] for x in (-0.24, 0.48)]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
 def test_stance_soles_slip_less_than_two_centimetres(kind: str, speed: float, terrain: str) -> None:
     play = walk(kind, speed, terrain)
@@ -125,7 +126,7 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
     return np.array(deep)
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "speed", "turn_deg", "every"),
     [
@@ -148,7 +149,7 @@ def test_legs_do_not_collide_on_zigzag_routes(
     assert depths_in_corners(kind, speed, turn_deg, every).max() < 0.008
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(("kind", "speed", "most"), [("adult", 1.3, 0.03), ("child", 1.2, 0.008)])
 def test_legs_do_not_collide_for_a_turn_at_any_gait_phase(
     kind: str, speed: float, most: float

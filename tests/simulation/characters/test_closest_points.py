@@ -38,6 +38,7 @@ def pairs(kind: str) -> tuple[Array, Array, Array, Array]:
     return p, u, q, v
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["any", "parallel", "nearly parallel", "points", "crossing"])
 def test_closest_points_are_optimal(kind: str) -> None:
     p, u, q, v = pairs(kind)

@@ -205,6 +205,7 @@ def test_impossible_orders_are_given_up_with_a_reason() -> None:
     assert "ada" not in course().arrived
 
 
+@pytest.mark.nightly
 def test_people_walk_up_to_members_and_to_places_by_name() -> None:
     pillar, eve = course().states["pillar"], course().places["eve"]
     feet = np.array([[eve[0], 0.5, eve[1]]])

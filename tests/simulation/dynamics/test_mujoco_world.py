@@ -134,8 +134,7 @@ def test_stack_of_ten_stands_for_a_minute_and_sleeps() -> None:
     assert world.asleep.all()
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("b", [0.3, 0.6])
 def test_wall_of_fifty_comes_to_rest_after_a_blow(b: float) -> None:
     places = [

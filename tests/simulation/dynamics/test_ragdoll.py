@@ -290,6 +290,7 @@ def test_motion_is_continuous_at_the_start_of_a_fall(name):
     assert bends[row - 1 : row + 3].max() < 4.0 * 9.81 * DT**2
 
 
+@pytest.mark.nightly
 def test_joints_move_in_a_ragdoll_and_not_in_a_rigid_fall():
     moved = {}
     for fall in ("ragdoll", "rigid"):

@@ -71,6 +71,7 @@ def scene(**more: object) -> Scene:
     return read_scene(yaml.safe_dump(text, sort_keys=False))
 
 
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
     figure = shipped(file.stem)

@@ -52,6 +52,7 @@ def built(words: dict[str, object]) -> Figure:
     return build_figure("it", Words.model_validate(words), 1.0)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("name", [*ANIMALS, *SHELLS])
 def test_a_hide_has_few_triangles(name: str) -> None:
     figure = built(words_of(name))

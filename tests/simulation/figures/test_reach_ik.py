@@ -70,6 +70,7 @@ def _chain(axes: Array, lengths: tuple[float, ...], slides: tuple[bool, ...] = (
 Z = np.array([0.0, 0.0, 1.0])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("name", FIGURES)
 def test_success_rate_for_reachable_goals(library: Library, name: str, count: int) -> None:

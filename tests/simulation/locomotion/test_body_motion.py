@@ -106,7 +106,7 @@ def angle(a: Array, b: Array) -> Array:
 PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
 
 
-@pytest.mark.sample(8)
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(
@@ -199,6 +199,7 @@ def test_free_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("looseness", [0.0, 2.0, 30.0])
 def test_joint_limits_hold_at_any_looseness(looseness: float) -> None:
     recording = Recording(
@@ -235,7 +236,7 @@ def test_tail_lags_more_towards_its_tip() -> None:
     assert (np.diff(np.abs(swings)) > 0.0).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_looseness_scales_the_swing_of_a_tail() -> None:
     member = "{figure: horse, walk: {gait: bound}}"
     stiff, usual, floppy = (
@@ -296,6 +297,7 @@ def test_style_pitch_is_bounded() -> None:
 # --- motion style ----------------------------------------------------------------------
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
@@ -390,7 +392,7 @@ def test_rows_do_not_depend_on_batch_size(
     assert found[2] == found[0]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_frame_rate_does_not_change_the_motion() -> None:
     takes = [simulation.simulate(scene_of(*CAST, more=f"fps: {fps}")) for fps in (24, 48)]
     slow, quick = takes[0].values, takes[1].values[::2]

@@ -113,7 +113,7 @@ def test_normal_steps_do_not_scuff(figure: str) -> None:
     assert {contact.kind for contact in take.contacts} == {"touch"}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("step", ["0.004", pytest.param("0.02", marks=pytest.mark.nightly)])
 def test_frame_rate_does_not_change_scuffs(step: str) -> None:
     film = simulate(scene("beetle", step, "flat"))

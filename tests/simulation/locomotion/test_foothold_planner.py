@@ -22,7 +22,9 @@ from pipeline.spec import read_scene
 KINDS = ("beetle", "horse", "spider", "person", "antelope")
 
 
-@pytest.fixture(params=["{preset: hills, height: 2}", "boulders"])
+@pytest.fixture(
+    params=["boulders", pytest.param("{preset: hills, height: 2}", marks=pytest.mark.nightly)]
+)
 def walkers(request: pytest.FixtureRequest) -> WalkerTroupe:
     cast = "\n".join(
         f"- {{name: c{i}, figure: {kind}, at: [{2 * i - 4}, {i % 3}], heading_deg: {97 * i},"

@@ -65,7 +65,7 @@ def test_leg_clocks_always_advance(change: GaitTransition) -> None:
     assert speed.max() < 2.0 - MIN_CLOCK_RATE + 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @settings(max_examples=30)
 @given(changes())
 def test_feet_lift_and_land_once_per_leg_cycle(change: GaitTransition) -> None:
@@ -78,7 +78,7 @@ def test_feet_lift_and_land_once_per_leg_cycle(change: GaitTransition) -> None:
         assert np.allclose(clock, np.round(clock), atol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @settings(max_examples=30)
 @given(changes())
 def test_transition_starts_and_ends_with_the_two_gaits(change: GaitTransition) -> None:
@@ -122,6 +122,7 @@ def test_legs_shift_the_shorter_way_round(change: GaitTransition) -> None:
     assert np.abs(off).max() < 1e-12
 
 
+@pytest.mark.sample(20)
 @pytest.mark.slow
 @pytest.mark.parametrize(("first", "second"), PAIRS)
 def test_swing_durations_stay_bounded_between_named_gaits(first: str, second: str) -> None:

@@ -459,7 +459,7 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_cast_order_does_not_matter(scene_of: SceneOf) -> None:
     cast = [
         WORM.format(name="one", at=[0, 0], heading=10, walk="{}"),

@@ -57,7 +57,7 @@ def test_every_walking_figure_has_a_bound() -> None:
     assert set(MOST) == {path.stem for path in LIBRARY.glob("*.yaml")} - LEGLESS
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", MOST)
 def test_leg_joint_accelerations_are_bounded(
@@ -69,7 +69,7 @@ def test_leg_joint_accelerations_are_bounded(
     assert found > 0.4 * MOST[figure]
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", MOST)
 def test_joint_speeds_are_continuous(figure: str, walk_through: Callable[..., object]) -> None:

@@ -79,6 +79,7 @@ def test_invariants_of_walking_hold_for_every_gait_of_every_figure(figure: str, 
     assert_walking_invariants(walk_in_gait(figure, gait))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("figure", "gait"), RUNS)
 def test_invariants_of_walking_hold_in_running_gaits(figure: str, gait: str) -> None:
     assert_walking_invariants(walk_in_gait(figure, gait))

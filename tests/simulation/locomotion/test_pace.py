@@ -104,7 +104,7 @@ def test_each_foot_lands_once_after_each_lift_off() -> None:
     assert len(walk.take.contacts) == downs.sum()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_new_gait_has_its_default_or_ordered_speed() -> None:
     walk = walk_with_script("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=8)
     assert speed(walk, 6.2) == pytest.approx(1.4, rel=1e-6)
@@ -219,8 +219,7 @@ def test_mood_factors_scale_with_the_weight_as_powers() -> None:
         assert getattr(half, name) == pytest.approx(factor**0.5 * getattr(plain, name))
 
 
-@pytest.mark.sample(1)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "figure",
     [

@@ -109,6 +109,7 @@ def test_apex_and_distance_are_as_requested(level_hops):
             assert b.p[1] <= p[1] + 0.02 * hopper.leg_length
 
 
+@pytest.mark.sample(3)
 def test_flights_are_parabolas(level_hops):
     states = [s for s in level_hops.states[0] if s.phase == "flight" and s.jumps]
     flights = level_hops.lifts
@@ -131,7 +132,7 @@ def test_tested_figures_are_all_legged_ones_of_the_library(library):
     assert legged == set(LIBRARY)
 
 
-@pytest.mark.sample(4)
+@pytest.mark.sample(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("figure", "config"), [(figure, "{}") for figure in LIBRARY] + list(HOPPERS.items())
@@ -278,6 +279,7 @@ def written_rows(hops: HopRecording) -> int:
     return hops.simulation.scheduler.written
 
 
+@pytest.mark.sample(1)
 def test_planted_feet_do_not_slip_or_sink(long_hops):
     rows = written_rows(long_hops)
     tips, herd = long_hops.tips()[:rows], long_hops.troupe.herd

@@ -78,7 +78,7 @@ def test_follower_keeps_its_distance_from_who_walks_on() -> None:
     assert np.all((distances(take)[-96:] > 0.8) & (distances(take)[-96:] < 2.4))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_chaser_catches_who_is_slower() -> None:
     take = take_of("{chase: cart}", "at: [2, 0.2, 1], velocity: [0.1, 0, 0]", 20.0)
     assert outcome_of(take)[0] == "done"

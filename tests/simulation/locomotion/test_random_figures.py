@@ -62,7 +62,7 @@ def test_random_figures_walk_without_pops(number: int, tmp_path: Path) -> None:
     _assert_walks_well(walk_through(scene))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("number", [*TURNING, *STRANDED])
 def test_random_figures_change_their_speed_without_pops(number: int, tmp_path: Path) -> None:
     scene = random_figure_walk(number, tmp_path, SEED)
@@ -83,6 +83,7 @@ def _assert_walks_well(walk: Walk) -> None:
     assert_gait_timing(walk)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("number", FLAT)
 def test_random_figures_walk_on_level_ground(number: int, tmp_path: Path) -> None:

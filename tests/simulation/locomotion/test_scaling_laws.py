@@ -81,6 +81,7 @@ def test_a_gallop_without_a_speed_is_a_gallop() -> None:
     assert pace.flight is not None
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("figure", FIGURES)
 def test_the_greatest_speed_that_a_refusal_advises_works(figure: str) -> None:
     with pytest.raises(SceneError, match="more than the legs can do") as refused:

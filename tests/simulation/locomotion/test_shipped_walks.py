@@ -38,8 +38,7 @@ def unposed_feet(walk: Walk) -> Array:
     return walk.walkers.authored_poses.free_fraction(times) > 0.999
 
 
-@pytest.mark.sample(3)
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "name",
     [

@@ -132,7 +132,7 @@ def walking(figure: str, swing: str) -> str:
     return f"{{figure: {figure}, scale: {scale}, walk: {{swing: {swing}, {TEMPO}}}}}"
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 def test_least_effort_needs_less_work_than_the_spline(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
@@ -151,7 +151,7 @@ def test_least_effort_needs_less_work_than_the_spline(
 UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
 
 
-@pytest.mark.sample(3)
+@pytest.mark.sample(1)
 @pytest.mark.slow
 def test_free_leg_needs_less_work_than_a_led_one(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
@@ -216,6 +216,7 @@ def level_feet_walks(
     return walk_through(scene_of(walking(*request.param), terrain=HILLS, duration=2.5, seed=2))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.slow
 def test_feet_stand_still_on_their_footholds(level_feet_walks: Walk) -> None:
     down = level_feet_walks.standing[1:] & level_feet_walks.standing[:-1]

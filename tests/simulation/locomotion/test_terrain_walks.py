@@ -40,7 +40,7 @@ BARRIERS = {
 }
 
 
-@pytest.mark.sample(10)
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("figure", "name"), PAIRS)
 def test_walkers_cross_passable_terrain(
     figure: str,
@@ -59,7 +59,7 @@ def test_walkers_cross_passable_terrain(
     assert_feet_on_the_ground(walk)
 
 
-@pytest.mark.sample(5)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", BARRIERS)
 @pytest.mark.parametrize("figure", WALKERS)
 def test_walkers_stop_before_barriers(

@@ -141,7 +141,7 @@ def test_stop_and_wait_pause_the_walk() -> None:
     assert speeds(stopped)[192:].max() == 0.0
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("angle", [90, -60])
 def test_turn_order_turns_by_its_angle(angle: int) -> None:
     walking = walk_with_orders(

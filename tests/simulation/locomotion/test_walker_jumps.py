@@ -234,6 +234,7 @@ def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None
     assert take.positions[-1, 0, 0] > 2.0
 
 
+@pytest.mark.nightly
 def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     config = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
@@ -244,7 +245,7 @@ def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     assert "too near" in order.reason
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("way", ["walk", "pronk"])
 def test_jump_is_done_when_it_has_landed(way: str) -> None:
     more = "script: [{at: 0.2, who: a, do: {jump: {height: 0.2}}}]"
@@ -373,7 +374,7 @@ def test_wait_order_pauses_the_hops() -> None:
     assert hops.states[0][-1].jumps > 2
 
 
-@pytest.mark.sample(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("angle", [40, -160])
 def test_turn_order_turns_by_its_angle(angle: float) -> None:
     hops = hop_with_script(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 10)

@@ -19,17 +19,22 @@ from pipeline.simulation.people.body_frames import (
     frames_from_joints,
 )
 from pipeline.simulation.people.person_mesh import (
-    Clothes,
-    Hair,
     MaterialLayer,
-    Stature,
     layer_parts,
     person_layers,
-    random_clothes,
 )
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, Proportions
+from pipeline.simulation.people.wardrobe import (
+    OUTFITS,
+    Clothes,
+    Garment,
+    Hair,
+    Stature,
+    random_clothes,
+)
 from pipeline.simulation.spatial import Array, quaternion, rotation
 from pipeline.simulation.take import Node
+from pipeline.spec.costume import COSTUMES
 from render.config import MATERIALS
 
 DENSITY = 985.0
@@ -111,7 +116,7 @@ def test_meshes_are_small_and_follow_adjacent_frames(
     proportions: Proportions, clothes: Clothes
 ) -> None:
     layers = person_layers(proportions, clothes)
-    assert sum(len(layer.mesh.vertices) for layer in layers) < 6300
+    assert sum(len(layer.mesh.vertices) for layer in layers) < 6600
     beside = {(k, parent) for k, parent in enumerate(PARENTS)}
     for layer in layers:
         mesh = layer.mesh
@@ -146,6 +151,7 @@ def test_vertices_in_the_middle_follow_no_side(proportions: Proportions, clothes
         np.testing.assert_allclose(pulled[middle], 0.0, atol=1e-6)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
 def test_volumes_match_the_body_mass(proportions: Proportions) -> None:
@@ -218,6 +224,54 @@ def test_clothes_depend_on_the_name_alone() -> None:
         assert len({getattr(look, word) for look in looks}) > 1
     for look in looks:
         assert {look.skin, look.hair, look.shirt, look.trousers, look.shoes} <= set(MATERIALS)
+
+
+def test_ten_people_wear_ten_costumes_whatever_their_order() -> None:
+    names = [f"p{k}" for k in range(10)]
+    worn = {name: random_clothes(name, 5, names=names) for name in names}
+    backward = {name: random_clothes(name, 5, names=names[::-1]) for name in names}
+    assert worn == backward
+    kinds = {(look.garments, look.short_sleeves, look.shorts) for look in worn.values()}
+    assert len(kinds) >= 9
+    looks = [random_clothes(f"p{k}", 5, names=[f"p{i}" for i in range(40)]) for k in range(40)]
+    assert len({(look.shirt, look.trousers, look.garments) for look in looks}) > 30
+
+
+def test_a_costume_can_be_asked_for() -> None:
+    assert set(OUTFITS) == set(COSTUMES)
+    assert random_clothes("ann", 1, "coat").garments == ("coat",)
+    dress = random_clothes("ann", 1, "dress")
+    assert dress.trousers == dress.shirt
+    for name in COSTUMES:
+        for seed in range(20):
+            look = random_clothes("ann", seed, name)
+            materials = {look.shirt, look.trousers, look.shoes, look.iris, look.accent}
+            assert materials <= set(MATERIALS)
+
+
+@pytest.mark.parametrize("garment", get_args(Garment))
+@pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
+def test_garments_are_closed_and_symmetric(proportions: Proportions, garment: Garment) -> None:
+    for layer in person_layers(proportions, Clothes(garments=(garment,))):
+        mesh = trimesh_of(layer)
+        assert mesh.is_watertight, layer.name
+        assert mesh.volume > 0.0
+        mirrored = mesh.vertices * [1.0, 1.0, -1.0]
+        assert cKDTree(mesh.vertices).query(mirrored)[0].max() < 1e-4, layer.name
+
+
+def test_hair_grows_from_the_head_and_leaves_the_eyes_free() -> None:
+    for style in get_args(Hair):
+        layers = {one.name: one.mesh for one in person_layers(ADULT, Clothes(style=style))}
+        hair = layers["hair"]
+        length = np.linalg.norm(hair.hair, axis=-1)
+        assert 0.0 < length.max() < 0.12
+        eyes = layers["irises"].vertices
+        tips = hair.vertices + hair.hair
+        ahead = tips[
+            (tips[:, 0] > eyes[:, 0].mean()) & (np.abs(tips[:, 1] - eyes[:, 1].mean()) < 0.01)
+        ]
+        assert not len(ahead) or np.abs(ahead[:, 2]).min() > np.abs(eyes[:, 2]).max()
 
 
 @pytest.mark.parametrize(

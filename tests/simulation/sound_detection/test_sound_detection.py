@@ -307,6 +307,7 @@ def test_getting_up_makes_no_push_off() -> None:
     assert pushed(jump, feet=False) == []
 
 
+@pytest.mark.nightly
 def test_breathing_is_optional_and_follows_the_gait() -> None:
     scene = "{name: bob, figure: person, walk: {speed: 0.9, cycle: 1.0}}"
     ask = "sound: {detect: {breath: {heard: true, per_minute: 6, strides: 2}}}"
@@ -375,7 +376,7 @@ MIXED = (
 ALL = "sound: {detect: {breath: {heard: true}, squeak: {materials: {chitin: 1, plastic: 1}}}}"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_events_repeat_exactly_whatever_the_batches(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

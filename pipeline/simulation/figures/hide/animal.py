@@ -22,6 +22,7 @@ from pipeline.simulation.figures.hide.feet import (
     spread_toes,
     toe_nails,
 )
+from pipeline.simulation.figures.hide.hair_lay import HairLay
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid
 from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
@@ -44,6 +45,7 @@ from pipeline.simulation.figures.hide.trunk import (
 from pipeline.simulation.figures.link_shapes import EYE_MATERIAL
 from pipeline.simulation.figures.network import ARM, HEAD, HORN, LEG, TAIL, WING
 from pipeline.simulation.figures.skins import Skin, merge_skins
+from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, rotation
 
 MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
@@ -111,6 +113,7 @@ class AnimalHide:
             )
         self.skull_name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
         self.coat = Coat(self.stance, self.head)
+        self.hair_lay = HairLay(self.coat)
 
     def skins(self) -> tuple[dict[int, Skin], set[int]]:
         """Return the skins by link, and the links that are inside them."""
@@ -188,8 +191,7 @@ class AnimalHide:
                 patch.lumps += leg_lumps(chain, first, shank, girths)
                 lumps = [ankle_lump(chain)]
                 solid = shank_solid(chain, shank, girths)
-                paint = self.coat.paint(solid, [i], False)
-                patch.skins.append(self.stance.hide(solid, [i], paint))
+                patch.skins.append(self._hide(solid, [i]))
             if after == len(limb.links):
                 self._add_foot(chain, feet, patch, lumps, girths[-1])
 
@@ -281,9 +283,8 @@ class AnimalHide:
             heights = self.figure.drawing.girths[on_neck, 1]
             solid = mane_solid(chain, self.figure.skin.mane, self.head, heights)
             color = next((p.color for p in self.figure.skin.paint if p.where == "mane"), "#17120f")
-            self.patches[0].skins.append(
-                self.stance.hide(solid, [i], painted(len(solid.vertices), color))
-            )
+            paint, locks = painted(len(solid.vertices), color), self.hair_lay.locks(solid, i)
+            self.patches[0].skins.append(self.stance.hide(solid, [i], paint, locks))
 
     def _neck_shape(self, first: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return height and width of a neck at its ends, in the drawn radius."""
@@ -301,8 +302,9 @@ class AnimalHide:
             own = self._patch(limb.links[-1])
             if i not in own.limbs:
                 own.limbs.append(i)
-            solid = hair_solid(chain, word)
-            own.skins.append(self.stance.hide(solid, [i], self.coat.paint(solid, [i], False)))
+            solid = hair_solid(chain, word, self.stance.ground)
+            paint, locks = self.coat.paint(solid, [i], False), self.hair_lay.locks(solid, i)
+            own.skins.append(self.stance.hide(solid, [i], paint, locks))
             return
         shape = (1.0, 1.0), (1.0, 1.0)
         for first, after in self._runs(limb.links):
@@ -317,8 +319,7 @@ class AnimalHide:
                 own.lumps += tube_lumps(points[:2], radii[:2], *shape, 0.6)
             # Beyond its root a tail is too thin for the grid of the trunk.
             solid = tail_solid(points, radii, 0.4 if first == 0 else 0.0)
-            paint = self.coat.paint(solid, [i], False)
-            own.skins.append(self.stance.hide(solid, [i], paint))
+            own.skins.append(self._hide(solid, [i]))
             if word in ("tassel", "brush") and after == len(limb.links):
                 own.lumps += tassel_lumps(chain, word)
 
@@ -395,7 +396,12 @@ class AnimalHide:
         self, patch: Patch, lumps: list[Lump], cell: float, most: int, is_head: bool
     ) -> Skin:
         solid = budgeted(lumps, cell, most)
-        return self.stance.hide(solid, patch.limbs, self.coat.paint(solid, patch.limbs, is_head))
+        return self._hide(solid, patch.limbs, is_head)
+
+    def _hide(self, solid: Solid, limbs: list[int], is_head: bool = False) -> Skin:
+        """Return a surface with its paint and its hair."""
+        paint = self.coat.paint(solid, limbs, is_head)
+        return self.stance.hide(solid, limbs, paint, self.hair_lay.hair(solid, limbs, is_head))
 
     def eyes(self) -> Iterator[tuple[int, Skin]]:
         """Yield the numbers of the pieces of the eyes, and their skins."""

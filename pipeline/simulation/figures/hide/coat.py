@@ -11,8 +11,8 @@ import numpy as np
 from pipeline.simulation.figures.hide.head import Head
 from pipeline.simulation.figures.hide.sheets import Paint, lay
 from pipeline.simulation.figures.hide.stance import Stance, smoothstep
-from pipeline.simulation.figures.solids import Solid
-from pipeline.simulation.spatial import Array, cross, normalized
+from pipeline.simulation.figures.solids import Solid, vertex_normals
+from pipeline.simulation.spatial import Array
 
 PATTERN_SIZES: Mapping[str, float] = {"spots": 0.42, "patches": 0.75, "stripes": 0.55}
 """Distance of a pattern's figures, in the body's radius."""
@@ -78,7 +78,7 @@ class _Places:
 
     def __init__(self, coat: Coat, solid: Solid, limbs: list[int], is_head: bool) -> None:
         self._coat, self._places, self._is_head = coat, solid.vertices, is_head
-        self._normals = vertex_normals(solid)
+        self._normals = vertex_normals(solid.vertices, solid.faces)
         stance = coat.stance
         figure = stance.figure
         body = stance.body_distance(self._places)
@@ -179,21 +179,6 @@ def arc_share(points: Array, places: Array) -> Array:
         found = np.where(off < best, starts[k] + along * length, found)
         best = np.minimum(off, best)
     return np.asarray(found / starts[-1])
-
-
-def vertex_normals(solid: Solid) -> Array:
-    """Return the unit normals (V, 3) of a surface."""
-    faces = solid.faces.astype(int)
-    a, b, c = (solid.vertices[faces[:, k]] for k in range(3))
-    face = cross(b - a, c - a)
-    normals = np.stack(
-        [
-            sum(np.bincount(faces[:, k], face[:, axis], len(solid.vertices)) for k in range(3))
-            for axis in range(3)
-        ],
-        axis=-1,
-    )
-    return normalized(normals)
 
 
 def _cell_distances(p: Array) -> tuple[Array, Array]:

@@ -16,6 +16,9 @@ from pipeline.simulation.spatial import Array, cross, normalized
 
 MANE_ROWS, MANE_POINTS = 30, 9
 
+CLEARANCE = 0.24
+"""Height above the ground at which a tail of hair ends, in that of its root."""
+
 
 def mane_solid(chain: Chain, kind: str, head: Head, heights: Array) -> Solid:
     """Return the mane on the crest of a neck.
@@ -71,8 +74,14 @@ def _upright(middle: Array, up: Array, r: Array, tall: Array) -> Solid:
     return outward(loft(np.array(rings), ends))
 
 
-def hair_solid(chain: Chain, kind: str) -> Solid:
-    """Return a tail of long hair, or a fan of plumes."""
+def hair_solid(chain: Chain, kind: str, ground: float) -> Solid:
+    """Return a tail of long hair, or a fan of plumes.
+
+    Args:
+        chain: of the tail.
+        kind: "hair" or "fan".
+        ground: height of the soles [m].
+    """
     curve, _ = spline(chain.points, chain.radii, 6)
     t = np.linspace(0.0, 1.0, len(curve))
     widest = float(chain.radii[1:].max())
@@ -82,6 +91,10 @@ def hair_solid(chain: Chain, kind: str) -> Solid:
     length = float(np.linalg.norm(np.diff(curve, axis=0), axis=-1).sum())
     fall = np.clip(t - 0.35, 0.0, 1.0) ** 1.5
     curve = curve + np.stack([0.10 * length * fall, -0.30 * length * fall, 0 * fall], axis=-1)
+    root, low = curve[0, 1], float(curve[:, 1].min())
+    lowest = ground + CLEARANCE * (root - ground)
+    if low < lowest < root:
+        curve[:, 1] = root + (curve[:, 1] - root) * (root - lowest) / (root - low)
     sizes = widest * np.interp(
         t, [0.0, 0.12, 0.3, 0.55, 0.8, 0.94, 1.0], [0.55, 0.72, 0.95, 1.20, 1.15, 0.75, 0.30]
     )

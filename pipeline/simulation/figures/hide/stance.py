@@ -207,10 +207,20 @@ class Stance:
         ]
         return np.asarray(np.min(found, axis=0))
 
-    def hide(self, solid: Solid, limbs: Sequence[int], paint: Array | None = None) -> Skin:
+    def hide(
+        self,
+        solid: Solid,
+        limbs: Sequence[int],
+        paint: Array | None = None,
+        hair: Array | None = None,
+    ) -> Skin:
         """Return a surface that was meshed as the figure stands, in the creation frame."""
         links, share = self.follow(solid.vertices, limbs)
-        return Skin(self.unposed(solid.vertices, links, share), solid.faces, links, share, paint)
+        places = self.unposed(solid.vertices, links, share)
+        if hair is not None:
+            # What a vertex follows moves it rigidly, and its hair with it.
+            hair = self.unposed(solid.vertices + hair, links, share) - places
+        return Skin(places, solid.faces, links, share, paint, hair)
 
     def rigid(self, solid: Solid, link: int, paint: Array | None = None) -> Skin:
         """Return a surface that was meshed as the figure stands and follows one link."""

@@ -1,0 +1,1 @@
+"""Coats: hair and feathers on the hides of animals."""

@@ -1,0 +1,49 @@
+"""The lay of the hair on people's heads: how it is combed by its style, and how long it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pipeline.simulation.combed_hair import combed
+from pipeline.simulation.figures.solids import vertex_normals
+from pipeline.simulation.people.head_mesh import Head
+from pipeline.simulation.people.skinned_surface import SkinnedPatch
+from pipeline.simulation.spatial import UP, Array
+
+LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun": 0.26}
+"""Length of the strands by style, in heads. They overlap: long hair needs no longer."""
+
+LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 9.0, "long": 9.0, "bun": 6.0}
+"""How far hair stands off."""
+
+CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
+"""Whorl from which hair goes out, and the knot to which it is drawn."""
+
+BROW_LENGTH = 0.05
+
+
+def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
+    """Return the hair (V, 3) at the vertices of the hair's surface [m]."""
+    places, normals = patch.vertices, vertex_normals(patch.vertices, patch.faces)
+    seen = (places - head.centre) / head.size
+    if style == "bun":
+        flow = np.array(BUN) - seen
+        # The knot itself is wound.
+        near = np.linalg.norm(flow, axis=-1, keepdims=True) < 0.2
+        flow = np.where(near, np.cross(normals, UP) + 0.3 * UP, flow)
+    else:
+        flow = seen - np.array(CROWN) - (0.2 if style == "short" else 0.9) * UP
+        # Parted over the face.
+        aside = 0.0 if style == "short" else 2.5
+        side = np.where(seen[:, 2] < 0.0, -1.0, 1.0) * np.maximum(seen[:, 0], 0.0)
+        flow[:, 2] += aside * side
+    return combed(flow, normals, LENGTHS[style] * head.size, np.radians(LIFTS_DEG[style]))
+
+
+def brow_hair(head: Head, patch: SkinnedPatch) -> Array:
+    """Return the hair (V, 3) of the brows, which goes outward [m]."""
+    normals = vertex_normals(patch.vertices, patch.faces)
+    outward = np.where(patch.vertices[:, 2:] < 0.0, -1.0, 1.0) * np.array([0.0, 0.0, 1.0])
+    return combed(outward + 0.4 * UP, normals, BROW_LENGTH * head.size, np.radians(14.0))

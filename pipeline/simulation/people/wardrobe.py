@@ -1,0 +1,211 @@
+"""Wardrobe: the clothes of people, all different in one scene as long as there are enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeVar
+
+from pipeline.simulation.seeds import generator
+from pipeline.spec.costume import COSTUMES, Costume
+
+Hair = Literal["short", "bob", "bun", "long", "none"]
+
+Stature = Literal["slim", "medium", "sturdy"]
+
+Garment = Literal["skirt", "coat", "hood", "suit", "bib", "stripes", "tucked"]
+
+Word = TypeVar("Word", bound=str)
+
+LIPS = {
+    "fair skin": "lips",
+    "skin": "lips",
+    "tan skin": "lips",
+    "brown skin": "dark lips",
+    "dark skin": "dark lips",
+}
+"""Skin material -> lip material."""
+
+LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
+
+DARK_HAIR = ("black fur", "black fur", "chestnut fur")
+
+LIGHT_IRISES = ("blue iris", "brown iris", "green iris")
+
+# fmt: off
+SHIRTS = (
+    "red cloth", "teal cloth", "white cloth", "yellow cloth", "blue cloth", "pink cloth",
+    "green cloth", "orange cloth", "plum cloth", "beige cloth",
+)
+# fmt: on
+
+TROUSERS = ("denim", "black cloth", "grey cloth", "beige cloth", "navy cloth")
+
+STYLES: tuple[Hair, ...] = ("short", "short", "bob", "bun", "long")
+
+LONGER: tuple[Hair, ...] = ("bob", "bun", "long")
+
+STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
+
+SHOES = ("leather", "black cloth", "white cloth")
+
+
+@dataclass(frozen=True, slots=True)
+class Outfit:
+    """What a costume consists of.
+
+    Attributes:
+        garments: over shirt and trousers, or in place of these.
+        shirts: materials to choose from.
+        trousers: materials to choose from; empty for that of the shirt.
+        shoes: materials to choose from.
+        styles: of the hair to choose from.
+        short_sleeves: whether arms are bare from above the elbow.
+        shorts: whether legs are bare from above the knee.
+    """
+
+    garments: tuple[Garment, ...] = ()
+    shirts: Sequence[str] = SHIRTS
+    trousers: Sequence[str] = TROUSERS
+    shoes: Sequence[str] = SHOES
+    styles: Sequence[Hair] = STYLES
+    short_sleeves: bool = False
+    shorts: bool = False
+
+
+OUTFITS: Mapping[Costume, Outfit] = {
+    "casual": Outfit(short_sleeves=True, trousers=("denim",)),
+    "summer": Outfit(
+        short_sleeves=True,
+        shorts=True,
+        trousers=("beige cloth", "navy cloth", "denim"),
+        shoes=("white cloth", "leather"),
+    ),
+    "office": Outfit(
+        ("tucked",),
+        shirts=("white cloth", "blue cloth", "pink cloth"),
+        trousers=("black cloth", "grey cloth", "navy cloth"),
+        shoes=("leather", "black cloth"),
+    ),
+    "hoodie": Outfit(
+        ("hood",),
+        shirts=("grey cloth", "plum cloth", "orange cloth", "green cloth"),
+        trousers=("denim", "black cloth"),
+        shoes=("white cloth",),
+    ),
+    "coat": Outfit(
+        ("coat",),
+        shirts=("beige cloth", "navy cloth", "red cloth", "black cloth"),
+        trousers=("black cloth", "denim"),
+        shoes=("leather",),
+    ),
+    "dress": Outfit(("skirt",), trousers=(), short_sleeves=True, styles=LONGER),
+    "skirt": Outfit(
+        ("skirt",),
+        shirts=("white cloth", "pink cloth", "yellow cloth"),
+        trousers=("plum cloth", "navy cloth", "red cloth", "green cloth"),
+        styles=LONGER,
+    ),
+    "suit": Outfit(
+        ("suit",),
+        shirts=("navy cloth", "grey cloth", "black cloth"),
+        trousers=(),
+        shoes=("leather", "black cloth"),
+        styles=("short", "short", "bun", "none"),
+    ),
+    "sport": Outfit(
+        ("stripes",),
+        shirts=("red cloth", "blue cloth", "green cloth"),
+        trousers=("black cloth", "navy cloth"),
+        shoes=("white cloth",),
+    ),
+    "workwear": Outfit(
+        ("bib",),
+        shirts=("white cloth", "red cloth", "yellow cloth", "orange cloth"),
+        trousers=("denim",),
+        shoes=("leather",),
+        short_sleeves=True,
+    ),
+}
+"""What is worn, by the name of the costume."""
+
+
+@dataclass(frozen=True, slots=True)
+class Clothes:
+    """Clothes, hair and stature of a person; materials by name.
+
+    Attributes:
+        skin: material.
+        hair: material, of the brows too.
+        iris: material.
+        shirt: material, of coats, jackets and hoods too.
+        trousers: material, of skirts and bibs too.
+        shoes: material.
+        style: of the hair.
+        short_sleeves: whether arms are bare from above the elbow.
+        shorts: whether legs are bare from above the knee.
+        build: stature.
+        garments: over shirt and trousers, or in place of these.
+        accent: material of ties and stripes.
+    """
+
+    skin: str = "fair skin"
+    hair: str = "chestnut fur"
+    iris: str = "brown iris"
+    shirt: str = "red cloth"
+    trousers: str = "denim"
+    shoes: str = "leather"
+    style: Hair = "short"
+    short_sleeves: bool = True
+    shorts: bool = False
+    build: Stature = "medium"
+    garments: tuple[Garment, ...] = ()
+    accent: str = "white cloth"
+
+
+def random_clothes(
+    name: str,
+    seed: int,
+    costume: Costume | None = None,
+    names: Sequence[str] = (),
+) -> Clothes:
+    """Return the random clothes of a person under a scene's seed.
+
+    Args:
+        name: of the person.
+        seed: of the scene.
+        costume: that it wears; by default one that nobody else of `names` does, while there are
+            enough, whatever the order of the cast.
+        names: of all people of its kind in the scene.
+    """
+    rng = generator(seed, f"{name}/clothes")
+
+    def choice(options: Sequence[Word]) -> Word:
+        return options[int(rng.integers(len(options)))]
+
+    skin = choice(tuple(LIPS))
+    is_light = LIPS[skin] == "lips"
+    number = sorted(names).index(name) if name in names else int(rng.integers(1000))
+    deck = generator(seed, "costumes")
+    worn = costume or COSTUMES[int(deck.permutation(len(COSTUMES))[number % len(COSTUMES)])]
+    outfit = OUTFITS[worn]
+    # Two who are dressed alike differ by colour.
+    turn = int(deck.integers(100)) + number // len(COSTUMES) + number
+    shirt = outfit.shirts[turn % len(outfit.shirts)]
+    others = [material for material in outfit.trousers if material != shirt]
+    return Clothes(
+        skin=skin,
+        hair=choice(LIGHT_HAIR if is_light else DARK_HAIR),
+        iris=choice(LIGHT_IRISES if is_light else ("brown iris",)),
+        shirt=shirt,
+        trousers=choice(others) if others else shirt,
+        shoes=choice(outfit.shoes),
+        style=choice(outfit.styles),
+        short_sleeves=outfit.short_sleeves,
+        shorts=outfit.shorts,
+        build=choice(STATURES),
+        garments=outfit.garments,
+        accent=choice(("red cloth", "teal cloth", "plum cloth"))
+        if "suit" in outfit.garments
+        else "white cloth",
+    )

@@ -153,17 +153,13 @@ FAMILIES: dict[str, MaterialFamily] = {
     "brick": MaterialFamily(PLATE, 36, 0.7, 1, "woodblock", 800),
     "metal": MaterialFamily(PLATE, 3, 0.4, 3, "vibraphone", 260),
     "glass": MaterialFamily(BELL, 5, 0.4, 1, "celesta", 900),
-    "ice": MaterialFamily(
-        BELL, 1300, 0.008, 12, 0.6, 0.06, 0, "glockenspiel", 420, -14, (3e3, 12e3), 0.05
-    ),
+    "ice": MaterialFamily(BELL, 12, 0.6, 0, "glockenspiel", 420, -14, (3e3, 12e3), 0.05),
     "porcelain": MaterialFamily(BELL, 30, 0.5, 1, "tubular bells", 1200),
     "cardboard": MaterialFamily(PLATE, 40, 0.9, -4, "taiko drum", 160),
     "plastic": MaterialFamily(SHELL, 20, 0.9, -2, "clavinet", 320),
     "rubber": MaterialFamily(MEMBRANE, 18, 1.1, -3, "slap bass 2", 120),
     "flesh": MaterialFamily(MEMBRANE, 30, 1.2, -4, "melodic tom", 110),
-    "cloth": MaterialFamily(
-        MEMBRANE, 210, 0.40, 45, 1.2, 0.85, -9, "muted guitar", 130, -4, (300, 4e3), 0.06
-    ),
+    "cloth": MaterialFamily(MEMBRANE, 45, 1.2, -9, "muted guitar", 130, -4, (300, 4e3), 0.06),
     "soil": MaterialFamily(
         *(MEMBRANE, 24, 1.0, -3, "melodic tom", 105),
         *(-5, (350, 4200), 0.11, 420),

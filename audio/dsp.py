@@ -20,6 +20,12 @@ Gain = float | Signal
 SILENCE_EXPONENT = float(np.log(1000.0))
 """-60 dB as an exponent of e."""
 
+SINGLE_THREAD_SIZE = 2**17
+"""Multiplications below which BLAS uses one thread.
+
+The bits must not depend on the number of threads, and small products are faster without them.
+"""
+
 _MIN_FFT_SIZE = 1 << 14
 # Duration of the click of an impact on loose ground, of a grain, and of a grain's decay [s].
 _CRUNCH_DECAY, _GRAIN_LENGTH, _GRAIN_DECAY = 0.003, 0.006, 0.0012

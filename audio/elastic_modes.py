@@ -16,20 +16,19 @@ from functools import lru_cache
 from itertools import product
 
 import numpy as np
-from scipy.linalg import eigh
 from scipy.special import jn_zeros, jv
 
 from audio.body_shape import SIDES, STATIONS, ShapeKind, quadrature, strike_points
-from audio.dsp import Signal
+from audio.dsp import SINGLE_THREAD_SIZE, Signal
+from audio.symmetric_eigen import lowest_eigenpairs
 
 MODES = 24
 """Number of the lowest modes that are kept."""
 
-_DEGREE = 11
+# Thin walls need more: their displacement is a polynomial across the whole vessel.
+_DEGREE, _VESSEL_DEGREE = 9, 11
 # Across a thin body the displacement is at most cubic.
 _THIN, _THIN_DEGREE = 0.25, 3
-# Directions of the basis with less than this share of the greatest mass are dependent on others.
-_DEPENDENT = 1e-11
 _RIGID_MODES = 6
 # Modes closer than this are one, as seen from any point: only their sum does not depend on how
 # the solver turns them.
@@ -62,20 +61,19 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
     """
     body = quadrature(kind, width, thickness)
     x = body.points / body.half
-    exponents = _exponents(width if kind != "vessel" else 1.0, thickness, kind)
-    values = [np.polynomial.legendre.legvander(x[:, i], _DEGREE) for i in range(3)]
+    exponents = _exponents(kind, width, thickness)
+    values = [np.polynomial.legendre.legvander(x[:, i], _degree(kind)) for i in range(3)]
     slopes = [_slopes(values[i]) / body.half[i] for i in range(3)]
     at, normals = strike_points(kind, width, thickness)
     seen = [
-        np.polynomial.legendre.legvander(at[..., i].reshape(-1) / body.half[i], _DEGREE)
+        np.polynomial.legendre.legvander(at[..., i].reshape(-1) / body.half[i], _degree(kind))
         for i in range(3)
     ]
     omegas, shapes = [], []
     for parity in product(*((0, 1) if symmetric else (None,) for symmetric in body.is_symmetric)):
         blocks = [_of_parity(exponents, parity, axis) for axis in range(3)]
         K, M = _energies(blocks, values, slopes, body.weights, poisson)
-        squared, vectors = _solve(K, M)
-        kept = slice(0, MODES + _RIGID_MODES)
+        squared, vectors = lowest_eigenpairs(K, M, MODES + _RIGID_MODES)
         normal = np.concatenate(
             [
                 _basis(block, seen) * normals[..., axis].reshape(-1, 1)
@@ -83,8 +81,8 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
             ],
             axis=1,
         )
-        omegas.append(squared[kept])
-        shapes.append((normal @ vectors[:, kept]).T * np.sqrt(body.weights.sum()))
+        omegas.append(squared)
+        shapes.append((normal @ vectors).T * np.sqrt(body.weights.sum()))
     squared = np.concatenate(omegas)
     order = np.argsort(squared, kind="stable")[_RIGID_MODES : _RIGID_MODES + MODES]
     # The body of the equations has a length of 2.
@@ -92,13 +90,18 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
     return _merged(omega, np.concatenate(shapes)[order].reshape(-1, STATIONS, SIDES))
 
 
-def _exponents(width: float, thickness: float, kind: ShapeKind) -> list[tuple[int, int, int]]:
-    most = [_DEGREE if kind == "vessel" or x > _THIN else _THIN_DEGREE for x in (width, thickness)]
+def _exponents(kind: ShapeKind, width: float, thickness: float) -> list[tuple[int, int, int]]:
+    degree = _degree(kind)
+    most = [degree if kind == "vessel" or x > _THIN else _THIN_DEGREE for x in (width, thickness)]
     return [
         (i, j, k)
-        for i, j, k in product(range(_DEGREE + 1), range(most[0] + 1), range(most[1] + 1))
-        if i + j + k <= _DEGREE
+        for i, j, k in product(range(degree + 1), range(most[0] + 1), range(most[1] + 1))
+        if i + j + k <= degree
     ]
+
+
+def _degree(kind: ShapeKind) -> int:
+    return _VESSEL_DEGREE if kind == "vessel" else _DEGREE
 
 
 def _of_parity(
@@ -144,33 +147,31 @@ def _energies(
         ]
         for block in blocks
     ]
-    stiffness = []
+    ends = np.cumsum([0, *(len(block) for block in blocks)])
+    K, M = np.zeros((ends[-1], ends[-1])), np.zeros((ends[-1], ends[-1]))
     for a in range(3):
-        row = []
-        for b in range(3):
-            part = lame * slope[a][a].T @ slope[b][b] + shear * slope[a][b].T @ slope[b][a]
+        rows = slice(ends[a], ends[a + 1])
+        M[rows, rows] = _products(functions[a], functions[a])
+        for b in range(a, 3):
+            columns = slice(ends[b], ends[b + 1])
+            part = lame * _products(slope[a][a], slope[b][b])
+            part += shear * _products(slope[a][b], slope[b][a])
             if a == b:
-                part = part + shear * sum(s.T @ s for s in slope[a])
-            row.append(part)
-        stiffness.append(row)
-    sizes = [len(block) for block in blocks]
-    mass = np.zeros((sum(sizes), sum(sizes)))
-    start = 0
-    for f in functions:
-        stop = start + f.shape[1]
-        mass[start:stop, start:stop] = f.T @ f
-        start = stop
-    return np.block(stiffness), mass
+                part += shear * sum(_products(s, s) for s in slope[a])
+            K[rows, columns] = part
+            K[columns, rows] = part.T
+    return K, M
 
 
-def _solve(K: Signal, M: Signal) -> tuple[Signal, Signal]:
-    """Return eigenvalues and vectors of K v = λ M v without the dependent part of the basis."""
-    scale = 1 / np.sqrt(np.diag(M))
-    mass, axes = eigh(M * scale[:, None] * scale)
-    kept = mass > _DEPENDENT * mass[-1]
-    T = scale[:, None] * axes[:, kept] / np.sqrt(mass[kept])
-    squared, vectors = eigh(T.T @ K @ T)
-    return squared, T @ vectors
+def _products(left: Signal, right: Signal) -> Signal:
+    """Return left.T @ right, summed over products small enough to stay on one thread."""
+    rows = max(SINGLE_THREAD_SIZE // (left.shape[1] * right.shape[1]), 1)
+    whole = len(left) // rows * rows
+    stack = np.matmul(
+        left[:whole].reshape(-1, rows, left.shape[1]).transpose(0, 2, 1),
+        right[:whole].reshape(-1, rows, right.shape[1]),
+    ).sum(axis=0)
+    return np.asarray(stack + left[whole:].T @ right[whole:])
 
 
 def _merged(omega: Signal, shapes: Signal) -> BodyModes:

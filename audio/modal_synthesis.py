@@ -16,7 +16,7 @@ import numpy as np
 
 from audio.acoustic_materials import Solid
 from audio.body_shape import SIDES, BodyShape
-from audio.dsp import SILENCE_EXPONENT, Signal
+from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
 from audio.elastic_modes import body_modes, membrane_modes
 from audio.mode_shapes import ModeShape
 from audio.time_grid import SAMPLE_RATE
@@ -27,9 +27,6 @@ SPEED_OF_SOUND = 343.0
 """In air at 20 °C [m/s]."""
 # Samples per step of the coarse table of powers; near the square root of a usual length.
 _BLOCK = 256
-# Multiplications below which BLAS uses one thread: the bits must not depend on the number of
-# threads, and small products are faster without them.
-_SINGLE_THREAD_SIZE = 2**17
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +141,7 @@ def ring(bank: ModalBank, samples: int) -> Signal:
     exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
     rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
     rotor = np.where(rotor.real < 0, -rotor, rotor)
-    rows = max(_SINGLE_THREAD_SIZE // (2 * exponent.size * _BLOCK), 1)
+    rows = max(SINGLE_THREAD_SIZE // (2 * exponent.size * _BLOCK), 1)
     blocks = -(-samples // (_BLOCK * rows)) * rows
     # e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.
     coarse = np.exp(np.outer(np.arange(blocks) * _BLOCK, exponent)) * (bank.amplitude * rotor)

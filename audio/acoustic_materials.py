@@ -99,6 +99,9 @@ _SOLID_BY_WORD: dict[str, str] = {
     **dict.fromkeys(("carton", "paper"), "cardboard"),
 }
 
+# A vessel is at most as many diameters tall, or heights wide; what is more slender is solid.
+_MOST_SLENDER = 2.5
+
 _USUAL_SHAPES: dict[str, tuple[ShapeKind, float, float]] = {
     "wood": ("box", 0.3, 0.15),
     "bone": ("cylinder", 0.2, 0.2),
@@ -243,6 +246,18 @@ def solid_name(material: str) -> str:
 def solid_of(material: str) -> Solid:
     """Return the elastic properties of a material, see `solid_name`."""
     return SOLIDS[solid_name(material)]
+
+
+def shape_in_material(material: str, shape: BodyShape) -> BodyShape:
+    """Return the shape of a body of a material: what is round and upright of glass is a vessel."""
+    usual = usual_shape(material, 1.0)
+    upright = shape.kind == "cylinder" and shape.width < _MOST_SLENDER * shape.thickness
+    if usual.kind != "vessel" or not upright or shape.length > _MOST_SLENDER * shape.width:
+        return shape
+    # The two extents that differ least are the diameter.
+    stands = shape.length * shape.thickness > shape.width**2
+    diameter, height = (shape.width, shape.length) if stands else (shape.length, shape.thickness)
+    return BodyShape("vessel", diameter, height, usual.thickness * diameter)
 
 
 def usual_shape(material: str, size: float) -> BodyShape:

@@ -16,6 +16,14 @@ from audio.dsp import Signal
 
 ShapeKind = Literal["box", "cylinder", "ellipsoid", "vessel", "membrane"]
 
+FILLED_SHARES: dict[ShapeKind, float] = {
+    "box": 1.0,
+    "cylinder": pi / 4,
+    "ellipsoid": pi / 6,
+    "membrane": pi / 4,
+}
+"""Shares of their bounding boxes that solid bodies fill."""
+
 STATIONS = 17
 """Points along the longest axis at which a body may be struck."""
 SIDES = 4
@@ -23,6 +31,8 @@ SIDES = 4
 
 # Proportions are rounded to this many steps per doubling: within 2.2 %.
 _STEPS = 16
+# Thinner bodies are solved as if they were as thick: rounding would spoil their modes.
+_FLATTEST = 1e-3
 _ANGLES = 20
 _GAUSS = 12
 
@@ -50,8 +60,7 @@ class BodyShape:
         if self.kind == "vessel":
             floor = pi / 4 * self.length**2 * self.thickness
             return pi * (self.length - self.thickness) * product / self.length + floor
-        share = {"box": 1.0, "ellipsoid": pi / 6}
-        return share.get(self.kind, pi / 4) * product
+        return FILLED_SHARES[self.kind] * product
 
     @property
     def contact_radius(self) -> float:
@@ -73,10 +82,11 @@ class BodyShape:
     @property
     def proportions(self) -> tuple[float, float]:
         """Width and thickness relative to the length, rounded so that like shapes share modes."""
-        return tuple(
-            2.0 ** (round(log2(max(x / self.length, 1e-4)) * _STEPS) / _STEPS)
-            for x in (self.width, self.thickness)
-        )  # type: ignore[return-value]
+        return _rounded(self.width / self.length), _rounded(self.thickness / self.length)
+
+
+def _rounded(proportion: float) -> float:
+    return float(2.0 ** (round(log2(max(proportion, _FLATTEST)) * _STEPS) / _STEPS))
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,13 +62,10 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
     body = quadrature(kind, width, thickness)
     x = body.points / body.half
     exponents = _exponents(kind, width, thickness)
-    values = [np.polynomial.legendre.legvander(x[:, i], _degree(kind)) for i in range(3)]
+    values = [_legendre(x[:, i], kind) for i in range(3)]
     slopes = [_slopes(values[i]) / body.half[i] for i in range(3)]
     at, normals = strike_points(kind, width, thickness)
-    seen = [
-        np.polynomial.legendre.legvander(at[..., i].reshape(-1) / body.half[i], _degree(kind))
-        for i in range(3)
-    ]
+    seen = [_legendre(at[..., i].reshape(-1) / body.half[i], kind) for i in range(3)]
     omegas, shapes = [], []
     for parity in product(*((0, 1) if symmetric else (None,) for symmetric in body.is_symmetric)):
         blocks = [_of_parity(exponents, parity, axis) for axis in range(3)]
@@ -118,6 +115,11 @@ def _of_parity(
             if all(p is None or (e[i] + p + (i == axis)) % 2 == 0 for i, p in enumerate(parity))
         ]
     )
+
+
+def _legendre(x: Signal, kind: ShapeKind) -> Signal:
+    """Return Legendre polynomials at points (N,): (N, degree + 1)."""
+    return np.asarray(np.polynomial.legendre.legvander(x, _degree(kind)), dtype=float)
 
 
 def _slopes(values: Signal) -> Signal:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from audio.acoustic_materials import Solid
-from audio.body_shape import SIDES, BodyShape
+from audio.body_shape import SIDES, STATIONS, BodyShape
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
-from audio.elastic_modes import body_modes, membrane_modes
+from audio.elastic_modes import BodyModes, body_modes, membrane_modes
 from audio.mode_shapes import ModeShape
 from audio.time_grid import SAMPLE_RATE
 
@@ -153,7 +153,12 @@ def ring(bank: ModalBank, samples: int) -> Signal:
 
 
 def body_bank(
-    shape: BodyShape, solid: Solid, damping: float, spot: float | None, rng: np.random.Generator
+    shape: BodyShape,
+    solid: Solid,
+    damping: float,
+    spot: float | None,
+    is_tuned: bool,
+    rng: np.random.Generator,
 ) -> ModalBank:
     """Return the modes of a body that a unit impulse excites, as pressure at the listener.
 
@@ -168,21 +173,26 @@ def body_bank(
         solid: its material.
         damping: of all modes, from what the body lies on [1/s].
         spot: point of impact along the longest axis, 0 to 1; None for a random one.
+        is_tuned: struck for its tone, where its lowest mode moves most.
         rng: of the point of impact, the side that faces the listener, and signs.
     """
-    if shape.kind == "membrane":
-        modes = membrane_modes()
-    else:
-        modes = body_modes(shape.kind, *shape.proportions, round(solid.poisson, 2))
+    modes = _modes(shape, solid)
     omega = modes.omega * np.sqrt(solid.young / solid.density) / shape.length
     struck, facing = rng.uniform(0, 1, 2)
     jitter = rng.uniform(-_IMPACT.spot_jitter, _IMPACT.spot_jitter)
+    sides = rng.integers(0, SIDES, 2)
+    if is_tuned:
+        # A player strikes where the tone is.
+        lowest = modes.displacement[0]
+        station, sides[1] = np.unravel_index(int(lowest.argmax()), lowest.shape)
+        spot, sides[0] = station / (STATIONS - 1), sides[1]
+        facing = spot
+    # A body vibrates towards the listener on average; one side of it more or less.
+    near = _about(modes, sides[0], facing)
+    excitation = _about(modes, sides[1], struck)
     if spot is not None:
         struck = min(max(spot + jitter, 0.0), 1.0)
-    sides = rng.integers(0, SIDES, 2)
-    # A body vibrates towards the listener on average; one side of it more or less.
-    near = np.sqrt(0.5 + 0.5 * _at(modes.displacement[:, :, sides[0]], facing) ** 2)
-    excitation = _at(modes.displacement[:, :, sides[1]], struck)
+        excitation = _at(modes.displacement[:, :, sides[1]], struck)
     corner = SPEED_OF_SOUND / shape.radiating_radius
     wave = omega / corner
     amplitude = omega * excitation * near * wave / np.sqrt(4 + wave**4)
@@ -200,12 +210,24 @@ def body_bank(
 
 def lowest_frequency(shape: BodyShape, solid: Solid) -> float:
     """Return the frequency of the lowest mode of a body [Hz]."""
-    if shape.kind == "membrane":
-        modes = membrane_modes()
-    else:
-        modes = body_modes(shape.kind, *shape.proportions, round(solid.poisson, 2))
+    modes = _modes(shape, solid)
     wave_speed = np.sqrt(solid.young / solid.density)
     return float(modes.omega[0] * wave_speed / shape.length / (2 * np.pi))
+
+
+def _modes(shape: BodyShape, solid: Solid) -> BodyModes:
+    if shape.kind == "membrane":
+        return membrane_modes()
+    return body_modes(shape.kind, *shape.proportions, round(solid.poisson, 2))
+
+
+def _about(modes: BodyModes, side: int, along: float) -> Signal:
+    """Return displacements at a place that is only roughly known: (M,).
+
+    Half the mean square is that of the whole surface.
+    """
+    there = _at(modes.displacement[:, :, side], along)
+    return np.asarray(np.sqrt(0.5 * (modes.displacement**2).mean(axis=(1, 2)) + 0.5 * there**2))
 
 
 def _at(table: Signal, along: float) -> Signal:

@@ -41,7 +41,8 @@ def lowest_eigenpairs(K: Signal, M: Signal, count: int) -> tuple[Signal, Signal]
 def _pivoted_cholesky(M: Signal) -> tuple[Signal, Signal]:
     """Return L and the kept rows with M[rows][:, rows] = L L.T, for M of unit diagonal."""
     rest, n = M.copy(), len(M)
-    columns, order = [], []
+    columns = list[Signal]()
+    order = list[int]()
     for _ in range(n):
         pivot = int(np.argmax(np.diag(rest)))
         if rest[pivot, pivot] <= _DEPENDENT:

@@ -188,15 +188,14 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
         # The ground yields the more, the softer it is.
         compliance = solids[0].young / (solids[0].young + solids[1].young)
         floor = _struck(_ground_modes(ground, sound, rng), seconds, sound)
-        level = 0.15 + 0.5 * min(compliance, 1.0)
+        level = 0.15 if sound.pitch else 0.15 + 0.5 * min(compliance, 1.0)
         layers = [(1 - level) * normalized(body), level * normalized(floor)]
     else:
         other = replace(
             sound, material=sound.surface, surface=sound.material, shape=sound.struck_shape
         )
         bank = _body_modes(replace(other, spot=None, pitch=0.0), rng)
-        layers = [_mix_layers([body, _struck(bank, seconds, sound)])]
-        layers = [normalized(layers[0])]
+        layers = [normalized(_mix_layers([body, _struck(bank, seconds, sound)]))]
     for family in (own, ground):
         if family.grain_level is not None:
             low, high = family.grain_band
@@ -238,7 +237,7 @@ def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
         scale = lowest_frequency(shape, solid) / sound.pitch
         lengths = (shape.length, shape.width, shape.thickness)
         shape = BodyShape(shape.kind, *(scale * length for length in lengths))
-    bank = body_bank(shape, solid, damping, sound.spot, rng)
+    bank = body_bank(shape, solid, damping, sound.spot, sound.pitch > 0, rng)
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 

@@ -39,6 +39,8 @@ _ROLL_MODULATION = 0.25
 _FRICTION_RESONANCE = 0.5
 # Damping by air and by what a body lies on, per loss factor of the latter [1/s].
 _AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
+# The ground is large: wherever it is struck it sounds the same, in most of its modes.
+_GROUND_SPOT = 0.35
 _MIN_ONSET = 1e-4
 _FADE = int(0.005 * SAMPLE_RATE)
 
@@ -246,7 +248,7 @@ def _ground_modes(
 ) -> ModalBank:
     pitch = ground.ground * rng.uniform(0.94, 1.06)
     damping, loss = ground.damping + 8, solid_of(sound.surface).loss
-    bank = excited_modes(ground.shape, pitch, loss, damping, ground.tilt, None, rng)
+    bank = excited_modes(ground.shape, pitch, loss, damping, ground.tilt, _GROUND_SPOT, rng)
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 

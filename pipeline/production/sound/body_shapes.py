@@ -6,8 +6,8 @@ import numpy as np
 
 from audio.acoustic_materials import shape_in_material
 from audio.body_shape import FILLED_SHARES, BodyShape, ShapeKind
+from pipeline.production.sound.sounding_parts import RigidPart
 from pipeline.simulation.dynamics.mass import volume_of_solid
-from pipeline.simulation.sound_detection.sound_sources import RigidPart
 from pipeline.simulation.spatial import Array
 
 # Shares of the bounding box that a box and a cylinder fill at least.

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pipeline.simulation.sound_detection.sound_sources import RigidPart, rigid_parts
 from pipeline.simulation.take import SoundEvent, Take
 
+__all__ = ["RigidPart", "SoundingParts"]
+
 
 class SoundingParts:
     """Finds the parts of events by name."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.simulation.sound_detection.sound_sources import RigidPart
+from pipeline.production.sound.sounding_parts import RigidPart
 from pipeline.simulation.spatial import Array, matrix, turn_inverse
 from pipeline.simulation.take import SoundEvent, Take
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from audio.body_shape import BodyShape
 from pipeline.production.sound.body_shapes import body_shape
-from pipeline.production.sound.sounding_parts import SoundingParts
+from pipeline.production.sound.sounding_parts import RigidPart, SoundingParts
 from pipeline.production.sound.strike_positions import StrikePositions
-from pipeline.simulation.sound_detection.sound_sources import RigidPart
 from pipeline.simulation.take import SoundEvent, Take
 
 

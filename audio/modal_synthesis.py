@@ -109,7 +109,7 @@ def excited_modes(
     least = np.where(is_upper, _IMPACT.min_excitation, _IMPACT.min_excitation_lowest)
     excitation = np.maximum(np.abs(shape.displacement(along, across)), least)
     amplitude = level * excitation * (ratio / ratio[0]) ** -tilt
-    signed = amplitude * _signs(ratio.size, rng)
+    signed = amplitude * _signs(ratio.size)
     # Modes that cancel at the onset would hide it.
     if signed.sum() > 0.2 * amplitude.sum():
         amplitude = signed
@@ -118,14 +118,13 @@ def excited_modes(
     return ModalBank(frequency[audible], decay[audible], amplitude[audible])
 
 
-def _signs(modes: int, rng: np.random.Generator) -> Signal:
-    """Return random signs of the modes, two of three positive: (M,).
+def _signs(modes: int) -> Signal:
+    """Return signs of the modes, two of three positive: (M,).
 
     Equal signs would add up to one spike that masks the ring.
     """
     signs = np.ones(modes)
     signs[2::3] = -1.0
-    signs[1:] = rng.permutation(signs[1:])
     return signs
 
 
@@ -196,7 +195,7 @@ def body_bank(
     corner = SPEED_OF_SOUND / shape.radiating_radius
     wave = omega / corner
     amplitude = omega * excitation * near * wave / np.sqrt(4 + wave**4)
-    amplitude = amplitude * _signs(omega.size, rng)
+    amplitude = amplitude * rng.permutation(_signs(omega.size))
     frequency = np.append(omega / (2 * np.pi), corner / (2 * np.pi))
     decay = np.append(0.5 * omega * solid.loss + damping, corner)
     amplitude = np.append(amplitude, np.sqrt(2) * corner)

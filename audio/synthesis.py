@@ -190,7 +190,7 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
         # The ground yields the more, the softer it is.
         compliance = solids[0].young / (solids[0].young + solids[1].young)
         floor = _struck(_ground_modes(ground, sound, rng), seconds, sound)
-        level = 0.15 if sound.pitch else 0.15 + 0.5 * min(compliance, 1.0)
+        level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
         layers = [(1 - level) * normalized(body), level * normalized(floor)]
     else:
         other = replace(

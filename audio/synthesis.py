@@ -41,6 +41,8 @@ _FRICTION_RESONANCE = 0.5
 _AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
 # The ground is large: wherever it is struck it sounds the same, in most of its modes.
 _GROUND_SPOT = 0.35
+# Sizes that a body of unknown shape may have [m].
+_SIZES = (1e-3, 100.0)
 _MIN_ONSET = 1e-4
 _FADE = int(0.005 * SAMPLE_RATE)
 
@@ -216,7 +218,7 @@ def _struck(bank: ModalBank, seconds: float, sound: SoundParameters) -> Signal:
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
-    return sound.shape or usual_shape(sound.material, sound.size)
+    return sound.shape or usual_shape(sound.material, float(np.clip(sound.size, *_SIZES)))
 
 
 def _contact_seconds(sound: SoundParameters, solids: tuple[Solid, Solid]) -> float:

@@ -88,7 +88,9 @@ def test_a_drum_has_the_zeros_of_bessel_functions():
     ratios = membrane_modes().omega / membrane_modes().omega[0]
     assert ratios[:5] == pytest.approx([1, 1.593, 2.136, 2.295, 2.653], abs=1e-3)
     speed = np.sqrt(solid.young / solid.density)
-    assert lowest_frequency(shape, solid) == pytest.approx(2.4048 * speed / (np.pi * 0.33))
+    assert lowest_frequency(shape, solid) == pytest.approx(
+        2.4048 * speed / (np.pi * 0.33), rel=1e-4
+    )
 
 
 def test_round_and_upright_glass_is_a_vessel_and_a_disc_or_rod_is_not():

@@ -51,13 +51,14 @@ def test_bodies_ring_like_what_they_are_and_the_ground_has_no_shape() -> None:
 
 def test_a_body_that_is_struck_has_a_shape() -> None:
     cast = (
-        "  - {name: low, body: {shape: box, size: [0.4, 0.1, 0.3]}, at: [0, 0.05, 0]}\n"
-        "  - {name: ball, body: {shape: sphere, radius: 0.05}, at: [0, 0.3, 0]}\n"
+        "  - {name: low, body: {shape: box, size: [0.4, 0.1, 0.3], collide: all}, at: [0, 0.05, 0]}\n"
+        "  - {name: ball, body: {shape: sphere, radius: 0.05, collide: all}, at: [0, 0.3, 0]}\n"
     )
     take = simulate(read_scene(SCENE + cast))
     bodies = StruckBodies(take)
     struck = [bodies.body(e) for e in take.events if {e.who, e.other} == {"low", "ball"}]
     assert struck
     for body in struck:
-        assert body.shape is not None and body.struck_shape is not None
+        assert body.shape is not None
+        assert body.struck_shape is not None
         assert {body.shape.kind, body.struck_shape.kind} == {"box", "ellipsoid"}

@@ -43,6 +43,8 @@ _AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
 _GROUND_SPOT = 0.35
 # Sizes that a body of unknown shape may have [m].
 _SIZES = (1e-3, 100.0)
+# Least speed of an impact [m/s].
+_SLOWEST = 0.02
 _MIN_ONSET = 1e-4
 _FADE = int(0.005 * SAMPLE_RATE)
 
@@ -113,14 +115,14 @@ def sound_parameters(
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(float(np.clip(abs(event.strength), 0.02, 1e3)), 2),
+        speed=_quantized(float(np.clip(abs(event.strength), _SLOWEST, 1e3)), 2),
         distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
         pitch=440 * 2 ** ((note.pitch - 69) / 12) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
         variant=int(rng.integers(_VARIANTS)),
         spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
-        mass=_striking_mass(event.energy, event.strength),
+        mass=_striking_mass(event.energy, abs(event.strength)),
         shape=event.shape,
         struck_shape=event.struck_shape,
         full_duration=event.duration,
@@ -131,9 +133,10 @@ def sound_parameters(
 
 
 def _striking_mass(energy: float, speed: float) -> float:
-    if energy <= 0 or speed == 0:
+    """Return the mass of a body of this energy [J] and speed [kg]; 0 if unknown."""
+    if energy <= 0:
         return 0.0
-    return _quantized(float(np.clip(2 * energy / speed**2, 1e-6, 1e6)), 1)
+    return _quantized(float(np.clip(2 * energy / max(speed, _SLOWEST) ** 2, 1e-6, 1e6)), 1)
 
 
 def _quantized(value: float, steps_per_doubling: int) -> float:

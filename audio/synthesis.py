@@ -110,19 +110,20 @@ def sound_parameters(
     """
     event = note.event
     rng = _generator(seed, *event.key, occurrence)
+    speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
     parameters = SoundParameters(
         cause=event.cause,
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(float(np.clip(abs(event.strength), _SLOWEST, 1e3)), 2),
+        speed=_quantized(speed, 2),
         distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
         pitch=440 * 2 ** ((note.pitch - 69) / 12) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
         variant=int(rng.integers(_VARIANTS)),
         spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
-        mass=_striking_mass(event.energy, abs(event.strength)),
+        mass=_striking_mass(event.energy, speed),
         shape=event.shape,
         struck_shape=event.struck_shape,
         full_duration=event.duration,
@@ -136,7 +137,7 @@ def _striking_mass(energy: float, speed: float) -> float:
     """Return the mass of a body of this energy [J] and speed [kg]; 0 if unknown."""
     if energy <= 0:
         return 0.0
-    return _quantized(float(np.clip(2 * energy / max(speed, _SLOWEST) ** 2, 1e-6, 1e6)), 1)
+    return _quantized(float(np.clip(2 * energy / speed**2, 1e-6, 1e6)), 1)
 
 
 def _quantized(value: float, steps_per_doubling: int) -> float:

@@ -1,4 +1,7 @@
-"""Frequencies of bodies against closed forms."""
+"""Frequencies of bodies against closed forms.
+
+Source: Lamb 1882; Leissa 1969; Rayleigh 1877.
+"""
 
 import numpy as np
 import pytest

@@ -33,6 +33,7 @@ SIDES = 4
 _STEPS = 16
 # Thinner bodies are solved as if they were as thick: rounding would spoil their modes.
 _FLATTEST = 1e-3
+# Multiples of four and of two, so that no point lies in a plane of symmetry.
 _ANGLES = 20
 _GAUSS = 12
 
@@ -93,6 +94,8 @@ def _rounded(proportion: float) -> float:
 class Quadrature:
     """Points of a body of length 2 with the volume that each stands for.
 
+    One part of a symmetric body stands for all: what is integrated must be even.
+
     Attributes:
         points: (M, 3).
         weights: (M,).
@@ -136,7 +139,16 @@ def quadrature(kind: ShapeKind, width: float, thickness: float) -> Quadrature:
             flat = np.sqrt(1 - z * z)
             points = np.stack([r * flat * np.cos(angle), r * flat * np.sin(angle), r * z], axis=1)
             weights = weights * r * r
-    return Quadrature(points * half, weights * half.prod(), half, (True, True, True))
+    return _one_part(points * half, weights * half.prod(), half, (True, True, True))
+
+
+def _one_part(
+    points: Signal, weights: Signal, half: Signal, is_symmetric: tuple[bool, bool, bool]
+) -> Quadrature:
+    """Return the points on the positive side of all mirrors, none of which holds a point."""
+    kept = ((points > 0) | ~np.array(is_symmetric)).all(axis=1)
+    share = 2 ** sum(is_symmetric)
+    return Quadrature(points[kept], weights[kept] * share, half, is_symmetric)
 
 
 def _product(
@@ -168,7 +180,7 @@ def _vessel(height: float, wall: float) -> Quadrature:
         rings.append((np.stack([r * np.cos(a), r * np.sin(a), z - height / 2], axis=1), weights))
     points = np.concatenate([ring[0] for ring in rings])
     weights = np.concatenate([ring[1] for ring in rings])
-    return Quadrature(points, weights, np.array([1.0, 1.0, height / 2]), (True, True, False))
+    return _one_part(points, weights, np.array([1.0, 1.0, height / 2]), (True, True, False))
 
 
 def strike_points(kind: ShapeKind, width: float, thickness: float) -> tuple[Signal, Signal]:

@@ -1,7 +1,7 @@
 """Modal synthesis: the ring of a struck body as a bank of damped sinusoids.
 
 Each mode is a e^{-d t} cos(2π f t + φ), with d = π f tan φ_m + c for the internal friction tan φ_m
-of a material and a damping c of air and grip. An impact excites a mode in proportion to the mode's
+of a material, its loss factor, and a damping c of air and support. An impact excites a mode in proportion to the mode's
 displacement at the point of impact: a mode is silent if struck at its node. The point along the
 body's longest axis is given or random, the point across it is random.
 
@@ -23,6 +23,7 @@ from audio.time_grid import SAMPLE_RATE
 
 # Modes outside are inaudible, and would alias above half the sample rate [Hz].
 _MIN_FREQUENCY, _MAX_FREQUENCY = 20, 18_000.0
+_POISSON_STEP = 0.05
 SPEED_OF_SOUND = 343.0
 """In air at 20 °C [m/s]."""
 # Samples per step of the coarse table of powers; near the square root of a usual length.
@@ -217,7 +218,9 @@ def lowest_frequency(shape: BodyShape, solid: Solid) -> float:
 def _modes(shape: BodyShape, solid: Solid) -> BodyModes:
     if shape.kind == "membrane":
         return membrane_modes()
-    return body_modes(shape.kind, *shape.proportions, round(solid.poisson, 2))
+    # Rounded so that like materials share modes; what cannot be compressed has no finite modes.
+    poisson = min(round(solid.poisson / _POISSON_STEP) * _POISSON_STEP, 0.45)
+    return body_modes(shape.kind, *shape.proportions, poisson)
 
 
 def _about(modes: BodyModes, side: int, along: float) -> Signal:

@@ -50,9 +50,11 @@ def test_bodies_ring_like_what_they_are_and_the_ground_has_no_shape() -> None:
 
 
 def test_a_body_that_is_struck_has_a_shape() -> None:
+    low = "{shape: box, size: [0.4, 0.1, 0.3], collide: all}"
+    ball = "{shape: sphere, radius: 0.05, collide: all}"
     cast = (
-        "  - {name: low, body: {shape: box, size: [0.4, 0.1, 0.3], collide: all}, at: [0, 0.05, 0]}\n"
-        "  - {name: ball, body: {shape: sphere, radius: 0.05, collide: all}, at: [0, 0.3, 0]}\n"
+        f"  - {{name: low, body: {low}, at: [0, 0.05, 0]}}\n"
+        f"  - {{name: ball, body: {ball}, at: [0, 0.3, 0]}}\n"
     )
     take = simulate(read_scene(SCENE + cast))
     bodies = StruckBodies(take)

@@ -1,9 +1,9 @@
 """Modal synthesis: the ring of a struck body as a bank of damped sinusoids.
 
 Each mode is a e^{-d t} cos(2π f t + φ), with d = π f tan φ_m + c for the internal friction tan φ_m
-of a material, its loss factor, and a damping c of air and support. An impact excites a mode in proportion to the mode's
-displacement at the point of impact: a mode is silent if struck at its node. The point along the
-body's longest axis is given or random, the point across it is random.
+of a material, its loss factor, and a damping c of air and support. An impact excites a mode in
+proportion to the mode's displacement at the point of impact: a mode is silent if struck at its
+node. The point along the body's longest axis is given or random, the point across it is random.
 
 Source: van den Doel and Pai 1998.
 """

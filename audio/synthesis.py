@@ -163,8 +163,7 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
         signal = _friction(sound, _profile(sound, voice.seconds if voice else 0.0), rolls, rng)
     else:
         signal = _impact(sound, rng)
-    fade = min(_FADE, signal.size)
-    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
+    signal = _faded(signal, min(_FADE, signal.size))
     signal = normalized(signal)
     # The onset must be detectable on its sample.
     signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
@@ -262,7 +261,15 @@ def _ring(bank: ModalBank, sound: SoundParameters) -> Signal:
     absorption = 10 ** (-_AIR_ABSORPTION * bank.frequency**2 * sound.distance / 20)
     longest = max(_MAX_RING, sound.decay)
     samples = max(int(min(bank.seconds, longest) * SAMPLE_RATE), _FADE)
-    return ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+    signal = ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+    # Other layers may last longer, and would not cover its end.
+    return _faded(signal, min(_FADE, samples // 4))
+
+
+def _faded(signal: Signal, fade: int) -> Signal:
+    """Return a signal whose last samples fall smoothly to nothing."""
+    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
+    return signal
 
 
 def _air_cutoff(distance: float) -> float:

@@ -21,6 +21,12 @@ Gain = float | Signal
 SILENCE_EXPONENT = float(np.log(1000.0))
 """-60 dB as an exponent of e."""
 
+SINGLE_THREAD_SIZE = 2**17
+"""Multiplications below which BLAS uses one thread.
+
+The bits must not depend on the number of threads, and small products are faster without them.
+"""
+
 _MIN_FFT_SIZE = 1 << 14
 # Below 30 Hz loudspeakers move and nobody hears.
 _RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE, output="sos")

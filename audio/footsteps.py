@@ -12,14 +12,15 @@ Turchet, Serafin, Dimitrov and Nordahl 2010 for heel and toe and the materials.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from audio.acoustic_materials import MaterialFamily, family_name, family_of
+from audio.acoustic_materials import family_name, family_of, solid_of
 from audio.bubbles import bubble
 from audio.dsp import Signal, band_noise, convolve, normalized
-from audio.modal_synthesis import excited_modes, ring, with_contact_time
+from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
+from audio.modal_synthesis import excited_modes, ring
 from audio.time_grid import SAMPLE_RATE
 
 CAUSE = "footfall"
@@ -29,6 +30,18 @@ HARD = frozenset({"chitin", "bone", "stone", "brick", "metal", "glass", "ice", "
 
 LEG = 0.95
 """Length of a person's leg, by which all others are measured [m]."""
+
+LEG_MASS, HEEL_RADIUS = 6.0, 0.03
+"""Of such a leg, as far as it takes part in a blow [kg], and of its heel [m]."""
+
+CONTACT = (1e-4, 1.2e-3)
+"""Shortest and longest contact of a blow [s]."""
+
+ONSET = 0.03
+"""Least level of the first sample, beside the peak."""
+
+STOOD_ON = 40.0
+"""Damping of a floor by whoever stands on it [1/s]."""
 
 HEEL_TO_TOE, TWO_TICKS = 0.105, 0.032
 """Time from heel to ball of a walking person, and between the two strikes of a hoof [s]."""
@@ -119,9 +132,12 @@ def footstep(
         if loose is not None:
             part = _crushed(loose, stage, size, rng)
         else:
-            part = _struck(family_of(material), family_of(surface), stage, size, speed, rng)
+            part = _struck(material, surface, stage, size, speed, rng)
         part = part[: samples - start]
         sound[start : start + part.size] += stage.level * part
+    # The first touch is heard on its sample.
+    least = ONSET * float(np.abs(sound).max())
+    sound[0] = np.copysign(max(abs(float(sound[0])), least), sound[0])
     return sound
 
 
@@ -210,38 +226,43 @@ def _bubbles(samples: int, rng: np.random.Generator) -> Signal:
 
 
 def _struck(
-    own: MaterialFamily,
-    ground: MaterialFamily,
-    stage: Stage,
-    size: float,
-    speed: float,
-    rng: np.random.Generator,
+    material: str, surface: str, stage: Stage, size: float, speed: float, rng: np.random.Generator
 ) -> Signal:
     """Return the answer of a firm floor to a stage, of peak 1: (N,)."""
+    own, ground = family_of(material), family_of(surface)
     if not stage.strikes:
         # A sole that rubs over the floor.
         samples = round(0.055 * stage.spread * SAMPLE_RATE)
         swell = np.sin(np.pi * np.arange(samples) / samples) ** 2
         low, high = ground.grain_band
         return normalized(band_noise(samples, (0.6 * low, high), rng) * swell)
-    soft = own.softness + ground.softness
-    contact = (
-        rng.uniform(0.6, 1.5) * soft * max(speed, 0.1) ** -0.2 * (size / LEG) ** 0.3 / stage.spread
-    )
-    taps = int(np.clip(round(1e-3 * contact * SAMPLE_RATE), 1, 60))
+    solids, long = (solid_of(material), solid_of(surface)), size / LEG
+    mass, radius = LEG_MASS * long**3, HEEL_RADIUS * long * rng.uniform(0.6, 1.5)
+    seconds = contact_seconds(solids, radius, mass, max(speed, 0.1)) / stage.spread
+    seconds = float(np.clip(seconds, *CONTACT))
     samples = round(0.13 * SAMPLE_RATE)
-    # One board or slab sounds unlike the next.
-    pitch = ground.ground * rng.uniform(0.65, 1.6)
-    # The floor is damped by whoever stands on it.
-    bank = excited_modes(
-        *(ground.shape, pitch, ground.friction, ground.damping + 26.0, ground.tilt, None, rng)
+    sound = np.zeros(samples)
+    # One board or slab sounds unlike the next; the floor is damped by whoever stands on it.
+    pitches = (
+        ground.ground * rng.uniform(0.65, 1.6),
+        own.ground / long**0.8 * rng.uniform(0.8, 1.2),
     )
-    foot_pitch = float(np.clip(own.pitch * (LEG / size) ** 0.8 * rng.uniform(0.82, 1.22), 40, 6000))
-    damping = own.damping + 90.0
-    foot = excited_modes(*(own.shape, foot_pitch, own.friction, damping, own.tilt, None, rng))
-    sound = rng.uniform(0.25, 0.75) * normalized(with_contact_time(ring(bank, samples), taps))
-    sound += rng.uniform(0.35, 0.8) * normalized(with_contact_time(ring(foot, samples), taps))
+    for family, solid, pitch, level in zip(
+        (ground, own),
+        solids[::-1],
+        pitches,
+        (rng.uniform(0.25, 0.75), rng.uniform(0.35, 0.8)),
+        strict=True,
+    ):
+        pitch = float(np.clip(pitch, 40.0, 6000.0))
+        damping = family.damping + STOOD_ON
+        bank = excited_modes(
+            family.shape, pitch, solid.loss, damping, family.tilt, rng.uniform(), rng
+        )
+        heard = bank.amplitude * contact_attenuation(bank.frequency, seconds)
+        rung = ring(replace(bank, amplitude=heard), samples)
+        sound += level * normalized(np.convolve(rung, force_pulse(seconds))[:samples])
     # Sole and floor meet at many points, not at one.
-    slap = band_noise(samples, (500.0, 1600.0 + 900.0 / soft), rng)
+    slap = band_noise(samples, (500.0, max(2.0 / seconds, 1800.0)), rng)
     slap *= np.exp(-np.arange(samples) / (0.0035 * SAMPLE_RATE))
     return normalized(sound + rng.uniform(0.5, 0.9) * normalized(slap))

@@ -1,9 +1,9 @@
 """Modal synthesis: the ring of a struck body as a bank of damped sinusoids.
 
 Each mode is a e^{-d t} cos(2π f t + φ), with d = π f tan φ_m + c for the internal friction tan φ_m
-of a material and a damping c of air and grip. An impact excites a mode in proportion to the mode's
-displacement at the point of impact: a mode is silent if struck at its node. The point along the
-body's longest axis is given or random, the point across it is random.
+of a material, its loss factor, and a damping c of air and support. An impact excites a mode in
+proportion to the mode's displacement at the point of impact: a mode is silent if struck at its
+node. The point along the body's longest axis is given or random, the point across it is random.
 
 Source: van den Doel and Pai 1998.
 """
@@ -14,17 +14,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from audio.dsp import SILENCE_EXPONENT, Signal
+from audio.acoustic_materials import Solid
+from audio.body_shape import SIDES, STATIONS, BodyShape
+from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
+from audio.elastic_modes import BodyModes, body_modes, membrane_modes
 from audio.mode_shapes import ModeShape
 from audio.time_grid import SAMPLE_RATE
 
 # Modes outside are inaudible, and would alias above half the sample rate [Hz].
 _MIN_FREQUENCY, _MAX_FREQUENCY = 20, 18_000.0
+_POISSON_STEP = 0.05
+SPEED_OF_SOUND = 343.0
+"""In air at 20 °C [m/s]."""
 # Samples per step of the coarse table of powers; near the square root of a usual length.
 _BLOCK = 256
-# Multiplications below which BLAS uses one thread: the bits must not depend on the number of
-# threads, and small products are faster without them.
-_SINGLE_THREAD_SIZE = 2**17
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +110,7 @@ def excited_modes(
     least = np.where(is_upper, _IMPACT.min_excitation, _IMPACT.min_excitation_lowest)
     excitation = np.maximum(np.abs(shape.displacement(along, across)), least)
     amplitude = level * excitation * (ratio / ratio[0]) ** -tilt
-    signed = amplitude * _signs(ratio.size, rng)
+    signed = amplitude * _signs(ratio.size)
     # Modes that cancel at the onset would hide it.
     if signed.sum() > 0.2 * amplitude.sum():
         amplitude = signed
@@ -116,14 +119,13 @@ def excited_modes(
     return ModalBank(frequency[audible], decay[audible], amplitude[audible])
 
 
-def _signs(modes: int, rng: np.random.Generator) -> Signal:
-    """Return random signs of the modes, two of three positive: (M,).
+def _signs(modes: int) -> Signal:
+    """Return signs of the modes, two of three positive: (M,).
 
     Equal signs would add up to one spike that masks the ring.
     """
     signs = np.ones(modes)
     signs[2::3] = -1.0
-    signs[1:] = rng.permutation(signs[1:])
     return signs
 
 
@@ -139,7 +141,7 @@ def ring(bank: ModalBank, samples: int) -> Signal:
     exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
     rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
     rotor = np.where(rotor.real < 0, -rotor, rotor)
-    rows = max(_SINGLE_THREAD_SIZE // (2 * exponent.size * _BLOCK), 1)
+    rows = max(SINGLE_THREAD_SIZE // (2 * exponent.size * _BLOCK), 1)
     blocks = -(-samples // (_BLOCK * rows)) * rows
     # e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.
     coarse = np.exp(np.outer(np.arange(blocks) * _BLOCK, exponent)) * (bank.amplitude * rotor)
@@ -150,14 +152,89 @@ def ring(bank: ModalBank, samples: int) -> Signal:
     return np.matmul(stacked, right).reshape(-1)[:samples]
 
 
-def with_contact_time(response: Signal, taps: int) -> Signal:
-    """Return an impulse response as excited by a half-sine force: same shape.
+def body_bank(
+    shape: BodyShape,
+    solid: Solid,
+    damping: float,
+    spot: float | None,
+    is_tuned: bool,
+    rng: np.random.Generator,
+) -> ModalBank:
+    """Return the modes of a body that a unit impulse excites, as pressure at the listener.
 
-    The longer the contact, the duller the sound.
+    A mode's acceleration is ω φ(struck) φ(facing the listener) / mass. The body also recoils as
+    a whole: the pressure of a rigid ball of radius a that is pushed is a tone of frequency
+    c / (2π a) that decays as fast, the click that is left where all modes are above hearing.
+
+    Source: Morse and Ingard 1968, 7.2, for the ball; both radiate as dipoles.
 
     Args:
-        response: (N,).
-        taps: samples that the contact lasts, at least one.
+        shape: of the body.
+        solid: its material.
+        damping: of all modes, from what the body lies on [1/s].
+        spot: point of impact along the longest axis, 0 to 1; None for a random one.
+        is_tuned: struck for its tone, where its lowest mode moves most.
+        rng: of the point of impact, the side that faces the listener, and signs.
     """
-    force = np.sin(np.pi * (np.arange(taps) + 1) / (taps + 1))
-    return np.convolve(response, force / force.sum())[: response.size]
+    modes = _modes(shape, solid)
+    omega = modes.omega * np.sqrt(solid.young / solid.density) / shape.length
+    struck, facing = rng.uniform(0, 1, 2)
+    jitter = rng.uniform(-_IMPACT.spot_jitter, _IMPACT.spot_jitter)
+    sides = rng.integers(0, SIDES, 2)
+    if is_tuned:
+        # A player strikes where the tone is.
+        lowest = modes.displacement[0]
+        station, sides[1] = np.unravel_index(int(lowest.argmax()), lowest.shape)
+        spot, sides[0] = station / (STATIONS - 1), sides[1]
+        facing = spot
+    # A body vibrates towards the listener on average; one side of it more or less.
+    near = _about(modes, sides[0], facing)
+    excitation = _about(modes, sides[1], struck)
+    if spot is not None:
+        struck = min(max(spot + jitter, 0.0), 1.0)
+        excitation = _at(modes.displacement[:, :, sides[1]], struck)
+    corner = SPEED_OF_SOUND / shape.radiating_radius
+    wave = omega / corner
+    amplitude = omega * excitation * near * wave / np.sqrt(4 + wave**4)
+    amplitude = amplitude * rng.permutation(_signs(omega.size))
+    frequency = np.append(omega / (2 * np.pi), corner / (2 * np.pi))
+    decay = np.append(0.5 * omega * solid.loss + damping, corner)
+    amplitude = np.append(amplitude, np.sqrt(2) * corner)
+    scale = shape.radiating_radius**2 / (shape.volume * solid.density)
+    audible = (frequency < _MAX_FREQUENCY) & (frequency > _MIN_FREQUENCY)
+    # However small the body, it clicks.
+    audible[-1] = True
+    frequency[-1] = min(frequency[-1], _MAX_FREQUENCY)
+    return ModalBank(frequency[audible], decay[audible], scale * amplitude[audible])
+
+
+def lowest_frequency(shape: BodyShape, solid: Solid) -> float:
+    """Return the frequency of the lowest mode of a body [Hz]."""
+    modes = _modes(shape, solid)
+    wave_speed = np.sqrt(solid.young / solid.density)
+    return float(modes.omega[0] * wave_speed / shape.length / (2 * np.pi))
+
+
+def _modes(shape: BodyShape, solid: Solid) -> BodyModes:
+    if shape.kind == "membrane":
+        return membrane_modes()
+    # Rounded so that like materials share modes; what cannot be compressed has no finite modes.
+    poisson = min(round(solid.poisson / _POISSON_STEP) * _POISSON_STEP, 0.45)
+    return body_modes(shape.kind, *shape.proportions, poisson)
+
+
+def _about(modes: BodyModes, side: int, along: float) -> Signal:
+    """Return displacements at a place that is only roughly known: (M,).
+
+    Half the mean square is that of the whole surface.
+    """
+    there = _at(modes.displacement[:, :, side], along)
+    return np.asarray(np.sqrt(0.5 * (modes.displacement**2).mean(axis=(1, 2)) + 0.5 * there**2))
+
+
+def _at(table: Signal, along: float) -> Signal:
+    """Return values between stations, of a table of (M, STATIONS), at 0 to 1: (M,)."""
+    position = along * (table.shape[1] - 1)
+    i = min(int(position), table.shape[1] - 2)
+    x = position - i
+    return np.asarray((1 - x) * table[:, i] + x * table[:, i + 1])

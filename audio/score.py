@@ -12,6 +12,7 @@ from math import isfinite
 from typing import Literal
 
 from audio.ambience import Place
+from audio.body_shape import BodyShape
 from audio.config.sound import Sound
 from audio.errors import ScoreError
 
@@ -54,6 +55,8 @@ class ScoreEvent:
             unknown.
         course: of a sustained sound that moves, its bearings at these times; empty if it stays.
         spot: point of impact along the part's longest axis, 0 to 1; None if unknown.
+        shape: of the part; None if unknown.
+        struck_shape: of the body that the part met; None for the ground or if unknown.
     """
 
     frame: int
@@ -73,6 +76,8 @@ class ScoreEvent:
     speeds: tuple[float, ...] = ()
     course: tuple[Bearing, ...] = ()
     spot: float | None = None
+    shape: BodyShape | None = None
+    struck_shape: BodyShape | None = None
 
     @property
     def key(self) -> tuple[object, ...]:

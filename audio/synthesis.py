@@ -9,11 +9,13 @@ from math import log2
 import numpy as np
 
 from audio import footsteps
-from audio.acoustic_materials import MaterialFamily, family_of
+from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
+from audio.body_shape import BodyShape
 from audio.cause_voices import Motion, MotionVoice, cause_voice
 from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
+from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_synthesis import ModalBank, excited_modes, ring, with_contact_time
+from audio.modal_synthesis import ModalBank, body_bank, excited_modes, lowest_frequency, ring
 from audio.notes import Note
 from audio.source_motion import SpeedProfile, speed_profile
 from audio.time_grid import SAMPLE_RATE
@@ -36,8 +38,14 @@ _JOINT_RING, _FRICTION_RING = 0.04, 0.03
 _ROLL_MODULATION = 0.25
 # Level of the excited modes of a rubbing body relative to the friction noise.
 _FRICTION_RESONANCE = 0.5
-# Longest contact of an impact [samples]: under a millisecond, so that the onset is on its frame.
-_MAX_CONTACT = 44
+# Damping by air and by what a body lies on, per loss factor of the latter [1/s].
+_AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
+# The ground is large: wherever it is struck it sounds the same, in most of its modes.
+_GROUND_SPOT = 0.35
+# Sizes that a body of unknown shape may have [m].
+_SIZES = (1e-3, 100.0)
+# Least speed of an impact [m/s].
+_SLOWEST = 0.02
 _MIN_ONSET = 1e-4
 _FADE = int(0.005 * SAMPLE_RATE)
 
@@ -61,6 +69,9 @@ class SoundParameters:
         duration: audible duration of a sustained sound [s]; 0 for an impact.
         variant: number of the random variant.
         spot: point of impact along the longest axis, in steps of a 16th; None if unknown.
+        mass: of what strikes [kg], in steps of 3 dB; 0 for that of the body.
+        shape: of the body; None for that usual for its material.
+        struck_shape: of the body that it met; None for the ground.
         full_duration: of the sustained sound, with the part after the end of the score [s].
         speeds: of a sustained sound, at even times over the full duration [m/s].
         approach_speeds: rates at which its distance shrinks, at these times [m/s].
@@ -77,6 +88,9 @@ class SoundParameters:
     duration: float
     variant: int
     spot: float | None = None
+    mass: float = 0.0
+    shape: BodyShape | None = None
+    struck_shape: BodyShape | None = None
     full_duration: float = 0.0
     speeds: tuple[float, ...] = ()
     approach_speeds: tuple[float, ...] = ()
@@ -97,23 +111,34 @@ def sound_parameters(
     """
     event = note.event
     rng = _generator(seed, *event.key, occurrence)
+    speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
     parameters = SoundParameters(
         cause=event.cause,
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(float(np.clip(abs(event.strength), 0.02, 1e3)), 2),
+        speed=_quantized(speed, 2),
         distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
         pitch=440 * 2 ** ((note.pitch - 69) / 12) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
         variant=int(rng.integers(_VARIANTS)),
         spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
+        mass=_striking_mass(event.energy, speed),
+        shape=event.shape,
+        struck_shape=event.struck_shape,
         full_duration=event.duration,
         speeds=event.speeds,
         approach_speeds=tuple(bearing.approach_speed for bearing in event.course),
     )
     return parameters, float(rng.uniform(-_LEVEL_JITTER, _LEVEL_JITTER))
+
+
+def _striking_mass(energy: float, speed: float) -> float:
+    """Return the mass of a body of this energy [J] and speed [kg]; 0 if unknown."""
+    if energy <= 0:
+        return 0.0
+    return _quantized(float(np.clip(2 * energy / speed**2, 1e-6, 1e6)), 1)
 
 
 def _quantized(value: float, steps_per_doubling: int) -> float:
@@ -144,8 +169,7 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
     else:
         signal = _impact(sound, rng)
     signal = without_rumble(signal)
-    fade = min(_FADE, signal.size)
-    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
+    signal = _faded(signal, min(_FADE, signal.size))
     signal = normalized(signal)
     # The onset must be detectable on its sample.
     signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
@@ -170,8 +194,7 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     pitch = sound.pitch or voice.pitch * (0.1 / sound.size) ** 0.5
     body = np.ones(1)
     if voice.resonates:
-        own = family_of(sound.material)
-        bank = _body_modes(own, own, replace(sound, pitch=0.0), rng)
+        bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
         body = _ring(bank.with_decay_time(_JOINT_RING), sound)
     motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, 30, 6000)), sound.speed)
     return voice.synthesize(motion, body, rng)
@@ -179,13 +202,21 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
 
 def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
     own, ground = family_of(sound.material), family_of(sound.surface)
-    contact = (own.softness + ground.softness) * sound.speed**-0.2 * (sound.size / 0.1) ** 0.3
-    taps = int(np.clip(round(contact * 1e-3 * SAMPLE_RATE), 1, _MAX_CONTACT))
-    compliance = ground.softness / (own.softness + ground.softness)
-    body = _ring(_body_modes(own, ground, sound, rng), sound)
-    layers = [(1 - 0.6 * compliance) * normalized(with_contact_time(body, taps))]
-    floor = _ring(_ground_modes(ground, sound, rng), sound)
-    layers.append((0.35 + 0.5 * compliance) * normalized(with_contact_time(floor, taps)))
+    solids = solid_of(sound.material), solid_of(sound.surface)
+    seconds = _contact_seconds(sound, solids)
+    body = _struck(_body_modes(sound, rng), seconds, sound)
+    if sound.struck_shape is None:
+        # The ground yields the more, the softer it is.
+        compliance = solids[0].young / (solids[0].young + solids[1].young)
+        floor = _struck(_ground_modes(ground, sound, rng), seconds, sound)
+        level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
+        layers = [(1 - level) * normalized(body), level * normalized(floor)]
+    else:
+        other = replace(
+            sound, material=sound.surface, surface=sound.material, shape=sound.struck_shape
+        )
+        bank = _body_modes(replace(other, spot=None, pitch=0.0), rng)
+        layers = [normalized(_mix_layers([body, _struck(bank, seconds, sound)]))]
     for family in (own, ground):
         if family.grain_level is not None:
             low, high = family.grain_band
@@ -196,14 +227,38 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
     return _mix_layers(layers)
 
 
-def _body_modes(
-    own: MaterialFamily, ground: MaterialFamily, sound: SoundParameters, rng: np.random.Generator
-) -> ModalBank:
-    pitch = sound.pitch or own.pitch * (0.1 / sound.size) ** 0.8
+def _struck(bank: ModalBank, seconds: float, sound: SoundParameters) -> Signal:
+    """Return the ring of a bank under the force of a contact of this duration [s]."""
+    left = contact_attenuation(bank.frequency, seconds)
+    body = _ring(replace(bank, amplitude=bank.amplitude * left), sound)
+    return np.convolve(body, force_pulse(seconds))[: body.size]
+
+
+def _shape(sound: SoundParameters) -> BodyShape:
+    return sound.shape or usual_shape(sound.material, float(np.clip(sound.size, *_SIZES)))
+
+
+def _contact_seconds(sound: SoundParameters, solids: tuple[Solid, Solid]) -> float:
+    shape = _shape(sound)
+    mass = sound.mass or shape.volume * solids[0].density
+    curvature = 1 / shape.contact_radius
+    if sound.struck_shape is not None:
+        other = sound.struck_shape.volume * solids[1].density
+        mass = mass * other / (mass + other)
+        curvature += 1 / sound.struck_shape.contact_radius
+    return contact_seconds(solids, 1 / curvature, mass, sound.speed)
+
+
+def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
+    shape, solid = _shape(sound), solid_of(sound.material)
     # A body on soft ground cannot ring freely.
-    damping = own.damping + 160 * ground.friction
-    pitch = float(np.clip(pitch, 40, 6000))
-    bank = excited_modes(own.shape, pitch, own.friction, damping, own.tilt, sound.spot, rng)
+    damping = _AIR_DAMPING + _SUPPORT_DAMPING * solid_of(sound.surface).loss
+    if sound.pitch:
+        # A body of this pitch is as much larger or smaller.
+        scale = lowest_frequency(shape, solid) / sound.pitch
+        lengths = (shape.length, shape.width, shape.thickness)
+        shape = BodyShape(shape.kind, *(scale * length for length in lengths))
+    bank = body_bank(shape, solid, damping, sound.spot, sound.pitch > 0, rng)
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 
@@ -211,8 +266,8 @@ def _ground_modes(
     ground: MaterialFamily, sound: SoundParameters, rng: np.random.Generator
 ) -> ModalBank:
     pitch = ground.ground * rng.uniform(0.94, 1.06)
-    damping = ground.damping + 8
-    bank = excited_modes(ground.shape, pitch, ground.friction, damping, ground.tilt, None, rng)
+    damping, loss = ground.damping + 8, solid_of(sound.surface).loss
+    bank = excited_modes(ground.shape, pitch, loss, damping, ground.tilt, _GROUND_SPOT, rng)
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 
@@ -220,7 +275,15 @@ def _ring(bank: ModalBank, sound: SoundParameters) -> Signal:
     absorption = 10 ** (-_AIR_ABSORPTION * bank.frequency**2 * sound.distance / 20)
     longest = max(_MAX_RING, sound.decay)
     samples = max(int(min(bank.seconds, longest) * SAMPLE_RATE), _FADE)
-    return ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+    signal = ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+    # Other layers may last longer, and would not cover its end.
+    return _faded(signal, min(_FADE, samples // 4))
+
+
+def _faded(signal: Signal, fade: int) -> Signal:
+    """Return a signal whose last samples fall smoothly to nothing."""
+    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
+    return signal
 
 
 def _air_cutoff(distance: float) -> float:
@@ -236,7 +299,7 @@ def _friction(
     The roughness is a profile read at the speed of the body, so the noise falls in pitch with the
     speed while the modes keep their frequencies.
     """
-    own, ground = family_of(sound.material), family_of(sound.surface)
+    ground = family_of(sound.surface)
     samples = profile.samples
     low, high = ground.grain_band
     band = (low, min(high, _air_cutoff(sound.distance)))
@@ -246,7 +309,7 @@ def _friction(
     if rolls:
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)
         noise *= 1 + _ROLL_MODULATION * np.sin(2 * np.pi * turns / SAMPLE_RATE)
-    bank = _body_modes(own, ground, sound, rng).with_decay_time(_FRICTION_RING)
+    bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
     body = _ring(bank, sound)
     # The slope of the profile excites the body: read slowly, it hardly does.
     excited = np.convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])[:samples]

@@ -51,7 +51,8 @@ def test_the_last_bits_of_time_and_size_vary_nothing(step, render):
 
 def test_seed_and_time_vary_an_impact_slightly(step, render):
     def blow(frame, seed):
-        sound = render([step(frame)], 24, seed=seed)
+        blow = step(frame, cause="collision", surface="stone")
+        sound = render([blow], 24, seed=seed)
         return sound[2000 * (frame - 1) :][:8000]
 
     first, reseeded, later = blow(1, 0), blow(1, 1), blow(3, 0)
@@ -95,7 +96,9 @@ def test_distance_dulls_and_small_size_brightens(step, render):
 )
 def test_grounds_differ_in_brightness(step, render, brighter, duller):
     bright, dull = (
-        np.mean([centroid(render([step(f, surface=ground)])) for f in range(1, 9)])
+        np.mean(
+            [centroid(render([step(f, cause="collision", surface=ground)])) for f in range(1, 9)]
+        )
         for ground in (brighter, duller)
     )
     assert bright > 1.25 * dull

@@ -10,7 +10,7 @@ from audio.score import DanceBeat, Marker, Score, ScoreEvent
 from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.listener import Listener
 from pipeline.production.sound.place_choice import place_of
-from pipeline.production.sound.strike_positions import StrikePositions
+from pipeline.production.sound.struck_bodies import StruckBodies
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
 from pipeline.spec.dance import Dance
@@ -34,12 +34,12 @@ def build_score(
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
-    strikes = StrikePositions(take)
+    bodies = StruckBodies(take)
     audible = [event for event in take.events if event.frame <= header.frames]
     score = Score(
         rate=header.rate,
         frames=header.frames,
-        events=tuple(_score_event(event, clock, listener, strikes) for event in audible),
+        events=tuple(_score_event(event, clock, listener, bodies) for event in audible),
         sound=scene.sound,
         seed=header.seed,
         title=scene.title,
@@ -75,13 +75,14 @@ def _meter(dance: Dance) -> tuple[int, int]:
 
 
 def _score_event(
-    event: SoundEvent, clock: Clock, listener: Listener, strikes: StrikePositions
+    event: SoundEvent, clock: Clock, listener: Listener, bodies: StruckBodies
 ) -> ScoreEvent:
     """Place an event at its start, or at the closest point of its path if it is sustained."""
     course = listener.course(event.track[0], event.places)
     start = listener.bearing(event.frame, event.place)
     nearest = min((start, *course), key=attrgetter("distance"))
     first, last = event.track
+    body = bodies.body(event)
     return ScoreEvent(
         frame=event.frame,
         time=clock.time_of(event.step, event.fraction),
@@ -100,7 +101,9 @@ def _score_event(
         duration=float((last - first) / (clock.rate * clock.samples)),
         speeds=event.strengths,
         course=course,
-        spot=strikes.position(event) if first == last else None,
+        spot=body.spot if first == last else None,
+        shape=body.shape,
+        struck_shape=body.struck_shape,
     )
 
 

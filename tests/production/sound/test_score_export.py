@@ -28,7 +28,10 @@ def test_an_export_is_recorded_and_replaces_the_earlier_one(studio: Any) -> None
     one = studio.order("duration=1", f"cast=[{bug}]")
     score_only(one, Reporter(), [ExportKind.performers, ExportKind.stems])
     assert [path.name for path in (folder / "performers").iterdir()] == ["bug.mid"]
-    assert {path.name.split("_")[0] for path in (folder / "stems").iterdir()} == {"bug"}
+    assert {path.name.split("_")[0] for path in (folder / "stems").iterdir()} == {
+        "bug",
+        "ambience.wav",
+    }
     files = json.loads(outputs.manifest.read_text(encoding="utf-8"))["files"]
     assert "score/performers/bug.mid" in files
     assert "score/performers/ant.mid" not in files

@@ -73,7 +73,7 @@ def write_stems(
         mix = mix_notes(score, notes, samples) * gain
         path = folder / f"{names[performer]}_{cause}.wav"
         yield Stem(performer, cause, path, write_sound_file(path, float_wav_bytes(mix)))
-    bed = bed_of(score, samples)
+    bed = bed_of(score, notes_of(score), samples)
     if bed is not None:
         bed = bed if curve is None else bed * curve[:, None]
         path = folder / f"{AMBIENCE}.wav"

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.ambience import USUAL_LUFS, ambience
+from audio.buses import bus_gain_db, ducked
 from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
 from audio.errors import ScoreError, SoundFileError
 from audio.mastering import FULL_SCALE, master_mix
@@ -99,7 +100,7 @@ def write_wav(score: Score, path: Path) -> WavReport:
         mix = mix_notes(score, notes, samples)
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
-    bed = bed_of(score, samples)
+    bed = bed_of(score, notes, samples)
     track = master_mix(mix, score.sound.master, score.sound.volume_db, bed)
     changed = write_sound_file(path, wav_bytes(track.samples))
     peak = int(np.abs(track.samples).max(initial=0))
@@ -122,13 +123,14 @@ def write_wav(score: Score, path: Path) -> WavReport:
     )
 
 
-def bed_of(score: Score, samples: int) -> Signal | None:
+def bed_of(score: Score, notes: Sequence[Note], samples: int) -> Signal | None:
     """Return what is heard around the events of a score, (N, 2), None for nothing."""
     if score.place is None:
         return None
     sound = score.sound
     target = USUAL_LUFS if sound.master is None else sound.master.lufs
-    return ambience(score.place, samples, score.seed & 0x7FFFFFFF, target + sound.volume_db)
+    bed = ambience(score.place, samples, score.seed & 0x7FFFFFFF, target + sound.volume_db)
+    return bed * ducked(sound.mix, notes, samples)
 
 
 def mix_notes(score: Score, notes: Sequence[Note], samples: int) -> Signal:
@@ -142,7 +144,8 @@ def mix_notes(score: Score, notes: Sequence[Note], samples: int) -> Signal:
         occurrence = occurrences[note.event.key]
         occurrences[note.event.key] += 1
         parameters, jitter_db = sound_parameters(note, score.seed, occurrence, remaining)
-        gain = 10 ** ((note.level + jitter_db) / 20)
+        level = note.level + jitter_db + bus_gain_db(score.sound.mix, note.event.cause)
+        gain = 10 ** (level / 20)
         sound, start = _cached_sound(cache, parameters, score.seed), sample_at(note.onset)
         mix_in(stereo, start, sound, _gains(note, gain, sound.size))
         reverberator.feed(note.event, start, sound, gain, note.send)

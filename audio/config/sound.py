@@ -170,6 +170,24 @@ class Master(AudioConfig):
     )
 
 
+Decibels = Annotated[float, Field(ge=-60, le=24)]
+
+
+class Mix(AudioConfig):
+    """Gains of the buses of the track."""
+
+    steps_db: Decibels = Field(0.0, description="Gain of footfalls and scuffs [dB].")
+    impacts_db: Decibels = Field(0.0, description="Gain of what strikes, rolls and slides [dB].")
+    voices_db: Decibels = Field(0.0, description="Gain of cries, hugs and breath [dB].")
+    motions_db: Decibels = Field(
+        0.0, description="Gain of what whirs, sings, springs and squeaks [dB]."
+    )
+    ambience_db: Decibels = Field(0.0, description="Gain of what is heard around [dB].")
+    duck_db: float = Field(
+        6.0, ge=0, le=40, description="By how much the ambience gives way to voices [dB]."
+    )
+
+
 def _expand_room(value: object) -> object:
     return {"preset": value} if isinstance(value, str) else value
 
@@ -247,6 +265,7 @@ class Sound(AudioConfig):
         description="What is heard around: auto goes by ground, hour and weather; none, or the "
         "name of a place.",
     )
+    mix: Mix = Field(Mix(), description="Gains of steps, impacts, voices, motions and ambience.")
     room: RoomOrName = Field(Room(), description="Acoustics of the track: open, dry, room, hall.")
     master: MasterOrOff = Field(
         Master(), description="Loudness of the track; off to leave the mix as it is."

@@ -4,7 +4,7 @@ Wind and what it moves, birds, crickets, rain, surf, running water, the tone of 
 world below water; each layer comes from both sides and changes slowly, and none has an onset that
 could be taken for an event.
 
-Source: Farnell, Designing Sound, 2010, chapters on wind, rain, water and insects.
+Source: Farnell 2010.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Bubbles: air that water closes over, each a short tone that rises.
 
-Source: van den Doel, Physically-based models for liquid sounds, 2005.
+Source: van den Doel 2005.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ twice. Loose ground answers each stage with many small collisions of its own gra
 short resonances at random times, snow with a creak besides, and floors with their modes. No two
 steps have the same times, levels and grains.
 
-Sources: Cook 1997 (PhISM) for grains; Fontana and Bresin 2003 for the stages of crushing ground;
-Turchet, Serafin, Dimitrov and Nordahl 2010 for heel and toe and the materials.
+Sources: Cook 1997 (PhISM) for grains; Fontana and Bresin 2003 for ground that is crushed;
+Turchet et al. 2010 for heel and toe and the materials.
 """
 
 from __future__ import annotations

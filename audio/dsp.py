@@ -6,6 +6,7 @@ softer as energy is spent.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import cos, pi, sin
 
 import numpy as np
@@ -147,21 +148,21 @@ def pan_gains(pan: float) -> tuple[float, float]:
     return max(cos(angle), 0.0) * (pan < 1), max(sin(angle), 0.0) * (pan > -1)
 
 
-def mix_in(stereo: Signal, start: int, sound: Signal, gains: tuple[Gain, Gain]) -> None:
+def mix_in(mix: Signal, start: int, sound: Signal, gains: Sequence[Gain]) -> None:
     """Add a sound to a mix at a sample; the part past the end is cut.
 
     Args:
-        stereo: (N, 2), changed.
+        mix: (N, C), changed.
         start: sample of the onset.
         sound: (M,).
-        gains: of left and right; (M,) if they vary.
+        gains: of its channels, left and right first; (M,) if they vary.
     """
-    size = min(max(stereo.shape[0] - start, 0), sound.size)
+    size = min(max(mix.shape[0] - start, 0), sound.size)
     for side, gain in enumerate(gains):
-        if isinstance(gain, np.ndarray):
-            stereo[start : start + size, side] += gain[:size] * sound[:size]
+        if isinstance(gain, np.ndarray) and gain.ndim:
+            mix[start : start + size, side] += gain[:size] * sound[:size]
         elif gain:
-            stereo[start : start + size, side] += gain * sound[:size]
+            mix[start : start + size, side] += gain * sound[:size]
 
 
 def without_rumble(sound: Signal) -> Signal:

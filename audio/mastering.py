@@ -115,6 +115,11 @@ def master_mix(
     return replace(done, curve=curve, target=aimed)
 
 
+def ceiling_of(master: Master | None) -> float:
+    """Return the ceiling of peaks, as a magnitude."""
+    return float(10 ** (((master or _CEILING_ONLY).true_peak_db - _MARGIN) / 20))
+
+
 def _usual_peak(peaks: Signal) -> float:
     """Return the level above which attacks are rare; that of the highest where there are few.
 

@@ -15,7 +15,8 @@ from math import atan2, hypot, sin, sqrt
 import numpy as np
 
 from audio.config.sound import Room, RoomName
-from audio.dsp import SILENCE_EXPONENT, Signal, convolve, mix_in, pan_gains
+from audio.dsp import SILENCE_EXPONENT, Signal, convolve, mix_in
+from audio.layouts import STEREO, Layout
 from audio.score import ScoreEvent
 from audio.source_motion import SPEED_OF_SOUND
 from audio.time_grid import SAMPLE_RATE
@@ -81,12 +82,12 @@ class Reflection:
     Attributes:
         delay: in samples; at least one.
         gain: relative to the direct sound.
-        pan: from left (-1) to right (1).
+        azimuth: from which it comes [rad], positive to the right.
     """
 
     delay: int
     gain: float
-    pan: float
+    azimuth: float
 
 
 def early_reflections(event: ScoreEvent, room: RoomAcoustics) -> Iterator[Reflection]:
@@ -112,7 +113,7 @@ def early_reflections(event: ScoreEvent, room: RoomAcoustics) -> Iterator[Reflec
     for x, y, z in images:
         path = hypot(x, y - _EAR_HEIGHT, z)
         delay = max(round((path - direct) / SPEED_OF_SOUND * SAMPLE_RATE), 1)
-        yield Reflection(delay, room.reflectance * direct / path, sin(atan2(x, z)))
+        yield Reflection(delay, room.reflectance * direct / path, atan2(x, z))
 
 
 class Reverberator:
@@ -121,11 +122,12 @@ class Reverberator:
     Args:
         room: the acoustics.
         samples: length of the track.
+        layout: of its channels.
     """
 
-    def __init__(self, room: RoomAcoustics, samples: int) -> None:
-        self.room = room
-        self._early = np.zeros((samples, 2)) if room.reflectance > 0 else None
+    def __init__(self, room: RoomAcoustics, samples: int, layout: Layout = STEREO) -> None:
+        self.room, self._layout = room, layout
+        self._early = np.zeros((samples, len(layout.channels))) if room.reflectance > 0 else None
         self._late = np.zeros(samples) if room.wet * room.seconds > 0 else None
 
     def feed(self, event: ScoreEvent, start: int, sound: Signal, gain: float, send: float) -> None:
@@ -140,21 +142,27 @@ class Reverberator:
         """
         if self._early is not None:
             for reflection in early_reflections(event, self.room):
-                left, right = pan_gains(reflection.pan)
                 level = gain * reflection.gain
-                mix_in(self._early, start + reflection.delay, sound, (level * left, level * right))
+                gains = tuple(level * self._layout.gains(reflection.azimuth))
+                mix_in(self._early, start + reflection.delay, sound, gains)
         if self._late is not None and send > 0:
             part = sound[: max(self._late.size - start, 0)]
             self._late[start : start + part.size] += gain * send * part
 
-    def add_to(self, stereo: Signal) -> None:
-        """Add all reflections and reverberation to a mix (N, 2)."""
-        for side in (0, 1):
-            if self._early is not None and self._early.any():
-                stereo[:, side] += convolve(self._early[:, side], _wall_response())
-            if self._late is not None and self._late.any():
-                tail = reverb_response(self.room.seconds, side)
-                stereo[:, side] += self.room.wet * convolve(self._late, tail)
+    def add_to(self, mix: Signal) -> None:
+        """Add all reflections and reverberation to a mix (N, C)."""
+        if self._early is not None:
+            for channel in range(mix.shape[1]):
+                if self._early[:, channel].any():
+                    mix[:, channel] += convolve(self._early[:, channel], _wall_response())
+        if self._late is not None and self._late.any():
+            # Around the listener, each from its own side and unlike the others.
+            sides = [azimuth for pair in self._layout.bed for azimuth in pair]
+            for number, azimuth in enumerate(sides):
+                tail = convolve(self._late, reverb_response(self.room.seconds, number))
+                for channel, gain in enumerate(self._layout.gains(azimuth)):
+                    if gain:
+                        mix[:, channel] += self.room.wet * gain * tail
 
 
 def _wall_response() -> Signal:
@@ -167,7 +175,7 @@ def reverb_response(seconds: float, side: int) -> Signal:
 
     Args:
         seconds: time in which it falls by 60 dB.
-        side: 0 or 1; the two are uncorrelated, as in a diffuse field.
+        side: its number; all are uncorrelated, as in a diffuse field.
     """
     rng = np.random.default_rng((_SEED, side))
     delay = int(_REVERB_DELAY * SAMPLE_RATE)

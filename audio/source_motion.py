@@ -5,6 +5,7 @@ Source: Doppler's law for a source that moves in air at rest.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,11 +88,37 @@ def moving_gains(
         samples: of the sound.
         pan: fixed pan from left (-1) to right (1); None to follow the bearings.
     """
-    distances = tuple(max(bearing.distance, MIN_DISTANCE) for bearing in course)
-    distance = _interpolate(distances, samples, duration)
     # Interpolated sines: a source that passes behind the listener stays behind.
     sines = tuple(float(np.sin(b.azimuth)) if pan is None else pan for b in course)
     sine = _interpolate(sines, samples, duration)
     angle = (np.clip(sine, -1.0, 1.0) + 1) * np.pi / 4
-    near = max(nearest, MIN_DISTANCE) / distance
+    near = _nearness(course, nearest, duration, samples)
     return near * np.cos(angle), near * np.sin(angle)
+
+
+def surrounding_gains(
+    course: tuple[Bearing, ...],
+    nearest: float,
+    duration: float,
+    samples: int,
+    gains: Callable[[float], Signal],
+) -> tuple[Signal, ...]:
+    """Return the gains of each channel of a layout; see `moving_gains`.
+
+    Args:
+        course: bearings at even times, at least two.
+        nearest: distance to which the level of the whole sound refers [m].
+        duration: from the first to the last bearing [s].
+        samples: of the sound.
+        gains: of the layout, from an azimuth.
+    """
+    near = _nearness(course, nearest, duration, samples)
+    each = np.array([gains(bearing.azimuth) for bearing in course])
+    return tuple(near * _interpolate(tuple(row), samples, duration) for row in each.T)
+
+
+def _nearness(course: tuple[Bearing, ...], nearest: float, duration: float, samples: int) -> Signal:
+    """Return how much softer a sound is than where it is nearest: (samples,)."""
+    distances = tuple(max(bearing.distance, MIN_DISTANCE) for bearing in course)
+    distance = _interpolate(distances, samples, duration)
+    return np.asarray(max(nearest, MIN_DISTANCE) / distance)

@@ -16,13 +16,14 @@ from audio.ambience import USUAL_LUFS, ambience
 from audio.buses import bus_gain_db, ducked
 from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
 from audio.errors import ScoreError, SoundFileError
+from audio.layouts import STEREO, Layout
 from audio.mastering import FULL_SCALE, master_mix
 from audio.notes import Note, notes_of
 from audio.room_acoustics import Reverberator, room_acoustics
 from audio.score import Score
 from audio.sound_files import write_sound_file
 from audio.soundfont import play_soundfont
-from audio.source_motion import moving_gains
+from audio.source_motion import moving_gains, surrounding_gains
 from audio.synthesis import SoundParameters, sound_parameters, synthesize
 from audio.time_grid import SAMPLE_RATE, sample_at, sample_of_frame
 
@@ -127,16 +128,21 @@ def bed_of(score: Score, notes: Sequence[Note], samples: int) -> Signal | None:
     """Return what is heard around the events of a score, (N, 2), None for nothing."""
     if score.place is None:
         return None
+    bed = ambience(score.place, samples, score.seed & 0x7FFFFFFF, bed_target(score))
+    return bed * ducked(score.sound.mix, notes, samples)
+
+
+def bed_target(score: Score) -> float:
+    """Return the loudness of a track beside which the ambience of a score has its own [LUFS]."""
     sound = score.sound
     target = USUAL_LUFS if sound.master is None else sound.master.lufs
-    bed = ambience(score.place, samples, score.seed & 0x7FFFFFFF, target + sound.volume_db)
-    return bed * ducked(sound.mix, notes, samples)
+    return target + sound.volume_db
 
 
-def mix_notes(score: Score, notes: Sequence[Note], samples: int) -> Signal:
-    """Return the sounds of notes in their room, before mastering: (N, 2)."""
-    stereo = np.zeros((samples, 2))
-    reverberator = Reverberator(room_acoustics(score.sound.room), samples)
+def mix_notes(score: Score, notes: Sequence[Note], samples: int, layout: Layout = STEREO) -> Signal:
+    """Return the sounds of notes in their room, before mastering: (N, C)."""
+    mix = np.zeros((samples, len(layout.channels)))
+    reverberator = Reverberator(room_acoustics(score.sound.room), samples, layout)
     cache: OrderedDict[SoundParameters, Signal] = OrderedDict()
     occurrences = Counter[tuple[object, ...]]()
     for note in notes:
@@ -147,22 +153,31 @@ def mix_notes(score: Score, notes: Sequence[Note], samples: int) -> Signal:
         level = note.level + jitter_db + bus_gain_db(score.sound.mix, note.event.cause)
         gain = 10 ** (level / 20)
         sound, start = _cached_sound(cache, parameters, score.seed), sample_at(note.onset)
-        mix_in(stereo, start, sound, _gains(note, gain, sound.size))
+        mix_in(mix, start, sound, _gains(note, gain, sound.size, layout))
         reverberator.feed(note.event, start, sound, gain, note.send)
-    reverberator.add_to(stereo)
+    reverberator.add_to(mix)
     last_frame = samples - sample_of_frame(score.frames, score.rate)
-    fade_out(stereo, min(int(_END_FADE * SAMPLE_RATE), last_frame // 2))
-    return stereo
+    fade_out(mix, min(int(_END_FADE * SAMPLE_RATE), last_frame // 2))
+    return mix
 
 
-def _gains(note: Note, gain: float, samples: int) -> tuple[Gain, Gain]:
-    """Return the gains of left and right; of a moving source, at each sample."""
+def _gains(note: Note, gain: float, samples: int, layout: Layout) -> tuple[Gain, ...]:
+    """Return the gains of the channels; of a moving source, at each sample."""
     event = note.event
-    if len(event.course) < 2:
-        left, right = pan_gains(note.effective_pan)
-        return gain * left, gain * right
-    lefts, rights = moving_gains(event.course, event.distance, event.duration, samples, note.pan)
-    return gain * lefts, gain * rights
+    moves = len(event.course) >= 2
+    if layout is STEREO:
+        if not moves:
+            left, right = pan_gains(note.effective_pan)
+            return gain * left, gain * right
+        sides = moving_gains(event.course, event.distance, event.duration, samples, note.pan)
+        return tuple(gain * side for side in sides)
+    if note.pan is not None or not moves:
+        azimuth = event.azimuth if note.pan is None else float(np.arcsin(note.pan))
+        return tuple(gain * level for level in layout.gains(azimuth))
+    around = surrounding_gains(
+        *(event.course, event.distance, event.duration, samples, layout.gains)
+    )
+    return tuple(gain * channel for channel in around)
 
 
 def _cached_sound(
@@ -183,9 +198,14 @@ def wav_bytes(samples: NDArray[np.int32]) -> bytes:
         file.setnchannels(_CHANNELS)
         file.setsampwidth(_SAMPLE_BYTES)
         file.setframerate(SAMPLE_RATE)
-        # The low three bytes of each little-endian integer.
-        file.writeframes(samples.astype("<i4").view(np.uint8).reshape(-1, 4)[:, :3].tobytes())
+        file.writeframes(packed_samples(samples))
     return out.getvalue()
+
+
+def packed_samples(samples: NDArray[np.int32]) -> bytes:
+    """Return integers of 24 bits (N, C) as a WAV file holds them."""
+    # The low three bytes of each little-endian integer.
+    return np.ascontiguousarray(samples, "<i4").view(np.uint8).reshape(-1, 4)[:, :3].tobytes()
 
 
 def read_waveform(path: Path, columns: int) -> Signal:

@@ -202,6 +202,18 @@ AmbienceName = Literal[
     "room", "underwater",
 ]  # fmt: skip
 
+
+def _channels(value: object) -> object:
+    # YAML reads 5.1 as a number.
+    return "5.1" if value == 5.1 and isinstance(value, float) else value
+
+
+_Channels = Literal["stereo", "5.1", "b-format"]
+
+ChannelsName = Annotated[
+    _Channels, BeforeValidator(_channels, json_schema_input_type=_Channels | Literal[5.1])
+]
+
 RoomOrName = Annotated[Room, BeforeValidator(_expand_room, json_schema_input_type=RoomName | Room)]
 MasterOrOff = Annotated[
     Master | None,
@@ -265,6 +277,10 @@ class Sound(AudioConfig):
         description="What is heard around: auto goes by ground, hour and weather; none, or the "
         "name of a place.",
     )
+    channels: ChannelsName = Field(
+        "stereo",
+        description="5.1 or b-format (AmbiX, first order) also writes a WAV file so.",
+    )
     mix: Mix = Field(Mix(), description="Gains of steps, impacts, voices, motions and ambience.")
     room: RoomOrName = Field(Room(), description="Acoustics of the track: open, dry, room, hall.")
     master: MasterOrOff = Field(
@@ -275,6 +291,12 @@ class Sound(AudioConfig):
         min_length=1,
         description="A SoundFont (.sf2) beside the scene that plays the score as the track.",
     )
+
+    @model_validator(mode="after")
+    def _check_channels(self) -> Self:
+        if self.soundfont is not None and self.channels != "stereo":
+            raise ValueError("a soundfont plays in stereo; leave out soundfont or channels")
+        return self
 
     @model_validator(mode="after")
     def _check_bars(self) -> Self:

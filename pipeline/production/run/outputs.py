@@ -62,6 +62,10 @@ class Outputs:
         """The sound."""
         return self.folder / f"{self.name}.wav"
 
+    def surround(self, layout: str) -> Path:
+        """Return the sound in a layout of more channels, such as "5.1"."""
+        return self.folder / f"{self.name}_{layout}.wav"
+
     @property
     def events(self) -> Path:
         """The sound events, one JSON object a line."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from audio.errors import SoundFontError
+from audio.layouts import LAYOUTS
 from audio.midi_file import write_midi
 from audio.score import Score
+from audio.surround_file import write_surround
 from audio.wav_file import WavReport, write_wav
 from pipeline.errors import Problem, SceneError
 from pipeline.production.run.progress import stage
@@ -44,6 +46,7 @@ def write_score(run: SceneRun, take: Take, shooting: ShotBuilder) -> tuple[Score
         midi = write_midi(score, run.outputs.midi)
         current.advance(2)
         wav = _write_sound(run, score)
+        changed |= _write_surround(run, score, wav)
         if changed or midi.changed or wav.changed:
             run.record_time(current)
         current.result = (
@@ -75,6 +78,21 @@ def store_exports(
         current.advance(1)
         current.result = f"{len(exported.paths)} files in {run.outputs.score_folder.name}"
     run.records.update(*exported.paths, *exported.removed)
+
+
+def _write_surround(run: SceneRun, score: Score, wav: WavReport) -> bool:
+    """Write the sound in the layout that the scene asks for; return whether a file changed."""
+    wanted, changed = score.sound.channels, False
+    for layout in LAYOUTS:
+        path = run.outputs.surround(layout)
+        if layout == wanted != "stereo":
+            changed |= write_surround(score, path, layout, wav)
+        elif path.exists():
+            # Of a scene that asked for another one.
+            path.unlink()
+            changed = True
+        run.records.update(path)
+    return changed
 
 
 def _write_sound(run: SceneRun, score: Score) -> WavReport:

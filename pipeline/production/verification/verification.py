@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from audio.layouts import LAYOUTS
 from pipeline.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.run.file_records import FileRecords
@@ -216,7 +217,7 @@ class _Check:
         """Return what makes a file again, "" where `pronk render` does."""
         outputs = self.outputs
         own = (outputs.take, outputs.midi, outputs.wav, outputs.events, outputs.event_table)
-        cues = (outputs.edit_list, outputs.labels)
+        cues = (outputs.edit_list, outputs.labels, *map(outputs.surround, LAYOUTS))
         films = (outputs.film(suffix=suffix) for suffix in CONTAINERS)
         path = outputs.folder / name
         if is_frame(path) or path in (*own, *cues, *films):

@@ -1,8 +1,7 @@
 """Ambience: the bed of sound of a place, as long as the film.
 
-Wind and what it moves, birds, crickets, rain, surf, running water, the tone of a room and the dull
-world below water; each layer comes from both sides and changes slowly, and none has an onset that
-could be taken for an event.
+Wind and what it moves, birds, crickets, rain, surf, running water, fire, the tone of a room and the
+dull world below water; each layer comes from both sides and changes slowly.
 
 Source: Farnell 2010.
 """
@@ -32,6 +31,7 @@ class Place:
         rain: on the ground around.
         surf: of a sea.
         stream: of running water.
+        fire: that burns near the camera.
         room: tone of a room.
         submerged: below water, from where nothing else is heard.
     """
@@ -43,6 +43,7 @@ class Place:
     rain: float = 0.0
     surf: float = 0.0
     stream: float = 0.0
+    fire: float = 0.0
     room: float = 0.0
     submerged: float = 0.0
 
@@ -62,6 +63,7 @@ PLACES: Mapping[str, Place] = {
     "rain": Place(wind=0.3, rain=0.8),
     "night": Place(wind=0.2, leaves=0.15, crickets=0.8),
     "street": Place(wind=0.45, birds=0.2),
+    "fire": Place(wind=0.2, crickets=0.3, fire=1.0),
     "room": Place(room=1.0),
     "underwater": Place(submerged=1.0),
 }
@@ -75,6 +77,7 @@ LOUDNESS: Mapping[str, float] = {
     "rain": -30.0,
     "surf": -33.0,
     "stream": -35.0,
+    "fire": -34.0,
     "room": -47.0,
     "submerged": -36.0,
 }
@@ -264,6 +267,22 @@ def _stream(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     return bubbles + 0.7 * scale * wash
 
 
+def _crackle(rng: np.random.Generator) -> Signal:
+    """Return a splinter that bursts: a click, now and then with a hiss."""
+    t = np.arange(round(0.03 * SAMPLE_RATE)) / SAMPLE_RATE
+    pitch = np.exp(rng.uniform(np.log(900.0), np.log(6000.0)))
+    click = np.cos(2.0 * np.pi * pitch * t) * np.exp(-t / rng.uniform(0.0004, 0.002))
+    hiss = rng.standard_normal(t.size) * np.exp(-t / 0.006) * 0.15 * (rng.random() < 0.3)
+    return (click - click.mean() + hiss) * min(rng.exponential(1.0), 1.6)
+
+
+def _fire(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
+    roar = _noise(samples, (70.0, 320.0), rng, 0.5) * _slow(samples, 3.0, 2.5, rng)[:, None]
+    crackles = _scattered(samples, 34.0, _crackle, rng)
+    scale = np.sqrt(np.mean(crackles**2)) / max(float(np.sqrt(np.mean(roar**2))), 1e-12)
+    return crackles + 3.0 * scale * roar
+
+
 def _room(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     return _noise(samples, (70.0, 300.0), rng, 0.8) * _slow(samples, 0.2, 0.8, rng)[:, None]
 
@@ -286,6 +305,7 @@ _LAYERS: Mapping[str, _Layer] = {
     "rain": _rain,
     "surf": _surf,
     "stream": _stream,
+    "fire": _fire,
     "room": _room,
     "submerged": _submerged,
 }

@@ -199,7 +199,7 @@ def _expand_master(value: object) -> object:
 
 AmbienceName = Literal[
     "auto", "none", "meadow", "forest", "desert", "shore", "stream", "rain", "night", "street",
-    "room", "underwater",
+    "fire", "room", "underwater",
 ]  # fmt: skip
 
 

@@ -65,6 +65,7 @@ SCENE = "pronk: 1\nframes: 1\ncast: [{figure: beetle}]\n"
         ("light: {sun: {hour: 14, clouds: overcast}, weather: rain}", "rain", "crickets"),
         ("light: {sun: {hour: 12}, weather: snow}", "wind", "birds crickets"),
         ("sound: {ambience: night}", "crickets", "surf"),
+        ("light: {sun: {hour: 12}}", "wind", "fire"),
     ],
 )
 def test_a_scene_sounds_like_what_it_shows(words: str, heard: str, silent: str) -> None:
@@ -72,6 +73,18 @@ def test_a_scene_sounds_like_what_it_shows(words: str, heard: str, silent: str) 
     assert place is not None
     assert set(heard.split()) <= place.layers.keys()
     assert not set(silent.split()) & place.layers.keys()
+
+
+def test_a_fire_is_heard_and_smoke_is_not() -> None:
+    def layers(material: str) -> set[str]:
+        group = f"{{group: {{rule: fire}}, material: {material}}}"
+        scene = read_scene(f"pronk: 1\nframes: 1\ncast: [{group}]\n")
+        place = place_of(scene)
+        assert place is not None
+        return set(place.layers)
+
+    assert "fire" in layers("flame")
+    assert "fire" not in layers("smoke")
 
 
 def test_no_ambience_where_none_is_asked_for() -> None:

@@ -43,8 +43,8 @@ def test_power_is_the_same_from_all_around(name: str, degrees: int) -> None:
         (-30, {"left"}),
         (110, {"right side"}),
         (-100, {"left side"}),
-    ]
-    + [(180, {"left side", "right side"})],
+        (180, {"left side", "right side"}),
+    ],
 )
 def test_a_step_is_heard_from_its_side(
     step, score_of, tmp_path: Path, degrees: float, loudest: set[str]

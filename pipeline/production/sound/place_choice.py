@@ -5,6 +5,7 @@ from __future__ import annotations
 from audio.ambience import PLACES, Place
 from pipeline.production.scenery.scatter_choice import is_drowned
 from pipeline.production.surroundings.choice import Choice
+from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS
 from render.lights.sun_position import sun_elevation_deg
@@ -64,4 +65,11 @@ def place_of(scene: Scene) -> Place | None:
         rain=weather.rain**0.5,
         surf=0.9 * is_sea,
         stream=0.5 * has_stream,
+        fire=0.8 * _burns(scene),
     )
+
+
+def _burns(scene: Scene) -> bool:
+    """Return whether there is a fire in a scene, not its smoke alone."""
+    groups = (member for member in scene.cast if isinstance(member, Group))
+    return any(member.group.rule == "fire" and member.material != "smoke" for member in groups)

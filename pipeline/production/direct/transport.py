@@ -151,11 +151,12 @@ def tcp_port(
             try:
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
                 listener.bind(address)
+                # Before the token is there: who finds it may connect at once.
+                listener.listen(BACKLOG)
             except OSError as error:
                 reason = error.strerror or str(error)
                 raise StoreError(f"{host}:{number}: cannot be listened at ({reason})") from error
             with token_in(token_file) as token:
-                listener.listen(BACKLOG)
                 _announce_token(listener, token, token_file, announce)
                 (announce_address or announce)(f"waiting at {_place(listener)}")
                 director = Admission(listener, token, announce).director()

@@ -1,4 +1,4 @@
-"""Ambience: the bed of sound of a place, as long as the film.
+"""Ambience: the ambient sound of a scene, as long as the film.
 
 Wind and what it moves, birds, crickets, rain, surf, running water, fire, the tone of a room and the
 dull world below water; each layer comes from both sides and changes slowly.
@@ -20,8 +20,8 @@ from audio.time_grid import SAMPLE_RATE
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """What is heard at a place when nothing happens, each from 0 to 1.
+class Ambience:
+    """Amounts of the layers of an ambient sound, each from 0 to 1.
 
     Attributes:
         wind: in the open.
@@ -54,20 +54,20 @@ class Place:
         return {name: amount for name, amount in amounts.items() if amount > 0.0}
 
 
-PLACES: Mapping[str, Place] = {
-    "meadow": Place(wind=0.35, leaves=0.25, birds=0.6),
-    "forest": Place(wind=0.25, leaves=0.7, birds=0.8),
-    "desert": Place(wind=0.8),
-    "shore": Place(wind=0.4, surf=1.0),
-    "stream": Place(wind=0.2, leaves=0.3, birds=0.4, stream=1.0),
-    "rain": Place(wind=0.3, rain=0.8),
-    "night": Place(wind=0.2, leaves=0.15, crickets=0.8),
-    "street": Place(wind=0.45, birds=0.2),
-    "fire": Place(wind=0.2, crickets=0.3, fire=1.0),
-    "room": Place(room=1.0),
-    "underwater": Place(submerged=1.0),
+AMBIENCES: Mapping[str, Ambience] = {
+    "meadow": Ambience(wind=0.35, leaves=0.25, birds=0.6),
+    "forest": Ambience(wind=0.25, leaves=0.7, birds=0.8),
+    "desert": Ambience(wind=0.8),
+    "shore": Ambience(wind=0.4, surf=1.0),
+    "stream": Ambience(wind=0.2, leaves=0.3, birds=0.4, stream=1.0),
+    "rain": Ambience(wind=0.3, rain=0.8),
+    "night": Ambience(wind=0.2, leaves=0.15, crickets=0.8),
+    "street": Ambience(wind=0.45, birds=0.2),
+    "fire": Ambience(wind=0.2, crickets=0.3, fire=1.0),
+    "room": Ambience(room=1.0),
+    "underwater": Ambience(submerged=1.0),
 }
-"""Places by name."""
+"""Ambiences by name."""
 
 LOUDNESS: Mapping[str, float] = {
     "wind": -34.0,
@@ -89,11 +89,13 @@ CONTROL_RATE = 50
 """Values of slow changes a second."""
 
 
-def ambience(place: Place, samples: int, seed: int, target_lufs: float = USUAL_LUFS) -> Signal:
-    """Return the bed of a place: (samples, 2).
+def ambient_sound(
+    ambience: Ambience, samples: int, seed: int, target_lufs: float = USUAL_LUFS
+) -> Signal:
+    """Return an ambient sound: (samples, 2).
 
     Args:
-        place: what is heard.
+        ambience: its layers.
         samples: of the film.
         seed: of the scene.
         target_lufs: loudness that the track is meant to have [LUFS].
@@ -101,7 +103,7 @@ def ambience(place: Place, samples: int, seed: int, target_lufs: float = USUAL_L
     bed = np.zeros((samples, 2))
     gusts = _slow(samples, 0.16, 4.0, np.random.default_rng([seed, 70]))
     for number, (name, make) in enumerate(_LAYERS.items()):
-        amount = place.layers.get(name, 0.0)
+        amount = ambience.layers.get(name, 0.0)
         if not amount:
             continue
         rng = np.random.default_rng([seed, 71 + number])
@@ -309,4 +311,4 @@ _LAYERS: Mapping[str, _Layer] = {
     "room": _room,
     "submerged": _submerged,
 }
-"""Layers by the names of the attributes of a place."""
+"""Layers by the names of the attributes of an ambience."""

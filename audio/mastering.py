@@ -58,8 +58,9 @@ class Mastered:
         true_peak_db: largest magnitude, between samples too [dB]; -inf for silence.
         gain_db: of the whole mix [dB].
         limited_db: reduction of the highest peak after that gain [dB].
-        target: loudness that was aimed at [LUFS]: that of the configuration, or a lower one where
-            that would have flattened the peaks; -inf for silence or without a target.
+        target: loudness that was aimed at [LUFS]: that of the configuration, or, where that would
+            have flattened the peaks, what the greatest gain gives before its peaks are lowered;
+            -inf for silence or without a target.
         curve: gain of the limiter (N,), by which all stems are lowered too; None without any.
     """
 
@@ -111,8 +112,17 @@ def master_mix(
         previous, loudness = loudness, integrated_loudness(out)
         slope = min(max((loudness - previous) / step, _SEARCH.min_slope), 1.0)
     done = _measured(out, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
-    aimed = -np.inf if master is None else min(target, done.lufs + _SEARCH.tolerance)
-    return replace(done, curve=curve, target=aimed)
+    if master is None:
+        return replace(done, curve=curve)
+    # What no limiter has touched tells what the greatest gain is worth.
+    most = integrated_loudness(_raised(mix, max_gain_db, bed))
+    return replace(done, curve=curve, target=min(target, most))
+
+
+def _raised(mix: Signal, gain_db: float, bed: Signal | None) -> Signal:
+    """Return a mix with a gain, and its bed without."""
+    raised = mix * 10 ** (gain_db / 20)
+    return raised if bed is None else raised + bed
 
 
 def ceiling_of(master: Master | None) -> float:
@@ -141,7 +151,7 @@ def _limited(
     mix: Signal, gain_db: float, ceiling_db: float, bed: Signal | None
 ) -> tuple[Signal, Signal | None]:
     """Return the mix with a gain and limited, and the gain of the limiter (N,), if it works."""
-    raised = mix * 10 ** (gain_db / 20) + (0.0 if bed is None else bed)
+    raised = _raised(mix, gain_db, bed)
     curve = limiting_gain(raised, 10 ** (ceiling_db / 20))
     return (raised, None) if curve is None else (raised * curve[:, None], curve)
 

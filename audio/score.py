@@ -11,7 +11,7 @@ from fractions import Fraction
 from math import isfinite
 from typing import Literal
 
-from audio.ambience import Place
+from audio.ambience import Ambience
 from audio.body_shape import BodyShape
 from audio.config.sound import Sound
 from audio.errors import ScoreError
@@ -144,7 +144,7 @@ class Score:
         subframe: whether sounds stand at the exact times of their causes instead of on the
             frames that first show them.
         dance: beat of the dancers who start first; None without any.
-        place: what is heard around, in the track alone; None for nothing.
+        ambience: ambient sound, in the track alone; None for silence.
     """
 
     rate: Fraction
@@ -156,7 +156,7 @@ class Score:
     markers: tuple[Marker, ...] = ()
     subframe: bool = False
     dance: DanceBeat | None = None
-    place: Place | None = None
+    ambience: Ambience | None = None
 
     def onset(self, event: ScoreEvent) -> Fraction:
         """Return the time of an event's sound [s]."""

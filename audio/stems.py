@@ -21,10 +21,10 @@ from audio.notes import Note, notes_of
 from audio.score import Score
 from audio.sound_files import write_sound_file
 from audio.time_grid import SAMPLE_RATE, sample_of_frame
-from audio.wav_file import bed_of, mix_notes
+from audio.wav_file import ambience_of, mix_notes
 
 AMBIENCE = "ambience"
-"""Name of the stem of what is heard around."""
+"""Name of the stem of the ambient sound."""
 
 _FLOAT_FORMAT = 3
 _FRAME_BYTES = 8
@@ -73,7 +73,7 @@ def write_stems(
         mix = mix_notes(score, notes, samples) * gain
         path = folder / f"{names[performer]}_{cause}.wav"
         yield Stem(performer, cause, path, write_sound_file(path, float_wav_bytes(mix)))
-    bed = bed_of(score, notes_of(score), samples)
+    bed = ambience_of(score, notes_of(score), samples)
     if bed is not None:
         bed = bed if curve is None else bed * curve[:, None]
         path = folder / f"{AMBIENCE}.wav"

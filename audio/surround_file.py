@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from audio.ambience import ambience
+from audio.ambience import ambient_sound
 from audio.buses import ducked
 from audio.dsp import Signal
 from audio.layouts import LAYOUTS, Layout
@@ -20,7 +20,7 @@ from audio.notes import notes_of
 from audio.score import Score
 from audio.sound_files import write_sound_file
 from audio.time_grid import SAMPLE_RATE, sample_of_frame
-from audio.wav_file import WavReport, bed_target, mix_notes, packed_samples
+from audio.wav_file import WavReport, ambience_target, mix_notes, packed_samples
 
 _EXTENSIBLE, _BITS, _BYTES = 0xFFFE, 24, 3
 # The identifier of integer samples in a file of this form.
@@ -43,7 +43,7 @@ def write_surround(score: Score, path: Path, layout: str, track: WavReport) -> b
     channels, samples = LAYOUTS[layout], sample_of_frame(score.frames + 1, score.rate)
     notes = notes_of(score)
     mix = mix_notes(score, notes, samples, channels) * 10 ** (track.gain_db / 20)
-    if score.place is not None:
+    if score.ambience is not None:
         mix += _bed(score, channels, samples) * ducked(score.sound.mix, notes, samples)
     curve = limiting_gain(mix, ceiling_of(score.sound.master))
     mix = mix if curve is None else mix * curve[:, None]
@@ -52,11 +52,12 @@ def write_surround(score: Score, path: Path, layout: str, track: WavReport) -> b
 
 def _bed(score: Score, layout: Layout, samples: int) -> Signal:
     """Return the ambience all around: stereo beds, each from the sides of its own: (N, C)."""
-    assert score.place is not None
+    assert score.ambience is not None
     whole = np.zeros((samples, len(layout.channels)))
     for number, sides in enumerate(layout.bed):
-        seed = (score.seed + 7919 * number) & 0x7FFFFFFF
-        bed = ambience(score.place, samples, seed, bed_target(score))
+        bed = ambient_sound(
+            score.ambience, samples, score.seed + 7919 * number, ambience_target(score)
+        )
         for side, azimuth in enumerate(sides):
             whole += bed[:, side : side + 1] * layout.gains(azimuth)
     return np.asarray(whole / np.sqrt(len(layout.bed)))

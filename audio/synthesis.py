@@ -46,7 +46,7 @@ _GROUND_SPOT = 0.35
 _SIZES = (1e-3, 100.0)
 # Least speed of an impact [m/s].
 _SLOWEST = 0.02
-_MIN_ONSET = 1e-4
+_MIN_ONSET = 2e-3
 _FADE = int(0.005 * SAMPLE_RATE)
 
 MIN_DURATION = 64 / SAMPLE_RATE
@@ -110,6 +110,9 @@ def sound_parameters(
         remaining: time to the end of the score [s].
     """
     event = note.event
+    if _is_footstep(event.cause, note.tuned, note.decay or 0.0):
+        # Steps of one foot share their syntheses, wherever it strikes and however hard.
+        event = replace(event, spot=None, energy=0.0, shape=None, struck_shape=None)
     rng = _generator(seed, *event.key, occurrence)
     speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
     parameters = SoundParameters(
@@ -132,6 +135,11 @@ def sound_parameters(
         approach_speeds=tuple(bearing.approach_speed for bearing in event.course),
     )
     return parameters, float(rng.uniform(-_LEVEL_JITTER, _LEVEL_JITTER))
+
+
+def _is_footstep(cause: str, is_tuned: bool, decay: float) -> bool:
+    """Return whether a sound is a step in its stages; one that is tuned plays its note instead."""
+    return cause == footsteps.CAUSE and not is_tuned and not decay
 
 
 def _striking_mass(energy: float, speed: float) -> float:
@@ -162,8 +170,7 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
     elif voice is not None or sound.duration > 0:
         rolls = voice is not None and voice.rolls
         signal = _friction(sound, _profile(sound, voice.seconds if voice else 0.0), rolls, rng)
-    elif sound.cause == footsteps.CAUSE and not sound.pitch and not sound.decay:
-        # One that is tuned plays its note instead.
+    elif _is_footstep(sound.cause, sound.pitch > 0, sound.decay):
         parts = (sound.material, sound.surface, sound.size, sound.speed)
         signal = _through_air(footsteps.footstep(*parts, rng), sound.distance)
     else:
@@ -179,9 +186,13 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
 def _through_air(signal: Signal, distance: float) -> Signal:
     """Return a sound as it arrives over a distance [m], duller: (N,)."""
     spectrum = np.fft.rfft(signal)
-    frequency = np.fft.rfftfreq(signal.size, 1 / SAMPLE_RATE)
-    loss = 10 ** (-_AIR_ABSORPTION * frequency**2 * distance / 20)
-    return np.asarray(np.fft.irfft(spectrum * loss, signal.size))
+    frequency = np.fft.rfftfreq(signal.size, 1 / SAMPLE_RATE).astype(np.float64)
+    return np.asarray(np.fft.irfft(spectrum * _absorption(frequency, distance), signal.size))
+
+
+def _absorption(frequency: Signal, distance: float) -> Signal:
+    """Return what air leaves of frequencies [Hz] over a distance [m], as a factor."""
+    return np.asarray(10 ** (-_AIR_ABSORPTION * frequency**2 * distance / 20))
 
 
 def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:
@@ -272,7 +283,7 @@ def _ground_modes(
 
 
 def _ring(bank: ModalBank, sound: SoundParameters) -> Signal:
-    absorption = 10 ** (-_AIR_ABSORPTION * bank.frequency**2 * sound.distance / 20)
+    absorption = _absorption(bank.frequency, sound.distance)
     longest = max(_MAX_RING, sound.decay)
     samples = max(int(min(bank.seconds, longest) * SAMPLE_RATE), _FADE)
     signal = ring(replace(bank, amplitude=bank.amplitude * absorption), samples)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from audio.ambience import USUAL_LUFS, ambience
+from audio.ambience import USUAL_LUFS, ambient_sound
 from audio.buses import bus_gain_db, ducked
 from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
 from audio.errors import ScoreError, SoundFileError
@@ -101,7 +101,7 @@ def write_wav(score: Score, path: Path) -> WavReport:
         mix = mix_notes(score, notes, samples)
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
-    bed = bed_of(score, notes, samples)
+    bed = ambience_of(score, notes, samples)
     track = master_mix(mix, score.sound.master, score.sound.volume_db, bed)
     changed = write_sound_file(path, wav_bytes(track.samples))
     peak = int(np.abs(track.samples).max(initial=0))
@@ -124,15 +124,15 @@ def write_wav(score: Score, path: Path) -> WavReport:
     )
 
 
-def bed_of(score: Score, notes: Sequence[Note], samples: int) -> Signal | None:
-    """Return what is heard around the events of a score, (N, 2), None for nothing."""
-    if score.place is None:
+def ambience_of(score: Score, notes: Sequence[Note], samples: int) -> Signal | None:
+    """Return the ambient sound of a score, (N, 2), None for silence."""
+    if score.ambience is None:
         return None
-    bed = ambience(score.place, samples, score.seed & 0x7FFFFFFF, bed_target(score))
+    bed = ambient_sound(score.ambience, samples, score.seed, ambience_target(score))
     return bed * ducked(score.sound.mix, notes, samples)
 
 
-def bed_target(score: Score) -> float:
+def ambience_target(score: Score) -> float:
     """Return the loudness of a track beside which the ambience of a score has its own [LUFS]."""
     sound = score.sound
     target = USUAL_LUFS if sound.master is None else sound.master.lufs

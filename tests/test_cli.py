@@ -498,6 +498,34 @@ def test_outputs_of_an_untrusted_scene_follow_no_link(
     assert not [*elsewhere.iterdir()]
 
 
+@pytest.mark.parametrize("link", ["out", "out/film", "out/film/clips"])
+def test_an_untrusted_sequence_keeps_to_its_folder(
+    refused: Callable[..., str], folder: Path, link: str
+) -> None:
+    (folder / "film.yaml").write_text("pronk: 1\nsequence: [tiny]\n", encoding="utf-8")
+    elsewhere = folder.parent / f"{folder.name}_elsewhere"
+    elsewhere.mkdir()
+    place = folder / link
+    place.parent.mkdir(parents=True, exist_ok=True)
+    if place.exists():
+        place.rename(folder / "moved")
+    place.symlink_to(elsewhere)
+    assert "is a link that leads elsewhere" in refused(4, "render", "film.yaml", "--untrusted")
+    assert not [*elsewhere.iterdir()]
+    (folder / "film.yaml").write_text("pronk: 1\nsequence: [../other]\n", encoding="utf-8")
+    told = refused(3, "check", "film.yaml", "--untrusted")
+    assert "film.yaml:2:12: sequence[0].scene: '../other' leads out of the folder" in told
+
+
+def test_an_untrusted_sequence_has_limits_without_being_given_any(
+    refused: Callable[..., str], folder: Path
+) -> None:
+    (folder / "film.yaml").write_text("pronk: 1\nsequence: [tiny]\n", encoding="utf-8")
+    slow = ("--set", "film.size=[1920,1080]", "--set", "film.samples=4096")
+    told = refused(3, "render", "film.yaml", "--untrusted", *slow)
+    assert "more than the limit (--max-time 30 min); " in told
+
+
 @pytest.fixture
 def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip the pictures of figures, which take seconds."""

@@ -182,7 +182,7 @@ class Mix(AudioConfig):
     motions_db: Decibels = Field(
         0.0, description="Gain of what whirs, sings, springs and squeaks [dB]."
     )
-    ambience_db: Decibels = Field(0.0, description="Gain of what is heard around [dB].")
+    ambience_db: Decibels = Field(0.0, description="Gain of the ambience [dB].")
     duck_db: float = Field(
         6.0, ge=0, le=40, description="By how much the ambience gives way to voices [dB]."
     )
@@ -208,10 +208,10 @@ def _channels(value: object) -> object:
     return "5.1" if value == 5.1 and isinstance(value, float) else value
 
 
-_Channels = Literal["stereo", "5.1", "b-format"]
+LayoutName = Literal["stereo", "5.1", "b-format"]
 
 ChannelsName = Annotated[
-    _Channels, BeforeValidator(_channels, json_schema_input_type=_Channels | Literal[5.1])
+    LayoutName, BeforeValidator(_channels, json_schema_input_type=LayoutName | Literal[5.1])
 ]
 
 RoomOrName = Annotated[Room, BeforeValidator(_expand_room, json_schema_input_type=RoomName | Room)]
@@ -274,8 +274,7 @@ class Sound(AudioConfig):
     )
     ambience: AmbienceName = Field(
         "auto",
-        description="What is heard around: auto goes by ground, hour and weather; none, or the "
-        "name of a place.",
+        description="Ambient sound: auto goes by ground, hour and weather; none is silence.",
     )
     channels: ChannelsName = Field(
         "stereo",

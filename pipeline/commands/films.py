@@ -75,7 +75,7 @@ def render(
         reporter.result(f"{render_sequence(sequence, options.out, order_of, reporter).folder}")
 
     def make(name: str, reporter: Reporter) -> None:
-        if is_sequence(find_scene(name)):
+        if is_sequence(find_scene(name), options.is_untrusted):
             join(name, reporter)
             return
         order = options.order(name, preset, frames=frames, **settings)

@@ -301,11 +301,19 @@ class RunOptions(SceneOptions):
         changes = [*([f"film.preset={preset.value}"] if preset else []), *self.assignments()]
         scene = load_scene(file, changes, self.is_untrusted)
         out = more.pop("out", self.out)
+        self._refuse_links(file, out)
+        return Order(scene, file.stem, out, backend=backend, **more)
+
+    def _refuse_links(self, file: Path, out: Path) -> None:
+        """Refuse outputs of a stranger's file that links lead elsewhere.
+
+        Raises:
+            StoreError: there is such a link.
+        """
         if self.is_untrusted:
             from pipeline.production.run.outputs import Outputs, refuse_links
 
             refuse_links(Outputs(out / file.stem, file.stem), file.parent)
-        return Order(scene, file.stem, out, backend=backend, **more)
 
 
 @dataclass(kw_only=True)
@@ -347,8 +355,10 @@ class FrameOptions(RunOptions):
         """
         from pipeline.spec import find_scene, load_sequence
 
+        file = find_scene(name)
+        self._refuse_links(file, self.out)
         before = [f"film.preset={preset.value}"] if preset else []
-        return load_sequence(find_scene(name), before, self.assignments(), self.is_untrusted)
+        return load_sequence(file, before, self.assignments(), self.is_untrusted)
 
     def frame_order(self, name: str, preset: Preset | None = None, **more: Any) -> Order:
         """Return the order to render a scene, see `order`."""

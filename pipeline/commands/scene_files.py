@@ -59,7 +59,7 @@ def check(
     from pipeline.spec import find_scene, is_sequence, load_sequence
 
     def examine(name: str, reporter: Reporter) -> None:
-        if is_sequence(find_scene(name)):
+        if is_sequence(find_scene(name), options.is_untrusted):
             examine_clips(name, reporter)
             return
         examine_scene(options.scene(name), name, reporter)

@@ -14,7 +14,7 @@ from typing import get_args
 from pydantic.fields import FieldInfo
 
 from audio.acoustic_materials import family_name
-from audio.ambience import PLACES
+from audio.ambience import AMBIENCES
 from audio.config.sound import Room, RoomName
 from audio.general_midi import DRUMS, FAMILIES, FAMILY_SIZE, INSTRUMENTS, LOWEST_DRUM_KEY
 from audio.harmony import MODES
@@ -123,8 +123,8 @@ def _scenes(folder: Path) -> Iterator[NameEntry]:
 def _ambiences(folder: Path) -> Iterator[NameEntry]:
     yield NameEntry("auto", "by ground, hour and weather")
     yield NameEntry("none", "silence between the events")
-    for name, place in PLACES.items():
-        layers = (f"{layer} {amount:g}" for layer, amount in place.layers.items())
+    for name, ambience in AMBIENCES.items():
+        layers = (f"{layer} {amount:g}" for layer, amount in ambience.layers.items())
         yield NameEntry(name, ", ".join(layers))
 
 

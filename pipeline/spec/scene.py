@@ -40,7 +40,7 @@ from pipeline.spec.timing import (
     rate_of,
 )
 from pipeline.spec.yaml_tree import SourceMap, SourceNode
-from render.config import Camera, Cuts, Film, Light, Material
+from render.config import MATERIALS, Camera, Cuts, Film, Light, Material
 from render.config.film import Even
 from render.config.titles import MAX_TITLES, Title
 
@@ -192,6 +192,10 @@ class Scene(ConfigModel):
     def all_moods(self) -> dict[str, Mood]:
         """Moods that it may name."""
         return {name: Mood.model_validate(name) for name in MOODS} | self.moods
+
+    def material(self, name: str) -> Material:
+        """Return a material by its name: the author's own, else that of the library."""
+        return self.materials[name] if name in self.materials else MATERIALS[name]
 
     @property
     def rate(self) -> Fraction:

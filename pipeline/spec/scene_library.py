@@ -44,6 +44,13 @@ def shipped_scenes() -> list[str]:
     return names_in(library())
 
 
+def shipped_file(name: str) -> Path | None:
+    """Return the file of a shipped scene or sequence, None where none is called so."""
+    file = Path(name if name.endswith(SUFFIX) else name + SUFFIX)
+    shelves = (library(), library() / SEQUENCES) if len(file.parts) == 1 else ()
+    return next((shelf / file for shelf in shelves if is_file(shelf / file)), None)
+
+
 def names_in(folder: Path) -> list[str]:
     """Return the names of the files in a folder that may hold a scene or a figure."""
     try:
@@ -169,9 +176,9 @@ def _scene_file(name: str) -> Path:
         for path in (given, beside):
             if path.exists() and not path.is_dir():
                 return path
-        for shipped in (library() / beside, library() / SEQUENCES / beside):
-            if len(beside.parts) == 1 and shipped.is_file():
-                return shipped
+        shipped = shipped_file(name)
+        if shipped is not None:
+            return shipped
         if given.is_dir():
             raise UsageError(f"'{name}' is a folder; give the file of a scene")
     except (OSError, ValueError) as error:

@@ -47,12 +47,17 @@ def load_scene(path: str | Path, overrides: Sequence[str] = (), untrusted: bool 
     """
     path = Path(path)
     _require(path)
-    confinement = _confinement(path) if untrusted else None
+    confinement = confinement_beside(path) if untrusted else None
     tree, problems = read_file(path)
     return _scene(tree, problems, str(path), path.parent, overrides, confinement)
 
 
-def _confinement(path: Path) -> Confinement:
+def confinement_beside(path: Path) -> Confinement:
+    """Return the confinement to the folder of a stranger's file.
+
+    Raises:
+        SceneError: the file is a link that leads elsewhere, or no regular file.
+    """
     try:
         return Confinement.beside(path)
     except ForeignFileError as error:

@@ -17,10 +17,22 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from pipeline.errors import Problem, SceneError, UsageError
+from pipeline.foreign_files.confinement import Confinement
+from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.spec.model_base import ConfigModel, Fault, Number, raise_faults
 from pipeline.spec.scene import Scene
-from pipeline.spec.scene_library import SEQUENCE, existing_file, find_scene
-from pipeline.spec.scene_loader import load_scene, refuse_newer
+from pipeline.spec.scene_library import (
+    SCENES,
+    SEQUENCE,
+    existing_file,
+    is_path,
+    missing_file_message,
+    scenes_in,
+    shipped_file,
+    shipped_scenes,
+)
+from pipeline.spec.scene_loader import confinement_beside, load_scene, refuse_newer
+from pipeline.spec.suggestions import hint
 from pipeline.spec.timing import frames_of
 from pipeline.spec.validation import check, in_order
 from pipeline.spec.yaml_reader import read_file
@@ -154,8 +166,14 @@ class SceneSequence:
         return self.clips[-1].at + self.clips[-1].frames
 
 
-def is_sequence(path: Path) -> bool:
-    """Return whether a file holds a sequence of scenes."""
+def is_sequence(path: Path, untrusted: bool = False) -> bool:
+    """Return whether a file holds a sequence of scenes.
+
+    Raises:
+        SceneError: an untrusted one is a link that leads elsewhere, or no regular file.
+    """
+    if untrusted:
+        confinement_beside(path)
     tree, _ = read_file(path)
     return tree is not None and SEQUENCE in tree.entries
 
@@ -169,11 +187,12 @@ def load_sequence(
         path: of its file.
         before: `path=value` each, laid over every scene before what the sequence says.
         after: the same, last.
-        untrusted: whether to refuse scenes outside of its folder, and their files.
+        untrusted: whether to refuse what lies outside of its folder, but for shipped scenes.
 
     Raises:
         SceneError: it or one of its scenes is wrong; holds every problem found.
     """
+    confinement = confinement_beside(path) if untrusted else None
     tree, problems = read_file(path)
     if tree is None:
         raise SceneError(in_order(problems, [str(path)]))
@@ -187,10 +206,12 @@ def load_sequence(
     scenes = list[Scene]()
     for k, clip in enumerate(file.sequence):
         try:
-            found = _found(clip.scene, path.parent, untrusted)
+            found = _found(clip.scene, path.parent, confinement)
             scenes.append(load_scene(found, [*before, *film, *clip.set, *after], untrusted))
         except UsageError as error:
             problems.append(Problem(f"sequence[{k}].scene", str(error)))
+        except ForeignFileError as error:
+            problems.append(Problem(f"sequence[{k}].scene", f"{clip.scene!r} {error}"))
         except SceneError as error:
             # Those of the scene's file say where; a change of the sequence's own does not.
             problems += [one if one.line else _of_clip(one, k) for one in error.problems]
@@ -203,12 +224,20 @@ def load_sequence(
     )
 
 
-def _found(text: str, folder: Path, untrusted: bool) -> Path:
-    beside = existing_file(folder, text)
-    found = beside or find_scene(text)
-    if untrusted and not found.resolve().is_relative_to(folder.resolve()):
-        raise UsageError(f"'{text}' is not in the folder of the sequence, which --untrusted asks")
-    return found
+def _found(text: str, folder: Path, confinement: Confinement | None) -> Path:
+    """Return the file of a clip's scene: beside the sequence, else a shipped one.
+
+    Raises:
+        UsageError: there is none.
+        ForeignFileError: it leads out of the confinement.
+    """
+    found = existing_file(folder, text, confinement) or shipped_file(text)
+    if found is not None:
+        return found
+    if is_path(text):
+        raise UsageError(missing_file_message(folder, text))
+    beside = {} if confinement is not None else scenes_in(folder)
+    raise UsageError(f"no scene is called {text!r}, {hint(text, shipped_scenes(), SCENES, beside)}")
 
 
 def _of_clip(problem: Problem, k: int) -> Problem:

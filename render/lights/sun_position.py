@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from render.config import Sun
+from render.config import Light, Sun
 
 
 def sun_direction(sun: Sun) -> tuple[float, float, float]:
@@ -26,6 +26,16 @@ def sun_direction(sun: Sun) -> tuple[float, float, float]:
     x = north * math.cos(heading) + east * math.sin(heading)
     z = -north * math.sin(heading) + east * math.cos(heading)
     return x, up, z
+
+
+def light_elevation_deg(light: Light) -> float | None:
+    """Return the angle of the sun above the horizon in a light [degrees].
+
+    -90 at night, where no sun is given; None in a studio and in a panorama.
+    """
+    if light.sun is not None:
+        return sun_elevation_deg(light.sun)
+    return -90.0 if light.studio is None and light.hdr is None else None
 
 
 def sun_elevation_deg(sun: Sun) -> float:

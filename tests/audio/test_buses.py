@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from audio.ambience import PLACES
+from audio.ambience import AMBIENCES
 from audio.buses import BUS_OF, bus_of
 from audio.cause_voices import CAUSE_VOICES
 from audio.notes import notes_of
 from audio.time_grid import SAMPLE_RATE
-from audio.wav_file import bed_of, mix_notes, read_samples, write_wav
+from audio.wav_file import ambience_of, mix_notes, read_samples, write_wav
 
 
 def test_every_cause_has_a_bus() -> None:
@@ -36,8 +36,8 @@ def test_the_ambience_gives_way_to_a_cry(step, score_of) -> None:
     cry = step(49, cause="cry", duration=1.5)
 
     def bed(**mix: float) -> np.ndarray:
-        score = score_of([cry], 144, sound={"mix": mix}, place=PLACES["room"])
-        found = bed_of(score, notes_of(score), samples)
+        score = score_of([cry], 144, sound={"mix": mix}, ambience=AMBIENCES["room"])
+        found = ambience_of(score, notes_of(score), samples)
         assert found is not None
         return found
 
@@ -53,7 +53,7 @@ def test_the_ambience_gives_way_to_a_cry(step, score_of) -> None:
 def test_an_ambience_can_be_turned_up(score_of, tmp_path: Path) -> None:
     def level(gain: float) -> float:
         sound = {"mix": {"ambience_db": gain}}
-        score = score_of([], 24, sound=sound, place=PLACES["room"])
+        score = score_of([], 24, sound=sound, ambience=AMBIENCES["room"])
         report = write_wav(score, tmp_path / "a.wav")
         return float(np.sqrt(np.mean(read_samples(report.path, 0, SAMPLE_RATE) ** 2)))
 

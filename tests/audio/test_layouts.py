@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import get_args
 
 import av
 import numpy as np
 import pytest
 
-from audio.ambience import PLACES
-from audio.config.sound import Sound
+from audio.ambience import AMBIENCES
+from audio.config.sound import LayoutName, Sound
 from audio.layouts import LAYOUTS
 from audio.surround_file import write_surround
 from audio.wav_file import write_wav
@@ -79,7 +80,7 @@ def test_all_channels_stay_below_the_ceiling_and_have_the_place(
     step, score_of, tmp_path: Path, layout: str
 ) -> None:
     events = [step(1 + 3 * k, azimuth=0.1 * k, distance=2) for k in range(12)]
-    score = score_of(events, 48, place=PLACES["rain"])
+    score = score_of(events, 48, ambience=AMBIENCES["rain"])
     write_surround(score, tmp_path / "b.wav", layout, write_wav(score, tmp_path / "a.wav"))
     sound, _ = read(tmp_path / "b.wav")
     assert np.abs(sound).max() < 10 ** (-1 / 20)
@@ -87,6 +88,10 @@ def test_all_channels_stay_below_the_ceiling_and_have_the_place(
     silent = {"5.1": [2, 3], "b-format": [2]}[layout]
     heard = [k for k in range(sound.shape[1]) if k not in silent]
     assert min(level[heard]) > -60.0
+
+
+def test_every_layout_has_a_word() -> None:
+    assert set(get_args(LayoutName)) == set(LAYOUTS)
 
 
 def test_channels_are_words_and_soundfonts_are_stereo() -> None:

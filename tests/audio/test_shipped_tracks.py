@@ -41,9 +41,11 @@ def test_tracks_of_shipped_scenes_have_their_onsets_and_loudness(
     # Nowhere silent, and the events stand out of it.
     level = np.sqrt((sound[: len(sound) // 2400 * 2400] ** 2).reshape(-1, 4800).mean(axis=1))
     assert np.mean(level > 10 ** (-60 / 20)) > 0.7
-    score = replace(score, place=None)
+    score = replace(score, ambience=None)
     report = write_wav(score, tmp_path / "track.wav")
-    assert report.lufs == -np.inf or report.lufs - 1 < with_bed.lufs < max(report.lufs + 3, -20)
+    # The bed neither drowns the events nor lowers them by much.
+    assert with_bed.lufs < max(report.lufs + 3, -20)
+    assert with_bed.gain_db > report.gain_db - 2
     sound = read_wav(tmp_path / "track.wav")
     magnitude = np.abs(sound).max(axis=1)
     onsets = sorted({sample_at(note.onset) for note in notes_of(score)})
@@ -57,6 +59,7 @@ def test_tracks_of_shipped_scenes_have_their_onsets_and_loudness(
     assert np.abs(resample_poly(sound, 8, 1, axis=0)).max() < 10 ** (master.true_peak_db / 20)
     loudness = pyloudnorm.Meter(48_000).integrated_loudness(sound)
     assert loudness == pytest.approx(report.lufs, abs=0.3)
-    assert report.lufs == pytest.approx(report.target, abs=0.3)
+    within = 0.3 if report.target == master.lufs else 1.0  # the limiter lowers peaks, unheard
+    assert report.lufs == pytest.approx(report.target, abs=within)
     assert report.target <= master.lufs
     assert report.limited_db <= master.most_limiting_db + 0.05

@@ -112,7 +112,8 @@ def test_every_pair_of_materials_has_its_own_spectrum(step, render):
     for name in FAMILIES:
         power = 0
         for frame in (1, 3, 5, 7):
-            sound = render([step(frame, material=name, surface="concrete", size=0.1)], 96)
+            event = step(frame, cause="collision", material=name, surface="concrete", size=0.1)
+            sound = render([event], 96)
             spectrum = np.abs(np.fft.rfft(sound[:, 0])) ** 2
             power = (
                 power

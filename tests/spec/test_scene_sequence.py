@@ -91,8 +91,24 @@ def test_a_strangers_sequence_keeps_to_its_folder(folder: Path) -> None:
     path = folder / "inner" / "film.yaml"
     path.write_text("pronk: 1\nsequence: [../a]\n", encoding="utf-8")
     assert load_sequence(path).n_frames == 96
-    with pytest.raises(SceneError, match="not in the folder of the sequence"):
+    with pytest.raises(SceneError, match=r"film.yaml:2:.*sequence\[0\].scene: .*out of the folder"):
         load_sequence(path, untrusted=True)
+
+
+def test_a_strangers_sequence_may_use_shipped_scenes_and_those_beside_it(folder: Path) -> None:
+    path = written(folder, "  - a\n  - {scene: dice, set: [fps=24, 'film.size=[64,36]']}\n")
+    assert [clip.name for clip in load_sequence(path, untrusted=True).clips] == ["01_a", "02_dice"]
+
+
+def test_a_strangers_sequence_that_is_a_link_is_refused_unread(folder: Path) -> None:
+    inner = folder / "inner"
+    inner.mkdir()
+    written(folder, "  - a\n")
+    (inner / "film.yaml").symlink_to(folder / "film.yaml")
+    with pytest.raises(SceneError, match="out of the folder"):
+        is_sequence(inner / "film.yaml", untrusted=True)
+    with pytest.raises(SceneError, match="out of the folder"):
+        load_sequence(inner / "film.yaml", untrusted=True)
 
 
 def test_the_shipped_reel_has_eight_shots_of_a_minute() -> None:

@@ -28,7 +28,7 @@ from pipeline.production.surroundings.land import Land
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
 from render.config import MATERIALS, Light, Material
-from render.lights.sun_position import sun_elevation_deg
+from render.lights.sun_position import light_elevation_deg
 from render.shot import Mesh
 
 BUILT = ("iron", "dark soil", *room.BUILT)
@@ -88,9 +88,8 @@ def edging_materials(light: Light) -> Mapping[str, Material]:
 
 
 def _is_dark(light: Light) -> bool:
-    if light.sun is not None:
-        return sun_elevation_deg(light.sun) < LIGHTS_ON
-    return light.studio is None and light.hdr is None
+    height = light_elevation_deg(light)
+    return height is not None and height < LIGHTS_ON
 
 
 TREES: Mapping[str, tuple[str, ...]] = {

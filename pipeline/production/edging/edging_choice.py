@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from pipeline.production.surroundings.choice import Choice
 from pipeline.spec.scene import Scene
-from render.config import MATERIALS
 
 PIECES = {"plaster": 4, "tiles": 6, "checker": 6}
 """Number of pieces along a tile of the pattern, by the texture of paving."""
@@ -51,8 +50,7 @@ class EdgingChoice:
             return EdgingChoice("ground", word, 1.0)
         if around.joins != "platform" or word == "none" or scene.terrain.show_forbidden:
             return None
-        name = scene.terrain.material
-        material = scene.materials[name] if name in scene.materials else MATERIALS[name]
+        material = scene.material(scene.terrain.material)
         floor = "paving" if material.texture in PIECES else "deck"
         if word == "auto":
             word = BY_SURROUNDINGS[floor].get(around.kind, OTHERWISE[floor])

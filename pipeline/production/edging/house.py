@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.production.edging.carpentry import Carpentry
+from pipeline.production.surroundings.lattice_noise import hashed
 from pipeline.simulation.spatial import Array
 
 STOREY, GROUND_STOREY = 2.95, 3.35
@@ -217,10 +218,9 @@ class House:
 
     def _pane(self, middle: float, foot: float) -> str:
         """Return the material of the panes of a window: somebody is at home behind some of them."""
-        x, y, z = self.at((middle, foot, 0.0))
+        x, y, z = np.rint(100.0 * self.at((middle, foot, 0.0))).astype(np.int32)
         # By its place, so that the rest of the house is the same.
-        chance = np.sin(12.9898 * x + 78.233 * y + 37.719 * z) * 43758.5453
-        return "lit pane" if chance % 1.0 < AT_HOME else "pane"
+        return "lit pane" if hashed(x, z, int(y)) < AT_HOME else "pane"
 
     def _flower_box(self, middle: float, sill: float, wide: float) -> None:
         """Add a box on a sill, and note where flowers grow in it."""

@@ -108,12 +108,8 @@ def working(order: Order, reporter: Reporter) -> Iterator[SceneRun]:
         manifest = Manifest.read(outputs.manifest)
         manifest.files = records = FileRecords(outputs.folder, manifest.files)
         run = SceneRun(order, outputs, reporter, manifest, records)
-        try:
-            with translated_errors(), _reported_notes(run), _saved(run):
-                yield run
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
+        with write_errors(outputs), translated_errors(), _reported_notes(run), _saved(run):
+            yield run
 
 
 @contextmanager
@@ -166,6 +162,20 @@ def _report_notes(run: SceneRun) -> None:
     if run.notes:
         manifest = run.outputs.manifest
         run.reporter.notes(run.order.name, run.notes, manifest if manifest.is_file() else None)
+
+
+@contextmanager
+def write_errors(outputs: Outputs) -> Iterator[None]:
+    """Translate what the system says when files cannot be written.
+
+    Raises:
+        StoreError: for an OSError inside.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
 
 
 @contextmanager

@@ -9,7 +9,6 @@ from pipeline.production.scenery.species import KINDS
 from pipeline.production.surroundings.choice import NATURAL, Choice
 from pipeline.spec.scene import Scene
 from pipeline.spec.terrain.scatter import SCATTER_PRESETS, ScatteredSpecies
-from render.config import MATERIALS
 
 BY_MATERIAL = {"dry soil": "steppe", "dark soil": "pasture"}
 """Presets of ground materials by name."""
@@ -103,7 +102,7 @@ def is_drowned(scene: Scene) -> bool:
 
 def _suiting(scene: Scene, name: str) -> str:
     """Return the preset that suits a ground material; none suits a floor."""
-    texture = (scene.materials[name] if name in scene.materials else MATERIALS[name]).texture
+    texture = scene.material(name).texture
     if texture not in NATURAL:
         return "none"
     return BY_MATERIAL.get(name, BY_TEXTURE.get(texture, "none"))

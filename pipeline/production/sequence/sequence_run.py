@@ -9,7 +9,7 @@ from pathlib import Path
 from audio.joined_sound import SoundPiece, write_joined_sound
 from audio.time_grid import sample_of_frame
 from pipeline.atomic_file import write_if_changed
-from pipeline.errors import SceneError, StoreError
+from pipeline.errors import SceneError
 from pipeline.production.run import production
 from pipeline.production.run.encoder_check import require_encoders
 from pipeline.production.run.file_records import FileRecords
@@ -18,7 +18,7 @@ from pipeline.production.run.manifest import Manifest, library_versions
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs, opened
 from pipeline.production.run.progress import Reporter, Stage, stage
-from pipeline.production.run.scene_run import translated_errors
+from pipeline.production.run.scene_run import translated_errors, write_errors
 from pipeline.production.sequence.sequence_source import CLIPS, SequenceSource, titled_film
 from pipeline.production.shots.title_timing import problems_of_titles, require_titles
 from pipeline.spec import Scene, SceneSequence
@@ -67,12 +67,8 @@ def render_sequence(
         manifest = Manifest.read(outputs.manifest)
         manifest.files = records = FileRecords(outputs.folder, manifest.files)
         before = manifest.encoded()
-        try:
-            with translated_errors():
-                _join(sequence, orders, outputs, manifest, records, reporter)
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
+        with write_errors(outputs), translated_errors():
+            _join(sequence, orders, outputs, manifest, records, reporter)
         data = manifest.encoded()
         if data != before:
             write_if_changed(outputs.manifest, data)

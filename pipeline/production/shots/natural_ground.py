@@ -6,7 +6,6 @@ from pipeline.production.surroundings.choice import NATURAL
 from pipeline.simulation.take import TerrainRecord
 from pipeline.spec.scene import Scene
 from pipeline.spec.terrain.kinds import StonesTerrain
-from render.config import MATERIALS
 
 
 def is_natural_ground(terrain: TerrainRecord, scene: Scene) -> bool:
@@ -14,9 +13,8 @@ def is_natural_ground(terrain: TerrainRecord, scene: Scene) -> bool:
 
     Forbidden zones are shown on the true ground.
     """
-    name = terrain.material
-    material = scene.materials[name] if name in scene.materials else MATERIALS[name]
-    return material.texture in NATURAL and not scene.terrain.show_forbidden
+    texture = scene.material(terrain.material).texture
+    return texture in NATURAL and not scene.terrain.show_forbidden
 
 
 def natural_pit(terrain: TerrainRecord, scene: Scene) -> StonesTerrain | None:

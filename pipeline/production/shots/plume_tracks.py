@@ -20,7 +20,7 @@ from pipeline.simulation.take import Take
 from pipeline.spec.group import Fire, Group
 from pipeline.spec.scene import Scene
 from render.color import linear
-from render.config import MATERIALS, Lamp, Material
+from render.config import Lamp
 from render.exposure_meter import daylight
 from render.plume import Plume
 from render.shot import LampPlace
@@ -85,7 +85,7 @@ class PlumeTracks:
         for i, member in enumerate(scene.cast):
             if not isinstance(member, Group) or not isinstance(member.group, Fire):
                 continue
-            material = _material(scene, member.material or "flame")
+            material = scene.material(member.material or "flame")
             is_smoke = material.preset == "smoke" or member.material == "smoke"
             if material.glow == 0.0 and not is_smoke:
                 continue
@@ -185,10 +185,6 @@ def _wander(x: float, seed: int) -> float:
     t = t * t * (3.0 - 2.0 * t)
     a, b = (np.random.default_rng([seed, i + k]).uniform(-1.0, 1.0) for k in (0, 1))
     return float(a + t * (b - a))
-
-
-def _material(scene: Scene, name: str) -> Material:
-    return scene.materials[name] if name in scene.materials else MATERIALS[name]
 
 
 def _place(member: Group, take: Take) -> Array:

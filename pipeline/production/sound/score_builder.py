@@ -8,8 +8,8 @@ from operator import attrgetter
 
 from audio.score import DanceBeat, Marker, Score, ScoreEvent
 from pipeline.production.camera.cuts import first_frames
+from pipeline.production.sound.ambience_choice import ambience_of
 from pipeline.production.sound.listener import Listener
-from pipeline.production.sound.place_choice import place_of
 from pipeline.production.sound.struck_bodies import StruckBodies
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
@@ -46,7 +46,7 @@ def build_score(
         markers=film_markers(scene, take),
         subframe=subframe,
         dance=dance_beat(scene),
-        place=place_of(scene),
+        ambience=ambience_of(scene),
     )
     return score, len(take.events) - len(audible)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeline.spec.scene import Scene
-from render.config import MATERIALS, Material
 
 NATURAL = {
     "grass": "hills",
@@ -49,10 +48,10 @@ class Choice:
     def of(scene: Scene) -> Choice:
         """Return the choice of a scene's author, or what suits the scene."""
         terrain = scene.terrain
-        is_natural = _ground(scene).texture in NATURAL
+        is_natural = scene.material(scene.terrain.material).texture in NATURAL
         kind: str = terrain.surroundings
         if kind == "auto":
-            kind = NATURAL.get(_ground(scene).texture, "hills")
+            kind = NATURAL.get(scene.material(scene.terrain.material).texture, "hills")
             # Indoors a floor goes on to the backdrop.
             if not is_natural and scene.light.studio is not None:
                 kind = "none"
@@ -69,8 +68,3 @@ class Choice:
     def materials(self) -> tuple[str, ...]:
         """Names of the materials that the land needs."""
         return (self.material,)
-
-
-def _ground(scene: Scene) -> Material:
-    name = scene.terrain.material
-    return scene.materials[name] if name in scene.materials else MATERIALS[name]

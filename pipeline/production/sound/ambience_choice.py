@@ -1,14 +1,13 @@
-"""Place choice: what is heard around a scene, by its ground, its hour and its weather."""
+"""Ambience choice: the ambient sound of a scene, by its ground, its hour and its weather."""
 
 from __future__ import annotations
 
-from audio.ambience import PLACES, Place
+from audio.ambience import AMBIENCES, Ambience
 from pipeline.production.scenery.scatter_choice import is_drowned
 from pipeline.production.surroundings.choice import Choice
 from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene
-from render.config import MATERIALS
-from render.lights.sun_position import sun_elevation_deg
+from render.lights.sun_position import light_elevation_deg
 
 STILL, STORM = 1.0, 16.0
 """Speeds of the wind at which it is not heard, and at which it is loudest [m/s]."""
@@ -25,26 +24,24 @@ LOW_SUN, DARK = 6.0, -5.0
 """Heights of the sun between which birds sing most, and below which they sleep [degrees]."""
 
 
-def place_of(scene: Scene) -> Place | None:
-    """Return what is heard around a scene, as its author or its looks have it, None for nothing."""
+def ambience_of(scene: Scene) -> Ambience | None:
+    """Return the ambience of a scene, by its author's word or its looks; None for silence."""
     word = scene.sound.ambience
     if word == "none":
         return None
     if word != "auto":
-        return PLACES[word]
+        return AMBIENCES[word]
     if is_drowned(scene):
-        return PLACES["underwater"]
+        return AMBIENCES["underwater"]
     around = Choice.of(scene)
     light = scene.light
     if scene.terrain.edging == "room" or (around.kind == "none" and light.studio is not None):
-        return PLACES["room"]
+        return AMBIENCES["room"]
     weather = light.weather
     wind = min(max((weather.wind - STILL) / (STORM - STILL), 0.15), 1.0)
-    material = scene.terrain.material
-    texture = (scene.materials.get(material) or MATERIALS[material]).texture
-    height = 90.0 if light.sun is None else sun_elevation_deg(light.sun)
-    if light.sun is None and light.hdr is None and light.studio is None:
-        height = -90.0
+    texture = scene.material(scene.terrain.material).texture
+    height = light_elevation_deg(light)
+    height = 90.0 if height is None else height
     life = 0.3 if texture in DRY else 1.0
     if scene.terrain.edging == "houses":
         life *= 0.5
@@ -57,7 +54,7 @@ def place_of(scene: Scene) -> Place | None:
     warm = 0.8 if height < DARK else 0.35 if height < LOW_SUN else 0.25 * (texture in DRY)
     is_sea = around.kind == "sea"
     has_stream = scene.terrain.water is not None and not is_sea
-    return Place(
+    return Ambience(
         wind=wind,
         leaves=LEAVES.get(around.kind, 0.0) * min(2.0 * wind, 1.0),
         birds=min(birds, 1.0),

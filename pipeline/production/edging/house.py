@@ -218,9 +218,10 @@ class House:
 
     def _pane(self, middle: float, foot: float) -> str:
         """Return the material of the panes of a window: somebody is at home behind some of them."""
-        x, y, z = np.rint(100.0 * self.at((middle, foot, 0.0))).astype(np.int32)
+        place = np.rint(100.0 * self.at((middle, foot, 0.0))).astype(np.int32)
         # By its place, so that the rest of the house is the same.
-        return "lit pane" if hashed(x, z, int(y)) < AT_HOME else "pane"
+        (number,) = hashed(place[:1], place[2:], int(place[1]))
+        return "lit pane" if number < AT_HOME else "pane"
 
     def _flower_box(self, middle: float, sill: float, wide: float) -> None:
         """Add a box on a sill, and note where flowers grow in it."""

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from render.backend import Backend
+from render.camera_sweep import camera_sweep
 from render.config import FullFilm
 from render.errors import device_memory_errors
 from render.frame import Frame, Image, LightLayers
@@ -134,13 +135,15 @@ class Renderer:
         each = max(round(film.rounds / count), 1)
         accumulator, exposure = scene.accumulator(), scene.pass_exposure(shot)
         airborne = scene.airborne_exposure(shot)
+        poses = [moment.camera for moment in shot.moments]
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.timings.timed("update"):
                     scene.update(moment)
             passes = range(k * each, (k + 1) * each)
             with self.timings.timed("trace"):
-                accumulator.add_passes(scene.sensor, shot.seed, passes, count * each)
+                sweep = camera_sweep(poses, k)
+                accumulator.add_passes(scene.sensor, shot.seed, passes, count * each, sweep)
                 if airborne:
                     scene.add_airborne(airborne, moment, k, count)
                 if exposure:

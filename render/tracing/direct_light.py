@@ -23,6 +23,7 @@ def surface_light(
     u: tuple[Any, Any],
     has_lamps: bool,
     *,
+    held: Any = None,
     coherent: bool = False,
 ) -> tuple[Any, Any, Any, Any]:
     """Return what rays meet: direct light, albedo, light that it sends out itself, and distance.
@@ -34,9 +35,14 @@ def surface_light(
         ray: from camera or water.
         u: pair of numbers for a point on an emitter, and one that chooses between emitters.
         has_lamps: whether surfaces are lit at all.
+        held: rays to what moves where they are others; then the scene is a `ScenePair`.
         coherent: whether neighbouring rays are close to each other.
     """
-    si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=coherent)
+    if held is None:
+        si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=coherent)
+    else:
+        ray, hit = scene.first_hit(ray, held, coherent)
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.All)
     emitter = si.emitter(emitters_of(scene))
     shining = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     shining *= dimmed(shade, emitter, ray.o)

@@ -11,6 +11,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from render.camera_sweep import CameraSweep
 from render.frame import ALBEDO_BIAS, Image, LightLayers
 from render.tracing.haze import Air
 from render.tracing.tracer import Accumulator, Tracer
@@ -99,7 +100,14 @@ class _Accumulator(Accumulator):
         self._sum: Image | None = None
         self._passes = 0
 
-    def add_passes(self, sensor: Any, seed: int, passes: range, total: int) -> None:
+    def add_passes(
+        self,
+        sensor: Any,
+        seed: int,
+        passes: range,
+        total: int,
+        sweep: CameraSweep | None = None,
+    ) -> None:
         """Add what the sensor sees now."""
         # Each moment has its own samples, or their noise would add up coherently.
         seed = (seed + SEED_STRIDE * passes.start) & 0xFFFFFFFF

@@ -36,6 +36,22 @@ class ScenePair:
         near = self.still.ray_intersect_preliminary(shorter, coherent=coherent, active=active)
         return dr.select(near.is_valid(), near, hit)
 
+    def first_hit(self, ray: Any, held: Any, coherent: bool = False) -> tuple[Any, Any]:
+        """Return the rays that meet the nearer surface, and their hits.
+
+        Args:
+            ray: to what stands still.
+            held: to what moves; close to the others.
+            coherent: whether neighbouring rays are close to each other.
+        """
+        hit = self.moving.ray_intersect_preliminary(held, coherent=coherent)
+        shorter = mi.Ray3f(ray)
+        shorter.maxt = hit.t
+        near = self.still.ray_intersect_preliminary(shorter, coherent=coherent)
+        is_still = near.is_valid() | ~hit.is_valid()
+        origin, way = dr.select(is_still, ray.o, held.o), dr.select(is_still, ray.d, held.d)
+        return mi.Ray3f(origin, way), dr.select(is_still, near, hit)
+
     def ray_intersect(self, ray: Any, ray_flags: Any, coherent: bool = False) -> Any:
         """Return the surface at the nearer hit."""
         hit = self.ray_intersect_preliminary(ray, coherent)

@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render.camera_sweep import CameraSweep
 from render.frame import Image, LightLayers
 
 MAX_PATHS = 1 << 17
@@ -31,7 +32,14 @@ class Accumulator(ABC):
     """The sums of one frame."""
 
     @abstractmethod
-    def add_passes(self, sensor: Any, seed: int, passes: range, total: int) -> None:
+    def add_passes(
+        self,
+        sensor: Any,
+        seed: int,
+        passes: range,
+        total: int,
+        sweep: CameraSweep | None = None,
+    ) -> None:
         """Add what the sensor sees now; see `FullFilm.rays`.
 
         Args:
@@ -39,6 +47,8 @@ class Accumulator(ABC):
             seed: of all passes.
             passes: numbers of those to trace now, at one moment of the exposure.
             total: passes of the frame, over which the samples are stratified.
+            sweep: of the camera meanwhile, None where it stands still; only tracers that tell what
+                stands still from what moves follow it.
         """
 
     @abstractmethod

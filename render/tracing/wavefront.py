@@ -33,13 +33,14 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from render.camera_sweep import CameraSweep
 from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
 from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
 from render.tracing.emitter_choice import emitter_sample
 from render.tracing.haze import Air
-from render.tracing.scene_pair import emitters_of
+from render.tracing.scene_pair import ScenePair, emitters_of
 from render.tracing.stratification import (
     BSDF_PAIR,
     EMITTER_PAIR,
@@ -49,6 +50,7 @@ from render.tracing.stratification import (
     sample_2d,
     stratum_grid,
 )
+from render.tracing.swept_rays import swept_rays
 from render.tracing.tracer import Accumulator, PixelLanes, Sums, Tracer
 from render.tracing.water import Water
 from render.tracing.water_light import add_water, beyond_water
@@ -162,12 +164,19 @@ class Wavefront(Tracer):
             self.scene_changed()
             self._total = passes
 
-    def add_direct(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
+    def add_direct(
+        self,
+        sensor: Any,
+        sweep: CameraSweep | None,
+        pixels: Any,
+        strata: PassStrata,
+        sums: Sums,
+    ) -> Sums:
         """Return the sums of direct light, albedo and air with a sample more of every pixel."""
-        ray = camera_ray(sensor, pixels, self.direct.size, strata.step(0))
+        ray, held = self._camera_rays(sensor, sweep, pixels, self.direct.size, strata)
         around = self._scene, self._air, self.shade, self._water
         has_lamps, step = self._depth > 1, strata.step(1)
-        *added, meets_water = self._add_direct(*around, pixels, ray, has_lamps, sums, step)
+        *added, meets_water = self._add_direct(*around, pixels, ray, held, has_lamps, sums, step)
         if self._water is None:
             return tuple(added)
         lanes = mi.UInt32(dr.compress(meets_water))
@@ -176,16 +185,23 @@ class Wavefront(Tracer):
         rays = dr.gather(mi.UInt32, pixels, lanes), dr.gather(mi.Ray3f, ray, lanes)
         return self._add_water(*around, lanes, *rays, has_lamps, added, strata.step(2))
 
-    def add_indirect(self, sensor: Any, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
+    def add_indirect(
+        self,
+        sensor: Any,
+        sweep: CameraSweep | None,
+        pixels: Any,
+        strata: PassStrata,
+        sums: Sums,
+    ) -> Sums:
         """Return the sums of indirect light and albedo with one more path of every pixel."""
         if self._depth == 1:
             return sums
         count = dr.width(pixels)
         # Full width, although all are equal, so that later steps share the kernel of the first.
         initial = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        ray = camera_ray(sensor, pixels, self.indirect.size, strata.step(0))
+        ray, held = self._camera_rays(sensor, sweep, pixels, self.indirect.size, strata)
         around = self._scene, self._air, self._water
-        paths = self._start_paths(*around, pixels, ray, initial, strata.step(0))
+        paths = self._start_paths(*around, pixels, ray, held, initial, strata.step(0))
         for step in range(1, self._depth):
             live = mi.UInt32(dr.compress(paths.hit.is_valid()))
             if dr.width(live) == 0:
@@ -203,6 +219,20 @@ class Wavefront(Tracer):
             sums = self._add_emission(self._scene, self.shade, paths, sums[0]), sums[1]
         return sums
 
+    def _camera_rays(
+        self,
+        sensor: Any,
+        sweep: CameraSweep | None,
+        pixels: Any,
+        size: tuple[int, int],
+        strata: PassStrata,
+    ) -> tuple[Any, Any]:
+        """Return rays to what stands still, and those to what moves, None where they are equal."""
+        ray = camera_ray(sensor, pixels, size, strata.step(0))
+        if sweep is None or not isinstance(self._scene, ScenePair):
+            return ray, None
+        return swept_rays(sweep, ray, pixels, strata), ray
+
 
 class _Accumulator(Accumulator):
     """Sums direct samples and paths apart, chunk by chunk of the image."""
@@ -212,7 +242,14 @@ class _Accumulator(Accumulator):
         self._direct, self._indirect = tracer.direct.zero_sums(3), tracer.indirect.zero_sums(2)
         self._passes = 0
 
-    def add_passes(self, sensor: Any, seed: int, passes: range, total: int) -> None:
+    def add_passes(
+        self,
+        sensor: Any,
+        seed: int,
+        passes: range,
+        total: int,
+        sweep: CameraSweep | None = None,
+    ) -> None:
         """Add what the sensor sees now."""
         tracer = self._tracer
         tracer.set_total(total)
@@ -221,11 +258,15 @@ class _Accumulator(Accumulator):
         for i, pixels in enumerate(tracer.direct.chunks):
             for k in range(count * passes.start, count * passes.stop):
                 strata = PassStrata(seed + 1, k, grids[0])
-                self._direct[i] = tracer.add_direct(sensor, pixels, strata, self._direct[i])
+                self._direct[i] = tracer.add_direct(
+                    *(sensor, sweep, pixels, strata, self._direct[i])
+                )
         for i, pixels in enumerate(tracer.indirect.chunks):
             for k in passes:
                 strata = PassStrata(seed, k, grids[1])
-                self._indirect[i] = tracer.add_indirect(sensor, pixels, strata, self._indirect[i])
+                self._indirect[i] = tracer.add_indirect(
+                    *(sensor, sweep, pixels, strata, self._indirect[i])
+                )
         self._passes += len(passes)
 
     def layers(self) -> LightLayers:
@@ -270,6 +311,7 @@ def _add_direct(
     water: Water | None,
     pixels: Any,
     ray: Any,
+    held: Any,
     has_lamps: bool,
     sums: Sums,
     strata: StepStrata,
@@ -281,7 +323,7 @@ def _add_direct(
     """
     u = sample_2d(pixels, strata, EMITTER_PAIR), sample_1d(pixels, strata)
     light, albedo, shining, distance = surface_light(
-        scene, shade, water, ray, u, has_lamps, coherent=True
+        scene, shade, water, ray, u, has_lamps, held=held, coherent=True
     )
     meets = mi.Bool(False)
     if water is not None:
@@ -308,11 +350,15 @@ def _start_paths(
     water: Water | None,
     pixels: Any,
     ray: Any,
+    held: Any,
     initial: tuple[Any, Any],
     strata: StepStrata,
 ) -> Paths:
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
-    hit = scene.ray_intersect_preliminary(ray, coherent=True)
+    if held is None:
+        hit = scene.ray_intersect_preliminary(ray, coherent=True)
+    else:
+        ray, hit = scene.first_hit(ray, held, coherent=True)
     weight, pdf = initial
     if water is not None:
         ray, hit, passed = beyond_water(scene, air, water, ray, hit, sample_1d(pixels, strata))

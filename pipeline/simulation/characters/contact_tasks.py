@@ -50,6 +50,9 @@ class HugShape:
 HUG = HugShape()
 
 OPEN_TIME = 0.7  # of the arms after a hug [s]
+HUG_DEPTH = 0.06  # by which two press against each other [m]
+COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
+LEAST_APPROACH = 0.3  # of both together, below which one walks the whole way [m/s]
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
 
 
@@ -187,12 +190,16 @@ class Hug(Task):
         owner: number of the partner.
         size: height of the partner [m].
         touched: time since the two touch [s], 0 before.
+        coming: speed at which the partner comes nearer [m/s].
+        seen: place of the partner (3,) at the step before [m].
         progress: of the walk.
     """
 
     owner: int
     size: float
     touched: float = 0.0
+    coming: float = 0.0
+    seen: Array | None = None
     progress: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
@@ -201,8 +208,9 @@ class Hug(Task):
         partner = controller.view.pelvis(self.owner)
         closeness = HUG.chest_radius * (person.height + self.size)
         distance = controller.ground_distance(partner)
-        if self.touched == 0.0 and distance > closeness + 0.06:
-            controller.go(partner[0], partner[2], closeness - 0.06, self.owner)
+        if self.touched == 0.0 and distance > closeness + HUG_DEPTH:
+            gap = closeness - HUG_DEPTH + self._share_of_way(controller, partner, closeness, dt)
+            controller.go(partner[0], partner[2], gap + 0.04, self.owner)
             self.failure = walking_failure(controller, self.progress, distance, dt)
             if distance < closeness + 1.1 * controller.arm:
                 # Bowing only once the partner is there would knock heads.
@@ -219,6 +227,23 @@ class Hug(Task):
             if gap < HUG.hands_joined * person.height:
                 controller.join_hands()
         return self.touched > PATIENCE
+
+    def _share_of_way(
+        self, controller: PersonController, partner: Array, closeness: float, dt: float
+    ) -> float:
+        """Return how much of the way the partner comes itself [m].
+
+        Two who each slow down before the place of the other meet at full speed: they slow down
+        before the place where they meet.
+        """
+        ahead = controller.direction_to(partner)
+        moved = np.zeros(3) if self.seen is None else partner - self.seen
+        self.seen = partner.copy()
+        share = min(dt / COMING_TIME, 1.0)
+        self.coming += share * (max(-float(moved @ ahead) / dt, 0.0) - self.coming)
+        own = math.hypot(*controller.record.velocity)
+        left = max(controller.ground_distance(partner) - closeness, 0.0)
+        return left * self.coming / max(self.coming + own, LEAST_APPROACH)
 
     def _bow(self, controller: PersonController) -> None:
         level = self._arm_level(controller, 0)

@@ -114,6 +114,8 @@ def master_mix(
     done = _measured(out, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
     if master is None:
         return replace(done, curve=curve)
+    if done.lufs > target - _SEARCH.tolerance:
+        return replace(done, curve=curve, target=target)
     # What no limiter has touched tells what the greatest gain is worth.
     most = integrated_loudness(_raised(mix, max_gain_db, bed))
     return replace(done, curve=curve, target=min(target, most))

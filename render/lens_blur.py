@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from render.box_filter import box_mean
 from render.shot import CameraPose
+from render.tracing.camera_rays import central_ray
 from render.tracing.tracer import PixelLanes
-from render.tracing.wavefront import central_ray
 
 Image = NDArray[np.float32]
 

@@ -20,6 +20,7 @@ from render.airborne.airborne_pass import (
     AirbornePass,
     airborne_contents,
 )
+from render.camera_sweep import CameraSweep
 from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
@@ -41,6 +42,7 @@ from render.passes.pass_tracer import PassExposure, PassTracer
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.surfaces.material_bsdf import extra_bounces
 from render.surfaces.texture_mapping import set_pixel_width
+from render.tracing.camera_rays import CameraView
 from render.tracing.cloud_shade import CloudShade
 from render.tracing.emitter_choice import CANDIDATES
 from render.tracing.haze import Air
@@ -196,6 +198,10 @@ class MitsubaScene:
         # The next frame sets its own.
         self.update(moment)
         return layers
+
+    def view(self, sweep: CameraSweep | None = None) -> CameraView:
+        """Return the camera as it is now, and as it moves on."""
+        return CameraView(self.sensor, sweep)
 
     def accumulator(self) -> Accumulator:
         """Return an empty accumulator for the sensor of this scene."""

@@ -142,8 +142,8 @@ class Renderer:
                     scene.update(moment)
             passes = range(k * each, (k + 1) * each)
             with self.timings.timed("trace"):
-                sweep = camera_sweep(poses, k)
-                accumulator.add_passes(scene.sensor, shot.seed, passes, count * each, sweep)
+                view = scene.view(camera_sweep(poses, k))
+                accumulator.add_passes(view, shot.seed, passes, count * each)
                 if airborne:
                     scene.add_airborne(airborne, moment, k, count)
                 if exposure:

@@ -23,10 +23,10 @@ from render.frame import Image, LightLayers
 from render.lights.environment_map import Vector
 from render.lights.key_light import KeyLight
 from render.shot import Moment
+from render.tracing.camera_rays import camera_ray
 from render.tracing.haze import Air
 from render.tracing.stratification import PassStrata, stratum_grid
 from render.tracing.tracer import PixelLanes
-from render.tracing.wavefront import camera_ray
 
 PLUME_RAYS = 4
 """Rays through each pixel of a frame, at least, where there are flames or smoke."""

@@ -15,9 +15,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render.tracing.camera_rays import camera_ray, central_ray
 from render.tracing.stratification import PassStrata
 from render.tracing.tracer import PixelLanes
-from render.tracing.wavefront import camera_ray, central_ray
 
 SKY = 0
 """Number of no object."""

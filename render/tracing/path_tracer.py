@@ -11,8 +11,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from render.camera_sweep import CameraSweep
 from render.frame import ALBEDO_BIAS, Image, LightLayers
+from render.tracing.camera_rays import CameraView
 from render.tracing.haze import Air
 from render.tracing.tracer import Accumulator, Tracer
 
@@ -100,18 +100,11 @@ class _Accumulator(Accumulator):
         self._sum: Image | None = None
         self._passes = 0
 
-    def add_passes(
-        self,
-        sensor: Any,
-        seed: int,
-        passes: range,
-        total: int,
-        sweep: CameraSweep | None = None,
-    ) -> None:
+    def add_passes(self, view: CameraView, seed: int, passes: range, total: int) -> None:
         """Add what the sensor sees now."""
         # Each moment has its own samples, or their noise would add up coherently.
         seed = (seed + SEED_STRIDE * passes.start) & 0xFFFFFFFF
-        part = self._tracer.render(sensor, seed, len(passes)) * np.float32(len(passes))
+        part = self._tracer.render(view.sensor, seed, len(passes)) * np.float32(len(passes))
         self._sum = part if self._sum is None else self._sum + part
         self._passes += len(passes)
 

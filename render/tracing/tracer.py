@@ -15,8 +15,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from render.camera_sweep import CameraSweep
 from render.frame import Image, LightLayers
+from render.tracing.camera_rays import CameraView
 
 MAX_PATHS = 1 << 17
 """Paths in flight at once, which bounds the memory."""
@@ -32,23 +32,15 @@ class Accumulator(ABC):
     """The sums of one frame."""
 
     @abstractmethod
-    def add_passes(
-        self,
-        sensor: Any,
-        seed: int,
-        passes: range,
-        total: int,
-        sweep: CameraSweep | None = None,
-    ) -> None:
-        """Add what the sensor sees now; see `FullFilm.rays`.
+    def add_passes(self, view: CameraView, seed: int, passes: range, total: int) -> None:
+        """Add what the camera sees now; see `FullFilm.rays`.
 
         Args:
-            sensor: of the scene.
+            view: the camera; only tracers that tell what stands still from what moves follow its
+                sweep.
             seed: of all passes.
             passes: numbers of those to trace now, at one moment of the exposure.
             total: passes of the frame, over which the samples are stratified.
-            sweep: of the camera meanwhile, None where it stands still; only tracers that tell what
-                stands still from what moves follow it.
         """
 
     @abstractmethod
@@ -70,7 +62,7 @@ class Tracer(ABC):
     def trace(self, sensor: Any, seed: int, passes: range, total: int) -> LightLayers:
         """Return what the sensor sees of a still scene; see `Accumulator.add_passes`."""
         accumulator = self.accumulator()
-        accumulator.add_passes(sensor, seed, passes, total)
+        accumulator.add_passes(CameraView(sensor), seed, passes, total)
         return accumulator.layers()
 
 

@@ -33,9 +33,9 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from render.camera_sweep import CameraSweep
 from render.config.film import RAYS_PER_PATH
 from render.frame import ALBEDO_BIAS, LightLayers
+from render.tracing.camera_rays import CameraView
 from render.tracing.cloud_shade import CloudShade, dimmed
 from render.tracing.direct_light import finite, passed_air, surface_light, unoccluded
 from render.tracing.emitter_choice import emitter_sample
@@ -50,7 +50,6 @@ from render.tracing.stratification import (
     sample_2d,
     stratum_grid,
 )
-from render.tracing.swept_rays import swept_rays
 from render.tracing.tracer import Accumulator, PixelLanes, Sums, Tracer
 from render.tracing.water import Water
 from render.tracing.water_light import add_water, beyond_water
@@ -116,6 +115,7 @@ class Wavefront(Tracer):
         water: Water | None = None,
     ) -> None:
         self._scene, self._depth, self._air, self._water = scene, depth, air, water
+        self._has_still = isinstance(scene, ScenePair)
         self.shade: CloudShade | None = None
         self.direct_samples = 1 if half else RAYS_PER_PATH
         self.direct = PixelLanes(size)
@@ -164,16 +164,9 @@ class Wavefront(Tracer):
             self.scene_changed()
             self._total = passes
 
-    def add_direct(
-        self,
-        sensor: Any,
-        sweep: CameraSweep | None,
-        pixels: Any,
-        strata: PassStrata,
-        sums: Sums,
-    ) -> Sums:
+    def add_direct(self, view: CameraView, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of direct light, albedo and air with a sample more of every pixel."""
-        ray, held = self._camera_rays(sensor, sweep, pixels, self.direct.size, strata)
+        ray, held = view.rays(pixels, self.direct.size, strata, self._has_still)
         around = self._scene, self._air, self.shade, self._water
         has_lamps, step = self._depth > 1, strata.step(1)
         *added, meets_water = self._add_direct(*around, pixels, ray, held, has_lamps, sums, step)
@@ -185,21 +178,14 @@ class Wavefront(Tracer):
         rays = dr.gather(mi.UInt32, pixels, lanes), dr.gather(mi.Ray3f, ray, lanes)
         return self._add_water(*around, lanes, *rays, has_lamps, added, strata.step(2))
 
-    def add_indirect(
-        self,
-        sensor: Any,
-        sweep: CameraSweep | None,
-        pixels: Any,
-        strata: PassStrata,
-        sums: Sums,
-    ) -> Sums:
+    def add_indirect(self, view: CameraView, pixels: Any, strata: PassStrata, sums: Sums) -> Sums:
         """Return the sums of indirect light and albedo with one more path of every pixel."""
         if self._depth == 1:
             return sums
         count = dr.width(pixels)
         # Full width, although all are equal, so that later steps share the kernel of the first.
         initial = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        ray, held = self._camera_rays(sensor, sweep, pixels, self.indirect.size, strata)
+        ray, held = view.rays(pixels, self.indirect.size, strata, self._has_still)
         around = self._scene, self._air, self._water
         paths = self._start_paths(*around, pixels, ray, held, initial, strata.step(0))
         for step in range(1, self._depth):
@@ -219,20 +205,6 @@ class Wavefront(Tracer):
             sums = self._add_emission(self._scene, self.shade, paths, sums[0]), sums[1]
         return sums
 
-    def _camera_rays(
-        self,
-        sensor: Any,
-        sweep: CameraSweep | None,
-        pixels: Any,
-        size: tuple[int, int],
-        strata: PassStrata,
-    ) -> tuple[Any, Any]:
-        """Return rays to what stands still, and those to what moves, None where they are equal."""
-        ray = camera_ray(sensor, pixels, size, strata.step(0))
-        if sweep is None or not isinstance(self._scene, ScenePair):
-            return ray, None
-        return swept_rays(sweep, ray, pixels, strata), ray
-
 
 class _Accumulator(Accumulator):
     """Sums direct samples and paths apart, chunk by chunk of the image."""
@@ -242,14 +214,7 @@ class _Accumulator(Accumulator):
         self._direct, self._indirect = tracer.direct.zero_sums(3), tracer.indirect.zero_sums(2)
         self._passes = 0
 
-    def add_passes(
-        self,
-        sensor: Any,
-        seed: int,
-        passes: range,
-        total: int,
-        sweep: CameraSweep | None = None,
-    ) -> None:
+    def add_passes(self, view: CameraView, seed: int, passes: range, total: int) -> None:
         """Add what the sensor sees now."""
         tracer = self._tracer
         tracer.set_total(total)
@@ -258,15 +223,11 @@ class _Accumulator(Accumulator):
         for i, pixels in enumerate(tracer.direct.chunks):
             for k in range(count * passes.start, count * passes.stop):
                 strata = PassStrata(seed + 1, k, grids[0])
-                self._direct[i] = tracer.add_direct(
-                    *(sensor, sweep, pixels, strata, self._direct[i])
-                )
+                self._direct[i] = tracer.add_direct(view, pixels, strata, self._direct[i])
         for i, pixels in enumerate(tracer.indirect.chunks):
             for k in passes:
                 strata = PassStrata(seed, k, grids[1])
-                self._indirect[i] = tracer.add_indirect(
-                    *(sensor, sweep, pixels, strata, self._indirect[i])
-                )
+                self._indirect[i] = tracer.add_indirect(view, pixels, strata, self._indirect[i])
         self._passes += len(passes)
 
     def layers(self) -> LightLayers:
@@ -284,24 +245,6 @@ def _recorded(stage: Callable[..., Any]) -> Any:
     The number of live paths may equal another number by chance, which takes another recording.
     """
     return dr.freeze(stage, limit=MAX_RECORDINGS, warn_after=1 << 30)
-
-
-def camera_ray(sensor: Any, pixels: Any, size: tuple[int, int], strata: StepStrata) -> Any:
-    """Return a ray through every pixel. Not recorded: some lenses cannot be."""
-    place = sample_2d(pixels, strata, EMITTER_PAIR)
-    lens = sample_2d(pixels, strata, BSDF_PAIR)
-    column, row = pixels % size[0], pixels // size[0]
-    film = mi.Point2f((mi.Float(column) + place.x) / size[0], (mi.Float(row) + place.y) / size[1])
-    ray, _ = sensor.sample_ray(0.0, 0.5, film, lens)
-    return mi.Ray3f(ray.o, ray.d)
-
-
-def central_ray(sensor: Any, pixels: Any, size: tuple[int, int]) -> Any:
-    """Return a ray through the middle of every pixel and of the lens."""
-    column, row = pixels % size[0], pixels // size[0]
-    film = mi.Point2f((mi.Float(column) + 0.5) / size[0], (mi.Float(row) + 0.5) / size[1])
-    ray, _ = sensor.sample_ray(0.0, 0.5, film, mi.Point2f(0.5, 0.5))
-    return mi.Ray3f(ray.o, ray.d)
 
 
 def _add_direct(

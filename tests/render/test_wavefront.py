@@ -174,7 +174,7 @@ def test_passes_may_be_added_in_parts(renderer: Renderer, make_shot: Make) -> No
     whole = scene.trace(5, range(6), 6)
     accumulator = scene.accumulator()
     for k in (0, 2, 4):
-        accumulator.add_passes(scene.sensor, 5, range(k, k + 2), 6)
+        accumulator.add_passes(scene.view(), 5, range(k, k + 2), 6)
     parts = accumulator.layers()
     for name in ("direct", "albedo", "indirect", "indirect_albedo", "air"):
         np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), rtol=1e-4, atol=1e-6)

@@ -50,7 +50,8 @@ class HugShape:
 HUG = HugShape()
 
 OPEN_TIME = 0.7  # of the arms after a hug [s]
-HUG_DEPTH = 0.06  # by which two press against each other [m]
+HUG_REACHED = 0.06  # from touching, within which arms close [m]
+HUG_DEPTH = 0.02  # by which two press against each other [m]
 COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
 LEAST_APPROACH = 0.3  # of both together, below which one walks the whole way [m/s]
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
@@ -208,9 +209,9 @@ class Hug(Task):
         partner = controller.view.pelvis(self.owner)
         closeness = HUG.chest_radius * (person.height + self.size)
         distance = controller.ground_distance(partner)
-        if self.touched == 0.0 and distance > closeness + HUG_DEPTH:
-            gap = closeness - HUG_DEPTH + self._share_of_way(controller, partner, closeness, dt)
-            controller.go(partner[0], partner[2], gap + 0.04, self.owner)
+        if self.touched == 0.0 and distance > closeness + HUG_REACHED:
+            share = self._share_of_way(controller, partner, closeness, dt)
+            controller.go(partner[0], partner[2], closeness - HUG_DEPTH + share, self.owner)
             self.failure = walking_failure(controller, self.progress, distance, dt)
             if distance < closeness + 1.1 * controller.arm:
                 # Bowing only once the partner is there would knock heads.

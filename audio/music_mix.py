@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,8 +21,6 @@ from audio.time_grid import sample_at
 
 # A studio's plate: late reverberation alone, for the music is nowhere in the scene.
 _STUDIO = RoomAcoustics(size=None, reflectance=0.0, seconds=1.4, wet=10 ** (-6 / 20))
-# Of synthesised notes that are kept for reuse.
-_CACHE_SIZE = 256
 
 
 def mix_music(
@@ -49,30 +47,21 @@ def mix_music(
     samples = mix.shape[0]
     own = np.zeros_like(mix)
     reverberator = Reverberator(_STUDIO, samples, layout)
-    cache: OrderedDict[InstrumentNote, Signal] = OrderedDict()
     bus = gain * 10 ** (bus_gain_db(sound.mix, MUSIC) / 20)
+    # Each sound is synthesised once, and kept only while its notes are mixed.
+    alike: dict[InstrumentNote, list[Note]] = defaultdict(list)
     for note in played:
-        parameters = instrument_note(
-            DRUMS if note.drum else note.program,
-            note.pitch,
-            velocity_of_level(note.level),
-            note.seconds,
-        )
-        tone, start = _cached(cache, parameters), sample_at(note.onset)
-        level = bus * 10 ** (note.level / 20)
-        mix_in(own, start, tone, _gains(note, level, layout))
-        reverberator.feed(note.event, start, tone, level, note.send)
+        program = DRUMS if note.drum else note.program
+        velocity = velocity_of_level(note.level)
+        alike[instrument_note(program, note.pitch, velocity, note.seconds)].append(note)
+    for parameters, group in alike.items():
+        tone = instrument_sound(parameters)
+        for note in group:
+            start, level = sample_at(note.onset), bus * 10 ** (note.level / 20)
+            mix_in(own, start, tone, _gains(note, level, layout))
+            reverberator.feed(note.event, start, tone, level, note.send)
     reverberator.add_to(own)
     mix += own * yielding(sound.mix, heard, samples)
-
-
-def _cached(cache: OrderedDict[InstrumentNote, Signal], note: InstrumentNote) -> Signal:
-    if note not in cache:
-        cache[note] = instrument_sound(note)
-        if len(cache) > _CACHE_SIZE:
-            cache.popitem(last=False)
-    cache.move_to_end(note)
-    return cache[note]
 
 
 def _gains(note: Note, gain: float, layout: Layout) -> tuple[Gain, ...]:
@@ -82,24 +71,20 @@ def _gains(note: Note, gain: float, layout: Layout) -> tuple[Gain, ...]:
     return tuple(gain * level for level in layout.gains(float(np.arcsin(note.effective_pan))))
 
 
-def music_gain(
-    sound: Sound, notes: Sequence[Note], samples: int, mix_events: Callable[[], Signal]
-) -> float:
+def music_gain(sound: Sound, events: Signal, music: Signal) -> float:
     """Return the gain that makes the music as much louder than the events as it should be.
 
     Where nothing else is heard it is 1, and the master finds the loudness.
 
     Args:
         sound: configuration.
-        notes: of the score.
-        samples: of the film.
-        mix_events: returns the mix of the events alone (N, 2).
+        events: mix of the events alone (N, 2).
+        music: mix of the music alone (N, 2), with the gain of its bus.
     """
-    if sound.music is None or not any(note.is_music for note in notes):
+    if sound.music is None:
         return 1.0
-    music = np.zeros((samples, 2))
-    mix_music(music, sound, notes, (), 10 ** (-bus_gain_db(sound.mix, MUSIC) / 20), STEREO)
-    events, own = integrated_loudness(mix_events()), integrated_loudness(music)
-    if not (np.isfinite(events) and np.isfinite(own)):
+    heard, own = integrated_loudness(events), integrated_loudness(music)
+    if not (np.isfinite(heard) and np.isfinite(own)):
         return 1.0
-    return float(10 ** ((events + sound.music.level_db - own) / 20))
+    wanted = heard + sound.music.level_db + bus_gain_db(sound.mix, MUSIC)
+    return float(10 ** ((wanted - own) / 20))

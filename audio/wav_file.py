@@ -104,8 +104,7 @@ def write_wav(score: Score, path: Path) -> WavReport:
         raise ScoreError(f"{samples} samples; a WAV file of this kind holds {hours:.1f} hours")
     music = 1.0
     if score.sound.soundfont is None:
-        music = level_music(score, notes, samples)
-        mix = mix_notes(score, notes, samples, music=music)
+        mix, music = mix_score(score, notes, samples)
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
     bed = ambience_of(score, notes, samples)
@@ -148,12 +147,16 @@ def ambience_target(score: Score) -> float:
     return target + sound.volume_db
 
 
-def level_music(score: Score, notes: Sequence[Note], samples: int) -> float:
-    """Return the gain of the music of a score beside its events, as a factor."""
-    events = [note for note in notes if not note.is_music]
-    return music_gain(
-        score.sound, notes, samples, lambda: mix_notes(score, events, samples, heard=())
-    )
+def mix_score(score: Score, notes: Sequence[Note], samples: int) -> tuple[Signal, float]:
+    """Return the mix of a score in stereo, and the gain that its music has in it, as a factor."""
+    played = [note for note in notes if note.is_music]
+    mix = mix_notes(score, [note for note in notes if not note.is_music], samples)
+    if not played:
+        return mix, 1.0
+    music = mix_notes(score, played, samples, heard=notes)
+    gain = music_gain(score.sound, mix, music)
+    mix += gain * music
+    return mix, gain
 
 
 def mix_notes(

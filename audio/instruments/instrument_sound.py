@@ -28,6 +28,7 @@ _LENGTH_STEP = 0.02
 # harpsichord of one velocity.
 _LOUDNESS, _LOUDNESS_WINDOW = 0.22, 2400
 _MOST_PEAK = 1.0
+_DRUM_DRIVE = 2.2
 
 Voice = StringVoice | ToneVoice | StruckVoice
 
@@ -186,7 +187,8 @@ def instrument_sound(note: InstrumentNote) -> Signal:
     rng = _generator(note)
     if note.program == DRUMS:
         index = min(max(note.pitch - LOWEST_DRUM_KEY, 0), len(KIT) - 1)
-        signal = KIT[index](note.strength, rng)
+        # A stroke's peak is pressed into its body, as the tape of a studio does.
+        signal = np.tanh(_DRUM_DRIVE * normalized(KIT[index](note.strength, rng)))
     else:
         signal = _melodic(note, rng)
     signal = without_rumble(signal)

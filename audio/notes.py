@@ -10,6 +10,7 @@ from audio.acoustic_materials import family_of
 from audio.beat_clock import BeatClock
 from audio.cause_voices import FrictionVoice, cause_voice
 from audio.config.sound import Sound, Voice
+from audio.errors import ScoreError
 from audio.general_midi import drum_key, program_number
 from audio.harmony import Scale, fold_pitch, parse_steps
 from audio.loudness_at_listener import event_level, level_of_velocity, pan_of, reverb_send
@@ -25,6 +26,9 @@ from audio.voice_selection import voice_of
 
 MUSIC = "music"
 """Cause of the notes of the music, and the first word of the name of who plays them."""
+
+MAX_MUSIC_NOTES = 200_000
+"""Greatest number of notes of the music."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +133,8 @@ def arrange(score: Score) -> Arrangement:
     """Return the notes of every event that is not muted.
 
     Raises:
-        ScoreError: an event lies outside the score or holds a number that is not finite.
+        ScoreError: an event lies outside the score or holds a number that is not finite, or the
+            music has too many notes.
         GridError: the frame rate has no grid.
     """
     score.validate()
@@ -162,7 +167,12 @@ def arrange(score: Score) -> Arrangement:
 def _music_notes(score: Score, plan: TempoPlan) -> Iterator[Note]:
     """Yield the notes of the music, each on the tick of its beat."""
     grid, end = plan.grid, score.frames / score.rate
-    for each in music_of(score, plan.clock):
+    for number, each in enumerate(music_of(score, plan.clock)):
+        if number == MAX_MUSIC_NOTES:
+            raise ScoreError(
+                f"the music has more than {MAX_MUSIC_NOTES} notes; write fewer notes a bar, fewer "
+                "parts, or loop: false"
+            )
         tick = grid.tick_of_beat(each.beat)
         onset = grid.seconds(max(tick, 0))
         if tick < 0 or onset >= end:

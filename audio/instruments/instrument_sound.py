@@ -24,6 +24,9 @@ _LONGEST_STRING = 6.0
 # Like programs of one pitch share a sound where their strength is alike.
 _STRENGTHS = 8
 _LENGTH_STEP = 0.02
+LONGEST_NOTE = 60.0
+"""For which a note is held at most [s]."""
+
 # RMS of the loudest 50 ms to which notes of peak 1 are brought, so that a flute is as loud as a
 # harpsichord of one velocity.
 _LOUDNESS, _LOUDNESS_WINDOW = 0.22, 2400
@@ -40,15 +43,15 @@ _BELL = StruckVoice(
     (0.45, 1.0, 0.5, 0.3, 0.8, 0.3, 0.25, 0.25, 0.2),
     3.5,
 )
-_MARIMBA = StruckVoice((1.0, 3.93, 9.6), (1.0, 0.25, 0.08), 0.9, 0.6, 1.2, strike=0.05)
+_MARIMBA = StruckVoice((1.0, 3.93, 9.6), (1.0, 0.25, 0.08), 0.9, 0.6, 1.2, 1.2, 0.08)
 _HARP = StringVoice(2.2, 0.5, 0.35, 0.05)
 _NYLON = StringVoice(2.0, 0.35, 0.25, 0.06)
 _BASS = StringVoice(1.8, 0.18, 0.22, 0.10)
 _REED_TUBE = ((800.0, 500.0, 1.0), (1900.0, 900.0, 0.6), (250.0, 300.0, 0.8))
 _SAX = ToneVoice("reed", 0.03, 0.1, 1300, 5200, 12, noise=0.03, formants=_REED_TUBE)
 _VIOLIN = ToneVoice("sawtooth", 0.06, 0.18, 2200, 6500, 14, noise=0.01, formants=_BOW)
-_ENSEMBLE = ToneVoice("sawtooth", 0.12, 0.4, 1300, 4500, 9, 3, 3.5)
-_PAD = ToneVoice("sawtooth", 0.35, 0.9, 600, 2200, 0, 3, 3.5)
+_ENSEMBLE = ToneVoice("sawtooth", 0.12, 0.4, 1300, 4500, 9, 3, 6.0)
+_PAD = ToneVoice("sawtooth", 0.35, 0.9, 600, 2200, 0, 3, 7.0)
 _BRASS = ToneVoice("brass", 0.04, 0.12, 900, 5200, 6)
 _FLUTE = ToneVoice("flute", 0.05, 0.12, 1800, 5000, 14, noise=0.04)
 
@@ -104,14 +107,14 @@ _VOICES: dict[str, Voice] = {
         (1, 1.5, 1.98, 2.44, 2.9), (1, 0.6, 0.35, 0.2, 0.1), 1.6, 0.3, strike=0.1
     ),
     "string ensemble 2": replace(_ENSEMBLE, attack=0.25, dark=1000, bright=3500),
-    "choir aahs": ToneVoice("sawtooth", 0.12, 0.35, 4000, 6000, 10, 3, 3.0, 0.01, _AAH),
-    "voice oohs": ToneVoice("sawtooth", 0.1, 0.3, 3000, 4500, 10, 3, 3.0, 0.01, _OOH),
-    "orchestra hit": ToneVoice("sawtooth", 0.005, 0.3, 2000, 7000, 0, 3, 3.0, decay=0.7),
+    "choir aahs": ToneVoice("sawtooth", 0.12, 0.35, 4000, 6000, 10, 3, 6.0, 0.01, _AAH),
+    "voice oohs": ToneVoice("sawtooth", 0.1, 0.3, 3000, 4500, 10, 3, 6.0, 0.01, _OOH),
+    "orchestra hit": ToneVoice("sawtooth", 0.005, 0.3, 2000, 7000, 0, 3, 7.0, decay=0.7),
     "tuba": replace(_BRASS, dark=450, bright=1500, attack=0.06),
     "trombone": replace(_BRASS, dark=700, bright=3200),
     "french horn": replace(_BRASS, dark=600, bright=1900, attack=0.06),
     "muted trumpet": replace(_BRASS, formants=((1800.0, 700.0, 1.0), (4000.0, 1500.0, 0.5))),
-    "brass section": replace(_BRASS, players=3, spread=3.0),
+    "brass section": replace(_BRASS, players=3, spread=6.0),
     "oboe": ToneVoice("double reed", 0.03, 0.08, 2500, 5500, 10),
     "english horn": ToneVoice("double reed", 0.04, 0.1, 1600, 4000, 10),
     "bassoon": ToneVoice("double reed", 0.03, 0.08, 900, 2600, 6),
@@ -123,7 +126,7 @@ _VOICES: dict[str, Voice] = {
     "whistle": ToneVoice("triangle", 0.03, 0.08, 5000, 9000, 18, noise=0.02),
     "ocarina": ToneVoice("triangle", 0.03, 0.08, 2000, 4000, 10),
     "square lead": ToneVoice("square", 0.008, 0.08, 2500, 7000),
-    "choir pad": ToneVoice("sawtooth", 0.3, 0.8, 4000, 5000, 6, 3, 3.0, 0.0, _AAH),
+    "choir pad": ToneVoice("sawtooth", 0.3, 0.8, 4000, 5000, 6, 3, 6.0, 0.0, _AAH),
     "bowed pad": replace(_PAD, formants=_BOW),
     "sitar": StringVoice(3.0, 1.6, 0.08, 0.005),
     "banjo": StringVoice(0.8, 0.45, 0.1, 0.01),
@@ -173,7 +176,8 @@ class InstrumentNote:
 def instrument_note(program: int, pitch: int, velocity: int, seconds: float) -> InstrumentNote:
     """Return the parameters of a note that is held for a time [s]."""
     strength = round(velocity / 127 * _STRENGTHS) / _STRENGTHS
-    held = 0.0 if program == DRUMS else max(round(seconds / _LENGTH_STEP), 1) * _LENGTH_STEP
+    steps = max(round(min(seconds, LONGEST_NOTE) / _LENGTH_STEP), 1)
+    held = 0.0 if program == DRUMS else steps * _LENGTH_STEP
     return InstrumentNote(program, pitch, strength, held)
 
 

@@ -25,6 +25,8 @@ Spectrum = Literal[
 _TABLE_SIZE = 2048
 _HIGHEST = 16_000.0
 _VIBRATO_RATE, _VIBRATO_DELAY = 5.4, 0.35
+# Loudness of all other players beside the one that is in tune.
+_OTHERS = 0.5
 _CENT = float(np.log(2) / 1200)
 
 _SPECTRA: dict[str, Callable[[Signal], Signal]] = {
@@ -53,8 +55,8 @@ class ToneVoice:
         dark: frequency above which soft tones lose 12 dB an octave [Hz], of loud ones `bright`.
         bright: the same of loud ones [Hz].
         vibrato: depth [cents].
-        players: number of detuned ones.
-        spread: detuning of the outermost players [cents].
+        players: number of them, 1 to 3; the first is in tune.
+        spread: detuning of the others [cents].
         noise: of breath or bow, relative to the tone.
         formants: resonances of the body or mouth, each with centre, width [Hz] and gain.
         decay: time in which it falls by 60 dB while it is held [s]; 0 to sustain it.
@@ -94,9 +96,7 @@ def sustained_tone(
     bright = harmonic_table(voice.spectrum, frequency, voice.bright, voice.formants)
     mix = np.clip(0.15 + 0.85 * strength, 0, 1) * np.minimum(envelope, 1.0)
     tone = np.zeros(samples)
-    offsets = (
-        np.linspace(-voice.spread, voice.spread, voice.players) if voice.players > 1 else [0.0]
-    )
+    offsets = np.array((0.0, voice.spread, -voice.spread))[: voice.players]
     for number, cents in enumerate(offsets):
         cycles = frequency * np.exp(cents * _CENT) / SAMPLE_RATE
         phase = np.arange(samples) * cycles + (rng.uniform() if number else 0.0)
@@ -105,11 +105,13 @@ def sustained_tone(
         place = (phase % 1.0) * _TABLE_SIZE
         whole = place.astype(np.int64)
         rest = place - whole
+        # The one that is in tune is louder than all others, so that they never cancel it.
+        weight = 1.0 if number == 0 else _OTHERS / (voice.players - 1)
         for table, share in ((dark, 1 - mix), (bright, mix)):
-            tone += share * (table[whole] + rest * (table[whole + 1] - table[whole]))
+            tone += weight * share * (table[whole] + rest * (table[whole + 1] - table[whole]))
     if voice.noise:
         band = (0.8 * frequency, max(4 * frequency, 3000.0))
-        tone += voice.noise * voice.players * band_noise(samples, band, rng)
+        tone += voice.noise * band_noise(samples, band, rng)
     if voice.tremolo:
         envelope = envelope * (0.62 + 0.38 * np.abs(np.sin(np.pi * voice.tremolo * t)))
     return np.asarray(tone * envelope)

@@ -11,17 +11,17 @@ from pipeline.simulation.take import Take
 # Values a second, and the time over which they are smoothed [s].
 _RATE, _SMOOTHNESS = 4, 1.5
 # Speed of a performer at which half of the motion is reached [m/s], and events a second.
-_HALF_SPEED, _HALF_EVENTS = 0.8, 2.5
-# Tension of hard impacts where nobody has a mind: speed at which half is reached [m/s].
-_HALF_IMPACT = 4.0
+_HALF_SPEED, _HALF_EVENTS = 1.6, 6.0
+# Speed of an impact at which half of the tension is reached [m/s]; tension of the quickest pace.
+_HALF_IMPACT, _PACE = 4.0, 0.8
 _STEPS = 1000
 
 
 def scene_course(take: Take) -> SceneCourse:
     """Return how tense and how lively a take is.
 
-    Tension is the greatest anxiety of all minds; without any that of the hardest impacts. Motion is
-    that of speeds and of the number of events.
+    Motion is that of speeds and of the number of events. Tension is the greatest of the anxiety of
+    all minds, of hard impacts, and of a quick pace.
     """
     header = take.header
     count = max(int(np.ceil(float(header.frames / header.rate) * _RATE)), 1)
@@ -31,11 +31,10 @@ def scene_course(take: Take) -> SceneCourse:
     motion = np.maximum(
         _share(_smooth(heard), _HALF_EVENTS), _share(_smooth(_speeds(take, count)), _HALF_SPEED)
     )
-    tension = _anxieties(take, count)
-    if tension is None:
-        impacts = np.zeros(count)
-        np.maximum.at(impacts, places, [event.strength for event in events])
-        tension = _share(impacts, _HALF_IMPACT)
+    impacts = np.zeros(count)
+    np.maximum.at(impacts, places, [event.strength for event in events])
+    tension = np.maximum(_anxieties(take, count), _share(impacts, _HALF_IMPACT))
+    tension = np.maximum(tension, _PACE * motion**2)
     return SceneCourse(1 / _RATE, _rounded(_smooth(tension)), _rounded(motion))
 
 
@@ -55,11 +54,11 @@ def _speeds(take: Take, count: int) -> Array:
     return np.asarray((speeds * moving).sum(axis=1) / np.maximum(moving.sum(axis=1), 1))
 
 
-def _anxieties(take: Take, count: int) -> Array | None:
-    """Return the greatest anxiety of all minds: (count,); None without any."""
+def _anxieties(take: Take, count: int) -> Array:
+    """Return the greatest anxiety of all minds: (count,); 0 without any."""
     columns = [k for k, each in enumerate(take.channels) if each.name.endswith(".anxiety")]
     if not columns:
-        return None
+        return np.zeros(count)
     values = np.nan_to_num(np.asarray(take.values)[_rows(take, count)][:, columns])
     return np.asarray(np.clip(values, 0.0, 1.0).max(axis=1))
 

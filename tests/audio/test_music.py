@@ -10,6 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from audio.config.sound import Sound
+from audio.errors import ScoreError
 from audio.midi_file import midi_bytes, write_midi
 from audio.music.scene_course import SceneCourse
 from audio.notes import Note, notes_of
@@ -193,3 +194,10 @@ def test_numerals_need_a_scale_of_seven_steps() -> None:
     sound = {**music({"tones": "0"}, "i"), "scale": "C minor pentatonic"}
     with pytest.raises(ValidationError, match="a numeral needs a scale of seven steps"):
         Sound.model_validate(sound)
+
+
+def test_too_many_notes_are_refused(score_of: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("audio.notes.MAX_MUSIC_NOTES", 100)
+    assert len(played(score_of(sound=music("C4*10"), frames=48 * 10))) == 100
+    with pytest.raises(ScoreError, match="the music has more than 100 notes"):
+        notes_of(score_of(sound=music("C4*11"), frames=48 * 10))

@@ -65,6 +65,12 @@ def test_a_song_has_its_notes_instruments_and_tempo(score_of: Any) -> None:
     assert {note.event.who for note in notes} == {"music 3 fingered bass", "music 10 drums"}
 
 
+def test_a_file_of_one_track_is_read() -> None:
+    song = parse_song(song_bytes(kind=0))
+    # Without a tempo a file has 120 beats a minute.
+    assert (song.tempo, len(song.notes)) == (120, 8)
+
+
 def test_a_song_follows_the_tempo_of_the_scene(score_of: Any) -> None:
     score = song_score(score_of, song_bytes(), {"tempo_bpm": 60, "first_bar": 1})
     onsets = sorted({note.onset for note in notes_of(score)})

@@ -17,7 +17,7 @@ from audio.notes import Note, notes_of
 from audio.score import DanceBeat
 from audio.tempo_plan import tempo_plan
 
-KIT = {"kit": {}}
+KIT: dict[str, Any] = {"kit": {}}
 
 
 def music(line: Any, chords: str | None = None, **part: Any) -> dict[str, Any]:

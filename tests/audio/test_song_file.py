@@ -68,7 +68,8 @@ def test_a_song_has_its_notes_instruments_and_tempo(score_of: Any) -> None:
 def test_a_file_of_one_track_is_read() -> None:
     song = parse_song(song_bytes(kind=0))
     # Without a tempo a file has 120 beats a minute.
-    assert (song.tempo, len(song.notes)) == (120, 8)
+    assert song.tempo == 120
+    assert len(song.notes) == 8
 
 
 def test_a_song_follows_the_tempo_of_the_scene(score_of: Any) -> None:

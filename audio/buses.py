@@ -10,15 +10,16 @@ import numpy as np
 from audio.cause_voices import cause_voice
 from audio.config.sound import Mix
 from audio.dsp import Signal
-from audio.notes import Note
+from audio.notes import MUSIC, Note
 from audio.time_grid import SAMPLE_RATE
 
-Bus = Literal["steps", "impacts", "voices", "motions"]
+Bus = Literal["steps", "impacts", "voices", "motions", "music"]
 
 BUS_OF: Mapping[str, Bus] = {
     **dict.fromkeys(("footfall", "scuff"), "steps"),
     **dict.fromkeys(("cry", "hug", "breath"), "voices"),
     **dict.fromkeys(("swoosh", "whistle", "boing", "push off", "squeak", "squawk"), "motions"),
+    MUSIC: "music",
 }
 """Bus of each cause; of all others that of impacts."""
 
@@ -26,7 +27,7 @@ CONTROL_RATE = 200
 """Values of the ducking a second."""
 
 SOFTNESS = 0.09
-"""Time over which the ambience gives way, and comes back [s]."""
+"""Time over which something gives way, and comes back [s]."""
 
 
 def bus_of(cause: str) -> Bus:
@@ -47,7 +48,17 @@ def ducked(mix: Mix, notes: Iterable[Note], samples: int) -> Signal | float:
         notes: of the score.
         samples: of the film.
     """
-    level = 10 ** (mix.ambience_db / 20)
+    return 10 ** (mix.ambience_db / 20) * yielding(mix, notes, samples)
+
+
+def yielding(mix: Mix, notes: Iterable[Note], samples: int) -> Signal | float:
+    """Return the gain of what gives way to voices, (samples, 1) where there are any.
+
+    Args:
+        mix: gains of the scene.
+        notes: of the score.
+        samples: of the film.
+    """
     count = samples * CONTROL_RATE // SAMPLE_RATE + 2
     heard = np.zeros(count)
     for note in notes:
@@ -57,10 +68,10 @@ def ducked(mix: Mix, notes: Iterable[Note], samples: int) -> Signal | float:
             first = int(float(note.onset) * CONTROL_RATE)
             heard[first : first + max(round(seconds * CONTROL_RATE), 1)] = 1.0
     if not mix.duck_db or not heard.any():
-        return level
+        return 1.0
     reach = round(3 * SOFTNESS * CONTROL_RATE)
     window = np.exp(-0.5 * (np.arange(-reach, reach + 1) / (SOFTNESS * CONTROL_RATE)) ** 2)
     smooth = np.convolve(np.pad(heard, reach, mode="edge"), window / window.sum(), "valid")
-    gain = level * 10 ** (-mix.duck_db * np.clip(smooth, 0.0, 1.0) / 20)
+    gain = 10 ** (-mix.duck_db * np.clip(smooth, 0.0, 1.0) / 20)
     at = np.arange(samples) * (CONTROL_RATE / SAMPLE_RATE)
     return np.asarray(np.interp(at, np.arange(count), gain))[:, None]

@@ -59,6 +59,7 @@ class MidiReport:
         notes: number of notes played.
         muted: number of muted events.
         added: number of notes of chords and phrases beyond the first of each event.
+        music: number of notes of the music, merged ones included.
         after_the_end: number of phrase notes dropped because they start after the last frame.
         parts: in the order of tracks.
         merged_by_frame: frame -> number of events that share the note of another.
@@ -71,6 +72,7 @@ class MidiReport:
     notes: int
     muted: int
     added: int
+    music: int
     after_the_end: int
     parts: tuple[PlayedPart, ...]
     merged_by_frame: dict[int, int]
@@ -109,12 +111,15 @@ def write_midi(score: Score, path: Path) -> MidiReport:
         changed=write_sound_file(path, data),
         notes=sum(len(played.notes) for played in parts),
         muted=len(score.events) - events,
-        added=len(arrangement.notes) - events,
+        added=len(arrangement.event_notes) - events,
+        music=len(arrangement.notes) - len(arrangement.event_notes),
         after_the_end=arrangement.after_the_end,
         parts=parts,
         merged_by_frame=dict(sorted(Counter(map(grid.frame_at, merged)).items())),
         shifts=arrangement.shifts,
-        tempo=tempo_report(score, arrangement.plan, [note.onset for note in arrangement.notes]),
+        tempo=tempo_report(
+            score, arrangement.plan, [note.onset for note in arrangement.event_notes]
+        ),
     )
 
 

@@ -10,16 +10,25 @@ from audio.acoustic_materials import family_of
 from audio.beat_clock import BeatClock
 from audio.cause_voices import FrictionVoice, cause_voice
 from audio.config.sound import Sound, Voice
+from audio.errors import ScoreError
 from audio.general_midi import drum_key, program_number
 from audio.harmony import Scale, fold_pitch, parse_steps
-from audio.loudness_at_listener import event_level, pan_of, reverb_send
+from audio.loudness_at_listener import event_level, level_of_velocity, pan_of, reverb_send
+from audio.music.scene_music import music_of
 from audio.note_groups import NoteGroup, note_groups
+from audio.parts import DRUMS
 from audio.pitch_rules import PartRank, Ranks, default_rule, part_ranks, pitch_by_rule, rank_of
 from audio.quantisation import TimingShifts, quantise, timing_shifts
 from audio.score import Score, ScoreEvent
 from audio.tempo_plan import TempoPlan, tempo_plan
 from audio.time_grid import nearest_frame_time
 from audio.voice_selection import voice_of
+
+MUSIC = "music"
+"""Cause of the notes of the music, and the first word of the name of who plays them."""
+
+MAX_MUSIC_NOTES = 200_000
+"""Greatest number of notes of the music."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,13 +90,19 @@ class Note:
         """Pan from left (-1) to right (1)."""
         return pan_of(self.event) if self.pan is None else self.pan
 
+    @property
+    def is_music(self) -> bool:
+        """Whether it belongs to the music, not to an event of the scene."""
+        return self.event.cause == MUSIC
+
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
     """All notes of a score.
 
     Attributes:
-        notes: in an order that depends on the events alone, those of an event together.
+        notes: in an order that depends on the events alone, those of an event together; after
+            them those of the music.
         after_the_end: number of phrase notes dropped because they start after the last frame.
         shifts: statistics of the quantisation.
         plan: tempo, meter and bars.
@@ -97,6 +112,11 @@ class Arrangement:
     after_the_end: int
     shifts: TimingShifts
     plan: TempoPlan
+
+    @property
+    def event_notes(self) -> tuple[Note, ...]:
+        """Notes of events."""
+        return tuple(note for note in self.notes if not note.is_music)
 
 
 def notes_of(score: Score) -> tuple[Note, ...]:
@@ -113,7 +133,8 @@ def arrange(score: Score) -> Arrangement:
     """Return the notes of every event that is not muted.
 
     Raises:
-        ScoreError: an event lies outside the score or holds a number that is not finite.
+        ScoreError: an event lies outside the score or holds a number that is not finite, or the
+            music has too many notes.
         GridError: the frame rate has no grid.
     """
     score.validate()
@@ -139,7 +160,39 @@ def arrange(score: Score) -> Arrangement:
         within = [note for note in played if note.onset < end]
         dropped += len(played) - len(within)
         notes += within
+    notes += _music_notes(score, plan)
     return Arrangement(tuple(notes), dropped, timing_shifts(shifts), plan)
+
+
+def _music_notes(score: Score, plan: TempoPlan) -> Iterator[Note]:
+    """Yield the notes of the music, each on the tick of its beat."""
+    grid, end = plan.grid, score.frames / score.rate
+    for number, each in enumerate(music_of(score, plan.clock)):
+        if number == MAX_MUSIC_NOTES:
+            raise ScoreError(
+                f"the music has more than {MAX_MUSIC_NOTES} notes; write fewer notes a bar, fewer "
+                "parts, or loop: false"
+            )
+        tick = grid.tick_of_beat(each.beat)
+        onset = grid.seconds(max(tick, 0))
+        if tick < 0 or onset >= end:
+            continue
+        event = ScoreEvent(
+            frame=grid.frame_at(tick), time=onset, cause=MUSIC, who=f"{MUSIC} {each.part}"
+        )
+        yield Note(
+            event=event,
+            onset=onset,
+            program=max(each.program, 0),
+            pitch=each.pitch,
+            seconds=float(grid.seconds(grid.tick_of_beat(each.beat + each.beats)) - onset),
+            level=level_of_velocity(each.velocity) + each.gain_db + score.sound.volume_db,
+            tuned=True,
+            send=each.reverb,
+            drum=each.program == DRUMS,
+            pan=each.pan,
+            is_first=False,
+        )
 
 
 def _order(event: ScoreEvent) -> tuple[object, ...]:

@@ -15,6 +15,8 @@ from audio.ambience import Ambience
 from audio.body_shape import BodyShape
 from audio.config.sound import Sound
 from audio.errors import ScoreError
+from audio.music.scene_course import UNKNOWN_COURSE, SceneCourse
+from audio.music.song_file import Song
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +147,8 @@ class Score:
             frames that first show them.
         dance: beat of the dancers who start first; None without any.
         ambience: ambient sound, in the track alone; None for silence.
+        song: that the configuration of the music names; None without any.
+        course: tension and motion of the scene, which generated music follows.
     """
 
     rate: Fraction
@@ -157,6 +161,8 @@ class Score:
     subframe: bool = False
     dance: DanceBeat | None = None
     ambience: Ambience | None = None
+    song: Song | None = None
+    course: SceneCourse = UNKNOWN_COURSE
 
     def onset(self, event: ScoreEvent) -> Fraction:
         """Return the time of an event's sound [s]."""

@@ -48,7 +48,7 @@ class Stem:
 
 
 def write_stems(
-    score: Score, folder: Path, gain: Gain, curve: Signal | None = None
+    score: Score, folder: Path, gain: Gain, curve: Signal | None = None, music: float = 1.0
 ) -> Iterator[Stem]:
     """Write the stems of a score, and yield each, by performer and cause.
 
@@ -57,6 +57,7 @@ def write_stems(
         folder: that exists.
         gain: of the master, as a factor, at each sample (N, 1) where its limiter works.
         curve: of the limiter alone (N,), which works on the ambience, too; None without any.
+        music: gain of the music before that of the master, as a factor.
 
     Raises:
         ScoreError: an event lies outside the score, or a SoundFont plays it.
@@ -66,14 +67,15 @@ def write_stems(
         raise ScoreError("a SoundFont plays the score as a whole; remove soundfont to write stems")
     samples = sample_of_frame(score.frames + 1, score.rate)
     groups: dict[tuple[str, str], list[Note]] = defaultdict(list)
-    for note in notes_of(score):
+    all_notes = notes_of(score)
+    for note in all_notes:
         groups[note.event.who, note.event.cause].append(note)
     names = file_stems(sorted({performer for performer, _ in groups}))
     for (performer, cause), notes in sorted(groups.items(), key=lambda item: item[0]):
-        mix = mix_notes(score, notes, samples) * gain
+        mix = mix_notes(score, notes, samples, music=music, heard=all_notes) * gain
         path = folder / f"{names[performer]}_{cause}.wav"
         yield Stem(performer, cause, path, write_sound_file(path, float_wav_bytes(mix)))
-    bed = ambience_of(score, notes_of(score), samples)
+    bed = ambience_of(score, all_notes, samples)
     if bed is not None:
         bed = bed if curve is None else bed * curve[:, None]
         path = folder / f"{AMBIENCE}.wav"

@@ -42,7 +42,8 @@ def write_surround(score: Score, path: Path, layout: str, track: WavReport) -> b
     """
     channels, samples = LAYOUTS[layout], sample_of_frame(score.frames + 1, score.rate)
     notes = notes_of(score)
-    mix = mix_notes(score, notes, samples, channels) * 10 ** (track.gain_db / 20)
+    mix = mix_notes(score, notes, samples, channels, track.music_gain)
+    mix *= 10 ** (track.gain_db / 20)
     if score.ambience is not None:
         mix += _bed(score, channels, samples) * ducked(score.sound.mix, notes, samples)
     curve = limiting_gain(mix, ceiling_of(score.sound.master))

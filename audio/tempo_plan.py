@@ -24,7 +24,7 @@ from audio.voice_selection import voice_of
 # Places of a bar line in a frame that are tried.
 _PHASES = 64
 
-TempoSource = Literal["scene", "dance", "events", "none"]
+TempoSource = Literal["scene", "dance", "song", "events", "music", "none"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,13 @@ def tempo_plan(score: Score) -> TempoPlan:
     if dance is not None:
         start = dance.start if sound.first_bar is None else Fraction(str(sound.first_bar))
         return _planned(score, "dance", dance.tempo, start)
+    if score.song is not None:
+        tempo = score.song.tempo
+        return _planned(score, "song", tempo, _first_bar(score, tempo))
     pulse = _pulse(score)
+    if pulse is None and sound.music is not None:
+        tempo = Fraction(str(sound.beats_per_minute))
+        return _planned(score, "music", tempo, _first_bar(score, tempo))
     if pulse is None:
         tempo = Fraction(str(sound.beats_per_minute))
         clock = beat_clock(tempo, Fraction(0), _meter(score))

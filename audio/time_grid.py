@@ -134,6 +134,10 @@ class TickGrid:
             frame += 1
         return frame
 
+    def tick_of_beat(self, beat: Fraction) -> int:
+        """Return the tick nearest to a beat; beat 0 is the first of bar 1."""
+        return self.bar_line + _round_half_up(beat * self.ticks_per_beat)
+
     def seconds(self, tick: int) -> Fraction:
         """Return the time in the film of a tick [s]."""
         return self._frames_at(tick) / self.rate

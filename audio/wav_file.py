@@ -18,6 +18,7 @@ from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
 from audio.errors import ScoreError, SoundFileError
 from audio.layouts import STEREO, Layout
 from audio.mastering import FULL_SCALE, master_mix
+from audio.music_mix import mix_music, music_gain
 from audio.notes import Note, notes_of
 from audio.room_acoustics import Reverberator, room_acoustics
 from audio.score import Score
@@ -58,6 +59,8 @@ class WavReport:
         limited_db: reduction of the highest peak after that gain [dB].
         target: loudness that was aimed at [LUFS]; see `Mastered`.
         curve: gain of the limiter (N,), None where it had nothing to do.
+        music: number of notes of the music.
+        music_gain: of the music before that of the master, as a factor.
     """
 
     path: Path
@@ -73,6 +76,8 @@ class WavReport:
     limited_db: float
     target: float = -np.inf
     curve: Signal | None = None
+    music: int = 0
+    music_gain: float = 1.0
 
     @property
     def gain(self) -> Gain:
@@ -97,8 +102,9 @@ def write_wav(score: Score, path: Path) -> WavReport:
     if samples > _MAX_SAMPLES:
         hours = _MAX_SAMPLES / SAMPLE_RATE / 3600
         raise ScoreError(f"{samples} samples; a WAV file of this kind holds {hours:.1f} hours")
+    music = 1.0
     if score.sound.soundfont is None:
-        mix = mix_notes(score, notes, samples)
+        mix, music = mix_score(score, notes, samples)
     else:
         mix = play_soundfont(score, Path(score.sound.soundfont), samples)
     bed = ambience_of(score, notes, samples)
@@ -112,6 +118,8 @@ def write_wav(score: Score, path: Path) -> WavReport:
         changed=changed,
         samples=track.samples.shape[0],
         events=events,
+        music_gain=music,
+        music=len(notes) - sum(not note.is_music for note in notes),
         muted=len(score.events) - events,
         peak_db=decibels(peak / FULL_SCALE),
         rms_db=decibels(float(np.sqrt(power))),
@@ -139,13 +147,43 @@ def ambience_target(score: Score) -> float:
     return target + sound.volume_db
 
 
-def mix_notes(score: Score, notes: Sequence[Note], samples: int, layout: Layout = STEREO) -> Signal:
-    """Return the sounds of notes in their room, before mastering: (N, C)."""
+def mix_score(score: Score, notes: Sequence[Note], samples: int) -> tuple[Signal, float]:
+    """Return the mix of a score in stereo, and the gain that its music has in it, as a factor."""
+    played = [note for note in notes if note.is_music]
+    mix = mix_notes(score, [note for note in notes if not note.is_music], samples)
+    if not played:
+        return mix, 1.0
+    music = mix_notes(score, played, samples, heard=notes)
+    gain = music_gain(score.sound, mix, music)
+    mix += gain * music
+    return mix, gain
+
+
+def mix_notes(
+    score: Score,
+    notes: Sequence[Note],
+    samples: int,
+    layout: Layout = STEREO,
+    music: float = 1.0,
+    heard: Sequence[Note] | None = None,
+) -> Signal:
+    """Return the sounds of notes in their room, before mastering: (N, C).
+
+    Args:
+        score: the score.
+        notes: that are mixed.
+        samples: of the film.
+        layout: of the channels.
+        music: gain of the music, as a factor.
+        heard: all notes of the score, to whose voices the music gives way; `notes` by default.
+    """
     mix = np.zeros((samples, len(layout.channels)))
     reverberator = Reverberator(room_acoustics(score.sound.room), samples, layout)
     cache: OrderedDict[SoundParameters, Signal] = OrderedDict()
     occurrences = Counter[tuple[object, ...]]()
     for note in notes:
+        if note.is_music:
+            continue
         remaining = float(score.frames / score.rate - note.onset)
         occurrence = occurrences[note.event.key]
         occurrences[note.event.key] += 1
@@ -156,6 +194,7 @@ def mix_notes(score: Score, notes: Sequence[Note], samples: int, layout: Layout 
         mix_in(mix, start, sound, _gains(note, gain, sound.size, layout))
         reverberator.feed(note.event, start, sound, gain, note.send)
     reverberator.add_to(mix)
+    mix_music(mix, score.sound, notes, notes if heard is None else heard, music, layout)
     last_frame = samples - sample_of_frame(score.frames, score.rate)
     fade_out(mix, min(int(_END_FADE * SAMPLE_RATE), last_frame // 2))
     return mix

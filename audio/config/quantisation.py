@@ -38,10 +38,13 @@ def _check_grid(text: str) -> str:
     return text.strip().upper()
 
 
+GridName = Annotated[str, AfterValidator(_check_grid)]
+
+
 class Quantisation(AudioConfig):
     """Moves notes towards the grid of the tempo, and on to whole frames."""
 
-    grid: Annotated[str, AfterValidator(_check_grid)] = Field(
+    grid: GridName = Field(
         "1/16", description="Note value of a grid step: 1/4 is a beat; 1/8T triplets, 1/8D dotted."
     )
     strength: float = Field(

@@ -9,11 +9,14 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from audio.config import AudioConfig, checked_by, listed_in
 from audio.config.meter import MeterText, Tempo, TempoChange
+from audio.config.music import Music
 from audio.config.phrase import PhraseOrSteps
 from audio.config.pitch import ChordName, Pitch, ScaleName
 from audio.config.quantisation import Quantisation
 from audio.config.velocity import Velocity, VelocityOrNumber
 from audio.general_midi import drum_key, program_number
+from audio.harmony import parse_steps
+from audio.music.composition import check_chords
 
 Instrument = Annotated[str, checked_by(program_number), listed_in("instruments")]
 Drum = Annotated[str, checked_by(drum_key), listed_in("drums")]
@@ -183,8 +186,9 @@ class Mix(AudioConfig):
         0.0, description="Gain of what whirs, sings, springs and squeaks [dB]."
     )
     ambience_db: Decibels = Field(0.0, description="Gain of the ambience [dB].")
+    music_db: Decibels = Field(0.0, description="Gain of the music [dB].")
     duck_db: float = Field(
-        6.0, ge=0, le=40, description="By how much the ambience gives way to voices [dB]."
+        6.0, ge=0, le=40, description="By how much ambience and music give way to voices [dB]."
     )
 
 
@@ -280,7 +284,12 @@ class Sound(AudioConfig):
         "stereo",
         description="5.1 or b-format (AmbiX, first order) also writes a WAV file so.",
     )
-    mix: Mix = Field(Mix(), description="Gains of steps, impacts, voices, motions and ambience.")
+    music: Music | None = Field(
+        None, description="Music: sections of bars, a MIDI file, or a generator."
+    )
+    mix: Mix = Field(
+        Mix(), description="Gains of steps, impacts, voices, motions, ambience and music."
+    )
     room: RoomOrName = Field(Room(), description="Acoustics of the track: open, dry, room, hall.")
     master: MasterOrOff = Field(
         Master(), description="Loudness of the track; off to leave the mix as it is."
@@ -316,6 +325,12 @@ class Sound(AudioConfig):
             raise ValueError(
                 "first_bar conflicts with quantise.offset: both are the time of a beat; remove one"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _check_music(self) -> Self:
+        if self.music is not None:
+            check_chords(self.music, parse_steps(self.scale))
         return self
 
     @property

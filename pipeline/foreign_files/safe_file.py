@@ -47,6 +47,7 @@ class FileKind:
 
 
 SOUNDFONT = FileKind("a SoundFont", 2 * 2**30, 256 * 2**20)
+SONG = FileKind("a song", 16 * 2**20, 2**20)
 PANORAMA = FileKind("a panorama", 2 * 2**30, 128 * 2**20)
 HEIGHT_MAP = FileKind("a height map", 128 * 2**20, 32 * 2**20)
 TERRAIN_MESH = FileKind("the mesh of a terrain", 2**30, 128 * 2**20)

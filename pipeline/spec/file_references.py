@@ -1,6 +1,6 @@
 """File references: names of files in a scene, completed from the scene's own folder.
 
-Sound fonts, pictures of light, meshes of bodies and files of terrains are all found here.
+Sound fonts, songs, pictures of light, meshes of bodies and files of terrains are all found here.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pipeline.foreign_files.safe_file import (
     BODY_MESH,
     HEIGHT_MAP,
     PANORAMA,
+    SONG,
     SOUNDFONT,
     TERRAIN_MESH,
     FileKind,
@@ -105,6 +106,7 @@ def _file_keys(scene: MappingNode) -> Iterator[tuple[Steps, FileKind, FileCheck]
             body: Steps = ("many", "of") if is_many else ("body",)
             yield ("cast", i, *body, "file"), BODY_MESH, partial(_file_fault, BODY_MESH)
     yield ("sound", "soundfont"), SOUNDFONT, _soundfont_fault
+    yield ("sound", "music", "file"), SONG, _song_fault
     yield ("light", "hdr", "file"), PANORAMA, _panorama_fault
 
 
@@ -157,6 +159,17 @@ def _soundfont_fault(path: Path, name: str) -> str | None:
         LOG.warning("sound.soundfont: '%s' is not checked: %s", name, error)
         return None
     return fault and f"'{name}' {fault}"
+
+
+def _song_fault(path: Path, name: str) -> str | None:
+    # Only scenes with songs wait for what reads them.
+    from audio.music.song_file import read_song
+
+    try:
+        read_song(path)
+    except ForeignFileError as error:
+        return f"'{name}' {error}"
+    return None
 
 
 def content_digest(file: str) -> str:

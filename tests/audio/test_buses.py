@@ -10,13 +10,13 @@ import pytest
 from audio.ambience import AMBIENCES
 from audio.buses import BUS_OF, bus_of
 from audio.cause_voices import CAUSE_VOICES
-from audio.notes import notes_of
+from audio.notes import MUSIC, notes_of
 from audio.time_grid import SAMPLE_RATE
 from audio.wav_file import ambience_of, mix_notes, read_samples, write_wav
 
 
 def test_every_cause_has_a_bus() -> None:
-    assert BUS_OF.keys() <= {*CAUSE_VOICES, "footfall"}
+    assert BUS_OF.keys() <= {*CAUSE_VOICES, "footfall", MUSIC}
     causes = {*CAUSE_VOICES, "footfall", "collision"}
     assert {bus_of(cause) for cause in causes} == {"steps", "impacts", "voices", "motions"}
 

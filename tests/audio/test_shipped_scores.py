@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -55,6 +56,21 @@ def with_mido(data: bytes) -> Iterator[int]:
                 yield now
 
 
+def music_ticks(smf: Any) -> list[int]:
+    """Return the ticks of onsets of the parts of the music, which have tracks of their own."""
+    tracks = [
+        track
+        for track in smf.tracks
+        if any(kind == 0xFF03 and data.startswith(b"music ") for _, kind, data in track)
+    ]
+    return [
+        tick
+        for track in tracks
+        for tick, status, data in track
+        if status < 0xF000 and status & 0xF0 == 0x90 and data[1]
+    ]
+
+
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_note_of_a_shipped_scene_is_on_its_frame(
@@ -64,7 +80,7 @@ def test_every_note_of_a_shipped_scene_is_on_its_frame(
     take = simulate(scene)
     score, _ = build_score(scene, take, ShotBuilder(scene, take).poses)
     path = tmp_path / "score.mid"
-    drums = any(voice.drum for voice in scene.sound.voices)
+    drums = scene.sound.music is not None or any(voice.drum for voice in scene.sound.voices)
     for rate in {*RATES, scene.rate}:
         report = write_midi(replace(score, rate=rate), path)
         data = path.read_bytes()
@@ -72,11 +88,17 @@ def test_every_note_of_a_shipped_scene_is_on_its_frame(
         check_laws(smf, score.frames, rate, drums)
         ticks = sorted(tick for tick, *_ in smf.onsets())
         assert sorted(with_symusic(data)) == sorted(with_mido(data)) == ticks
-        events = len(score.events) - report.muted
+        events = len(score.events) - report.muted + report.music
         assert len(ticks) == report.notes == events + report.added - len(report.losses.merged)
+        grid = tempo_plan(replace(score, rate=rate)).grid
+        music = music_ticks(smf)
+        assert bool(music) == (scene.sound.music is not None)
+        # Music is on the nearest ticks of its beats' parts, of which none is finer than these.
+        steps = [Fraction(48 * (tick - grid.bar_line), smf.division) for tick in music]
+        assert all(abs(step - round(step)) <= Fraction(24, smf.division) for step in steps)
+        ticks = sorted((Counter(ticks) - Counter(music)).elements())
         cues = {tick for tick, _ in smf.texts(0xFF07)}
         assert cues <= set(ticks)
-        grid = tempo_plan(replace(score, rate=rate)).grid
         frames = {grid.tick(frame): frame for frame in range(1, score.frames + 1)}
         assert set(ticks) <= set(frames)
         after = [tick for tick in ticks if tick >= grid.bar_line]
@@ -116,7 +138,7 @@ def test_touches_of_a_dance_are_on_the_beats_of_the_file(name: str, rate: Any) -
     (member, *_) = [member for _, member in scene.dancers]
     assert plan.clock.spans[0].time == Fraction(str(member.start))
     assert abs(plan.grid.seconds(plan.grid.bar_line) - plan.clock.spans[0].time) <= 1 / score.rate
-    onsets = [note.onset for note in notes_of(score)]
+    onsets = [note.onset for note in notes_of(score) if not note.is_music]
     near = np.abs(plan.grid_distances(onsets, Fraction(1)))
     # Hands touch others and themselves between the beats, too.
     meant = near[near <= 1]

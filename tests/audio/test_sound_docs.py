@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from audio.config.music import Line, Music, MusicGenerator, MusicPart, MusicSection
 from audio.config.phrase import Phrase, PhraseStep
 from audio.config.quantisation import Quantisation
 from audio.config.sound import EventFilter, Sound, Voice
@@ -41,7 +42,8 @@ def test_every_example_loads_and_plays(
     ]
     config = {name: getattr(sound, name) for name in Sound.model_fields}
     smf = read_smf(midi_bytes(score_of(events, sound=config)))
-    check_laws(smf, 24, 24, drums=any(voice.drum for voice in voices))
+    drums = sound.music is not None or any(voice.drum for voice in voices)
+    check_laws(smf, 24, 24, drums=drums)
     heard = len([voice for voice in voices if not voice.mute])
     assert len(smf.onsets()) >= heard
 
@@ -50,5 +52,9 @@ def test_the_page_names_every_scale_chord_and_key() -> None:
     for kind in (*MODES, *filter(None, CHORD_KINDS)):
         assert f"`{kind}`" in PAGE, kind
     said = set(re.findall(r"[a-z_]+", PAGE))
-    for model in (Sound, Voice, EventFilter, Quantisation, Velocity, Phrase, PhraseStep):
+    of_music = (Music, MusicPart, MusicSection, MusicGenerator, Line)
+    for model in (
+        *(Sound, Voice, EventFilter, Quantisation, Velocity, Phrase, PhraseStep),
+        *of_music,
+    ):
         assert set(model.model_fields) <= said, model

@@ -26,6 +26,7 @@ SCENES = {
     "cast[0].many.of.file": PLAY
     + "cast: [{many: {layout: stack, of: {shape: mesh, file: NAME}}}]\n",
     "sound.soundfont": PLAY + "cast: [{figure: beetle}]\nsound: {soundfont: NAME}\n",
+    "sound.music.file": PLAY + "cast: [{figure: beetle}]\nsound: {music: {file: NAME}}\n",
     "light.hdr.file": PLAY + "cast: [{figure: beetle}]\nlight: {hdr: {file: NAME}}\n",
     "cast[0].figure": PLAY + "cast: [{figure: NAME}]\n",
     "cast[0].dance": PLAY + "cast: [{dancer: {}, dance: NAME}]\n",
@@ -157,7 +158,7 @@ def test_large_files_are_refused_with_the_line(
 
 def test_kinds_of_files_have_a_lower_limit() -> None:
     kinds = [k for k in vars(safe_file).values() if isinstance(k, safe_file.FileKind)]
-    assert len(kinds) == 5
+    assert len(kinds) == 6
     for kind in kinds:
         assert kind.for_untrusted().max_bytes < kind.max_bytes
         assert kind.for_untrusted().name == f"{kind.name} with --untrusted"

@@ -74,7 +74,7 @@ def store_exports(
 ) -> None:
     """Write the score for other programs, inside `working`, after the score itself."""
     with stage(run.reporter, "export", 1, "files") as current:
-        exported = export_score(run.outputs, score, kinds, wav.gain, wav.curve)
+        exported = export_score(run.outputs, score, kinds, wav.gain, wav.curve, wav.music_gain)
         current.advance(1)
         current.result = f"{len(exported.paths)} files in {run.outputs.score_folder.name}"
     run.records.update(*exported.paths, *exported.removed)

@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from operator import attrgetter
+from pathlib import Path
 
+from audio.music.scene_course import SceneCourse
+from audio.music.song_file import Song, read_song
 from audio.score import DanceBeat, Marker, Score, ScoreEvent
+from pipeline.errors import Problem, SceneError
+from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.ambience_choice import ambience_of
 from pipeline.production.sound.listener import Listener
+from pipeline.production.sound.scene_course import scene_course
 from pipeline.production.sound.struck_bodies import StruckBodies
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
@@ -30,6 +36,9 @@ def build_score(
         take: the recorded motion and sound events.
         poses: camera pose of each frame.
         subframe: place sounds at the exact times of their causes instead of on frames.
+
+    Raises:
+        SceneError: the song of the music cannot be read.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
@@ -47,8 +56,30 @@ def build_score(
         subframe=subframe,
         dance=dance_beat(scene),
         ambience=ambience_of(scene),
+        song=_song(scene),
+        course=scene_course(take) if _is_generated(scene) else SceneCourse(),
     )
     return score, len(take.events) - len(audible)
+
+
+def _is_generated(scene: Scene) -> bool:
+    return scene.sound.music is not None and scene.sound.music.generate is not None
+
+
+def _song(scene: Scene) -> Song | None:
+    """Return the song that a scene names.
+
+    Raises:
+        SceneError: it cannot be read any more.
+    """
+    music = scene.sound.music
+    if music is None or music.file is None:
+        return None
+    try:
+        return read_song(Path(music.file))
+    except ForeignFileError as error:
+        problem = Problem("sound.music.file", f"{music.file} {error}")
+        raise SceneError([scene.source_map.with_location(problem)]) from error
 
 
 def dance_beat(scene: Scene) -> DanceBeat | None:

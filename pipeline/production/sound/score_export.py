@@ -41,6 +41,7 @@ def export_score(
     kinds: Collection[ExportKind],
     gain: Gain,
     curve: Signal | None = None,
+    music: float = 1.0,
 ) -> Export:
     """Write a score for other programs.
 
@@ -50,6 +51,7 @@ def export_score(
         kinds: what to write; a Reaper project has stems and performers, too.
         gain: of the master, as a factor, for stems.
         curve: of its limiter alone.
+        music: gain of the music beside the events, as a factor.
 
     Raises:
         AudioError: something cannot be written; earlier files stay.
@@ -65,7 +67,7 @@ def export_score(
     sheet = musicxml(score) if ExportKind.musicxml in kinds else None
     if is_project or ExportKind.stems in kinds:
         make_folder(folder / "stems")
-        stems = list(write_stems(score, folder / "stems", gain, curve))
+        stems = list(write_stems(score, folder / "stems", gain, curve, music))
         removed += _remove_others(folder / "stems", (stem.path for stem in stems))
     if is_project or ExportKind.performers in kinds:
         make_folder(folder / "performers")

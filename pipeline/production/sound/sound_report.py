@@ -19,6 +19,7 @@ def midi_facts(midi: MidiReport, subframe: bool, rate: Fraction) -> dict[str, An
         "notes": midi.notes,
         "muted": midi.muted,
         "added_by_chords_and_phrases": midi.added,
+        **({"of_the_music": midi.music} if midi.music else {}),
         "left_out_after_the_last_frame": midi.after_the_end,
         "merged": len(midi.losses.merged),
         "merged_by_frame": {str(frame): count for frame, count in midi.merged_by_frame.items()},
@@ -130,7 +131,7 @@ def loudness_summary(wav: WavReport, asked: float) -> str:
     peak = f"true peak {wav.true_peak_db:.1f} dB"
     if wav.lufs == -math.inf:
         return peak
-    if not wav.events:
+    if not wav.events and not wav.music:
         return f"ambience alone, {wav.lufs:.1f} LUFS"
     low = f" instead of {asked:.1f}, to keep its peaks" if asked - wav.lufs > TOLD_LU else ""
     return f"loud {wav.lufs:.1f} LUFS{low}, {peak}"

@@ -1,0 +1,1 @@
+"""Instruments: synthesis of the families of General MIDI."""

@@ -1,0 +1,1 @@
+"""Music: bars, songs and generated pieces as notes on beats."""

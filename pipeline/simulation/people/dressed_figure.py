@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_skin import has_face, skin_form
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, HEAD, LEG
 from pipeline.simulation.figures.skeleton import Limb, Link
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
@@ -31,7 +32,7 @@ LIMB_FRAMES = {ARM: ("upper_arm", "forearm", "hand"), LEG: ("thigh", "shin", "fo
 HEAD_SIZE = 1.1
 """Height of a head, chin to crown, in the distance of its crown from the joint below."""
 
-TOE_REACH = 0.62
+TOE_REACH = 0.68
 """Distance of the toes ahead of the ankle, in the length of a shoe."""
 
 LEAST_HEAD = 0.10
@@ -135,10 +136,14 @@ def _measured(figure: Figure) -> _Bones:
         for kind in (ARM, LEG)
         for side in "lr"
     }
+    preferred = JointTree.of(figure.skeleton).pose(figure.skeleton.preferred)
     head = _limb(figure, HEAD, "m").links[-1]
     neck = figure.skeleton.links[head]
     hips = 0.5 * (joints[LEG, "l"][0] + joints[LEG, "r"][0])
-    proportions = _proportions(joints[LEG, "r"], joints[ARM, "r"], hips, neck, figure)
+    foot = figure.skeleton.links[_limb(figure, LEG, "r").links[-1]]
+    toe = (preferred[foot.joint, :3, :3] * (foot.ends[1] - foot.ends[0])).sum(axis=-1)
+    sole = np.array([toe[0] + foot.radii[1], foot.radii[1] - toe[1]])
+    proportions = _proportions(joints[LEG, "r"], joints[ARM, "r"], hips, neck, sole)
     rest = frame_origins(proportions)
     links, turns = np.zeros(len(FRAMES), dtype=np.int64), np.tile(np.eye(3), (len(FRAMES), 1, 1))
     places = rest + hips - rest[FRAMES.index("pelvis")]
@@ -148,24 +153,25 @@ def _measured(figure: Figure) -> _Bones:
             frame = FRAMES.index(f"{name}_{side}")
             links[frame] = _limb(figure, kind, side).links[k]
             places[frame] = points[k]
-            # Soles are level at rest.
-            if name != "foot":
+            if name == "foot":
+                # Its sole is level in the preferred pose.
+                turns[frame] = preferred[figure.skeleton.links[links[frame]].joint, :3, :3].T
+            else:
                 turns[frame] = _hanging(points[k + 1] - points[k])
     return _Bones(proportions, links, turns, places)
 
 
-def _proportions(leg: Array, arm: Array, hips: Array, neck: Link, figure: Figure) -> Proportions:
+def _proportions(leg: Array, arm: Array, hips: Array, neck: Link, sole: Array) -> Proportions:
     """Return the proportions of a person with a figure's bones.
 
     Args:
-        leg: (4, 3) joints of the right leg and its toes [m].
+        leg: (4, 3) joints of the right leg and its tip [m].
         arm: (4, 3) joints of the right arm and its fingertips [m].
         hips: (3,) between the hips [m].
         neck: the link of the head.
-        figure: with these.
+        sole: (2,) reach of the toes ahead of the ankle, and height of the ankle above them [m].
     """
-    foot = figure.skeleton.links[_limb(figure, LEG, "r").links[-1]]
-    ankle = float(leg[2, 1] - leg[3, 1]) + foot.radii[1]
+    reach, ankle = sole.tolist()
     shin, thigh = (float(np.linalg.norm(leg[k + 1] - leg[k])) for k in (1, 0))
     upper_arm, forearm, hand = (float(np.linalg.norm(arm[k + 1] - arm[k])) for k in range(3))
     hip = ankle + shin + thigh
@@ -188,7 +194,7 @@ def _proportions(leg: Array, arm: Array, hips: Array, neck: Link, figure: Figure
         upper_arm=upper_arm / height,
         forearm=forearm / height,
         hand=hand / height,
-        foot=(float(leg[3, 0] - leg[2, 0]) + foot.radii[1]) / TOE_REACH / height,
+        foot=reach / TOE_REACH / height,
         head_size=head / height,
     )
 

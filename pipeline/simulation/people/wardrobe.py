@@ -180,8 +180,8 @@ def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, C
     left = [costume for costume in shuffled if costume not in wishes.values()]
     dealt = itertools.chain(left, itertools.cycle(shuffled))
     return {
-        name: _clothes(name, seed, wishes[name] or next(dealt), first + k + k // len(COSTUMES))
-        for k, name in enumerate(sorted(wishes))
+        name: _clothes(name, seed, wish or next(dealt), first + k + k // len(COSTUMES))
+        for k, (name, wish) in enumerate(sorted(wishes.items()))
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
@@ -178,9 +178,11 @@ def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, C
     # Two who are dressed alike differ by colour.
     first = int(deck.integers(100))
     left = [costume for costume in shuffled if costume not in wishes.values()]
-    dealt = itertools.chain(left, itertools.cycle(shuffled))
+    dealt: Iterator[Costume] = itertools.chain(left, itertools.cycle(shuffled))
     return {
-        name: _clothes(name, seed, wish or next(dealt), first + k + k // len(COSTUMES))
+        name: _clothes(
+            name, seed, next(dealt) if wish is None else wish, first + k + k // len(COSTUMES)
+        )
         for k, (name, wish) in enumerate(sorted(wishes.items()))
     }
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.attachment import Attachment, attachments_of, split_attachments
-from pipeline.simulation.casting import drawing_notes, figures_of, troupes_of
+from pipeline.simulation.casting import clothes_of, drawing_notes, figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling, coupling_of
 from pipeline.simulation.event_detection import EventDetection
@@ -92,6 +92,7 @@ def assemble(scene: Scene, key: str, directed: bool) -> Assembly:
     figures, troupes = dict[str, Figure](), list[Troupe]()
     with refusals.gathered():
         figures = figures_of(scene)
+        world = replace(world, clothes=clothes_of(scene, figures))
         troupes = troupes_of(scene, figures, world)
     refusals.refuse()
     inventories = [troupe.inventory for troupe in troupes]

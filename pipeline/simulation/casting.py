@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from typing import TypeGuard
 
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
 from pipeline.simulation.bodies.prop_paths import guided_solid, is_guided
 from pipeline.simulation.bodies.prop_troupe import PropTroupe
@@ -17,6 +18,8 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walker_troupe import WalkerTroupe
+from pipeline.simulation.people.dressed_figure import PERSON_HINT, check_person, is_person
+from pipeline.simulation.people.wardrobe import Clothes, deal_clothes
 from pipeline.simulation.refusals import Refusals
 from pipeline.simulation.take import TakeNote
 from pipeline.simulation.terrain import level_ground
@@ -24,7 +27,9 @@ from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.body import Body, Many
 from pipeline.spec.cast import Member
 from pipeline.spec.character import Character
+from pipeline.spec.character_kinds import WEARERS
 from pipeline.spec.creature import Creature
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.group import Group
 from pipeline.spec.handled_members import handled_members
 from pipeline.spec.prop import Prop
@@ -43,7 +48,13 @@ def figures_of(scene: Scene) -> dict[str, Figure]:
     Raises:
         SceneError: if figures cannot be built; holds the problems of all.
     """
-    built = cache(lambda name, scale: build_figure(name, scene.figures[name], scale))
+
+    @cache
+    def built(name: str, scale: float) -> Figure:
+        figure = build_figure(name, scene.figures[name], scale)
+        check_person(figure)
+        return figure
+
     figures, refusals = dict[str, Figure](), Refusals()
     for _, member in scene.creatures:
         with refusals.gathered():
@@ -62,6 +73,33 @@ def drawing_notes(figures: Mapping[str, Figure]) -> list[TakeNote]:
         for remark in check_figure(figure)
         if remark.is_fault
     ]
+
+
+def clothes_of(scene: Scene, figures: Mapping[str, Figure]) -> dict[str, Clothes]:
+    """Returns what the people of a scene wear, dealt over all of them together.
+
+    Raises:
+        SceneError: if a creature that is no person is given a costume.
+    """
+    people: dict[str, Character | Creature | Dancer] = {m.name: m for _, m in scene.dancers}
+    problems = []
+    for i, member in enumerate(scene.cast):
+        if isinstance(member, Character) and member.character in WEARERS:
+            people[member.name] = member
+        elif isinstance(member, Creature) and is_person(figures[member.name]):
+            people[member.name] = member
+        elif isinstance(member, Creature) and member.costume is not None:
+            message = f"the figure '{member.figure}' wears nothing; remove this, or {PERSON_HINT}"
+            problems.append(Problem(f"cast[{i}].costume", message))
+    if problems:
+        raise SceneError(problems)
+    dealt = deal_clothes({name: member.costume for name, member in people.items()}, scene.seed)
+    return {
+        name: dealt[name]
+        if member.material is None
+        else replace(dealt[name], shirt=member.material)
+        for name, member in people.items()
+    }
 
 
 def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

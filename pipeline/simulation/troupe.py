@@ -19,6 +19,7 @@ from pipeline.simulation.members import MemberState
 from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.order_outcome import GripChange, Outcome
+from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
@@ -44,6 +45,7 @@ class World:
         directed: whether further instructions may arrive while the simulation runs.
         places: named places (3,) of the scene [m].
         solids: things whose motion is known before, that limbs keep clear of.
+        clothes: what each person wears, by its name.
     """
 
     ground: Ground
@@ -55,6 +57,7 @@ class World:
     directed: bool = False
     places: Mapping[str, Array] = field(default_factory=dict)
     solids: Sequence[MovingSolid] = ()
+    clothes: Mapping[str, Clothes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

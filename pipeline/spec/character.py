@@ -8,7 +8,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Traits
-from pipeline.spec.character_kinds import HANDS, PEOPLE, Kind
+from pipeline.spec.character_kinds import HANDS, PEOPLE, WEARERS, Kind
 from pipeline.spec.costume import Costume
 from pipeline.spec.keyframes import PoseKey, Turn
 from pipeline.spec.model_base import Fault, Number, raise_faults
@@ -89,7 +89,7 @@ class Character(Performer):
         if self.limp and self.character not in PEOPLE:
             message = f"a {self.character} never stands by itself; remove this"
             yield Fault(("limp",), message, at_key=True)
-        if self.costume is not None and self.character not in (*PEOPLE, "ragdoll"):
+        if self.costume is not None and self.character not in WEARERS:
             message = f"a {self.character} wears nothing; remove this"
             yield Fault(("costume",), message, at_key=True)
         if not self.acts:

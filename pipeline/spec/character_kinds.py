@@ -8,6 +8,9 @@ from typing import Literal
 PEOPLE = ("child", "adult")
 """Kinds that act."""
 
+WEARERS = (*PEOPLE, "ragdoll")
+"""Kinds that wear clothes."""
+
 PARTS = (
     *("pelvis", "spine", "shoulders", "head"),
     *(f"{joint}_{side}" for joint in ("shoulder", "elbow", "hand") for side in "lr"),

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from pipeline.spec.costume import Costume
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
     ConfigModel,
@@ -118,6 +119,11 @@ class Creature(Performer):
     pronk: Pronk | None = Field(
         None,
         description="How it hops, instead of walking; with walk, how it jumps when it is told to.",
+    )
+    costume: Costume | None = Field(
+        None,
+        description="What a figure with a person's skin wears; by the seed if left out, and all "
+        "different while there are enough costumes.",
     )
     mood: MoodMix = Field(
         {}, description="A mood by name, or weights of several: how it walks and carries itself."

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from pipeline.spec.model_base import ConfigModel, Name, Number, Positive
 
-Form = Literal["animal", "arthropod", "plain"]
+Form = Literal["animal", "arthropod", "person", "plain"]
 # fmt: off
 SkullName = Literal[
     "horse", "deer", "camel", "kangaroo", "dog", "cat", "mouse", "elephant", "frog", "lizard",
@@ -73,7 +73,8 @@ class Skin(ConfigModel):
     form: Form | None = Field(
         None,
         description="animal: one grown-together surface with muscles and a skull; arthropod: "
-        "plates and segments; plain: the solids themselves. Chosen by style if left out.",
+        "plates and segments; person: a dressed person on two legs, with two arms and a head above "
+        "them; plain: the solids themselves. Chosen by style if left out.",
     )
     skull: SkullName | None = Field(
         None, description="Shape of an animal's head; chosen by its feet if left out."

@@ -69,6 +69,7 @@ CREATURES: dict[str, Row] = {
     "horn":           _row("#3a322a", "#5a4c3c", 0.45, ("wood", 0.25, 1.0), clearcoat=0.2),
     "leather":        _row("#4a2f1f", "#5c3d29", 0.5,  ("pores", 0.25, 1.5), clearcoat=0.1),
     "eye":            _row("#08080a", None,      0.08, None, clearcoat=1.0),
+    "eye white":      _row("#b8aaa0", None,      0.1,  None, clearcoat=1.0),
     "brown iris":     _row("#4a2c17", None,      0.12, None, clearcoat=1.0),
     "blue iris":      _row("#4d6f8a", None,      0.12, None, clearcoat=1.0),
     "green iris":     _row("#4f6a42", None,      0.12, None, clearcoat=1.0),

@@ -64,7 +64,7 @@ class Characters(Troupe):
         self.workspace, self.log = workspace_for(self.arrays), new_touch_log()
         self.obstacle_circles = ObstacleCircles(world.ground)
         self.contact_reporter = ContactReporter(cast, self.arrays, world.ground.material)
-        self._poser = frame_poser(cast, self.plans, world.seed, world.clock.rows)
+        self._poser = frame_poser(cast, self.plans, world.clothes, world.clock.rows)
         view = self._view()
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)

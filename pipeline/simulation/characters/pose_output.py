@@ -5,8 +5,8 @@ People and dolls have the frames of `people.body_frames`; a thing has one, which
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from pipeline.simulation.people.body_frames import (
 )
 from pipeline.simulation.people.person_mesh import layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS
-from pipeline.simulation.people.wardrobe import random_clothes
+from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
@@ -175,21 +175,20 @@ class FramePoser:
 
 
 def frame_poser(
-    cast: Sequence[Character], plans: Sequence[BodyPlan], seed: int, rows: int
+    cast: Sequence[Character], plans: Sequence[BodyPlan], clothes: Mapping[str, Clothes], rows: int
 ) -> FramePoser:
-    """Return the meshes and frames of characters."""
+    """Return the meshes and frames of characters, people in their clothes by name."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     people, joints, things = list[int](), list[IntArray](), list[ThingFrame]()
     acting = list[int]()
     first = 0
-    names = [member.name for member in cast if proportions_of(member) is not None]
     for member, plan in zip(cast, plans, strict=True):
         frame = len(nodes)
         if proportions_of(member) is not None:
             acting += [len(people)] if member.acts else []
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
-            made = _person(member, names, frame, len(meshes), seed, rows)
+            made = _person(member, clothes[member.name], frame, len(meshes), rows)
         else:
             span = first, first + len(plan.rest)
             things.append(ThingFrame(frame, span, plan.rest, axis_nodes(member.character)))
@@ -208,7 +207,7 @@ def frame_poser(
 
 
 def _person(
-    member: Character, names: Sequence[str], frame: int, mesh: int, seed: int, rows: int
+    member: Character, clothes: Clothes, frame: int, mesh: int, rows: int
 ) -> tuple[list[Node], list[Mesh], list[Part]]:
     proportions = proportions_of(member)
     assert proportions is not None
@@ -222,9 +221,6 @@ def _person(
         )
         for name, parent, (x, y, z) in zip(FRAMES, PARENTS, origins, strict=True)
     ]
-    clothes = random_clothes(member.name, seed, member.costume, names)
-    if member.material is not None:
-        clothes = replace(clothes, shirt=member.material)
     meshes, parts = layer_parts(member.name, person_layers(proportions, clothes), frame, mesh, rows)
     return nodes, meshes, parts
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -24,14 +23,13 @@ from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
-from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
-from pipeline.simulation.people.wardrobe import random_clothes
+from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Troupe, World
-from pipeline.spec.dance import Dance, Drum
+from pipeline.spec.dance import Dance
 from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Instruction, Perform, Reach
 
@@ -51,7 +49,6 @@ class DancerTroupe(Troupe):
         self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
         self.p_WB = [_origin(member, world) for member in self.members]
         self.looks, self.directed = list[DancerAppearance](), list[ScriptedDancer]()
-        names = [member.name for member in self.members]
         for k, (i, member) in enumerate(cast):
             own = partial(_to_dancer_frame, self.R_WB[k], self.p_WB[k])
             proportions, path = dancer_proportions(member), f"cast[{i}]"
@@ -62,7 +59,9 @@ class DancerTroupe(Troupe):
             programme = DanceSchedule(member, repertoire, until, path)
             dancing = _practised_motion(member, programme, clock.dt)
             self.directed.append(ScriptedDancer(dancing, programme, own, clock.dt))
-            self.looks.append(_appearance(member, names, proportions, repertoire.drums, world.seed))
+            clothes = world.clothes[member.name]
+            drums = dict(repertoire.drums)
+            self.looks.append(DancerAppearance(member.name, proportions, clothes, drums))
         self.dancing = [dancer.dancing for dancer in self.directed]
         torsos = [dancer.torso for dancer in self.dancing]
         self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
@@ -200,19 +199,6 @@ def _practised_motion(member: Dancer, programme: DanceSchedule, dt: float) -> Da
 def _to_dancer_frame(R: Array, p: Array, place: Place) -> Place:
     """Returns a world position in the dancer's frame, with rotation R (3, 3) and origin p (3,)."""
     return _triple((R.T * (np.array(place) - p)).sum(axis=1))
-
-
-def _appearance(
-    member: Dancer,
-    names: Sequence[str],
-    proportions: Proportions,
-    drums: Mapping[str, Drum],
-    seed: int,
-) -> DancerAppearance:
-    clothes = random_clothes(member.name, seed, member.costume, names)
-    if member.material is not None:
-        clothes = replace(clothes, shirt=member.material)
-    return DancerAppearance(member.name, proportions, clothes, dict(drums))
 
 
 def _origin(member: Dancer, world: World) -> Array:

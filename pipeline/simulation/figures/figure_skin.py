@@ -236,6 +236,9 @@ def figure_skin(figure: Figure) -> FigureSkin:
 def build_figure_skin(figure: Figure) -> FigureSkin:
     """Return the rendered surface of a figure."""
     form = skin_form(figure)
+    if form == "person":
+        # A dressed person is made instead (`people/dressed_figure.py`).
+        return FigureSkin({}, frozenset(range(len(figure.pieces))))
     if form == "animal":
         return _hide_skin(figure, AnimalHide(figure))
     if form == "arthropod":

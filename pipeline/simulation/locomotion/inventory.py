@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
-from pipeline.simulation.figures.figure_skin import figure_skin
+from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
 from pipeline.simulation.figures.inverse_dynamics import FrameMasses
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.inventory import Inventory
@@ -21,6 +21,9 @@ from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.people.dressed_figure import figure_layers
+from pipeline.simulation.people.person_mesh import layer_parts
+from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
 
@@ -109,7 +112,12 @@ def parent_links(figure: Figure) -> list[int | None]:
 
 
 def describe_herd(
-    herd: Herd, free_joints: FreeJoints, table: NodeTable, materials: Sequence[str], rows: int
+    herd: Herd,
+    free_joints: FreeJoints,
+    table: NodeTable,
+    materials: Sequence[str],
+    clothes: Mapping[str, Clothes],
+    rows: int,
 ) -> Inventory:
     """Return nodes, channels, meshes and parts of a herd.
 
@@ -118,6 +126,7 @@ def describe_herd(
         free_joints: of the herd.
         table: their nodes.
         materials: default of each creature.
+        clothes: of those with the skin of a person, by name.
         rows: of the take; parts are alive in all of them.
     """
     nodes = tuple(
@@ -144,6 +153,11 @@ def describe_herd(
         meshes.extend(own[0])
         parts.extend(assign_looks(own[1], figure, len(looks)))
         looks.extend(creature_skins(figure, first))
+        if skin_form(figure) == "person":
+            layers = figure_layers(figure, clothes[herd.names[c]])
+            worn = layer_parts(herd.names[c], layers, first, len(meshes), rows)
+            meshes.extend(worn[0])
+            parts.extend(worn[1])
     return Inventory(nodes, channels, tuple(meshes), tuple(parts), looks=tuple(looks))
 
 

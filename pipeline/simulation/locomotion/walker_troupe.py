@@ -93,7 +93,9 @@ class WalkerTroupe(Troupe):
         self.pose_solver = PoseSolver(
             herd, trajectory, free_joints, table, self.authored_poses, world.clock
         )
-        self.inventory = describe_herd(herd, free_joints, table, materials, world.clock.rows)
+        self.inventory = describe_herd(
+            herd, free_joints, table, materials, world.clothes, world.clock.rows
+        )
         self.step = 0
         looks = LookTargets(herd, cast)
         self.progress = start_progress(herd, trajectory, moods, world.clock.dt, looks)

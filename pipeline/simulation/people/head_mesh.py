@@ -68,8 +68,8 @@ class Head:
     def eye(self) -> tuple[Array, float]:
         """Middle (3,) and radius of the right eye [m]."""
         child = self.build.childish
-        radius = 0.082 + 0.020 * child
-        return self.at(0.300 - 0.02 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
+        radius = 0.070 + 0.014 * child
+        return self.at(0.312 - 0.014 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
 
 
 @cached_part
@@ -160,7 +160,7 @@ def eyeballs(head: Head) -> SkinnedPatch:
 
 def irises(head: Head) -> SkinnedPatch:
     """Return both irises: lenses on the eyeballs."""
-    return _on_eyes(head, 0.54, 0.58)
+    return _on_eyes(head, 0.50, 0.63)
 
 
 def pupils(head: Head) -> SkinnedPatch:
@@ -186,8 +186,8 @@ def _lens(centre: Array, along: Array, radius: float) -> Surface:
 def lids(head: Head) -> SkinnedPatch:
     """Return both upper and lower lids: caps over the eyes, for a calm look."""
     centre, radius = head.eye
-    upper = _ball_cap(centre, 1.09 * radius, tilt=0.12, edge=0.36)
-    lower = _ball_cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.58)
+    upper = _ball_cap(centre, 1.09 * radius, tilt=0.12, edge=0.30)
+    lower = _ball_cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.52)
     return with_mirror(merge_patches([upper.follow("head"), lower.follow("head")]))
 
 

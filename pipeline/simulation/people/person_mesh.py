@@ -43,7 +43,7 @@ from pipeline.simulation.people.wardrobe import LIPS, Clothes, Garment, Hair, St
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
 
-EYEBALL_MATERIAL, PUPIL_MATERIAL = "porcelain", "eye"
+EYEBALL_MATERIAL, PUPIL_MATERIAL = "eye white", "eye"
 
 MESH_CACHE_SIZE = 64
 """Number of persons whose meshes are kept for others like them."""

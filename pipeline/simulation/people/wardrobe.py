@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
@@ -163,21 +164,31 @@ class Clothes:
     accent: str = "white cloth"
 
 
-def random_clothes(
-    name: str,
-    seed: int,
-    costume: Costume | None = None,
-    names: Sequence[str] = (),
-) -> Clothes:
-    """Return the random clothes of a person under a scene's seed.
+def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, Clothes]:
+    """Return the random clothes of all people of a scene, whatever their order.
+
+    No two wear the same costume as long as there are enough, unless their author says so.
 
     Args:
-        name: of the person.
+        wishes: the costume of each person by its name, None for one that is dealt.
         seed: of the scene.
-        costume: that it wears; by default one that nobody else of `names` does, while there are
-            enough, whatever the order of the cast.
-        names: of all people of its kind in the scene.
     """
+    deck = generator(seed, "costumes")
+    shuffled = [COSTUMES[int(k)] for k in deck.permutation(len(COSTUMES))]
+    # Two who are dressed alike differ by colour.
+    first = int(deck.integers(100))
+    left = [costume for costume in shuffled if costume not in wishes.values()]
+    dealt: Iterator[Costume] = itertools.chain(left, itertools.cycle(shuffled))
+    return {
+        name: _clothes(
+            name, seed, next(dealt) if wish is None else wish, first + k + k // len(COSTUMES)
+        )
+        for k, (name, wish) in enumerate(sorted(wishes.items()))
+    }
+
+
+def _clothes(name: str, seed: int, costume: Costume, turn: int) -> Clothes:
+    """Return the clothes of a person in a costume; `turn` chooses the colour of its shirt."""
     rng = generator(seed, f"{name}/clothes")
 
     def choice(options: Sequence[Word]) -> Word:
@@ -185,12 +196,7 @@ def random_clothes(
 
     skin = choice(tuple(LIPS))
     is_light = LIPS[skin] == "lips"
-    number = sorted(names).index(name) if name in names else int(rng.integers(1000))
-    deck = generator(seed, "costumes")
-    worn = costume or COSTUMES[int(deck.permutation(len(COSTUMES))[number % len(COSTUMES)])]
-    outfit = OUTFITS[worn]
-    # Two who are dressed alike differ by colour.
-    turn = int(deck.integers(100)) + number // len(COSTUMES) + number
+    outfit = OUTFITS[costume]
     shirt = outfit.shirts[turn % len(outfit.shirts)]
     others = [material for material in outfit.trousers if material != shirt]
     return Clothes(

@@ -30,11 +30,11 @@ from pipeline.simulation.people.wardrobe import (
     Garment,
     Hair,
     Stature,
-    random_clothes,
+    deal_clothes,
 )
 from pipeline.simulation.spatial import Array, quaternion, rotation
 from pipeline.simulation.take import Node
-from pipeline.spec.costume import COSTUMES
+from pipeline.spec.costume import COSTUMES, Costume
 from render.config import MATERIALS
 
 DENSITY = 985.0
@@ -214,12 +214,14 @@ def test_equal_clothes_share_meshes() -> None:
     assert [layer.material for layer in one] != [layer.material for layer in other]
 
 
+def alone(name: str, seed: int, costume: Costume | None = None) -> Clothes:
+    return deal_clothes({name: costume}, seed)[name]
+
+
 def test_clothes_depend_on_the_name_alone() -> None:
-    looks = [random_clothes(f"p{k}", 1) for k in range(40)]
-    assert looks == [random_clothes(f"p{k}", 1) for k in range(40)]
-    assert random_clothes("p0", 1) != random_clothes("p0", 2) or random_clothes(
-        "p1", 1
-    ) != random_clothes("p1", 2)
+    looks = [alone("p0", seed) for seed in range(40)]
+    assert looks == [alone("p0", seed) for seed in range(40)]
+    assert alone("p0", 1) != alone("p1", 1)
     for word in ("skin", "hair", "shirt", "trousers", "shoes", "style", "build", "shorts"):
         assert len({getattr(look, word) for look in looks}) > 1
     for look in looks:
@@ -228,23 +230,32 @@ def test_clothes_depend_on_the_name_alone() -> None:
 
 def test_ten_people_wear_ten_costumes_whatever_their_order() -> None:
     names = [f"p{k}" for k in range(10)]
-    worn = {name: random_clothes(name, 5, names=names) for name in names}
-    backward = {name: random_clothes(name, 5, names=names[::-1]) for name in names}
-    assert worn == backward
+    worn = deal_clothes(dict.fromkeys(names), 5)
+    assert worn == deal_clothes(dict.fromkeys(names[::-1]), 5)
     kinds = {(look.garments, look.short_sleeves, look.shorts) for look in worn.values()}
-    assert len(kinds) >= 9
-    looks = [random_clothes(f"p{k}", 5, names=[f"p{i}" for i in range(40)]) for k in range(40)]
+    assert len(kinds) == len(COSTUMES)
+    looks = deal_clothes(dict.fromkeys(f"p{k}" for k in range(40)), 5).values()
     assert len({(look.shirt, look.trousers, look.garments) for look in looks}) > 30
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_nobody_is_dealt_what_an_author_gave_another(seed: int) -> None:
+    wishes: dict[str, Costume | None] = dict.fromkeys(f"p{k}" for k in range(10))
+    worn = deal_clothes({**wishes, "p3": "coat", "p7": "suit"}, seed)
+    assert worn["p3"].garments == ("coat",)
+    assert worn["p7"].garments == ("suit",)
+    kinds = {(look.garments, look.short_sleeves, look.shorts) for look in worn.values()}
+    assert len(kinds) == len(COSTUMES)
 
 
 def test_a_costume_can_be_asked_for() -> None:
     assert set(OUTFITS) == set(COSTUMES)
-    assert random_clothes("ann", 1, "coat").garments == ("coat",)
-    dress = random_clothes("ann", 1, "dress")
+    assert alone("ann", 1, "coat").garments == ("coat",)
+    dress = alone("ann", 1, "dress")
     assert dress.trousers == dress.shirt
     for name in COSTUMES:
         for seed in range(20):
-            look = random_clothes("ann", seed, name)
+            look = alone("ann", seed, name)
             materials = {look.shirt, look.trousers, look.shoes, look.iris, look.accent}
             assert materials <= set(MATERIALS)
 

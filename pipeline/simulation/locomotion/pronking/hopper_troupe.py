@@ -85,7 +85,9 @@ class HopperTroupe(Troupe):
             )
             for c, (hopper, height) in enumerate(zip(self.hoppers, above, strict=True))
         ]
-        self.inventory = describe_herd(herd, free_joints, table, materials, world.clock.rows)
+        self.inventory = describe_herd(
+            herd, free_joints, table, materials, world.clothes, world.clock.rows
+        )
         self._recorder = HopEventRecorder(herd, world, materials)
         self.step = 0
         self._contacts: list[Contact] = []

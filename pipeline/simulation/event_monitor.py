@@ -1,13 +1,13 @@
 """Event monitor: finds the events that instructions of the script wait for.
 
-Some are facts of a troupe (arrived, hug, touches of characters). The others are conditions on
-where members are, and happen when a condition begins to hold. They are tested only while an
+Some are facts of a troupe (arrived, hug, failed, touches of characters). The others are conditions
+on where members are, and happen when a condition begins to hold. They are tested only while an
 instruction waits for them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from pipeline.simulation.script import Event
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Facts
+from pipeline.spec.verbs import key_of_order
 
 TOUCH_DISTANCE = 0.004
 """Distance between solids at which they touch [m]."""
@@ -34,7 +35,16 @@ def reported_events(facts: Facts) -> set[Event]:
         *(Event("arrived", (name,)) for name in facts.arrived),
         *(Event("touch", (min(pair), max(pair))) for pair in facts.touched),
         *(Event("hug", (s.who, s.other)) for s in facts.signals if s.kind == "hug"),
+        *_failures(facts),
     }
+
+
+def _failures(facts: Facts) -> Iterator[Event]:
+    """Yields the failures of orders, each as one of its kind of order and as one of any kind."""
+    for outcome in facts.outcomes:
+        if outcome.reason:
+            for act in ("", key_of_order(outcome.order) or ""):
+                yield Event("failed", (outcome.who,), act=act)
 
 
 class EventMonitor:

@@ -148,4 +148,5 @@ def _awaited_text(when: When) -> str:
         "fell": f"{text} never fell",
         "at_rest": f"{text} never came to rest",
         "hug": f"{text} never hugged",
+        "failed": f"{text} never failed" + (f" to {when.act}" if when.act else ""),
     }[key]

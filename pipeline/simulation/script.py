@@ -26,11 +26,13 @@ class Event(NamedTuple):
         kind: one of `pipeline.spec.events.EVENTS`.
         names: members that it happens to; in alphabetical order for a pair without direction.
         distance: that counts as near [m].
+        act: the order that fails, a key of `VERBS`; "" for any.
     """
 
     kind: str
     names: tuple[str, ...]
     distance: float = 0.0
+    act: str = ""
 
 
 def event_of(when: When) -> Event:
@@ -39,7 +41,8 @@ def event_of(when: When) -> Event:
     if when.event in ("touch", "near"):
         distance = when.within if when.event == "near" else 0.0
         return Event(when.event, tuple(sorted(value)), distance)
-    return Event(when.event, (value,) if isinstance(value, str) else value)
+    names = (value,) if isinstance(value, str) else value
+    return Event(when.event, names, act=when.act or "")
 
 
 PerformerOrder = tuple[str, Do]

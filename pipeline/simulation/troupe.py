@@ -29,6 +29,7 @@ from pipeline.simulation.terrain import Ground
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
 from pipeline.spec.sound_thresholds import Detect
+from pipeline.spec.verbs import targets_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +89,7 @@ class Facts:
         contacts = [contact for one in facts for contact in one.contacts]
         arrived = tuple(name for one in facts for name in one.arrived)
         touched = tuple(pair for one in facts for pair in one.touched)
+        outcomes = tuple(outcome for one in facts for outcome in one.outcomes)
         return Facts(
             contacts=tuple(sorted(contacts, key=lambda c: (c.step, c.fraction, c.part))),
             notes=tuple(note for one in facts for note in one.notes),
@@ -97,10 +99,16 @@ class Facts:
                 *(Signal("arrived", name) for name in arrived),
                 *(Signal("touch", *pair) for pair in touched),
                 *(signal for one in facts for signal in one.signals),
+                *(_failure(outcome) for outcome in outcomes if outcome.reason),
             ),
-            outcomes=tuple(outcome for one in facts for outcome in one.outcomes),
+            outcomes=outcomes,
             grips=tuple(change for one in facts for change in one.grips),
         )
+
+
+def _failure(outcome: Outcome) -> Signal:
+    """Returns the signal of an order that is given up, with the first member that it names."""
+    return Signal("failed", outcome.who, next(iter(targets_of(outcome.order)), ""))
 
 
 class WriteStage(Enum):

@@ -51,6 +51,11 @@ EVENTS: Mapping[str, EventKind] = {
     "hug": EventKind(
         "hug: [kid, mother]", "the first has closed its arms around the second, in this order"
     ),
+    "failed": EventKind(
+        "failed: kid, act: hug",
+        "a performer gives up an order of this kind (any, if `act` is left out), with a note that "
+        "says why",
+    ),
 }
 """All events by the key of the condition that waits for them."""
 

@@ -271,6 +271,29 @@ def _faults_of_event(when: object, path: Path, named: NamedThings) -> Iterator[F
     if given_keys(when) and "within" in given_keys(when) and value_at(when, "near") is None:
         yield Fault((*path, "within"), "belongs to near; remove this", at_key=True)
     yield from _faults_of_hug(value_at(when, "hug"), (*path, "hug"), named.cast)
+    yield from _faults_of_failure(when, path, named.cast)
+
+
+def _faults_of_failure(when: object, path: Path, cast: Cast) -> Iterator[Fault]:
+    """Find that an order whose failure is waited for is never given up."""
+    name, act = value_at(when, "failed"), value_at(when, "act")
+    if act is not None and name is None:
+        yield Fault((*path, "act"), "belongs to failed; remove this", at_key=True)
+        return
+    if not isinstance(name, str):
+        return
+    if name not in cast:
+        yield unknown_name(name, cast, (*path, "failed"))
+        return
+    performer = performer_kind(cast[name])
+    if performer is None:
+        yield _fault_of_performer(name, cast[name], (*path, "failed"))
+    elif performer == GROUP:
+        yield Fault((*path, "failed"), f"'{name}' is a group, which gives up nothing")
+    elif isinstance(act, str) and act not in verbs_of(performer):
+        known = verbs_of(performer)
+        message = f"'{name}' is {PERFORMERS[performer]}, for which {act} is no order"
+        yield Fault((*path, "act"), f"{message}, {hint(act, known, 'orders')}")
 
 
 def _faults_of_arrival(name: str, path: Path, cast: Cast) -> Iterator[Fault]:

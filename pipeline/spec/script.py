@@ -339,6 +339,10 @@ class When(ConfigModel):
     fell: Name | None = _event("fell")
     at_rest: Name | None = _event("at_rest")
     hug: tuple[Name, Name] | None = _event("hug")
+    failed: Name | None = _event("failed")
+    act: Name | None = Field(
+        None, description="With failed: the order that is given up, such as hug; any if left out."
+    )
 
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:

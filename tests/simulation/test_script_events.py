@@ -152,6 +152,26 @@ def test_order_that_waits_in_vain_is_noted() -> None:
     assert texts["order_cut_off"] == "has not finished go_to [50, 0] at the end of the film"
 
 
+def test_a_script_goes_on_after_an_order_of_the_awaited_kind_fails() -> None:
+    cast = [
+        "{name: kid, character: child}",
+        "{name: rock, body: {shape: box, size: [0.6, 0.6, 0.6]}, at: [2, 0.3, 0]}",
+        "{name: pal, character: child, at: [0, 2]}",
+    ]
+    script = [
+        "{at: 0.2, who: kid, do: {grab: rock}}",
+        "{when: {failed: kid, act: hug}, who: pal, do: sit}",
+        "{when: {failed: kid, act: grab}, who: pal, do: freeze}",
+        "{when: {failed: kid}, who: kid, do: stand}",
+    ]
+    take = take_of(cast, script, "terrain: flat", duration=1.0)
+    outcomes = {record.text: record for record in take.orders}
+    assert outcomes["grab rock"].outcome == "given up"
+    assert outcomes["freeze"].step == outcomes["stand"].step == outcomes["grab rock"].end
+    assert outcomes["sit"].outcome == "never given"
+    assert outcomes["sit"].reason == "kid never failed to hug"
+
+
 def test_finished_order_is_done_and_leaves_no_note() -> None:
     take = take_of([BUG], ["{at: 0.1, who: bug, do: {go_to: [1.2, 0]}}"], duration=6.0)
     (record,) = take.orders
@@ -197,6 +217,11 @@ def test_orders_to_a_hopper_do_not_wait_for_its_own_start() -> None:
         ("{when: {near: [bug, bug]}, who: bug, do: stop}", "cannot come near itself"),
         ("{when: {fell: nobody}, who: bug, do: stop}", "nobody in the cast is called 'nobody'"),
         ("{when: {touch: [bug, post], within: 1}, who: bug, do: stop}", "belongs to near"),
+        ("{when: {arrived: bug, act: chase}, who: bug, do: stop}", "belongs to failed"),
+        ("{when: {failed: bugg}, who: bug, do: stop}", "did you mean 'bug'"),
+        ("{when: {failed: post}, who: bug, do: stop}", "people can carry, throw or kick it"),
+        ("{when: {failed: bug, act: hug}, who: bug, do: stop}", "for which hug is no order"),
+        ("{when: {failed: bug, act: chace}, who: bug, do: stop}", "did you mean 'chase'"),
         ("{at: 0, who: post, do: stop}", "people can carry, throw or kick it"),
         (
             "{at: 0, who: bug, do: {sit: post}}",

@@ -89,6 +89,7 @@ def _repulsion(one: Record, other: Record) -> tuple[float, float]:
     space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
     if other.posture == SITTING:
         space *= 1.4
+    space = min(space, one.neighbour_distance / 1.25)
     rel_x, rel_z = other.velocity[0] - one.velocity[0], other.velocity[1] - one.velocity[1]
     speed_squared = rel_x * rel_x + rel_z * rel_z
     time = (

@@ -18,13 +18,14 @@ from pipeline.simulation.characters.person_controller import (
     CharacterView,
     PersonController,
 )
-from pipeline.simulation.characters.person_tasks import SitOn, Task, Turn, Walk
+from pipeline.simulation.characters.person_tasks import Task, Turn, Walk
 from pipeline.simulation.characters.pursuit_tasks import (
     ChaseTarget,
     FleeTarget,
     FollowTarget,
     WalkUp,
 )
+from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.spec import script as spec
 from pipeline.spec.script import Do
 from pipeline.spec.verbs import VERBS, key_of_order

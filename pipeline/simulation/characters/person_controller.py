@@ -21,6 +21,7 @@ from pipeline.simulation.characters.person_record import (
     STANDING,
     SWINGING,
 )
+from pipeline.simulation.characters.slots import Slots
 from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -65,6 +66,7 @@ class CharacterView:
         places: places that orders give by their coordinates, by these as text.
         body_masses: masses of bodies that can be pushed, by name [kg].
         holders: names of the people that hold members of other rooms, by name.
+        slots: places on things that people have taken.
     """
 
     names: Sequence[str]
@@ -77,6 +79,7 @@ class CharacterView:
     places: dict[str, MemberState] = field(default_factory=dict)
     body_masses: dict[str, float] = field(default_factory=dict)
     holders: dict[str, str] = field(default_factory=dict)
+    slots: Slots = field(default_factory=Slots)
 
     @cached_property
     def p(self) -> Array:
@@ -282,6 +285,7 @@ class PersonController:
         record.posture, record.has_goal, record.has_facing = STANDING, True, False
         record.goal[0], record.goal[1] = x, z
         record.stop_distance, record.partner = stop_distance, partner
+        record.neighbour_distance, record.feet_stop = math.inf, 0.0
 
     def stop(self) -> None:
         """Stop and stand."""

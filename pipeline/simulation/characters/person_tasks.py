@@ -21,13 +21,11 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.character_kinds import HANDS
 from pipeline.spec.keyframes import Frame, PoseKey
 
-SEAT_RANGE = 0.25, 0.75  # heights of seats, in the height of the hips
-SEAT_STANDOFF = 0.17  # of the feet before a seat of another room, in heights
 SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights
 BLOCKED_TIME = 4.0  # without getting on, after which a way is blocked [s]
 VAIN_TIME = 20.0  # without coming nearer, after which a walk is in vain [s]
 POSTURE_PATIENCE = 8.0  # to turn, to stand up or to come to stand [s]
-TURN_TOLERANCE, SEAT_TURN_TOLERANCE = math.radians(3.0), 0.08  # [rad]
+TURN_TOLERANCE = math.radians(3.0)
 
 
 @dataclass
@@ -36,11 +34,13 @@ class Task:
 
     Attributes:
         failure: why it cannot be done, "" while it can; one whose order it is gives it up.
+        is_hopeless: whether it fails from elsewhere as well.
         pace: least walking speed that it asks for [m/s].
         leads_hands: whether it leads hands that hold something.
     """
 
     failure: str = field(default="", init=False)
+    is_hopeless: bool = field(default=False, init=False)
     pace: float = field(default=0.0, init=False)
     leads_hands: bool = field(default=False, init=False)
 
@@ -52,6 +52,19 @@ class Task:
     def members(self) -> tuple[str, ...]:
         """Names of members whose states it needs."""
         return ()
+
+    @property
+    def wants_slot(self) -> bool:
+        """Whether it needs a slot of a thing and has none yet."""
+        return False
+
+    def slot_distance(self, controller: PersonController) -> float:
+        """Return the distance to the thing with the slots; who is nearest chooses first [m]."""
+        raise NotImplementedError
+
+    def take_slot(self, controller: PersonController) -> None:
+        """Take a slot, or fail."""
+        raise NotImplementedError
 
 
 @dataclass
@@ -201,130 +214,6 @@ class SitDown(Task):
             if self.time > POSTURE_PATIENCE:
                 self.failure = f"cannot stand still at {place_text(controller)}"
         return bool(person.sit_blend >= 1.0)
-
-
-@dataclass
-class SitOn(Task):
-    """Go to a thing, turn round and sit down on it.
-
-    Attributes:
-        owner: number of the thing, NOBODY for a member of another room.
-        target: name of that member.
-        stage: 0 walk there, 1 turn round, 2 sit down.
-        time: since it is there [s].
-        progress: of the walk.
-        route: around obstacles.
-    """
-
-    owner: int
-    target: str = ""
-    stage: int = 0
-    time: float = 0.0
-    progress: TaskProgress = field(default_factory=TaskProgress)
-    route: Route = field(default_factory=Route)
-
-    @property
-    def members(self) -> tuple[str, ...]:
-        """See `Task`."""
-        return (self.target,) if self.target else ()
-
-    def advance(self, controller: PersonController, dt: float) -> bool:
-        """See `Task`."""
-        person = controller.record
-        if self.stage == 2 and person.sit_blend >= 1.0:
-            return True
-        seat = self._seat(controller)
-        self.failure = "" if self.owner >= 0 else _seat_failure(seat.top, controller)
-        if self.stage == 0:
-            controller.go(seat.spot[0], seat.spot[2])
-            self.stage = 1
-        elif self.stage == 1 and person.has_goal:
-            self._walk(controller, seat.spot, dt)
-        elif self.stage == 1 and not person.stepping:
-            controller.turn_to(math.atan2(-seat.ahead[2], seat.ahead[0]))
-            self.stage = 2
-        elif self.stage == 2:
-            self._sit(controller, seat, dt)
-        return bool(person.sit_blend >= 1.0)
-
-    def _seat(self, controller: PersonController) -> _Seat:
-        person = controller.record
-        if self.owner >= 0:
-            nodes = controller.view.nodes(self.owner)
-        else:
-            nodes = np.concatenate(controller.view.state(self.target).solids)
-        middle = nodes.mean(axis=0)
-        ahead, half_depth = _seat_front(nodes, controller)
-        top = float(nodes[:, 1].max())
-        if self.owner >= 0:
-            back = max(0.92 * person.thigh, half_depth + 0.08 * person.height - 0.04)
-            return _Seat(middle + back * ahead, ahead, back, top)
-        # Solids of other rooms keep the feet farther off than those of this room.
-        spot = middle + (half_depth + SEAT_STANDOFF * person.height) * ahead
-        back = SEAT_STANDOFF * person.height + min(0.6 * person.thigh, half_depth)
-        return _Seat(spot, ahead, back, top)
-
-    def _walk(self, controller: PersonController, spot: Array, dt: float) -> None:
-        """Go on to the place before the seat, which may move if it is of another room."""
-        if self.owner < 0:
-            controller.go(spot[0], spot[2])
-            take_route(controller, self.route, spot[[0, 2]])
-        left = controller.ground_distance(spot)
-        self.failure = self.failure or walking_failure(controller, self.progress, left, dt)
-
-    def _sit(self, controller: PersonController, seat: _Seat, dt: float) -> None:
-        """Sit down once it has turned round."""
-        person = controller.record
-        if controller.is_standing and controller.is_facing(SEAT_TURN_TOLERANCE):
-            person.has_facing, person.posture = False, SITTING
-            person.seat[:] = seat.back, seat.top + SEAT_HEIGHT * person.height, 0.02
-        if person.sit_blend == 0.0:
-            self.time += dt
-            if self.time > POSTURE_PATIENCE:
-                self.failure = f"cannot turn round before it at {place_text(controller)}"
-
-
-@dataclass(frozen=True, eq=False)
-class _Seat:
-    """Where a person sits down on something.
-
-    Attributes:
-        spot: (3,) where it stands before [m].
-        ahead: (3,) direction of the seat's front.
-        back: from the feet to where it sits [m].
-        top: height of the seat [m].
-    """
-
-    spot: Array
-    ahead: Array
-    back: float
-    top: float
-
-
-def _seat_failure(top: float, controller: PersonController) -> str:
-    """Return why a person cannot sit at a height [m], "" if it can."""
-    person = controller.record
-    height = top - float(person.floor)
-    low, high = (share * float(person.hip_height) for share in SEAT_RANGE)
-    if low <= height <= high:
-        return ""
-    text = "high" if height > high else "low"
-    return f"too {text}: {height:.2f} m, sits at {low:.2f} to {high:.2f} m"
-
-
-def _seat_front(nodes: Array, controller: PersonController) -> tuple[Array, float]:
-    """Return the direction (3,) of a seat's front, across its length, and half its depth [m]."""
-    flat = nodes - nodes.mean(axis=0)
-    flat[:, 1] = 0.0
-    xx, zz = float((flat[:, 0] ** 2).sum()), float((flat[:, 2] ** 2).sum())
-    xz = float((flat[:, 0] * flat[:, 2]).sum())
-    # The longer of the two principal directions; the front is across it.
-    angle = 0.5 * math.atan2(2.0 * xz, xx - zz)
-    ahead = np.array([-math.sin(angle), 0.0, math.cos(angle)])
-    to_person = controller.record.at - nodes.mean(axis=0)[[0, 2]]
-    if ahead[0] * to_person[0] + ahead[2] * to_person[1] < 0.0:
-        ahead = -ahead
-    return ahead, float((flat * ahead).sum(axis=1).max())
 
 
 @dataclass(frozen=True, eq=False)

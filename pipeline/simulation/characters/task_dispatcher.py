@@ -25,7 +25,6 @@ from pipeline.simulation.characters.person_record import STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import (
     PosedHands,
     SitDown,
-    SitOn,
     StandUp,
     Task,
     Walk,
@@ -34,6 +33,7 @@ from pipeline.simulation.characters.pursuit_tasks import (
     ChaseTarget,
     evade,
 )
+from pipeline.simulation.characters.seat_task import SitOn
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
@@ -137,6 +137,7 @@ class TaskDispatcher:
         controller.stop()
         person = controller.record
         person.posture, person.has_facing, person.stoop_depth = STANDING, False, 0.0
+        person.feet_stop = 0.0
         controller.part_hands()
         for hand in range(2):
             if not controller.is_holding(hand):
@@ -144,6 +145,7 @@ class TaskDispatcher:
             else:
                 person.arm_mode[hand] = SWINGING
         self._tasks[k], self._done[k] = None, True
+        self.view.slots.leave(controller.name)
 
     def glance(self, k: int, owner: int) -> None:
         """Let a person look at a character, unless an order says where to look."""
@@ -157,6 +159,7 @@ class TaskDispatcher:
         self._outcomes.clear()
         time = self._steps * self._dt
         self._steps += 1
+        self._share_slots()
         for k, controller in enumerate(self.controllers):
             controller.grip_changes.clear()
             controller.touched.clear()
@@ -180,6 +183,16 @@ class TaskDispatcher:
             if controller.name in self._posed_hands:
                 self._posed_hands[controller.name].advance(controller, time)
             self._look(k, controller)
+
+    def _share_slots(self) -> None:
+        """Let those who need slots take them, the nearest first, whatever the order of the cast."""
+        waiting = [
+            (task.slot_distance(controller), controller.name, task, controller)
+            for controller, task in zip(self.controllers, self._tasks, strict=True)
+            if task is not None and task.wants_slot and not task.failure
+        ]
+        for _, _, task, controller in sorted(waiting, key=lambda claim: claim[:2]):
+            task.take_slot(controller)
 
     def _set_pace(self, k: int, pace: float) -> None:
         """Let a person walk no slower than a task asks for [m/s]; 0 for the usual pace."""
@@ -308,8 +321,9 @@ class TaskDispatcher:
         last = self._tasks[k]
         keeps_arms = keeps_arms and (self._done[k] or not isinstance(last, ARM_TASKS))
         self._tasks[k], self._done[k] = task, False
+        self.view.slots.leave(controller.name)
         self._set_pace(k, 0.0)
-        controller.record.stoop_depth = 0.0
+        controller.record.stoop_depth = controller.record.feet_stop = 0.0
         controller.part_hands()
         if controller.record.kick_foot >= 0 and isinstance(last, KickThing):
             last.put_foot_down(controller)

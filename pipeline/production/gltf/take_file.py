@@ -201,7 +201,7 @@ class _Writer:
             "JOINTS_0": self._file.accessor(joints, ARRAY_BUFFER),
             "WEIGHTS_0": self._file.accessor(weights, ARRAY_BUFFER),
         }
-        shape = self._mesh(part, mesh.vertices, more)
+        shape = self._mesh(part, mesh.vertices.astype(float), more)
         skin = self._skin(binding, part.life)
         return self._file.add(
             "nodes", {"name": f"{part.name}~skin", "mesh": shape, "skin": skin, "extras": extras}

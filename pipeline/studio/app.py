@@ -9,6 +9,8 @@ import importlib.resources
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, get_args
 
 from starlette.applications import Starlette
@@ -18,7 +20,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from pipeline.errors import PronkError, SceneError, UsageError
-from pipeline.spec import figure_schema, read_scene, schema
+from pipeline.spec import Figure, figure_schema, read_scene, schema
 from pipeline.spec.figure import PartKind
 from pipeline.studio.access import Guard
 from pipeline.studio.drawing import DrawnFigure
@@ -84,7 +86,7 @@ class Studio:
 
     def analyse(self, message: Json) -> Json:
         """Return what a drawing becomes."""
-        return analysed(self._figure(message))
+        return analysed(self._figure(message), not message.get("is_moving"))
 
     def walk(self, message: Json) -> Response:
         """Return the walk of a drawing as binary glTF, its facts in a header."""
@@ -141,12 +143,12 @@ class Studio:
             raise Superseded
         return self._play[1]
 
-    def _figure(self, message: Json) -> Any:
+    def _figure(self, message: Json) -> Figure:
         drawing = DrawnFigure.from_json(message.get("drawing"))
         text = _text(message, "text")
-        return with_drawing(None if text == NEW_FIGURE else figure_of_text(text), drawing)
+        return with_drawing(None if text == NEW_FIGURE else _figure_of(text), drawing)
 
-    def _folder(self, message: Json) -> Any:
+    def _folder(self, message: Json) -> Path:
         name = message.get("name")
         return self.project.path_of(name).parent if name else self.project.folder
 
@@ -170,6 +172,12 @@ def _document(document: Document) -> Json:
         )
         facts["drawing"] = drawing.as_json()
     return facts
+
+
+@lru_cache(maxsize=4)
+def _figure_of(text: str) -> Figure:
+    """Return the figure of a text, which stays the same while its drawing changes."""
+    return figure_of_text(text)
 
 
 def _text(message: Json, key: str) -> str:

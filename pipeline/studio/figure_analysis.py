@@ -52,8 +52,13 @@ def with_drawing(config: FigureConfig | None, drawing: DrawnFigure) -> FigureCon
     return made
 
 
-def analysed(config: FigureConfig) -> dict[str, Any]:
+def analysed(config: FigureConfig, is_whole: bool = True) -> dict[str, Any]:
     """Return the nodes, parts, warnings and masses of a figure as plain values.
+
+    Args:
+        config: the figure.
+        is_whole: whether its mass and how it stands are found too, for which its solids are made;
+            in the middle of a drag there is no time for that.
 
     Raises:
         SceneError: the drawing is no figure.
@@ -73,11 +78,12 @@ def analysed(config: FigureConfig) -> dict[str, Any]:
             figure.skeleton.limbs, figure.anatomy.appendages, colors, strict=True
         )
     ]
+    remarks = check_figure(figure) if is_whole else figure.anatomy.warnings
     return {
         "headline": headline(figure),
-        "mass": FigureMass(figure).at_rest.mass,
+        "mass": FigureMass(figure).at_rest.mass if is_whole else None,
         "limbs": limbs,
-        "warnings": [asdict(remark) for remark in check_figure(figure)],
+        "warnings": [asdict(remark) for remark in remarks],
         **_drawn(config, figure, colors),
     }
 

@@ -88,7 +88,12 @@ export class Editor {
   }
 
   #message() {
-    return { text: this.document.text, drawing: sheet.copyOf(this.drawing), asked: performance.now() };
+    return {
+      text: this.document.text,
+      drawing: sheet.copyOf(this.drawing),
+      asked: performance.now(),
+      is_moving: Boolean(this.drag),
+    };
   }
 
   undo() {
@@ -211,7 +216,7 @@ export class Editor {
       const answer = await ask("analyse", message);
       this.analysis = answer;
       this.problems = [];
-      this.metrics.analysis.push(performance.now() - message.asked);
+      if (message.is_moving) this.metrics.analysis.push(performance.now() - message.asked);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.problems = Object.keys(this.drawing.nodes).length ? error.problems : [];
@@ -239,7 +244,7 @@ export class Editor {
   #tick(now) {
     const seconds = Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
-    if (!document.getElementById("figure").hidden && this.walked && this.playing) {
+    if (!document.getElementById("figure").hidden && this.walked && this.playing && !this.drag) {
       this.seek((this.viewer.time + seconds) % this.walked.seconds);
     }
     requestAnimationFrame((next) => this.#tick(next));
@@ -260,7 +265,7 @@ export class Editor {
     const told = problems.length
       ? problems.map((one) => ({ node: one.node, text: `${one.path}: ${one.message}` }))
       : (analysis?.warnings ?? []);
-    head.textContent = problems.length || !analysis ? "" : `${analysis.headline}, ${analysis.mass.toPrecision(3)} kg`;
+    head.textContent = problems.length || !analysis ? "" : `${analysis.headline}${analysis.mass ? `, ${Number(analysis.mass.toPrecision(3))} kg` : ""}`;
     list.replaceChildren(
       ...told.map(({ node, text }) => {
         const item = document.createElement("li");
@@ -269,7 +274,7 @@ export class Editor {
         return item;
       }),
     );
-    if (!analysis) return;
+    if (!analysis || this.drag) return;
     table.replaceChildren(...analysis.limbs.map((limb) => this.#limbRow(limb)));
   }
 

@@ -9,6 +9,7 @@ Source: Jackson et al. 2007.
 
 from __future__ import annotations
 
+import contextlib
 import hmac
 import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
@@ -21,6 +22,9 @@ TOKEN_BYTES = 32
 
 MAX_MESSAGE_BYTES = 4 * 2**20
 """Longest message of the page: half of the longest file, which JSON can make longer [bytes]."""
+
+TOO_LONG = 413
+"""Status of a message beyond the bound."""
 
 TOKEN_HEADER = b"x-studio-token"
 
@@ -78,6 +82,9 @@ class Guard:
             raise ValueError("the studio speaks HTTP alone")
         status, reason = self._fault(scope)
         if status:
+            if status != TOO_LONG:
+                # A connection that is closed before all is read loses the answer.
+                await _drain(receive)
             await _refuse(send, status, reason)
             return
         await self._pass_on(scope, receive, send)
@@ -98,7 +105,7 @@ class Guard:
             return 403, "no token; open the address that `pronk studio` printed"
         length = headers.get(b"content-length", [b"0"])[0]
         if not length.isdigit() or int(length) > MAX_MESSAGE_BYTES:
-            return 413, f"longer than {MAX_MESSAGE_BYTES} bytes"
+            return TOO_LONG, f"longer than {MAX_MESSAGE_BYTES} bytes"
         return 0, ""
 
     def _is_token(self, scope: Scope, given: list[bytes]) -> bool:
@@ -108,7 +115,6 @@ class Guard:
 
     async def _pass_on(self, scope: Scope, receive: Receive, send: Send) -> None:
         received = 0
-        started = False
 
         async def bounded() -> Message:
             nonlocal received
@@ -120,17 +126,27 @@ class Guard:
             return message
 
         async def guarded(message: Message) -> None:
-            nonlocal started
+            if received > MAX_MESSAGE_BYTES:
+                # What the application says of its interruption.
+                return
             if message["type"] == "http.response.start":
-                started = True
                 message["headers"] = [*message.get("headers", []), *HEADERS]
             await send(message)
 
-        try:
+        with contextlib.suppress(TooLong):
             await self.application(scope, bounded, guarded)
-        except TooLong:
-            if not started:
-                await _refuse(send, 413, f"longer than {MAX_MESSAGE_BYTES} bytes")
+        if received > MAX_MESSAGE_BYTES:
+            await _refuse(send, TOO_LONG, f"longer than {MAX_MESSAGE_BYTES} bytes")
+
+
+async def _drain(receive: Receive) -> None:
+    """Read a message and forget it, up to the bound."""
+    received = 0
+    while received <= MAX_MESSAGE_BYTES:
+        message = await receive()
+        received += len(message.get("body", b""))
+        if not message.get("more_body"):
+            return
 
 
 async def _refuse(send: Send, status: int, reason: str) -> None:

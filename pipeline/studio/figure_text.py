@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import yaml
-from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
 from pipeline.errors import SceneError, UsageError
 from pipeline.spec import Figure
@@ -355,7 +355,7 @@ class _FigureEdits:
 
 def _last_mark(node: Node) -> int:
     """Return where the last scalar or flow collection of a node ends; blocks end lines later."""
-    while not isinstance(node, ScalarNode) and not node.flow_style and node.value:
+    while isinstance(node, CollectionNode) and not node.flow_style and node.value:
         last = node.value[-1]
         node = last[1] if isinstance(last, tuple) else last
     return int(node.end_mark.index)

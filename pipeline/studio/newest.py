@@ -10,7 +10,6 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 
-
 Result = TypeVar("Result")
 
 

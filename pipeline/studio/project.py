@@ -5,6 +5,7 @@ A document is named by its path below the folder, or below the library after `li
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Literal
@@ -13,7 +14,7 @@ from pipeline.atomic_file import make_folder, write_if_changed
 from pipeline.errors import StoreError, UsageError
 from pipeline.spec import library
 from pipeline.spec.scene_library import FIGURES, PATH_SUFFIXES, SUFFIX, name_fault
-from pipeline.spec.yaml_reader import MAX_FILE_BYTES, read_bytes
+from pipeline.spec.yaml_reader import MAX_FILE_BYTES
 from pipeline.terminal_text import escaped_line
 
 LIBRARY = "library:"
@@ -159,10 +160,12 @@ class Project:
             return "other"
 
 
+_TOP_KEY = re.compile(r"^(figure|cast)[ \t]*:", re.MULTILINE)
+
+
 def kind_of(text: str) -> Kind:
-    """Return what a text holds, by its keys; one that is no YAML yet by its lines."""
-    tree, _ = read_bytes(text.encode("utf-8", "surrogatepass"), "document")
-    keys = set(tree.entries) if tree is not None else set()
-    if not keys:
-        keys = {line.split(":")[0] for line in text.splitlines() if line[:1].isalpha()}
-    return "figure" if "figure" in keys else "scene" if "cast" in keys else "other"
+    """Return what a text holds, by its first key that decides; it may be no right YAML yet."""
+    found = _TOP_KEY.search(text)
+    if found is None:
+        return "other"
+    return "figure" if found[1] == "figure" else "scene"

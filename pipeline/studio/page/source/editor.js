@@ -368,9 +368,12 @@ export class Editor {
     button(box, "translate", "Translate", "arrow keys move", () => this.translate(Number(dx.value), Number(dy.value)));
     heading("Node");
     const named = field("name", Object.assign(document.createElement("input"), { id: "node-name", type: "text" }));
+    const back = (input) => input.addEventListener("keydown", (event) => event.key === "Enter" && this.canvas.focus());
     named.onchange = () => this.#rename(named.value.trim());
+    back(named);
     const radius = field("radius", number("node-radius", "", 0.01));
     radius.onchange = () => this.#setRadius(Number(radius.value));
+    back(radius);
     heading("Figure");
     const style = document.createElement("select");
     style.id = "style";

@@ -67,7 +67,7 @@ export class Viewer {
       action.play();
     }
     this.seek(this.time);
-    if (isFirst) this.fit();
+    if (isFirst || this.onTheSpot) this.fit(isFirst);
     this.draw();
   }
 
@@ -81,11 +81,14 @@ export class Viewer {
     return box;
   }
 
-  fit() {
+  // Looks at the creatures; where nothing forces it, only when their size has become another.
+  fit(isForced = true) {
     const box = this.bounds();
     if (box.isEmpty()) return;
     const middle = box.getCenter(new THREE.Vector3());
     const size = Math.max(box.getSize(new THREE.Vector3()).length(), 0.5);
+    if (!isForced && Math.abs(Math.log(size / this.fitted)) < 0.25) return;
+    this.fitted = size;
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).add(new THREE.Vector3(0.9, 0.55, 1.1).multiplyScalar(size * 1.15));
     this.camera.near = size / 100;

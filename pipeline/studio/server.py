@@ -48,7 +48,7 @@ def serve(
 
         from pipeline.studio.app import Studio, application
     except ImportError as error:
-        if error.name not in ("uvicorn", "starlette"):
+        if (error.name or "").split(".")[0] not in ("uvicorn", "starlette"):
             raise
         raise UsageError(MISSING) from None
     project = Project.at(Path.cwd())

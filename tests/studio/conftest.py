@@ -69,16 +69,12 @@ class Served:
         return status, json.loads(body)
 
 
-@pytest.fixture
-def served(tmp_path: Path) -> Iterator[Served]:
-    """A studio whose project holds one scene."""
+@pytest.fixture(scope="session")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Studio, int]]:
+    """A studio that is served on a port as long as there are tests."""
     import uvicorn
 
-    (tmp_path / "project").mkdir()
-    (tmp_path / "secret.yaml").write_text("pronk: 1\ncast: []\n")
-    project = Project.at(tmp_path / "project")
-    (project.folder / "walk.yaml").write_text(SCENE)
-    studio = Studio(project, None, "t0ken")
+    studio = Studio(Project.at(tmp_path_factory.mktemp("empty")), None, "t0ken")
     with listener(0) as bound:
         port = bound.getsockname()[1]
         app = application(studio, port)
@@ -88,7 +84,18 @@ def served(tmp_path: Path) -> Iterator[Served]:
         thread.start()
         while not server.started:
             time.sleep(0.01)
-        yield Served(project.folder, studio, port)
+        yield studio, port
         studio.stop()
         server.should_exit = True
         thread.join(10)
+
+
+@pytest.fixture
+def served(running: tuple[Studio, int], tmp_path: Path) -> Served:
+    """A studio whose project is a new folder that holds one scene."""
+    studio, port = running
+    (tmp_path / "project").mkdir()
+    (tmp_path / "secret.yaml").write_text("pronk: 1\ncast: []\n")
+    studio.project, studio.first = Project.at(tmp_path / "project"), None
+    (studio.project.folder / "walk.yaml").write_text(SCENE)
+    return Served(studio.project.folder, studio, port)

@@ -41,6 +41,7 @@ def test_a_drawing_is_analysed_as_the_command_does(served: Served) -> None:
     assert (moving["mass"], moving["limbs"]) == (None, answer["limbs"])
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("file", FIGURES, ids=lambda file: file.stem)
 def test_a_drawing_that_did_not_change_makes_the_same_figure(file) -> None:
     config = figure_of_text(file.read_text(encoding="utf-8"))

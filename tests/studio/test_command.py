@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import os
 import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,8 @@ from urllib.parse import urlsplit
 import pytest
 
 import pipeline
-from pipeline.studio.server import listener
+from pipeline.errors import UsageError
+from pipeline.studio.server import listener, serve
 
 ROOT = Path(pipeline.__file__).parents[1]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -39,31 +41,34 @@ def test_it_serves_the_folder_until_ctrl_c(tmp_path: Path) -> None:
     assert (child.returncode, out, error) == (0, "", "")
 
 
-def test_a_taken_port_is_one_line(tmp_path: Path) -> None:
+def test_a_taken_port_is_one_line() -> None:
     with listener(0) as bound:
         port = bound.getsockname()[1]
-        ended = subprocess.run(
-            command("--port", str(port)), cwd=tmp_path, env=ENVIRONMENT, capture_output=True
-        )
-    assert ended.returncode == 2
-    assert ended.stderr.decode() == (
-        f"error: --port {port}: address already in use; choose another one, or 0 for any that is "
-        "free\n"
-    )
+        message = f"--port {port}: address already in use; choose another one, or 0 for any"
+        with pytest.raises(UsageError, match=message):
+            listener(port)
 
 
-def test_missing_packages_are_one_line(tmp_path: Path) -> None:
-    # A module that cannot be imported stands before the installed one.
-    (tmp_path / "starlette.py").write_text("raise ImportError('none', name='starlette')\n")
-    environment = {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
-    ended = subprocess.run(command(), cwd=tmp_path, env=environment, capture_output=True)
-    assert ended.returncode == 2
-    assert ended.stderr.decode() == (
-        "error: the studio needs more packages: pip install 'pronk[studio]'\n"
-    )
+def test_answers_are_sent_at_once() -> None:
+    # Of other sockets asyncio does not know that Nagle's algorithm would hold answers back.
+    with listener(0) as bound:
+        assert bound.proto == socket.IPPROTO_TCP
+        assert bound.getsockname()[0] == "127.0.0.1"
 
 
-def test_a_document_that_is_not_there_is_one_line(tmp_path: Path) -> None:
-    ended = subprocess.run(command("hrose"), cwd=tmp_path, env=ENVIRONMENT, capture_output=True)
-    assert ended.returncode == 2
-    assert "did you mean 'horse'" in ended.stderr.decode()
+@pytest.mark.parametrize("package", ["uvicorn", "starlette.applications"])
+def test_missing_packages_are_one_line(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "pipeline.studio.app", raising=False)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(UsageError, match=r"pip install 'pronk\[studio\]'"):
+        serve(None, 0, False, print)
+
+
+def test_a_document_of_another_folder_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "project").mkdir()
+    (tmp_path / "other.yaml").write_text("pronk: 1\n")
+    monkeypatch.chdir(tmp_path / "project")
+    with pytest.raises(UsageError, match="start the studio in its folder"):
+        serve(tmp_path / "other.yaml", 0, False, print)

@@ -25,6 +25,7 @@ def drawn(text: str) -> DrawnFigure:
     return DrawnFigure.of(figure_of_text(text))
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("file", FIGURES, ids=lambda file: file.stem)
 def test_a_figure_of_the_library_that_was_not_changed_is_the_same_text(file) -> None:
     text = file.read_bytes().decode()
@@ -32,6 +33,7 @@ def test_a_figure_of_the_library_that_was_not_changed_is_the_same_text(file) -> 
     assert updated_text(text, drawing) == text
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("file", FIGURES, ids=lambda file: file.stem)
 def test_a_moved_node_changes_its_line_alone(file) -> None:
     text = file.read_bytes().decode()
@@ -45,6 +47,7 @@ def test_a_moved_node_changes_its_line_alone(file) -> None:
     assert drawn(after).nodes[name].at[1] == pytest.approx(node.at[1] + 0.0123)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("file", FIGURES, ids=lambda file: file.stem)
 def test_a_new_limb_adds_lines_and_removing_it_gives_the_text_back(file) -> None:
     text = file.read_bytes().decode()

@@ -20,6 +20,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from pipeline.errors import PronkError, SceneError, UsageError
+from pipeline.production.run.starter_scene import write_starter
 from pipeline.spec import Figure, figure_schema, read_scene, schema
 from pipeline.spec.figure import PartKind
 from pipeline.studio.access import Guard
@@ -28,6 +29,7 @@ from pipeline.studio.figure_analysis import analysed, problem_facts, with_drawin
 from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text, updated_text
 from pipeline.studio.newest import Newest, Superseded
 from pipeline.studio.project import Document, Project
+from pipeline.studio.render_queue import PRESETS, RenderQueue
 from pipeline.studio.scene_play import ScenePlay
 from pipeline.studio.walk import figure_walk
 
@@ -60,11 +62,16 @@ class Studio:
     _takes: Newest = field(default_factory=Newest)
     _play: tuple[int, ScenePlay] | None = None
     _plays: int = 0
+    _queue: RenderQueue = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._queue = RenderQueue(lambda: self.project.folder)
 
     def stop(self) -> None:
         """End what is being simulated."""
         self._walks.stop()
         self._takes.stop()
+        self._queue.stop_all()
 
     def library(self, _: Json) -> Json:
         """Return the documents of the project and of the library."""
@@ -138,6 +145,35 @@ class Studio:
         """Return the schema of scenes or figures."""
         return figure_schema() if message.get("kind") == "figure" else schema()
 
+    def new_scene(self, message: Json) -> Json:
+        """Write a starter scene into the project and return it."""
+        path = write_starter(_text(message, "name"), self.project.folder)
+        return _document(self.project.read(path.name))
+
+    def render(self, message: Json) -> Json:
+        """Append a film of a scene of the project to the render queue."""
+        name = _text(message, "name")
+        if self.project.read(name).is_shipped:
+            raise UsageError("save the scene in this folder first")
+        return self._queue.add(name, _text(message, "preset")).facts
+
+    def renders(self, _: Json) -> Json:
+        """Return the films of the render queue, the newest first."""
+        return {"renders": self._queue.listed(), "presets": list(PRESETS)}
+
+    def stop_render(self, message: Json) -> Json:
+        """Stop a film of the render queue."""
+        render = self._queue.find(message.get("number"))
+        self._queue.stop(render)
+        return render.facts
+
+    def rendered_frame(self, message: Json) -> Response:
+        """Return the newest frame of a film as PNG."""
+        picture = self._queue.frame(self._queue.find(message.get("number")))
+        if picture is None:
+            raise UsageError("there is no frame yet")
+        return Response(picture, media_type="image/png")
+
     def _shown(self, message: Json) -> ScenePlay:
         if self._play is None or message.get("play") != self._play[0]:
             raise Superseded
@@ -208,6 +244,11 @@ def application(studio: Studio, port: int) -> Guard:
         "camera": studio.camera,
         "still": studio.still,
         "schema": studio.schema,
+        "new-scene": studio.new_scene,
+        "render": studio.render,
+        "renders": studio.renders,
+        "stop-render": studio.stop_render,
+        "rendered-frame": studio.rendered_frame,
     }
     routes = [
         Route("/", _index(studio)),

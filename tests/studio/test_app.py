@@ -129,6 +129,57 @@ def test_a_scene_of_the_project_uses_figures_beside_it(served: Served) -> None:
     assert served.ask("take", text=scene, name="walk.yaml")[0] == 200
 
 
+def test_a_new_scene_is_a_right_one_and_is_not_written_twice(served: Served) -> None:
+    status, document = served.ask("new-scene", name="hello")
+    assert (status, document["name"], document["kind"]) == (200, "hello.yaml", "scene")
+    assert served.ask("check", kind="scene", text=document["text"], name="hello.yaml")[0] == 200
+    assert served.ask("new-scene", name="hello")[0] == 422
+    assert served.ask("new-scene", name="../hello")[0] == 422
+
+
+TINY = SCENE.replace("frames: 8", "frames: 2").replace("cells: [8, 8]", "scatter: none")
+
+
+@pytest.mark.nightly
+def test_a_film_is_rendered_by_the_queue(served: Served) -> None:
+    (served.folder / "tiny.yaml").write_text(TINY + "film: {size: [64, 36], samples: 1}\n")
+    (served.folder / "wrong.yaml").write_text(TINY.replace("frames", "framse"))
+    numbers = [
+        served.ask("render", name=name, preset="draft")[1]["number"]
+        for name in ("tiny.yaml", "wrong.yaml")
+    ]
+    states: dict[int, Any] = {}
+    end = time.monotonic() + 300
+    while time.monotonic() < end and not set(states.values()) >= {"done", "failed"}:
+        time.sleep(0.2)
+        renders = served.ask("renders")[1]["renders"]
+        states = {one["number"]: one["state"] for one in renders}
+    assert [states[number] for number in numbers] == ["done", "failed"]
+    assert "did you mean 'frames'" in renders[0]["text"]
+    body = json.dumps({"number": numbers[0]}).encode()
+    assert served.request("POST", "/api/rendered-frame", body)[1][:8] == b"\x89PNG\r\n\x1a\n"
+    assert (served.folder / "out" / "tiny" / "tiny.mp4").stat().st_size > 0
+
+
+@pytest.mark.slow
+def test_a_film_is_stopped(served: Served) -> None:
+    (served.folder / "long.yaml").write_text(TINY.replace("frames: 2", "frames: 2000"))
+    first, second = (
+        served.ask("render", name="long.yaml", preset="draft")[1]["number"] for _ in range(2)
+    )
+    assert served.ask("stop-render", number=second)[1]["state"] == "stopped"
+    assert served.ask("stop-render", number=first)[1]["state"] == "stopped"
+    served.studio.stop()
+    states = {one["number"]: one["state"] for one in served.ask("renders")[1]["renders"]}
+    assert states[first] == states[second] == "stopped"
+
+
+def test_only_scenes_of_the_project_are_rendered_with_a_known_preset(served: Served) -> None:
+    assert served.ask("render", name="walk.yaml", preset="best")[0] == 422
+    assert served.ask("render", name="library:first_steps.yaml", preset="draft")[0] == 422
+    assert served.ask("stop-render", number=12345)[0] == 422
+
+
 def test_newer_work_stops_the_one_before_it() -> None:
     newest, started = Newest(), threading.Event()
     ended: list[str] = []

@@ -3,6 +3,7 @@
 import { ask, Refusal } from "./api.js";
 import { Editor } from "./editor.js";
 import { Player } from "./player.js";
+import { Renders } from "./renders.js";
 
 const $ = (id) => document.getElementById(id);
 
@@ -13,13 +14,15 @@ function report(text, isBad = false) {
 
 const editor = new Editor(report);
 const player = new Player(report);
+const renders = new Renders(report);
 let shown = null;
 
 function show(pane) {
-  for (const id of ["library", "figure", "scene"]) $(id).hidden = id !== pane;
+  for (const id of ["library", "renders", "figure", "scene"]) $(id).hidden = id !== pane;
+  $("tab-renders").classList.toggle("on", pane === "renders");
   $("tab-library").classList.toggle("on", pane === "library");
   for (const id of ["undo", "redo"]) $(id).hidden = pane !== "figure";
-  if (pane !== "library") shown = pane === "figure" ? editor : player;
+  if (pane === "figure" || pane === "scene") shown = pane === "figure" ? editor : player;
   if (pane !== "scene") player.pause();
   refresh();
 }
@@ -81,6 +84,20 @@ const save = () =>
     refresh();
   });
 
+const newScene = () =>
+  guarded(async () => {
+    const name = prompt("Name of the scene", "hello");
+    if (name) await open((await ask("new-scene", { name })).name);
+  });
+
+const render = () =>
+  guarded(async () => {
+    if (player.isDirty || !player.document.name || player.document.is_shipped) await save();
+    await ask("render", { name: player.document.name, preset: $("preset").value });
+    show("renders");
+    await renders.refresh();
+  });
+
 const library = () =>
   guarded(async () => {
     const { documents } = await ask("library");
@@ -91,7 +108,7 @@ const library = () =>
         ...some.map(({ name }) => {
           const button = Object.assign(document.createElement("button"), { textContent: label(name) });
           button.dataset.name = name ?? "";
-          button.onclick = () => open(name);
+          button.onclick = () => (name === "+scene" ? newScene() : open(name));
           return button;
         }),
       );
@@ -102,7 +119,7 @@ const library = () =>
     const short = (name) => name.replace(/^library:/, "").replace(/^figures\//, "").replace(/\.yaml$/, "");
     const of = (some, kind) => some.filter((one) => one.kind === kind);
     $("library").replaceChildren(
-      ...section("New", [{ name: null }], () => "new figure"),
+      ...section("New", [{ name: null }, { name: "+scene" }], (name) => (name ? "new scene" : "new figure")),
       ...section("Figures of this folder", of(own, "figure"), short),
       ...section("Scenes of this folder", of(own, "scene"), short),
       ...section("Figures of the library", of(shipped, "figure"), short),
@@ -112,6 +129,14 @@ const library = () =>
   });
 
 $("tab-library").onclick = () => ($("library").hidden ? library() : show(shown === player ? "scene" : "figure"));
+$("tab-renders").onclick = () =>
+  guarded(async () => {
+    if (!$("renders").hidden) return show(shown === player ? "scene" : "figure");
+    show("renders");
+    await renders.refresh();
+  });
+$("render-film").onclick = render;
+for (const preset of (await ask("renders")).presets) $("preset").append(new Option(preset));
 $("save").onclick = save;
 $("undo").onclick = () => editor.undo();
 $("redo").onclick = () => editor.redo();

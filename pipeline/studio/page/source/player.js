@@ -216,6 +216,8 @@ export class Player {
     });
     button("render-still", "Still", "R: this frame by pronk's renderer", () => this.still());
     box.append(Object.assign(document.createElement("output"), { id: "clock" }));
+    box.append(Object.assign(document.createElement("select"), { id: "preset", title: "quality of the film" }));
+    button("render-film", "Render", "the whole film, in the render queue", () => {});
     document.getElementById("still").onclick = (event) => (event.target.hidden = true);
     document.getElementById("world").addEventListener("click", (event) => {
       const who = this.viewer.performerAt(event);

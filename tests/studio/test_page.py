@@ -247,6 +247,24 @@ def _replace(page: Page, before: str, after: str) -> None:
     )
 
 
+def test_a_new_scene_is_rendered(page: Page) -> None:
+    page.open("walk.yaml")
+    page.wait("studio.player.takes > 0")
+    film = "film: {size: [64, 36], samples: 1}\n"
+    _replace(page, "terrain:", f"{film}terrain:")
+    _replace(page, "frames: 8", "frames: 2")
+    page.wait("studio.player.facts?.frames === 2")
+    page.page.click("#render-film")
+    page.wait("document.querySelector('#renders strong')?.textContent.includes(': done')", 200)
+    assert film in (page.served.folder / "walk.yaml").read_text()
+    page.wait("document.querySelector('#renders img').naturalWidth > 0")
+    page.picture("renders")
+    page.page.once("dialog", lambda dialog: dialog.accept("hello"))
+    page.page.click("#tab-library")
+    page.page.click("[data-name='+scene']")
+    page.wait("document.getElementById('name').textContent.startsWith('hello.yaml')")
+
+
 def test_the_library_opens_documents(page: Page) -> None:
     page.open(None)
     page.page.click("#tab-library")

@@ -258,7 +258,6 @@ def test_a_new_scene_is_rendered(page: Page) -> None:
     page.wait("document.querySelector('#renders strong')?.textContent.includes(': done')", 200)
     assert film in (page.served.folder / "walk.yaml").read_text()
     page.wait("document.querySelector('#renders img').naturalWidth > 0")
-    page.picture("renders")
     page.page.once("dialog", lambda dialog: dialog.accept("hello"))
     page.page.click("#tab-library")
     page.page.click("[data-name='+scene']")

@@ -264,6 +264,17 @@ def test_a_new_scene_is_rendered(page: Page) -> None:
     page.wait("document.getElementById('name').textContent.startsWith('hello.yaml')")
 
 
+def test_a_scene_that_was_not_changed_is_saved_as_the_same_file(page: Page) -> None:
+    file = page.served.folder / "walk.yaml"
+    file.write_bytes(SCENE.replace("\n", "\r\n").encode())
+    before = file.read_bytes()
+    page.open("walk.yaml")
+    assert not page.value("studio.player.isDirty")
+    page.page.click("#save")
+    page.wait("document.getElementById('status').textContent.startsWith('saved')")
+    assert file.read_bytes() == before
+
+
 def test_the_library_opens_documents(page: Page) -> None:
     page.open(None)
     page.page.click("#tab-library")

@@ -25,6 +25,7 @@ function wordsOf(schema) {
 
 export function textEditor(parent, schema, changed) {
   const words = wordsOf(schema);
+  let lineEnd = "\n";
   const options = [...words.values()];
   const complete = (context) => {
     const word = context.matchBefore(/[\w-]+/);
@@ -56,9 +57,11 @@ export function textEditor(parent, schema, changed) {
   return {
     view,
     get text() {
-      return view.state.doc.toString();
+      return view.state.doc.sliceString(0, undefined, lineEnd);
     },
     set text(value) {
+      // The editor knows one kind of line end; the file keeps its own.
+      lineEnd = value.includes("\r\n") ? "\r\n" : "\n";
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
     },
     mark(problems) {

@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 # What rendering needs, and the checks and tests besides.
 READY  := $(VENV)/.ready
 TOOLS  := $(VENV)/.tools
-# What the nightly tests of farms need: an engine for clusters, and a store to talk to.
+# What nightly tests need: an engine for clusters, a store to talk to, and what drives a browser.
 FARM   := $(VENV)/.farm
 # Stands while packages are being installed: one that was interrupted cannot be installed over.
 UNFINISHED := $(VENV)/.unfinished
@@ -75,10 +75,10 @@ $(TOOLS): $(READY) requirements/dev.txt
 	@$(PIP) $(PINNED) -r requirements/dev.txt > $(LOG) 2>&1 || $(call FAILED,$(LOG))
 	@rm $(UNFINISHED) && touch $(READY) && touch $@
 
-$(FARM): $(TOOLS) requirements/farm.txt
-	@echo "adding what the tests of farms need to $(VENV), once"
+$(FARM): $(TOOLS) requirements/farm.txt requirements/browser.txt
+	@echo "adding what the tests of farms and of the studio's page need to $(VENV), once"
 	@touch $(UNFINISHED) && rm $(READY) $(TOOLS)
-	@$(PIP) $(PINNED) -r requirements/farm.txt > $(LOG) 2>&1 || $(call FAILED,$(LOG))
+	@$(PIP) $(PINNED) -r requirements/farm.txt -r requirements/browser.txt > $(LOG) 2>&1 || $(call FAILED,$(LOG))
 	@rm $(UNFINISHED) && touch $(READY) && touch $(TOOLS) && touch $@
 
 # Tools of maintainers have an environment of their own, apart from what is released.
@@ -101,6 +101,7 @@ lock: $(RELEASE)/.ready
 	$(COMPILE) --group dev -c requirements/runtime.txt -c requirements/build.txt -o requirements/dev.txt
 	$(COMPILE) --group bench -c requirements/runtime.txt -c requirements/dev.txt -o requirements/bench.txt
 	$(COMPILE) --group farm -c requirements/runtime.txt -c requirements/dev.txt -o requirements/farm.txt
+	$(COMPILE) --group browser -c requirements/runtime.txt -c requirements/dev.txt -c requirements/farm.txt -o requirements/browser.txt
 	$(COMPILE) --group release -c requirements/build.txt -c requirements/dev.txt -c requirements/farm.txt -o requirements/release.txt
 
 # The same sources give the same bytes; SOURCE_DATE_EPOCH, if it is set, dates the files.

@@ -15,6 +15,7 @@ from pipeline.commands.direct import direct
 from pipeline.commands.farm import farm
 from pipeline.commands.golden import golden
 from pipeline.commands.option_suggestions import SuggestingCommand
+from pipeline.commands.studio import studio
 from pipeline.commands.usage_errors import EscapingGroup
 from pipeline.errors import UsageError
 from pipeline.production.run.interrupts import INTERRUPTED, ignore, is_interrupt, listen
@@ -50,6 +51,7 @@ for command in (
     scene_files.new,
     scene_files.doctor,
     direct,
+    studio,
 ):
     app.command(cls=SuggestingCommand)(command)
 app.command("compile", cls=SuggestingCommand)(scene_files.compile_code)

@@ -104,7 +104,7 @@ def test_the_tools_of_the_tests_are_added(clone: Path) -> None:
 def test_what_the_tests_of_farms_need_is_added_apart(clone: Path) -> None:
     assert make(clone, ".venv/.farm").returncode == 0
     farm = calls(clone)[-1]
-    assert farm.endswith("-r requirements/farm.txt")
+    assert farm.endswith("-r requirements/farm.txt -r requirements/browser.txt")
     assert {"--require-hashes", "--no-deps"} <= set(farm.split())
     make(clone, ".venv/.tools")
     make(clone, ".venv/.farm")

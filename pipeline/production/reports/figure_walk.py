@@ -6,6 +6,7 @@ A figure that cannot walk stands, sways and looks about for a while instead.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,8 +23,10 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.simulation.figure_analysis import Figure
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
+from pipeline.spec import Figure as FigureConfig
 from pipeline.spec import Scene
 from render.backend import Backend, Choice
+from render.config import Material
 from render.errors import DeviceMemoryShort, RenderError
 from render.image_files import write_png
 from render.renderer import Renderer
@@ -104,11 +107,11 @@ def _simulated(figure: Figure, home: Scene, reporter: Reporter) -> tuple[Scene, 
     """Return the scene and take of a figure that walks, or stands if it cannot, and which."""
     with stage(reporter, "simulate", 1) as current:
         try:
-            scene = _scene(figure, home, True)
+            scene = walk_scene(figure, home.figures[figure.name], home.materials, True)
             take = simulate(scene)
             text = "walks" if figure.skeleton.legs else "crawls as an inchworm"
         except SceneError as error:
-            scene = _scene(figure, home, False)
+            scene = walk_scene(figure, home.figures[figure.name], home.materials, False)
             take = simulate(scene)
             reason = "; ".join(problem.message for problem in error.problems)
             text = f"stands, because it cannot walk ({reason})"
@@ -127,8 +130,22 @@ def _scale(figure: Figure) -> float:
     return 1.0 if SIZES[0] <= size <= SIZES[1] else USUAL_SIZE / max(size, 1e-9)
 
 
-def _scene(figure: Figure, home: Scene, walks: bool) -> Scene:
-    """Return a scene of a figure alone on level ground."""
+def walk_scene(
+    figure: Figure,
+    config: FigureConfig,
+    materials: Mapping[str, Material],
+    walks: bool,
+    seconds: float = SECONDS,
+) -> Scene:
+    """Return a scene of a figure alone on level ground.
+
+    Args:
+        figure: as drawn.
+        config: its drawing as it is written.
+        materials: of its scene, by name.
+        walks: whether it walks or stands.
+        seconds: length of the scene.
+    """
     scale = _scale(figure)
     size = max(MIN_GROUND, GROUND * scale * _size(figure))
     member: dict[str, object] = {"name": "it", "figure": "it", "scale": scale}
@@ -138,10 +155,10 @@ def _scene(figure: Figure, home: Scene, walks: bool) -> Scene:
         {
             "pronk": 1,
             "fps": FPS,
-            "duration": SECONDS,
+            "duration": seconds,
             "terrain": {"kind": "flat", "size": [size, size], "cells": [80, 80]},
-            "figures": {"it": home.figures[figure.name]},
-            "materials": home.materials,
+            "figures": {"it": config},
+            "materials": materials,
             "cast": [member],
             "film": {"preset": "draft", "size": SIZE},
         }

@@ -1,0 +1,1 @@
+"""Binary glTF: takes for viewers and other programs."""

@@ -1,0 +1,159 @@
+"""Access: what every request must be before anything is served.
+
+Every page of a browser can send requests to a port of this machine, under another name for it
+(DNS rebinding) too. So the host must be this machine's, a stated origin this page's, and the token
+of the address right; and a message is read only up to a bound.
+
+Source: Jackson et al. 2007.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hmac
+import secrets
+from collections.abc import Awaitable, Callable, MutableMapping
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import parse_qs
+
+TOKEN_BYTES = 32
+"""Random bytes of a token."""
+
+MAX_MESSAGE_BYTES = 4 * 2**20
+"""Longest message of the page: half of the longest file, which JSON can make longer [bytes]."""
+
+TOO_LONG = 413
+"""Status of a message beyond the bound."""
+
+TOKEN_HEADER = b"x-studio-token"
+
+HEADERS = (
+    (b"cache-control", b"no-store"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (
+        b"content-security-policy",
+        b"default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+        b"img-src 'self' blob: data:; connect-src 'self' blob:; media-src blob:; "
+        b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+)
+"""Of every answer: nothing is kept, nothing comes from elsewhere, and nobody frames it."""
+
+Message = MutableMapping[str, Any]
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+
+def new_token() -> str:
+    """Return a token that nobody can guess."""
+    return secrets.token_urlsafe(TOKEN_BYTES)
+
+
+class TooLong(Exception):
+    """A message goes on beyond the bound."""
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """Refuses what is not this page's, and passes on the rest.
+
+    Attributes:
+        application: behind it.
+        token: of the address.
+        port: that it is served on.
+    """
+
+    application: Application
+    token: str
+    port: int
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] == "lifespan":
+            await self.application(scope, receive, send)
+            return
+        if scope["type"] != "http":
+            raise ValueError("the studio speaks HTTP alone")
+        status, reason = self._fault(scope)
+        if status:
+            if status != TOO_LONG:
+                # A connection that is closed before all is read loses the answer.
+                await _drain(receive)
+            await _refuse(send, status, reason)
+            return
+        await self._pass_on(scope, receive, send)
+
+    def _fault(self, scope: Scope) -> tuple[int, str]:
+        """Return the status and reason of a refusal, 0 for none."""
+        headers = dict[bytes, list[bytes]]()
+        for name, value in scope["headers"]:
+            headers.setdefault(name.lower(), []).append(value)
+        names = {f"{host}:{self.port}".encode() for host in ("127.0.0.1", "localhost")}
+        host = headers.get(b"host", [])
+        if len(host) != 1 or host[0] not in names:
+            return 403, "another host"
+        origins = headers.get(b"origin", [])
+        if any(origin not in {b"http://" + name for name in names} for origin in origins):
+            return 403, "another origin"
+        if not self._is_token(scope, headers.get(TOKEN_HEADER, [])):
+            return 403, "no token; open the address that `pronk studio` printed"
+        length = headers.get(b"content-length", [b"0"])[0]
+        if not length.isdigit() or int(length) > MAX_MESSAGE_BYTES:
+            return TOO_LONG, f"longer than {MAX_MESSAGE_BYTES} bytes"
+        return 0, ""
+
+    def _is_token(self, scope: Scope, given: list[bytes]) -> bool:
+        query = parse_qs(scope.get("query_string", b""), max_num_fields=16)
+        tokens = [*given, *query.get(b"token", [])]
+        return any(hmac.compare_digest(one, self.token.encode()) for one in tokens)
+
+    async def _pass_on(self, scope: Scope, receive: Receive, send: Send) -> None:
+        received = 0
+
+        async def bounded() -> Message:
+            nonlocal received
+            message = await receive()
+            # Also where the length is not said first, or wrongly.
+            received += len(message.get("body", b""))
+            if received > MAX_MESSAGE_BYTES:
+                raise TooLong
+            return message
+
+        async def guarded(message: Message) -> None:
+            if received > MAX_MESSAGE_BYTES:
+                # What the application says of its interruption.
+                return
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message.get("headers", []), *HEADERS]
+            await send(message)
+
+        with contextlib.suppress(TooLong):
+            await self.application(scope, bounded, guarded)
+        if received > MAX_MESSAGE_BYTES:
+            await _refuse(send, TOO_LONG, f"longer than {MAX_MESSAGE_BYTES} bytes")
+
+
+async def _drain(receive: Receive) -> None:
+    """Read a message and forget it, up to the bound."""
+    received = 0
+    while received <= MAX_MESSAGE_BYTES:
+        message = await receive()
+        received += len(message.get("body", b""))
+        if not message.get("more_body"):
+            return
+
+
+async def _refuse(send: Send, status: int, reason: str) -> None:
+    headers = [
+        (b"content-type", b"text/plain; charset=utf-8"),
+        (b"connection", b"close"),
+        *HEADERS,
+    ]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": f"refused: {reason}\n".encode()})

@@ -1,0 +1,301 @@
+"""App: the routes of the studio, each a thin layer over the readers and reports of the commands.
+
+Figures are analysed and scenes simulated in threads, so that the page is answered meanwhile.
+"""
+
+from __future__ import annotations
+
+import importlib.resources
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, get_args
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from pipeline.errors import PronkError, SceneError, UsageError
+from pipeline.production.run.starter_scene import write_starter
+from pipeline.spec import Figure, figure_schema, read_scene, schema
+from pipeline.spec.figure import PartKind
+from pipeline.studio.access import Guard
+from pipeline.studio.drawing import DrawnFigure
+from pipeline.studio.figure_analysis import analysed, problem_facts, with_drawing
+from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text, updated_text
+from pipeline.studio.newest import Newest, Superseded
+from pipeline.studio.project import Document, Project
+from pipeline.studio.render_queue import PRESETS, RenderQueue
+from pipeline.studio.scene_play import ScenePlay
+from pipeline.studio.walk import figure_walk
+
+PAGE = importlib.resources.files("pipeline.studio") / "page"
+
+ASSETS = {
+    "studio.js": "text/javascript; charset=utf-8",
+    "studio.css": "text/css; charset=utf-8",
+    "licences.txt": "text/plain; charset=utf-8",
+}
+"""Files of the page by their type; no others are served."""
+
+Json = dict[str, Any]
+
+
+@dataclass(slots=True)
+class Studio:
+    """What is open on the page.
+
+    Attributes:
+        project: folder of documents.
+        first: name of the document that is shown first, None for a new figure.
+        token: of the address.
+    """
+
+    project: Project
+    first: str | None
+    token: str
+    _walks: Newest = field(default_factory=Newest)
+    _takes: Newest = field(default_factory=Newest)
+    _play: tuple[int, ScenePlay] | None = None
+    _plays: int = 0
+    _queue: RenderQueue = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._queue = RenderQueue(lambda: self.project.folder)
+
+    def stop(self) -> None:
+        """End what is being simulated."""
+        self._walks.stop()
+        self._takes.stop()
+        self._queue.stop_all()
+
+    def library(self, _: Json) -> Json:
+        """Return the documents of the project and of the library."""
+        return {"documents": self.project.listed(), "first": self.first}
+
+    def open(self, message: Json) -> Json:
+        """Return a document, with its drawing if it is a right figure."""
+        if message.get("name") is None:
+            return _document(Document("", "figure", NEW_FIGURE, False))
+        return _document(self.project.read(_text(message, "name")))
+
+    def check(self, message: Json) -> Json:
+        """Return the problems of a text, and its drawing if it is a right figure."""
+        text = _text(message, "text")
+        if message.get("kind") == "scene":
+            read_scene(text, "scene", self._folder(message))
+            return {"problems": []}
+        return _document(Document("", "figure", text, False))
+
+    def analyse(self, message: Json) -> Json:
+        """Return what a drawing becomes."""
+        return analysed(self._figure(message), not message.get("is_moving"))
+
+    def walk(self, message: Json) -> Response:
+        """Return the walk of a drawing as binary glTF, its facts in a header."""
+        config = self._figure(message)
+        made = self._walks.run(lambda wanted: figure_walk(config, {}, wanted))
+        return _glb(made.glb, made.facts)
+
+    def text_of(self, message: Json) -> Json:
+        """Return the text of a figure file with a drawing in it."""
+        drawing = DrawnFigure.from_json(message.get("drawing"))
+        return {"text": updated_text(_text(message, "text"), drawing)}
+
+    def save(self, message: Json) -> Json:
+        """Write a document; return it as it is then."""
+        text = _text(message, "text")
+        if message.get("drawing") is not None:
+            text = updated_text(text, DrawnFigure.from_json(message["drawing"]))
+        name = self.project.write(_text(message, "name"), text)
+        return _document(self.project.read(name))
+
+    def take(self, message: Json) -> Json:
+        """Simulate the text of a scene; return its facts and the number to ask for more with."""
+        scene = read_scene(_text(message, "text"), "scene", self._folder(message))
+        play = self._takes.run(lambda wanted: ScenePlay(scene, wanted))
+        self._plays += 1
+        self._play = self._plays, play
+        return {"play": self._plays, **play.facts}
+
+    def take_glb(self, message: Json) -> Response:
+        """Return the take of a scene as binary glTF."""
+        return _glb(self._shown(message).glb, {})
+
+    def sound(self, message: Json) -> Response:
+        """Return the sound track of a scene as WAV."""
+        return Response(self._shown(message).sound, media_type="audio/wav")
+
+    def camera(self, message: Json) -> Json:
+        """Return the film's camera in every frame."""
+        return {"camera": self._shown(message).camera}
+
+    def still(self, message: Json) -> Response:
+        """Return a frame of a scene by the film's renderer as PNG."""
+        frame = message.get("frame")
+        if not isinstance(frame, int):
+            raise UsageError("the message holds no frame")
+        return Response(self._shown(message).still(frame), media_type="image/png")
+
+    def schema(self, message: Json) -> Json:
+        """Return the schema of scenes or figures."""
+        return figure_schema() if message.get("kind") == "figure" else schema()
+
+    def new_scene(self, message: Json) -> Json:
+        """Write a starter scene into the project and return it."""
+        path = write_starter(_text(message, "name"), self.project.folder)
+        return _document(self.project.read(path.name))
+
+    def render(self, message: Json) -> Json:
+        """Append a film of a scene of the project to the render queue."""
+        name = _text(message, "name")
+        if self.project.read(name).is_shipped:
+            raise UsageError("save the scene in this folder first")
+        return self._queue.add(name, _text(message, "preset")).facts
+
+    def renders(self, _: Json) -> Json:
+        """Return the films of the render queue, the newest first."""
+        return {"renders": self._queue.listed(), "presets": list(PRESETS)}
+
+    def stop_render(self, message: Json) -> Json:
+        """Stop a film of the render queue."""
+        render = self._queue.find(message.get("number"))
+        self._queue.stop(render)
+        return render.facts
+
+    def rendered_frame(self, message: Json) -> Response:
+        """Return the newest frame of a film as PNG."""
+        picture = self._queue.frame(self._queue.find(message.get("number")))
+        if picture is None:
+            raise UsageError("there is no frame yet")
+        return Response(picture, media_type="image/png")
+
+    def _shown(self, message: Json) -> ScenePlay:
+        if self._play is None or message.get("play") != self._play[0]:
+            raise Superseded
+        return self._play[1]
+
+    def _figure(self, message: Json) -> Figure:
+        drawing = DrawnFigure.from_json(message.get("drawing"))
+        text = _text(message, "text")
+        return with_drawing(None if text == NEW_FIGURE else _figure_of(text), drawing)
+
+    def _folder(self, message: Json) -> Path:
+        name = message.get("name")
+        return self.project.path_of(name).parent if name else self.project.folder
+
+
+def _document(document: Document) -> Json:
+    """Return a document as the page opens it."""
+    facts: Json = {
+        "name": document.name,
+        "kind": document.kind,
+        "text": document.text,
+        "is_shipped": document.is_shipped,
+        "drawing": None,
+        "kinds": list(get_args(PartKind)),
+    }
+    if document.kind == "figure":
+        is_new = document.text == NEW_FIGURE
+        drawing = (
+            DrawnFigure(settings={"style": "insect"})
+            if is_new
+            else DrawnFigure.of(figure_of_text(document.text))
+        )
+        facts["drawing"] = drawing.as_json()
+    return facts
+
+
+@lru_cache(maxsize=4)
+def _figure_of(text: str) -> Figure:
+    """Return the figure of a text, which stays the same while its drawing changes."""
+    return figure_of_text(text)
+
+
+def _text(message: Json, key: str) -> str:
+    value = message.get(key)
+    if not isinstance(value, str):
+        raise UsageError(f"the message holds no {key}")
+    return value
+
+
+def _glb(content: bytes, facts: Mapping[str, Any]) -> Response:
+    headers = {"x-studio-facts": json.dumps(facts)}
+    return Response(content, media_type="model/gltf-binary", headers=headers)
+
+
+def application(studio: Studio, port: int) -> Guard:
+    """Return the application of a studio on a port."""
+    answers: dict[str, Callable[[Json], Json | Response]] = {
+        "library": studio.library,
+        "open": studio.open,
+        "check": studio.check,
+        "analyse": studio.analyse,
+        "walk": studio.walk,
+        "text": studio.text_of,
+        "save": studio.save,
+        "take": studio.take,
+        "take.glb": studio.take_glb,
+        "sound": studio.sound,
+        "camera": studio.camera,
+        "still": studio.still,
+        "schema": studio.schema,
+        "new-scene": studio.new_scene,
+        "render": studio.render,
+        "renders": studio.renders,
+        "stop-render": studio.stop_render,
+        "rendered-frame": studio.rendered_frame,
+    }
+    routes = [
+        Route("/", _index(studio)),
+        Route("/assets/{name}", _asset),
+        *(Route(f"/api/{name}", _api(work), methods=["POST"]) for name, work in answers.items()),
+    ]
+    return Guard(Starlette(routes=routes), studio.token, port)
+
+
+def _index(studio: Studio) -> Callable[[Request], Any]:
+    async def answer(_: Request) -> Response:
+        text = (PAGE / "index.html").read_text(encoding="utf-8")
+        return Response(text.replace("{token}", studio.token), media_type="text/html")
+
+    return answer
+
+
+async def _asset(request: Request) -> Response:
+    name = request.path_params["name"]
+    if name not in ASSETS:
+        return Response("there is no such file\n", 404, media_type="text/plain")
+    return Response((PAGE / name).read_bytes(), media_type=ASSETS[name])
+
+
+def _api(work: Callable[[Json], Json | Response]) -> Callable[[Request], Any]:
+    """Return the endpoint of a piece of work: JSON in; JSON, bytes or one clear error out."""
+
+    async def answer(request: Request) -> Response:
+        try:
+            message = json.loads(await request.body())
+        except ValueError:
+            return _error(400, "the message is no JSON")
+        if not isinstance(message, dict):
+            return _error(400, "the message is no JSON object")
+        try:
+            result = await run_in_threadpool(work, message)
+        except Superseded:
+            return _error(409, "a newer request has come")
+        except SceneError as error:
+            problems = [problem_facts(problem) for problem in error.problems]
+            return _error(422, str(error), problems)
+        except PronkError as error:
+            return _error(422, str(error))
+        return result if isinstance(result, Response) else JSONResponse(result)
+
+    return answer
+
+
+def _error(status: int, text: str, problems: list[Json] | None = None) -> Response:
+    return JSONResponse({"error": text, "problems": problems or []}, status)

@@ -1,0 +1,58 @@
+// Requests to the studio's server, each with the token of the address.
+
+const script = document.getElementById("studio-script");
+const token = script.dataset.token;
+// So that the token stands in no history and no screenshot.
+history.replaceState(null, "", "/");
+
+export class Refusal extends Error {
+  constructor(status, answer) {
+    super(answer.error);
+    this.status = status;
+    this.problems = answer.problems || [];
+  }
+}
+
+async function request(name, message) {
+  const response = await fetch(`/api/${name}`, {
+    method: "POST",
+    headers: { "content-type": "application/json", "x-studio-token": token },
+    body: JSON.stringify(message),
+  });
+  if (response.ok) return response;
+  const text = await response.text();
+  let answer;
+  try {
+    answer = JSON.parse(text);
+  } catch {
+    answer = { error: text };
+  }
+  throw new Refusal(response.status, answer);
+}
+
+export async function ask(name, message = {}) {
+  return (await request(name, message)).json();
+}
+
+export async function askBytes(name, message = {}) {
+  const response = await request(name, message);
+  const facts = response.headers.get("x-studio-facts");
+  return { bytes: await response.arrayBuffer(), facts: facts ? JSON.parse(facts) : {} };
+}
+
+// Keeps one message in flight: of what is asked meanwhile only the last is sent.
+export function latest(send) {
+  let waiting = null;
+  let busy = false;
+  return async function (message) {
+    waiting = { message };
+    if (busy) return;
+    busy = true;
+    while (waiting) {
+      const { message: next } = waiting;
+      waiting = null;
+      await send(next);
+    }
+    busy = false;
+  };
+}

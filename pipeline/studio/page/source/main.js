@@ -1,0 +1,154 @@
+// The page: which document is open, and what is done with it.
+
+import { ask, Refusal } from "./api.js";
+import { Editor } from "./editor.js";
+import { Player } from "./player.js";
+import { Renders } from "./renders.js";
+
+const $ = (id) => document.getElementById(id);
+
+function report(text, isBad = false) {
+  $("status").textContent = text;
+  $("status").classList.toggle("bad", isBad);
+}
+
+const editor = new Editor(report);
+const player = new Player(report);
+const renders = new Renders(report);
+let shown = null;
+
+function show(pane) {
+  for (const id of ["library", "renders", "figure", "scene"]) $(id).hidden = id !== pane;
+  $("tab-renders").classList.toggle("on", pane === "renders");
+  $("tab-library").classList.toggle("on", pane === "library");
+  for (const id of ["undo", "redo"]) $(id).hidden = pane !== "figure";
+  if (pane === "figure" || pane === "scene") shown = pane === "figure" ? editor : player;
+  if (pane !== "scene") player.pause();
+  refresh();
+}
+
+function refresh() {
+  const document_ = shown?.document;
+  $("name").textContent = document_ ? `${document_.name || "new figure"}${shown.isDirty ? " •" : ""}` : "";
+  $("save").disabled = !document_;
+}
+
+editor.onChange = refresh;
+player.onChange = refresh;
+
+async function guarded(work) {
+  try {
+    await work();
+  } catch (error) {
+    if (!(error instanceof Refusal)) throw error;
+    report(error.message.split("\n")[0], true);
+  }
+}
+
+const open = (name) =>
+  guarded(async () => {
+    if (shown?.isDirty && !confirm("What was changed is not saved. Open another document?")) return;
+    let document_;
+    try {
+      document_ = await ask("open", { name });
+    } catch (error) {
+      if (!(error instanceof Refusal) || !error.problems.length) throw error;
+      return report(error.message.split("\n")[0], true);
+    }
+    show(document_.kind === "figure" ? "figure" : "scene");
+    if (document_.kind === "figure") editor.open(document_);
+    else await player.open(document_);
+    report(document_.is_shipped ? "of the library; saving makes a copy in this folder" : "");
+    refresh();
+  });
+
+const save = () =>
+  guarded(async () => {
+    const { document: document_ } = shown;
+    let { name } = document_;
+    if (!name) {
+      const wished = prompt("Name of the figure", "creature");
+      if (!wished) return;
+      name = `figures/${wished.replace(/\.ya?ml$/, "")}.yaml`;
+    }
+    const message = { name, text: document_.text };
+    if (shown === editor) message.drawing = editor.drawing;
+    else message.text = player.editor.text;
+    const saved = await ask("save", message);
+    Object.assign(document_, saved);
+    if (shown === editor) {
+      editor.saved = JSON.stringify(editor.drawing);
+      editor.analyse({ text: saved.text, drawing: editor.drawing, asked: performance.now() });
+    }
+    report(`saved ${saved.name}`);
+    refresh();
+  });
+
+const newScene = () =>
+  guarded(async () => {
+    const name = prompt("Name of the scene", "hello");
+    if (name) await open((await ask("new-scene", { name })).name);
+  });
+
+const render = () =>
+  guarded(async () => {
+    if (player.isDirty || !player.document.name || player.document.is_shipped) await save();
+    await ask("render", { name: player.document.name, preset: $("preset").value });
+    show("renders");
+    await renders.refresh();
+  });
+
+const library = () =>
+  guarded(async () => {
+    const { documents } = await ask("library");
+    const section = (title, some, label) => {
+      const head = Object.assign(document.createElement("h2"), { textContent: title });
+      const cards = Object.assign(document.createElement("div"), { className: "cards" });
+      cards.append(
+        ...some.map(({ name }) => {
+          const button = Object.assign(document.createElement("button"), { textContent: label(name) });
+          button.dataset.name = name ?? "";
+          button.onclick = () => (name === "+scene" ? newScene() : open(name));
+          return button;
+        }),
+      );
+      return some.length ? [head, cards] : [];
+    };
+    const own = documents.filter(({ name }) => !name.startsWith("library:"));
+    const shipped = documents.filter(({ name }) => name.startsWith("library:"));
+    const short = (name) => name.replace(/^library:/, "").replace(/^figures\//, "").replace(/\.yaml$/, "");
+    const of = (some, kind) => some.filter((one) => one.kind === kind);
+    $("library").replaceChildren(
+      ...section("New", [{ name: null }, { name: "+scene" }], (name) => (name ? "new scene" : "new figure")),
+      ...section("Figures of this folder", of(own, "figure"), short),
+      ...section("Scenes of this folder", of(own, "scene"), short),
+      ...section("Figures of the library", of(shipped, "figure"), short),
+      ...section("Scenes of the library", of(shipped, "scene"), short),
+    );
+    show("library");
+  });
+
+$("tab-library").onclick = () => ($("library").hidden ? library() : show(shown === player ? "scene" : "figure"));
+$("tab-renders").onclick = () =>
+  guarded(async () => {
+    if (!$("renders").hidden) return show(shown === player ? "scene" : "figure");
+    show("renders");
+    await renders.refresh();
+  });
+$("render-film").onclick = render;
+for (const preset of (await ask("renders")).presets) $("preset").append(new Option(preset));
+$("save").onclick = save;
+$("undo").onclick = () => editor.undo();
+$("redo").onclick = () => editor.redo();
+window.addEventListener("keydown", (event) => {
+  if ((event.ctrlKey || event.metaKey) && event.key === "s") {
+    event.preventDefault();
+    save();
+  }
+});
+window.addEventListener("beforeunload", (event) => shown?.isDirty && event.preventDefault());
+
+window.studio = { editor, player };
+const { first } = await ask("library");
+await open(first);
+window.studio.isReady = true;

@@ -1,0 +1,57 @@
+// The render queue: films as they are made, each with its newest frame.
+
+import { ask, askBytes, Refusal } from "./api.js";
+
+const REFRESH = 1000; // ms
+
+export class Renders {
+  constructor(report) {
+    this.report = report;
+    this.box = document.getElementById("renders");
+    this.pictures = new Map();
+    setInterval(() => this.box.hidden || this.refresh(), REFRESH);
+  }
+
+  async refresh() {
+    const { renders } = await ask("renders");
+    const articles = renders.map((one) => this.#article(one));
+    const none = Object.assign(document.createElement("p"), {
+      textContent: "Nothing is being rendered. Open a scene and press Render.",
+    });
+    this.box.replaceChildren(...(articles.length ? articles : [none]));
+    for (const one of renders) {
+      if (one.state === "rendering" || !this.pictures.has(one.number)) await this.#picture(one);
+    }
+  }
+
+  async #picture({ number, state }) {
+    try {
+      const { bytes } = await askBytes("rendered-frame", { number });
+      URL.revokeObjectURL(this.pictures.get(number));
+      this.pictures.set(number, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      if (state !== "rendering" && state !== "waiting") this.pictures.set(number, "data:,");
+    }
+  }
+
+  #article({ number, scene, preset, state, stage, text }) {
+    const article = document.createElement("article");
+    const picture = Object.assign(document.createElement("img"), { alt: `newest frame of ${scene}` });
+    picture.src = this.pictures.get(number) ?? "data:,";
+    const about = document.createElement("div");
+    const line = (tag, textContent) => about.append(Object.assign(document.createElement(tag), { textContent }));
+    line("strong", `${scene}, ${preset}: ${state}`);
+    line("p", state === "rendering" ? stage : text);
+    if (state === "rendering" || state === "waiting") {
+      const stop = Object.assign(document.createElement("button"), { textContent: "Stop" });
+      stop.onclick = async () => {
+        await ask("stop-render", { number });
+        this.refresh();
+      };
+      about.append(stop);
+    }
+    article.append(picture, about);
+    return article;
+  }
+}

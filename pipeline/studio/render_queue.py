@@ -1,0 +1,196 @@
+"""Render queue: films of the project's scenes, one after the other, each by `pronk render`.
+
+A process of its own makes each film, so that the page stays quick and a film that fails or is
+stopped ends nothing else. What is finished stays, and the same render goes on there.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, get_args
+
+from pipeline.errors import UsageError
+from render.config.film import Preset
+
+PRESETS: tuple[str, ...] = get_args(Preset)
+
+MAX_RENDERS = 100
+"""Films that are remembered; the oldest that ended are forgotten."""
+
+STOP_TIMEOUT = 10.0
+"""Time that a film has to end after it is stopped [s]."""
+
+
+@dataclass(slots=True)
+class Render:
+    """A film that is wanted.
+
+    Attributes:
+        number: that the page knows it by.
+        scene: file of the scene, below the project's folder.
+        preset: quality of its frames.
+        state: "waiting", "rendering", "done", "failed" or "stopped".
+        stage: what is being made, with numbers.
+        text: the last message.
+    """
+
+    number: int
+    scene: str
+    preset: str
+    state: str = "waiting"
+    stage: str = ""
+    text: str = ""
+    process: subprocess.Popen[str] | None = field(default=None, repr=False)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What the page shows."""
+        names = ("number", "scene", "preset", "state", "stage", "text")
+        return {name: getattr(self, name) for name in names}
+
+
+class RenderQueue:
+    """Renders scenes in their order.
+
+    Args:
+        folder: returns the project's folder, in which `out` is.
+    """
+
+    def __init__(self, folder: Callable[[], Path]) -> None:
+        self._folder = folder
+        self._renders: list[Render] = []
+        self._lock = threading.Lock()
+        self._count = 0
+        self._thread: threading.Thread | None = None
+
+    def add(self, scene: str, preset: str) -> Render:
+        """Append a film and return it.
+
+        Raises:
+            UsageError: there is no such preset, or too much is waiting.
+        """
+        if preset not in PRESETS:
+            raise UsageError(f"no preset is called '{preset}'; {', '.join(PRESETS)}")
+        with self._lock:
+            if len(self._renders) >= MAX_RENDERS:
+                ended = [one for one in self._renders if one.state not in ("waiting", "rendering")]
+                if not ended:
+                    raise UsageError(f"{MAX_RENDERS} films are waiting already")
+                self._renders.remove(ended[0])
+            self._count += 1
+            render = Render(self._count, scene, preset)
+            self._renders.append(render)
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._work, name="renders", daemon=True)
+                self._thread.start()
+            return render
+
+    def listed(self) -> list[dict[str, Any]]:
+        """Return all films, the newest first."""
+        with self._lock:
+            return [render.facts for render in reversed(self._renders)]
+
+    def find(self, number: object) -> Render:
+        """Return a film by its number.
+
+        Raises:
+            UsageError: there is none.
+        """
+        with self._lock:
+            for render in self._renders:
+                if render.number == number:
+                    return render
+        raise UsageError("there is no such render")
+
+    def stop(self, render: Render) -> None:
+        """Stop a film that waits or is being made; what is finished of it stays."""
+        with self._lock:
+            if render.state == "waiting":
+                render.state = "stopped"
+            elif render.state == "rendering" and render.process is not None:
+                render.state = "stopped"
+                _interrupt(render.process)
+
+    def stop_all(self) -> None:
+        """Stop all films and wait for their processes."""
+        for render in list(self._renders):
+            self.stop(render)
+            if render.process is not None:
+                try:
+                    render.process.wait(STOP_TIMEOUT)
+                except subprocess.TimeoutExpired:
+                    render.process.kill()
+
+    def frame(self, render: Render) -> bytes | None:
+        """Return the newest frame of a film as PNG, None before the first."""
+        frames = self._folder() / "out" / Path(render.scene).stem / "frames"
+        pictures = [path for path in frames.glob("[0-9]*.png") if path.is_file()]
+        newest = max(pictures, key=lambda path: path.stat().st_mtime_ns, default=None)
+        return None if newest is None else newest.read_bytes()
+
+    def _next(self) -> Render | None:
+        with self._lock:
+            for render in self._renders:
+                if render.state == "waiting":
+                    render.state = "rendering"
+                    return render
+            self._thread = None
+            return None
+
+    def _work(self) -> None:
+        while (render := self._next()) is not None:
+            self._make(render)
+
+    def _make(self, render: Render) -> None:
+        command = [sys.executable, "-m", "pipeline.cli", "render", f"./{render.scene}"]
+        with self._lock:
+            if render.state != "rendering":
+                return
+            render.process = subprocess.Popen(
+                [*command, "--preset", render.preset, "--json"],
+                cwd=self._folder(),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                encoding="utf-8",
+                errors="replace",
+            )
+        assert render.process.stdout is not None
+        with render.process.stdout as lines:
+            for line in lines:
+                _read(render, line)
+        code = render.process.wait()
+        with self._lock:
+            if render.state == "rendering":
+                render.state = "failed" if code else "done"
+
+
+def _interrupt(process: subprocess.Popen[str]) -> None:
+    """Stop a process as Ctrl-C does, where the system can."""
+    if sys.platform == "win32":
+        process.terminate()
+    else:
+        process.send_signal(signal.SIGINT)
+
+
+def _read(render: Render, line: str) -> None:
+    """Take in a line of the render's report."""
+    try:
+        event = json.loads(line)
+    except ValueError:
+        render.text = line.strip() or render.text
+        return
+    if event.get("event") == "progress":
+        render.stage = f"{event.get('stage', '')} {event['done']} of {event['total']}"
+    elif isinstance(event.get("text"), str):
+        render.text = event["text"]
+    elif isinstance(event.get("message"), str):
+        render.text = event["message"]

@@ -1,0 +1,142 @@
+"""Scene play: the take of a scene as the page plays it, with its sound and rendered stills."""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from audio.wav_file import write_wav
+from pipeline.errors import FilmingError, UsageError
+from pipeline.production.gltf.take_file import take_glb
+from pipeline.production.reports.plot_colors import cause_color
+from pipeline.production.shots.shot_builder import ShotBuilder
+from pipeline.production.sound.score_builder import build_score
+from pipeline.simulation.take import Take
+from pipeline.spec import Scene
+from pipeline.studio.newest import simulated
+from pipeline.studio.walk import gait_bars
+from render.backend import choose
+from render.errors import RenderError
+from render.image_files import write_png
+from render.renderer import Renderer
+from render.shot import Shot
+
+STILL_SIZE = (480, 270)
+"""Of a rendered still [pixels]."""
+
+
+_RENDERING = ThreadPoolExecutor(1, "studio-stills")
+"""One thread, because the renderer's variant belongs to the thread that chose it."""
+
+_KEPT = threading.local()
+
+
+class ScenePlay:
+    """A scene that was simulated for the page.
+
+    Attributes:
+        scene: as its text has it.
+        take: of the scene.
+    """
+
+    def __init__(self, scene: Scene, still_wanted: Callable[[], None]) -> None:
+        self.scene = scene.model_copy(
+            update={"film": scene.film.model_copy(update={"preset": "draft", "size": STILL_SIZE})}
+        )
+        self.take: Take = simulated(scene, still_wanted)
+        self._building = threading.Lock()
+
+    @cached_property
+    def facts(self) -> dict[str, Any]:
+        """Length, events, stances and notes as plain values."""
+        header = self.take.header
+        step = float(header.rate * header.steps)
+        events = [
+            {
+                "time": round((event.step + event.fraction) / step, 4),
+                "cause": event.cause,
+                "who": event.who,
+                "place": [round(v, 3) for v in event.place],
+                "strength": round(event.strength, 3),
+                "color": cause_color(event.cause),
+            }
+            for event in self.take.events
+        ]
+        notes = [
+            {"kind": note.kind, "time": round(note.step / step, 3), "text": note.text}
+            for note in self.take.notes
+        ]
+        return {
+            "title": header.title,
+            "frames": header.frames,
+            "fps": float(header.rate),
+            "seconds": header.frames / float(header.rate),
+            "events": events,
+            "notes": notes,
+            "gait": gait_bars(self.scene, self.take),
+            "performers": list(dict.fromkeys(node.performer for node in self.take.nodes)),
+        }
+
+    @cached_property
+    def glb(self) -> bytes:
+        """The take as binary glTF."""
+        return take_glb(self.take, self.scene.materials)
+
+    @cached_property
+    def builder(self) -> ShotBuilder:
+        """The shots of the take."""
+        return ShotBuilder(self.scene, self.take)
+
+    @cached_property
+    def camera(self) -> list[list[float]]:
+        """Origin, target [m] and field of view [degrees] of the film's camera, frame by frame."""
+        return [
+            [round(float(v), 4) for v in (*pose.p_WC, *pose.p_WT, pose.fov_deg)]
+            for pose in self.builder.poses
+        ]
+
+    @cached_property
+    def sound(self) -> bytes:
+        """The sound track as WAV.
+
+        Raises:
+            PronkError: it cannot be made.
+        """
+        with self._building:
+            score, _ = build_score(self.scene, self.take, self.builder.poses)
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "sound.wav"
+                write_wav(score, path)
+                return path.read_bytes()
+
+    def still(self, frame: int) -> bytes:
+        """Return a frame by the film's renderer as PNG.
+
+        Raises:
+            UsageError: the scene has no such frame.
+            FilmingError: it cannot be rendered.
+        """
+        if not 1 <= frame <= self.take.header.frames:
+            raise UsageError(f"there is no frame {frame}; 1 to {self.take.header.frames}")
+        try:
+            with self._building:
+                shot = self.builder.shot(frame)
+            return _RENDERING.submit(_picture, shot).result()
+        except RenderError as error:
+            raise FilmingError(str(error)) from error
+
+
+def _picture(shot: Shot) -> bytes:
+    """Return a shot as PNG."""
+    if not hasattr(_KEPT, "renderer"):
+        _KEPT.renderer = Renderer(choose("auto"))
+    picture = _KEPT.renderer.render(shot).srgb8
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "still.png"
+        write_png(path, picture, "still")
+        return path.read_bytes()

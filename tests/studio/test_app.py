@@ -1,0 +1,204 @@
+"""The routes of the studio: analysis, walks, saving, scenes, and mistakes at their place."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from typing import Any
+
+import pytest
+
+from pipeline.simulation.figure_analysis import build_figure
+from pipeline.spec import library
+from pipeline.studio.drawing import DrawnFigure
+from pipeline.studio.figure_analysis import with_drawing
+from pipeline.studio.figure_text import figure_of_text
+from pipeline.studio.newest import Newest, Superseded
+from tests.studio.conftest import SCENE, Served
+
+FIGURES = sorted((library() / "figures").glob("*.yaml"))
+
+
+def opened(served: Served, name: str = "library:figures/beetle.yaml") -> Any:
+    status, document = served.ask("open", name=name)
+    assert status == 200
+    return document
+
+
+def test_a_drawing_is_analysed_as_the_command_does(served: Served) -> None:
+    document = opened(served)
+    status, answer = served.ask("analyse", text=document["text"], drawing=document["drawing"])
+    assert status == 200
+    kinds = [limb["kind"] for limb in answer["limbs"]]
+    assert (kinds.count("leg"), kinds.count("head"), kinds.count("feeler")) == (6, 1, 2)
+    assert answer["mass"] == pytest.approx(1389, rel=0.01)
+    twin = next(node for node in answer["nodes"] if node["name"] == "foot1_r")
+    assert (twin["source"], twin["is_drawn"], twin["at"]) == ("foot1_l", False, [1.17, -1.49])
+    moving = served.ask(
+        "analyse", text=document["text"], drawing=document["drawing"], is_moving=True
+    )[1]
+    assert (moving["mass"], moving["limbs"]) == (None, answer["limbs"])
+
+
+@pytest.mark.sample(4)
+@pytest.mark.parametrize("file", FIGURES, ids=lambda file: file.stem)
+def test_a_drawing_that_did_not_change_makes_the_same_figure(file) -> None:
+    config = figure_of_text(file.read_text(encoding="utf-8"))
+    again = with_drawing(config, DrawnFigure.from_json(DrawnFigure.of(config).as_json()))
+    one, two = (build_figure("it", figure, 1.0) for figure in (config, again))
+    assert (one.drawing.places == two.drawing.places).all()
+    assert one.drawing.materials == two.drawing.materials
+    assert one.skeleton.joint_names == two.skeleton.joint_names
+
+
+def test_warnings_stand_at_their_nodes(served: Served) -> None:
+    document = opened(served)
+    document["drawing"]["nodes"]["stray"] = {"at": [1.4, 1.4], "radius": 0.1}
+    answer = served.ask("analyse", text=document["text"], drawing=document["drawing"])[1]
+    assert any(w["node"].startswith("stray") for w in answer["warnings"])
+
+
+def test_what_is_no_figure_is_told_with_its_path(served: Served) -> None:
+    document = opened(served)
+    document["drawing"]["chains"].append(["head", "nobody"])
+    status, answer = served.ask("analyse", text=document["text"], drawing=document["drawing"])
+    assert status == 422
+    assert any("nobody" in problem["message"] for problem in answer["problems"])
+
+
+def test_a_figure_is_saved_beside_the_scene_and_only_its_line_changes(served: Served) -> None:
+    document = opened(served)
+    document["drawing"]["nodes"]["foot1_l"]["at"] = [-1.2, -1.5]
+    status, saved = served.ask(
+        "save", name=document["name"], text=document["text"], drawing=document["drawing"]
+    )
+    assert (status, saved["name"]) == (200, "figures/beetle.yaml")
+    before, after = document["text"], (served.folder / saved["name"]).read_bytes().decode()
+    assert before != after
+    lines = zip(before.splitlines(), after.splitlines(), strict=True)
+    assert [a for a, b in lines if a != b] == [
+        line for line in before.splitlines() if line.strip().startswith("foot1_l:")
+    ]
+
+
+@pytest.mark.slow
+def test_a_figure_walks_with_its_gait(served: Served) -> None:
+    document = opened(served)
+    message = json.dumps({"text": document["text"], "drawing": document["drawing"]})
+    status, glb = served.request("POST", "/api/walk", message.encode())
+    assert (status, glb[:4]) == (200, b"glTF")
+
+
+def test_mistakes_of_a_scene_are_told_at_their_place(served: Served) -> None:
+    wrong = SCENE.replace("frames", "framse").replace("beetle", "beatle")
+    status, answer = served.ask("check", kind="scene", text=wrong, name="walk.yaml")
+    places = [(p["line"], p["column"]) for p in answer["problems"]]
+    assert (status, places) == (422, [(2, 1), (5, 25)])
+    assert "did you mean 'beetle'" in answer["problems"][1]["message"]
+    assert served.ask("check", kind="scene", text=SCENE, name="walk.yaml")[0] == 200
+
+
+def test_a_scene_is_simulated_with_events_and_gait(served: Served) -> None:
+    status, facts = served.ask("take", text=SCENE, name="walk.yaml")
+    assert status == 200
+    assert (facts["frames"], facts["fps"], facts["performers"]) == (8, 24.0, ["bug"])
+    assert len(facts["gait"][0]["legs"]) == 6
+    body = json.dumps({"play": facts["play"]}).encode()
+    assert served.request("POST", "/api/take.glb", body)[1][:4] == b"glTF"
+    assert served.request("POST", "/api/still", body)[0] == 422
+    newer = served.ask("take", text=SCENE.replace("frames: 8", "frames: 4"), name="walk.yaml")[1]
+    assert newer["play"] > facts["play"]
+    assert served.request("POST", "/api/take.glb", body)[0] == 409
+
+
+@pytest.mark.slow
+def test_a_scene_has_its_sound_and_its_camera(served: Served) -> None:
+    facts = served.ask("take", text=SCENE, name="walk.yaml")[1]
+    body = json.dumps({"play": facts["play"]}).encode()
+    assert served.request("POST", "/api/sound", body)[1][:4] == b"RIFF"
+    status, answer = served.ask("camera", play=facts["play"])
+    assert (status, len(answer["camera"])) == (200, 8)
+
+
+def test_a_scene_of_the_project_uses_figures_beside_it(served: Served) -> None:
+    document = opened(served)
+    (served.folder / "figures").mkdir()
+    (served.folder / "figures" / "mine.yaml").write_text(document["text"])
+    scene = SCENE.replace("beetle", "mine")
+    assert served.ask("take", text=scene, name="walk.yaml")[0] == 200
+
+
+def test_a_new_scene_is_a_right_one_and_is_not_written_twice(served: Served) -> None:
+    status, document = served.ask("new-scene", name="hello")
+    assert (status, document["name"], document["kind"]) == (200, "hello.yaml", "scene")
+    assert served.ask("check", kind="scene", text=document["text"], name="hello.yaml")[0] == 200
+    assert served.ask("new-scene", name="hello")[0] == 422
+    assert served.ask("new-scene", name="../hello")[0] == 422
+
+
+TINY = SCENE.replace("frames: 8", "frames: 2").replace("cells: [8, 8]", "scatter: none")
+
+
+@pytest.mark.nightly
+def test_a_film_is_rendered_by_the_queue(served: Served) -> None:
+    (served.folder / "tiny.yaml").write_text(TINY + "film: {size: [64, 36], samples: 1}\n")
+    (served.folder / "wrong.yaml").write_text(TINY.replace("frames", "framse"))
+    numbers = [
+        served.ask("render", name=name, preset="draft")[1]["number"]
+        for name in ("tiny.yaml", "wrong.yaml")
+    ]
+    states: dict[int, Any] = {}
+    end = time.monotonic() + 300
+    while time.monotonic() < end and not set(states.values()) >= {"done", "failed"}:
+        time.sleep(0.2)
+        renders = served.ask("renders")[1]["renders"]
+        states = {one["number"]: one["state"] for one in renders}
+    assert [states[number] for number in numbers] == ["done", "failed"]
+    assert "did you mean 'frames'" in renders[0]["text"]
+    body = json.dumps({"number": numbers[0]}).encode()
+    assert served.request("POST", "/api/rendered-frame", body)[1][:8] == b"\x89PNG\r\n\x1a\n"
+    assert (served.folder / "out" / "tiny" / "tiny.mp4").stat().st_size > 0
+
+
+@pytest.mark.slow
+def test_a_film_is_stopped(served: Served) -> None:
+    (served.folder / "long.yaml").write_text(TINY.replace("frames: 2", "frames: 2000"))
+    first, second = (
+        served.ask("render", name="long.yaml", preset="draft")[1]["number"] for _ in range(2)
+    )
+    assert served.ask("stop-render", number=second)[1]["state"] == "stopped"
+    assert served.ask("stop-render", number=first)[1]["state"] == "stopped"
+    served.studio.stop()
+    states = {one["number"]: one["state"] for one in served.ask("renders")[1]["renders"]}
+    assert states[first] == states[second] == "stopped"
+
+
+def test_only_scenes_of_the_project_are_rendered_with_a_known_preset(served: Served) -> None:
+    assert served.ask("render", name="walk.yaml", preset="best")[0] == 422
+    assert served.ask("render", name="library:first_steps.yaml", preset="draft")[0] == 422
+    assert served.ask("stop-render", number=12345)[0] == 422
+
+
+def test_newer_work_stops_the_one_before_it() -> None:
+    newest, started = Newest(), threading.Event()
+    ended: list[str] = []
+
+    def endless(still_wanted: Any) -> None:
+        started.set()
+        while True:
+            still_wanted()
+            time.sleep(0.001)
+
+    def first() -> None:
+        try:
+            newest.run(endless)
+        except Superseded:
+            ended.append("superseded")
+
+    thread = threading.Thread(target=first)
+    thread.start()
+    assert started.wait(10)
+    assert newest.run(lambda still_wanted: "second") == "second"
+    thread.join(10)
+    assert ended == ["superseded"]

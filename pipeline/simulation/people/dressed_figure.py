@@ -35,6 +35,9 @@ HEAD_SIZE = 1.1
 TOE_REACH = 0.68
 """Distance of the toes ahead of the ankle, in the length of a shoe."""
 
+SOLE = 0.003
+"""By which soles are drawn above the ground, into which rolling feet would press them [m]."""
+
 LEAST_HEAD = 0.10
 """Least height of a head, in that of a person."""
 
@@ -142,7 +145,7 @@ def _measured(figure: Figure) -> _Bones:
     hips = 0.5 * (joints[LEG, "l"][0] + joints[LEG, "r"][0])
     foot = figure.skeleton.links[_limb(figure, LEG, "r").links[-1]]
     toe = (preferred[foot.joint, :3, :3] * (foot.ends[1] - foot.ends[0])).sum(axis=-1)
-    sole = np.array([toe[0] + foot.radii[1], foot.radii[1] - toe[1]])
+    sole = np.array([toe[0] + foot.radii[1], foot.radii[1] - toe[1] - SOLE])
     proportions = _proportions(joints[LEG, "r"], joints[ARM, "r"], hips, neck, sole)
     rest = frame_origins(proportions)
     links, turns = np.zeros(len(FRAMES), dtype=np.int64), np.tile(np.eye(3), (len(FRAMES), 1, 1))

@@ -56,7 +56,6 @@ HUG_DEPTH = 0.02  # by which two press against each other [m]
 HUG_LOOSE, HUG_PARTED = 0.04, 0.25  # from touching, where one steps nearer; where a hug ends [m]
 PARTED_TIME, HUG_TRIES = 1.0, 1  # after which it is over [s]; times that one then comes again
 STEADY_STUN = 0.1  # below which one who was knocked steps nearer
-SETTLING_TIME, SMALL_STEP = 0.8, 0.12  # after which one steps nearer [s]; by at most [m]
 FEET_APART = 0.9  # distance of feet from a partner at least, in that of the bodies
 COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
 LEAST_APPROACH = 0.3  # of both together, below which one walks the whole way [m/s]
@@ -258,12 +257,10 @@ class Hug(Task):
         if (
             distance > closeness + HUG_LOOSE
             and not person.stepping
-            and self.touched > SETTLING_TIME
             and person.stun < STEADY_STUN
             and person.sit_blend == 0.0
         ):
-            stop = max(closeness - HUG_DEPTH, distance - SMALL_STEP)
-            controller.go(partner[0], partner[2], stop, self.owner)
+            controller.go(partner[0], partner[2], closeness - HUG_DEPTH, self.owner)
         person.goal[:] = partner[0], partner[2]
         person.feet_stop = FEET_APART * closeness
         return False

@@ -50,8 +50,7 @@ class HugShape:
 HUG = HugShape()
 
 OPEN_TIME = 0.7  # of the arms after a hug [s]
-HUG_REACHED = 0.12  # from touching, within which arms close [m]
-HUG_SHORT = 0.06  # from touching, up to which one walks; the rest is one gentle step [m]
+HUG_REACHED = 0.06  # from touching, within which arms close [m]
 HUG_DEPTH = 0.02  # by which two press against each other [m]
 HUG_LOOSE, HUG_PARTED = 0.04, 0.25  # from touching, where one steps nearer; where a hug ends [m]
 PARTED_TIME, HUG_TRIES = 1.0, 1  # after which it is over [s]; times that one then comes again
@@ -220,7 +219,7 @@ class Hug(Task):
         distance = controller.ground_distance(partner)
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
             share = self._share_of_way(controller, partner, closeness, dt)
-            controller.go(partner[0], partner[2], closeness + HUG_SHORT + share, self.owner)
+            controller.go(partner[0], partner[2], closeness - HUG_DEPTH + share, self.owner)
             controller.record.feet_stop = FEET_APART * closeness
             self.failure = walking_failure(controller, self.progress, distance, dt)
             if distance < closeness + 1.1 * controller.arm:

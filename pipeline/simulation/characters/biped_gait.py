@@ -197,8 +197,6 @@ def _choose_landing(
     lateral = side * ((x - other_foot[0]) * right_x + (z - other_foot[2]) * right_z)
     shift = side * max(LATERAL_CLEARANCE * person.hips - lateral, 0.0)
     x, z = x + shift * right_x, z + shift * right_z
-    if person.feet_stop > 0.0:
-        x, z = _short_of_goal(person, x, z)
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
     y, _ = surface_at(frame, vertices, x, z)
@@ -209,24 +207,6 @@ def _choose_landing(
     )
     person.landing_yaw[k] += share * wrap_angle(heading - person.landing_yaw[k])
     _raise_swing_height(person, k, frame, vertices)
-
-
-@compiled
-def _short_of_goal(person: Record, x: float, z: float) -> tuple[float, float]:
-    """Return a landing place moved away from the goal to where feet may land."""
-    from_x, from_z = x - person.goal[0], z - person.goal[1]
-    distance = math.hypot(from_x, from_z)
-    # A place beyond the goal is no nearer to where the person comes from.
-    back_x, back_z = person.at[0] - person.goal[0], person.at[1] - person.goal[1]
-    size = math.hypot(back_x, back_z)
-    is_beyond = from_x * back_x + from_z * back_z < 0.0
-    if size < 1e-6 or (distance >= person.feet_stop and not is_beyond):
-        return x, z
-    # Along the way there: feet keep their own sides.
-    along = (from_x * back_x + from_z * back_z) / size
-    across = max(person.feet_stop**2 - max(distance**2 - along**2, 0.0), 0.0)
-    shift = max(math.sqrt(across) - along, 0.0)
-    return x + shift * back_x / size, z + shift * back_z / size
 
 
 @compiled

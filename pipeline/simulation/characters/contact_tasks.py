@@ -52,10 +52,6 @@ HUG = HugShape()
 OPEN_TIME = 0.7  # of the arms after a hug [s]
 HUG_REACHED = 0.06  # from touching, within which arms close [m]
 HUG_DEPTH = 0.02  # by which two press against each other [m]
-HUG_LOOSE, HUG_PARTED = 0.04, 0.25  # from touching, where one steps nearer; where a hug ends [m]
-PARTED_TIME, HUG_TRIES = 1.0, 1  # after which it is over [s]; times that one then comes again
-STEADY_STUN = 0.1  # below which one who was knocked steps nearer
-FEET_APART = 0.9  # distance of feet from a partner at least, in that of the bodies
 COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
 LEAST_APPROACH = 0.3  # of both together, below which one walks the whole way [m/s]
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
@@ -197,16 +193,12 @@ class Hug(Task):
         touched: time since the two touch [s], 0 before.
         coming: speed at which the partner comes nearer [m/s].
         seen: place of the partner (3,) at the step before [m].
-        apart: time since a partner who was touched is out of touch [s].
-        tries: number of times that this has happened.
         progress: of the walk.
     """
 
     owner: int
     size: float
     touched: float = 0.0
-    apart: float = 0.0
-    tries: int = 0
     coming: float = 0.0
     seen: Array | None = None
     progress: TaskProgress = field(default_factory=TaskProgress)
@@ -220,7 +212,6 @@ class Hug(Task):
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
             share = self._share_of_way(controller, partner, closeness, dt)
             controller.go(partner[0], partner[2], closeness - HUG_DEPTH + share, self.owner)
-            controller.record.feet_stop = FEET_APART * closeness
             self.failure = walking_failure(controller, self.progress, distance, dt)
             if distance < closeness + 1.1 * controller.arm:
                 # Bowing only once the partner is there would knock heads.
@@ -229,8 +220,6 @@ class Hug(Task):
             return False
         if self.touched == 0.0:
             controller.face_to(partner)
-        if self._has_parted(controller, partner, closeness, dt):
-            return False
         self.touched += dt
         self._bow(controller)
         self._close_arms(controller, partner)
@@ -239,30 +228,6 @@ class Hug(Task):
             if gap < HUG.hands_joined * person.height:
                 controller.join_hands()
         return self.touched > PATIENCE
-
-    def _has_parted(
-        self, controller: PersonController, partner: Array, closeness: float, dt: float
-    ) -> bool:
-        """Step up to a partner from whom one has bounced off; tell whether it is gone."""
-        person, distance = controller.record, controller.ground_distance(partner)
-        self.apart = self.apart + dt if distance > closeness + HUG_PARTED else 0.0
-        if self.apart > PARTED_TIME:
-            controller.part_hands()
-            self.apart = self.touched = 0.0
-            self.progress, self.tries = TaskProgress(), self.tries + 1
-            if self.tries > HUG_TRIES:
-                self.failure = f"cannot hold on at {place_text(controller)}, {distance:.1f} m off"
-            return True
-        if (
-            distance > closeness + HUG_LOOSE
-            and not person.stepping
-            and person.stun < STEADY_STUN
-            and person.sit_blend == 0.0
-        ):
-            controller.go(partner[0], partner[2], closeness - HUG_DEPTH, self.owner)
-        person.goal[:] = partner[0], partner[2]
-        person.feet_stop = FEET_APART * closeness
-        return False
 
     def _share_of_way(
         self, controller: PersonController, partner: Array, closeness: float, dt: float

@@ -285,7 +285,7 @@ class PersonController:
         record.posture, record.has_goal, record.has_facing = STANDING, True, False
         record.goal[0], record.goal[1] = x, z
         record.stop_distance, record.partner = stop_distance, partner
-        record.neighbour_distance, record.feet_stop = math.inf, 0.0
+        record.neighbour_distance = math.inf
 
     def stop(self) -> None:
         """Stop and stand."""

@@ -127,8 +127,6 @@ PERSON = np.dtype(
         ("sidestep", "f8", 2),
         # Distance to others that it accepts where it goes, as beside those on a bench [m].
         ("neighbour_distance", "f8"),
-        # Distance from the goal nearer than which no foot lands, as before a partner's feet [m].
-        ("feet_stop", "f8"),
         # Velocity added to keep off what it avoids [m/s]; the foot that kicks, -1 for none; the
         # place [m] and velocity [m/s] of that ankle, and its pitch, toes up [rad].
         ("evasion", "f8", 2),

@@ -137,7 +137,6 @@ class TaskDispatcher:
         controller.stop()
         person = controller.record
         person.posture, person.has_facing, person.stoop_depth = STANDING, False, 0.0
-        person.feet_stop = 0.0
         controller.part_hands()
         for hand in range(2):
             if not controller.is_holding(hand):
@@ -323,7 +322,7 @@ class TaskDispatcher:
         self._tasks[k], self._done[k] = task, False
         self.view.slots.leave(controller.name)
         self._set_pace(k, 0.0)
-        controller.record.stoop_depth = controller.record.feet_stop = 0.0
+        controller.record.stoop_depth = 0.0
         controller.part_hands()
         if controller.record.kick_foot >= 0 and isinstance(last, KickThing):
             last.put_foot_down(controller)

@@ -86,7 +86,9 @@ def sunk_notes(
 def corners_of(name: str, members: Members, recorder: Recorder) -> Corners | None:
     """Returns the outermost corners of a creature's solids; None if it has no solids."""
     solids = [(s.name, s.node, s.corners) for s, _ in members.solids(name)]
-    solids += [(s.part, s.node, s.corners) for s in skin_solids(name, recorder)]
+    # A skin covers the whole body: the node says where.
+    skins = skin_solids(name, recorder)
+    solids += [(recorder.nodes[s.node].name, s.node, s.corners) for s in skins]
     if not solids:
         return None
     corners = [outermost(corners, CORNERS) for _, _, corners in solids]

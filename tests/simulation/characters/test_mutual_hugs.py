@@ -19,18 +19,13 @@ script:
   - {{at: 0.3, who: b, do: {{hug: a}}}}
 """
 
-KNOCK = pytest.mark.xfail(
-    strict=True,
-    reason="swinging thighs of the two still meet; they come off, close up slowly, or one cries",
-)
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("way", "scales", "turns"),
     [
-        pytest.param(3.5, (1.14, 1.24), (90, -20), marks=KNOCK),
-        pytest.param(3.6, (0.86, 1.01), (0, 180), marks=KNOCK),
+        (3.5, (1.14, 1.24), (90, -20)),
+        (3.6, (0.86, 1.01), (0, 180)),
         (2.6, (1.03, 1.12), (170, 30)),
         (2.0, (0.97, 0.75), (-60, 120)),
     ],

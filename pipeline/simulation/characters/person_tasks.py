@@ -34,13 +34,11 @@ class Task:
 
     Attributes:
         failure: why it cannot be done, "" while it can; one whose order it is gives it up.
-        is_hopeless: whether it fails from elsewhere as well.
         pace: least walking speed that it asks for [m/s].
         leads_hands: whether it leads hands that hold something.
     """
 
     failure: str = field(default="", init=False)
-    is_hopeless: bool = field(default=False, init=False)
     pace: float = field(default=0.0, init=False)
     leads_hands: bool = field(default=False, init=False)
 

@@ -154,7 +154,7 @@ class SitOn(Task):
         if not free:
             persons = ", ".join(view.slots.persons(thing))
             every = "the seat is" if bench.seat_count == 1 else f"all {bench.seat_count} seats are"
-            self.failure, self.is_hopeless = f"{every} taken, by {persons}", True
+            self.failure = f"{every} taken, by {persons}"
             return
         here, _ = bench.coordinates(controller.record.at)
         self.number = min(free, key=lambda n: (abs(bench.seat_offset(n) - here), n))
@@ -169,7 +169,6 @@ class SitOn(Task):
         bench = self._bench(controller)
         if self.owner < 0:
             self.failure = _seat_failure(bench.top, controller)
-            self.is_hopeless = bool(self.failure)
         distance, back = self._standoff(controller, bench)
         if self.stage == 0:
             self._walk(controller, bench, distance, dt)

@@ -7,7 +7,7 @@ from hashlib import blake2b
 
 import numpy as np
 
-from audio.dsp import Signal, band_noise, normalized, without_rumble
+from audio.dsp import SILENCE_EXPONENT, Signal, band_noise, normalized, without_rumble
 from audio.general_midi import FAMILY_SIZE, INSTRUMENTS, LOWEST_DRUM_KEY
 from audio.instruments.drum_kit import KIT
 from audio.instruments.plucked_string import StringVoice, plucked_string
@@ -219,7 +219,7 @@ def _melodic(note: InstrumentNote, rng: np.random.Generator) -> Signal:
     held = min(held, int(_LONGEST_STRING * SAMPLE_RATE))
     samples = held + int(_STRING_RELEASE * SAMPLE_RATE)
     signal = plucked_string(voice, frequency, samples, note.strength, rng)
-    signal[held:] *= np.exp(-6.9 * np.arange(samples - held) / (samples - held))
+    signal[held:] *= np.exp(-SILENCE_EXPONENT * np.arange(samples - held) / (samples - held))
     return signal
 
 

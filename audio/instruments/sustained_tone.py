@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from audio.dsp import Signal, band_noise
+from audio.dsp import SILENCE_EXPONENT, Signal, band_noise
 from audio.time_grid import SAMPLE_RATE
 
 Spectrum = Literal[
@@ -119,8 +119,8 @@ def sustained_tone(
 
 def _envelope(voice: ToneVoice, t: Signal, held: float) -> Signal:
     rise = np.sin(0.5 * np.pi * np.minimum(t / voice.attack, 1.0)) ** 2
-    fall = np.exp(-6.9 * np.maximum(t - held, 0.0) / voice.release)
-    sustain = np.exp(-6.9 * t / voice.decay) if voice.decay else 1.0
+    fall = np.exp(-SILENCE_EXPONENT * np.maximum(t - held, 0.0) / voice.release)
+    sustain = np.exp(-SILENCE_EXPONENT * t / voice.decay) if voice.decay else 1.0
     return np.asarray(rise * fall * sustain)
 
 

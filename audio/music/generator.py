@@ -40,7 +40,7 @@ _TENSION = {
     "minor": (0.0, 0.9, 0.2, 0.45, 0.75, 0.25, 0.6),
 }
 _REPETITION = 0.45
-# Share of the tension by which chords differ from what is asked for, as they are drawn by lot.
+# Spread of a chord's tension around the one that is asked for: chords are drawn at random.
 _WIDTH = 0.22
 _SLOTS = 16
 _HIGHEST_VELOCITY = 120

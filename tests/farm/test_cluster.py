@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from tests.interrupts import hear_interrupts
 from tests.production.conftest import ROOT, TINY
 from tests.production.killed_runs import contents_of
 
@@ -143,7 +144,7 @@ def test_ctrl_c_ends_a_cluster_of_its_own(rendered: Path, tmp_path: Path) -> Non
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=_hear_interrupts,
+        preexec_fn=hear_interrupts,
     )
     frames = tmp_path / "store/frames"
     deadline = time.monotonic() + 300
@@ -159,7 +160,3 @@ def test_ctrl_c_ends_a_cluster_of_its_own(rendered: Path, tmp_path: Path) -> Non
     assert "Traceback" not in err
     left = subprocess.run(["pgrep", "-f", str(tmp_path)], capture_output=True, check=False)
     assert left.stdout == b""
-
-
-def _hear_interrupts() -> None:
-    signal.signal(signal.SIGINT, signal.default_int_handler)

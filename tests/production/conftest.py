@@ -24,6 +24,7 @@ from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene
+from tests.interrupts import hear_interrupts
 from tests.production.killed_runs import contents_of
 
 FRAMES = 8
@@ -179,10 +180,6 @@ def pronk(
     return run
 
 
-def _hear_interrupts() -> None:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
 class Running:
     """A command in its own process, to interrupt or kill.
 
@@ -215,8 +212,7 @@ class Running:
                 text=True,
                 # A process group, as of a terminal, so that Ctrl-C reaches the workers too.
                 start_new_session=True,
-                # Tests in the background inherit an ignored SIGINT.
-                preexec_fn=_hear_interrupts,
+                preexec_fn=hear_interrupts,
             )
 
     def interrupt(self) -> None:

@@ -6,13 +6,14 @@ import json
 import os
 import queue
 import resource
-import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
+
+from tests.interrupts import hear_interrupts
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,7 +60,7 @@ def _lines(command: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
     with (folder / "errors.txt").open("w+", encoding="utf-8", errors="replace") as errors:
         process = subprocess.Popen(
             command, env=env, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=errors, text=True, preexec_fn=_hear_interrupts,
+            stderr=errors, text=True, preexec_fn=hear_interrupts,
         )  # fmt: skip
         lines: queue.Queue[Any] = queue.Queue()
         reader = threading.Thread(target=_read, args=(process, lines), daemon=True)
@@ -86,11 +87,6 @@ def _lines(command: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
             errors.seek(0)
             text = f"the process ended with {code}:\n{errors.read()[-6000:]}"
             yield {"kind": "fault", "text": text, "seconds": 0.0}
-
-
-def _hear_interrupts() -> None:
-    # Tests in the background inherit an ignored SIGINT.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _read(process: subprocess.Popen[str], lines: queue.Queue[Any]) -> None:

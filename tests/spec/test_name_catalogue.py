@@ -42,7 +42,8 @@ NAMES_BY_KIND = {
     "instruments": INSTRUMENTS,
     "drums": DRUMS,
     "causes": Detect.model_fields,
-    "events": [key for key in When.model_fields if key != "within"],
+    # The others say more about an event.
+    "events": [key for key in When.model_fields if key not in ("within", "act")],
     "characters": get_args(Kind),
     "props": ["box", "ball", "cylinder", "cone", "gear"],
     "groups": ["flock", "school", "swarm", "rain", "fire", "grass"],

@@ -16,6 +16,7 @@ import pytest
 import pipeline
 from pipeline.errors import UsageError
 from pipeline.studio.server import listener, serve
+from tests.interrupts import hear_interrupts
 
 ROOT = Path(pipeline.__file__).parents[1]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -27,8 +28,15 @@ def command(*arguments: str) -> list[str]:
 
 @pytest.mark.slow
 def test_it_serves_the_folder_until_ctrl_c(tmp_path: Path) -> None:
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command("horse"), cwd=tmp_path, env=ENVIRONMENT, **pipes) as child:
+    with subprocess.Popen(
+        command("horse"),
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hear_interrupts,
+    ) as child:
         assert child.stdout is not None
         address = urlsplit(child.stdout.readline().strip())
         assert address.hostname == "127.0.0.1"

@@ -83,6 +83,10 @@ def test_a_wheel_holds_the_packages_and_the_library_and_nothing_else(wheel: Path
     }
     assert "pipeline/scenes/first_steps.yaml" in library
     page = {f"pipeline/production/goldens/report.{end}" for end in ("css", "js")}
+    page |= {
+        f"pipeline/studio/page/{name}"
+        for name in ("index.html", "studio.css", "studio.js", "licences.txt")
+    }
     fonts = {f"render/fonts/{name}" for name in ("DejaVuSans.ttf", "DejaVuSerif.ttf", "LICENSE")}
     assert library | modules | page | fonts <= names
     rest = {name for name in names - library - modules - page - fonts if ".dist-info/" not in name}

@@ -196,3 +196,12 @@ def parse_steps(text: str) -> Scale:
     if _CHORD.fullmatch(text.strip()) is not None:
         return parse_chord(text).scale()
     return parse_scale(text)
+
+
+MIDDLE_C = 60
+"""MIDI pitch of C4."""
+
+
+def frequency_of(pitch: float) -> float:
+    """Return the frequency of a MIDI pitch in equal temperament, A4 at 440 Hz [Hz]."""
+    return float(440 * 2 ** ((pitch - 69) / 12))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from hashlib import blake2b
 from math import log2
 
 import numpy as np
@@ -13,10 +12,12 @@ from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of,
 from audio.body_shape import BodyShape
 from audio.cause_voices import Motion, MotionVoice, cause_voice
 from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
+from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
 from audio.modal_synthesis import ModalBank, body_bank, excited_modes, lowest_frequency, ring
 from audio.notes import Note
+from audio.seeded import seeded
 from audio.source_motion import SpeedProfile, speed_profile
 from audio.time_grid import SAMPLE_RATE
 
@@ -113,7 +114,7 @@ def sound_parameters(
     if _is_footstep(event.cause, note.tuned, note.decay or 0.0):
         # Steps of one foot share their syntheses, wherever it strikes and however hard.
         event = replace(event, spot=None, energy=0.0, shape=None, struck_shape=None)
-    rng = _generator(seed, *event.key, occurrence)
+    rng = seeded(seed, *event.key, occurrence)
     speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
     parameters = SoundParameters(
         cause=event.cause,
@@ -122,7 +123,7 @@ def sound_parameters(
         size=event.size,
         speed=_quantized(speed, 2),
         distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
-        pitch=440 * 2 ** ((note.pitch - 69) / 12) if note.tuned else 0.0,
+        pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
         variant=int(rng.integers(_VARIANTS)),
@@ -153,17 +154,12 @@ def _quantized(value: float, steps_per_doubling: int) -> float:
     return float(2 ** (round(log2(value) * steps_per_doubling) / steps_per_doubling))
 
 
-def _generator(seed: int, *key: object) -> np.random.Generator:
-    data = "\x1f".join(str(part) for part in (seed, *key)).encode("utf-8", "replace")
-    return np.random.default_rng(int.from_bytes(blake2b(data, digest_size=16).digest()))
-
-
 def synthesize(sound: SoundParameters, seed: int) -> Signal:
     """Return a sound of peak 1 from the sample of its onset on: (N,)."""
     # Distance and speed are left out, so that changing them keeps the random numbers. The last
     # bits of a size differ between classes of processor.
     size = f"{sound.size:.6g}"
-    rng = _generator(seed, sound.cause, sound.material, sound.surface, size, sound.variant)
+    rng = seeded(seed, sound.cause, sound.material, sound.surface, size, sound.variant)
     voice = cause_voice(sound.cause)
     if isinstance(voice, MotionVoice):
         signal = _motion(voice, sound, rng)

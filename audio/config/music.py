@@ -97,6 +97,8 @@ class Line(AudioConfig):
         if len(given) != 1:
             got = " and ".join(given) or "none"
             raise ValueError(f"give one of {', '.join(kinds)}; got {got}")
+        if self.arpeggio is None and (more := {"step", "octaves"} & self.model_fields_set):
+            raise ValueError(f"{' and '.join(sorted(more))} belong to an arpeggio; remove them")
         return self
 
     @property
@@ -155,6 +157,9 @@ class MusicSection(AudioConfig):
         for name, line in self.play.items():
             if line.needs_chords and self.chords is None:
                 raise ValueError(f"'{name}' plays the chords of its section; give chords")
+        bars = [] if self.chords is None else parse_bars(self.chords)[: self.length]
+        if self.chords is not None and all(step.text == "_" for bar in bars for step in bar):
+            raise ValueError("no bar of the section has a chord; write at least one")
         return self
 
     @property
@@ -226,11 +231,15 @@ class Music(AudioConfig):
             )
         if not self.sections and (self.parts or self.form):
             raise ValueError("parts and form belong to sections; give sections, or leave them out")
+        if self.generate is not None and "loop" in self.model_fields_set:
+            raise ValueError("generated music never repeats; remove loop")
         for section in self.sections.values():
             for name, line in section.play.items():
                 if name not in self.parts:
                     raise UnknownName("part of the music", name, self.parts)
                 is_kit = self.parts[name].instrument is None
+                if is_kit and self.parts[name].octave:
+                    raise ValueError(f"part '{name}' is a drum kit, which has no octave")
                 if is_kit != (line.drums is not None):
                     wanted = "drums, for it has no instrument" if is_kit else "no drums"
                     raise ValueError(f"part '{name}' plays {wanted}")
@@ -249,6 +258,8 @@ class Music(AudioConfig):
             name, times = (match[1], int(match[2])) if match else (entry.strip(), 1)
             if name not in self.sections:
                 raise UnknownName("section", name, self.sections)
+            if times == 0:
+                raise ValueError(f"'{entry}' plays nothing; leave it out")
             names += [name] * times
         return tuple(names) or tuple(self.sections)
 

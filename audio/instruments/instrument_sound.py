@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from hashlib import blake2b
 
 import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal, band_noise, normalized, without_rumble
 from audio.general_midi import FAMILY_SIZE, INSTRUMENTS, LOWEST_DRUM_KEY
+from audio.harmony import frequency_of
 from audio.instruments.drum_kit import KIT
 from audio.instruments.plucked_string import StringVoice, plucked_string
 from audio.instruments.struck_tone import StruckVoice, piano_voice, struck_tone
 from audio.instruments.sustained_tone import ToneVoice, sustained_tone
 from audio.parts import DRUMS
+from audio.seeded import seeded
 from audio.time_grid import SAMPLE_RATE
 
 _FADE = int(0.006 * SAMPLE_RATE)
@@ -176,9 +177,21 @@ class InstrumentNote:
 def instrument_note(program: int, pitch: int, velocity: int, seconds: float) -> InstrumentNote:
     """Return the parameters of a note that is held for a time [s]."""
     strength = round(velocity / 127 * _STRENGTHS) / _STRENGTHS
-    steps = max(round(min(seconds, LONGEST_NOTE) / _LENGTH_STEP), 1)
-    held = 0.0 if program == DRUMS else steps * _LENGTH_STEP
+    steps = max(round(min(seconds, _longest(program)) / _LENGTH_STEP), 1)
+    held = steps * _LENGTH_STEP if _longest(program) else 0.0
     return InstrumentNote(program, pitch, strength, held)
+
+
+def _longest(program: int) -> float:
+    """Return the time beyond which it does not matter how long a note is held [s]."""
+    if program == DRUMS:
+        return 0.0
+    if INSTRUMENTS[program] in _NOISES:
+        return LONGEST_NOTE
+    voice = voice_of_program(program)
+    if isinstance(voice, StruckVoice) and not voice.release:
+        return 0.0
+    return _LONGEST_STRING if isinstance(voice, StringVoice) else LONGEST_NOTE
 
 
 def voice_of_program(program: int) -> Voice:
@@ -188,7 +201,7 @@ def voice_of_program(program: int) -> Voice:
 
 def instrument_sound(note: InstrumentNote) -> Signal:
     """Return a note from its onset on, all of like loudness, with peaks of 1 at most: (N,)."""
-    rng = _generator(note)
+    rng = seeded(note.program, note.pitch, f"{note.strength:.3f}")
     if note.program == DRUMS:
         index = min(max(note.pitch - LOWEST_DRUM_KEY, 0), len(KIT) - 1)
         # A stroke's peak is pressed into its body, as the tape of a studio does.
@@ -205,7 +218,7 @@ def instrument_sound(note: InstrumentNote) -> Signal:
 
 
 def _melodic(note: InstrumentNote, rng: np.random.Generator) -> Signal:
-    frequency = 440 * 2 ** ((note.pitch - 69) / 12)
+    frequency = frequency_of(note.pitch)
     held = max(int(note.seconds * SAMPLE_RATE), 64)
     band = _NOISES.get(INSTRUMENTS[note.program])
     if band is not None:
@@ -233,8 +246,3 @@ def _levelled(signal: Signal) -> Signal:
     levelled = signal * (_LOUDNESS / float(np.sqrt(power)))
     peak = float(np.abs(levelled).max())
     return np.asarray(levelled / max(peak / _MOST_PEAK, 1.0))
-
-
-def _generator(note: InstrumentNote) -> np.random.Generator:
-    data = f"{note.program} {note.pitch} {note.strength:.3f}".encode()
-    return np.random.default_rng(int.from_bytes(blake2b(data, digest_size=16).digest()))

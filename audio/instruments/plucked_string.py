@@ -15,6 +15,7 @@ from math import cos, pi
 import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal
+from audio.harmony import MIDDLE_C, frequency_of
 from audio.time_grid import SAMPLE_RATE
 
 # Damping of the low-pass at each turn is at most that of three equal taps.
@@ -41,7 +42,6 @@ class StringVoice:
 
 
 _BRIGHT_FREQUENCY = 3000.0
-_MIDDLE_C_FREQUENCY = 261.63
 
 
 def plucked_string(
@@ -60,7 +60,7 @@ def plucked_string(
     # The filter delays by one sample, the interpolation by a fraction.
     delay = max(int(period - 1), 2)
     fraction = period - 1 - delay
-    seconds = voice.seconds * (_MIDDLE_C_FREQUENCY / frequency) ** 0.5
+    seconds = voice.seconds * (frequency_of(MIDDLE_C) / frequency) ** 0.5
     loss = float(np.exp(-SILENCE_EXPONENT * period / (SAMPLE_RATE * seconds)))
     fade = float(np.exp(-SILENCE_EXPONENT * period / (SAMPLE_RATE * voice.bright_seconds)))
     turn = 1 - cos(2 * pi * min(_BRIGHT_FREQUENCY / SAMPLE_RATE, 0.5))

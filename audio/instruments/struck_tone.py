@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal, band_noise
+from audio.harmony import MIDDLE_C, frequency_of
 from audio.modal_synthesis import ModalBank, ring
 from audio.time_grid import SAMPLE_RATE
 
 _HIGHEST = 14_000.0
-_MIDDLE_C_FREQUENCY = 261.63
 _STRIKE_SECONDS = 0.006
 
 
@@ -84,7 +84,7 @@ def struck_tone(
         rng: of the blow's noise.
     """
     ratio, level = np.array(voice.ratios), np.array(voice.levels)
-    seconds = voice.seconds * (_MIDDLE_C_FREQUENCY / frequency) ** voice.height_exponent
+    seconds = voice.seconds * (frequency_of(MIDDLE_C) / frequency) ** voice.height_exponent
     partial = ratio * frequency
     audible = partial < _HIGHEST
     ratio, level, partial = ratio[audible], level[audible], partial[audible]

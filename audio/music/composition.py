@@ -9,13 +9,12 @@ from fractions import Fraction
 from audio.config.music import Line, Music, MusicPart, MusicSection
 from audio.config.quantisation import beats_of_grid
 from audio.general_midi import drum_key, program_number
-from audio.harmony import Chord, Scale, fold_pitch, parse_note
+from audio.harmony import MIDDLE_C, Chord, Scale, fold_pitch, parse_note
 from audio.music.chord_symbols import Numeral, parse_symbol
 from audio.music.notation import HOLD, Step, parse_bars
 from audio.music.piece import Bar, PieceNote
 from audio.parts import DRUMS
 
-MIDDLE_C = 60
 _ACCENT, _SOFT = 22, 0.55
 _HALF_OCTAVE = 6
 

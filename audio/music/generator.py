@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from hashlib import blake2b
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from audio.music.notation import euclidean_rhythm
 from audio.music.piece import Bar, PieceNote
 from audio.music.scene_course import SceneCourse
 from audio.parts import DRUMS
+from audio.seeded import seeded
 
 _INSTRUMENTS: dict[str, str] = {
     "pad": "string ensemble 1",
@@ -95,7 +95,7 @@ def generate(
     root = 0
     melody = _Melody(scale)
     for number, bar in enumerate(bars):
-        rng = partial(_generator, seed, config.seed, number)
+        rng = partial(seeded, seed, config.seed, number)
         start, end = (float(clock.time(beat)) for beat in (bar.beat, bar.beat + bar.beats))
         tension, motion = course.between(start, end)
         motion = min(motion * 2 * config.energy, 1.0)
@@ -127,11 +127,6 @@ def generate(
 
 _Sound = tuple[Fraction, Fraction, int, float]
 """Beat within the bar, length, pitch, and loudness relative to the usual."""
-
-
-def _generator(*key: object) -> np.random.Generator:
-    data = "\x1f".join(map(str, key)).encode()
-    return np.random.default_rng(int.from_bytes(blake2b(data, digest_size=16).digest()))
 
 
 def _next_root(

@@ -7,10 +7,12 @@ Source: MMA 1996, The Complete MIDI 1.0 Detailed Specification, "Standard MIDI F
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 from audio.general_midi import INSTRUMENTS, LOWEST_DRUM_KEY
@@ -78,25 +80,25 @@ class Song:
             in_its_tempo: whether beats are those of its first tempo throughout, so that its own
                 changes of tempo are heard; else every beat of the file is one of the score.
         """
+        first = self.tempos[0].microseconds
+        tempos = self.tempos if in_its_tempo else (SongTempo(0, first),)
+        starts, beats = [tempo.tick for tempo in tempos], [Fraction(0)]
+        for tempo, following in pairwise(tempos):
+            length = Fraction((following.tick - tempo.tick) * tempo.microseconds, first)
+            beats.append(beats[-1] + length / self.division)
+
+        def beat(tick: int) -> Fraction:
+            k = bisect_right(starts, tick) - 1
+            length = Fraction((tick - starts[k]) * tempos[k].microseconds, first)
+            return beats[k] + length / self.division
+
         for each in self.notes:
-            start, end = Fraction(each.tick, self.division), Fraction(each.end, self.division)
-            if in_its_tempo:
-                start, end = self._warped(each.tick), self._warped(each.end)
+            start, end = beat(each.tick), beat(each.end)
             note = each.note
             yield PieceNote(
                 *(start, end - start, note.part, note.program, note.pitch, note.velocity),
                 *(note.gain_db, note.pan, note.reverb),
             )
-
-    def _warped(self, tick: int) -> Fraction:
-        beats = Fraction(0)
-        first = self.tempos[0].microseconds
-        for tempo, following in zip(self.tempos, (*self.tempos[1:], None), strict=True):
-            end = tick if following is None else min(following.tick, tick)
-            beats += Fraction((end - tempo.tick) * tempo.microseconds, self.division * first)
-            if end == tick:
-                break
-        return beats
 
 
 def read_song(path: Path) -> Song:

@@ -11,7 +11,6 @@ SIGNAL_KINDS: Mapping[str, str] = {
     "pain": "somebody is hurt, by whom or what",
     "hug": "somebody has its arms around somebody",
     "cry": "somebody cries, for pain or for fear",
-    "failed": "somebody gives up what it was told to do, beside whom or what",
 }
 """Kinds of signals and their meaning."""
 

@@ -29,7 +29,6 @@ from pipeline.simulation.terrain import Ground
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
 from pipeline.spec.sound_thresholds import Detect
-from pipeline.spec.verbs import targets_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,16 +98,10 @@ class Facts:
                 *(Signal("arrived", name) for name in arrived),
                 *(Signal("touch", *pair) for pair in touched),
                 *(signal for one in facts for signal in one.signals),
-                *(_failure(outcome) for outcome in outcomes if outcome.reason),
             ),
             outcomes=outcomes,
             grips=tuple(change for one in facts for change in one.grips),
         )
-
-
-def _failure(outcome: Outcome) -> Signal:
-    """Returns the signal of an order that is given up, with the first member that it names."""
-    return Signal("failed", outcome.who, next(iter(targets_of(outcome.order)), ""))
 
 
 class WriteStage(Enum):

@@ -109,7 +109,11 @@ class Guard:
         return 0, ""
 
     def _is_token(self, scope: Scope, given: list[bytes]) -> bool:
-        query = parse_qs(scope.get("query_string", b""), max_num_fields=16)
+        try:
+            query = parse_qs(scope.get("query_string", b""), max_num_fields=16)
+        except ValueError:
+            # Too many fields, or escapes that are not ASCII.
+            query = {}
         tokens = [*given, *query.get(b"token", [])]
         return any(hmac.compare_digest(one, self.token.encode()) for one in tokens)
 

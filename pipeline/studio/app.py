@@ -111,7 +111,10 @@ class Studio:
         text = _text(message, "text")
         if message.get("drawing") is not None:
             text = updated_text(text, DrawnFigure.from_json(message["drawing"]))
-        name = self.project.write(_text(message, "name"), text)
+        before = message.get("before")
+        if before is not None and not isinstance(before, str):
+            raise UsageError("`before` is no text")
+        name = self.project.write(_text(message, "name"), text, before)
         return _document(self.project.read(name))
 
     def take(self, message: Json) -> Json:
@@ -279,7 +282,7 @@ def _api(work: Callable[[Json], Json | Response]) -> Callable[[Request], Any]:
     async def answer(request: Request) -> Response:
         try:
             message = json.loads(await request.body())
-        except ValueError:
+        except (ValueError, RecursionError):
             return _error(400, "the message is no JSON")
         if not isinstance(message, dict):
             return _error(400, "the message is no JSON object")

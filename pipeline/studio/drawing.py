@@ -88,7 +88,7 @@ class DrawnFigure:
                 {str(tip): str(kind) for tip, kind in plain.get("parts", {}).items()},
                 {key: str(plain["settings"][key]) for key in SETTINGS if key in plain["settings"]},
             )
-        except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
             raise UsageError(f"the message holds no drawing ({error!r})") from None
 
     def as_json(self) -> dict[str, Any]:

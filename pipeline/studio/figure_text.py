@@ -80,8 +80,9 @@ def updated_text(text: str, drawing: DrawnFigure) -> str:
         before = DrawnFigure.of(figure_of_text(text))
         changed = text
     if rounded(before) != rounded(drawing):
-        edits = list(_edits(text, before, drawing))
-        changed = _with_edits(text, edits)
+        # New lines may follow the last one.
+        lines = text if text.endswith("\n") else text + "\n"
+        changed = _with_edits(lines, list(_edits(lines, before, drawing)))
     made = DrawnFigure.of(figure_of_text(changed))
     if rounded(made) != rounded(drawing):
         raise UsageError(

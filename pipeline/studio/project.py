@@ -118,11 +118,16 @@ class Project:
             raise UsageError(f"'{escaped_line(name)}' is not UTF-8") from None
         return Document(name, kind_of(text), text, name.startswith(LIBRARY))
 
-    def write(self, name: str, text: str) -> str:
+    def write(self, name: str, text: str, before: str | None = None) -> str:
         """Write a document, a shipped one as a copy in the project; return its name there.
 
+        Args:
+            name: of the document.
+            text: its new text.
+            before: text of the file when it was opened; None for a new file.
+
         Raises:
-            UsageError: it would lie outside, or hold another kind of document than before.
+            UsageError: it would lie outside, or replace a file that holds something else.
             StoreError: it cannot be written.
         """
         own = name.removeprefix(LIBRARY)
@@ -130,15 +135,25 @@ class Project:
         fault = name_fault(path.stem)
         if fault is not None:
             raise UsageError(f"the name {fault}")
-        if name.startswith(LIBRARY) and path.exists() and path.read_bytes() != text.encode():
-            raise UsageError(f"there is a file '{own}' in the project already; open that one")
         try:
+            self._check_unchanged(own, path, text, None if name.startswith(LIBRARY) else before)
             make_folder(path.parent)
             write_if_changed(path, text.encode("utf-8"))
         except (OSError, UnicodeEncodeError) as error:
             reason = getattr(error, "strerror", None) or "it is not Unicode"
             raise StoreError(f"{path.name}: cannot be written ({reason})") from error
         return own
+
+    def _check_unchanged(self, own: str, path: Path, text: str, before: str | None) -> None:
+        """Refuse to replace a file of another text than it had when it was opened."""
+        if not path.exists():
+            return
+        texts = (text,) if before is None else (text, before)
+        if path.read_bytes() in [one.encode("utf-8") for one in texts]:
+            return
+        if before is None:
+            raise UsageError(f"there is a file '{own}' in the project already; open that one")
+        raise UsageError(f"'{own}' was changed by another program; open it again")
 
     def listed(self) -> list[dict[str, str]]:
         """Return the documents of the project and of the library, by name and kind."""

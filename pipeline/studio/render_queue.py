@@ -112,16 +112,21 @@ class RenderQueue:
     def stop(self, render: Render) -> None:
         """Stop a film that waits or is being made; what is finished of it stays."""
         with self._lock:
-            if render.state == "waiting":
-                render.state = "stopped"
-            elif render.state == "rendering" and render.process is not None:
-                render.state = "stopped"
+            if render.state not in ("waiting", "rendering"):
+                return
+            # One whose process has not started yet sees its state before it does.
+            render.state = "stopped"
+            if render.process is not None:
                 _interrupt(render.process)
 
     def stop_all(self) -> None:
         """Stop all films and wait for their processes."""
-        for render in list(self._renders):
+        with self._lock:
+            renders = list(self._renders)
+        # Those that wait first: else one begins when the one before it has ended.
+        for render in reversed(renders):
             self.stop(render)
+        for render in renders:
             if render.process is not None:
                 try:
                     render.process.wait(STOP_TIMEOUT)
@@ -146,10 +151,15 @@ class RenderQueue:
 
     def _work(self) -> None:
         while (render := self._next()) is not None:
-            self._make(render)
+            try:
+                self._make(render)
+            except OSError as error:
+                with self._lock:
+                    render.state, render.text = "failed", f"cannot start ({error.strerror})"
 
     def _make(self, render: Render) -> None:
-        command = [sys.executable, "-m", "pipeline.cli", "render", f"./{render.scene}"]
+        # -P: modules of the project's folder are not those of pronk.
+        command = [sys.executable, "-P", "-m", "pipeline.cli", "render", f"./{render.scene}"]
         with self._lock:
             if render.state != "rendering":
                 return
@@ -186,10 +196,12 @@ def _read(render: Render, line: str) -> None:
     try:
         event = json.loads(line)
     except ValueError:
+        event = None
+    if not isinstance(event, dict):
         render.text = line.strip() or render.text
-        return
-    if event.get("event") == "progress":
-        render.stage = f"{event.get('stage', '')} {event['done']} of {event['total']}"
+    elif event.get("event") == "progress":
+        done, total = event.get("done", ""), event.get("total", "")
+        render.stage = f"{event.get('stage', '')} {done} of {total}"
     elif isinstance(event.get("text"), str):
         render.text = event["text"]
     elif isinstance(event.get("message"), str):

@@ -173,6 +173,11 @@ def test_generated_music_is_in_its_scale_and_repeatable(score_of: Any) -> None:
     [
         ({"sections": {"a": {"play": {"lede": "C4"}}}}, "did you mean 'lead'?"),
         ({"form": ["b"]}, "no section is called 'b'"),
+        ({"form": ["a x0"]}, "plays nothing"),
+        ({"sections": {"a": {"chords": "~", "play": {"lead": {"tones": "0"}}}}}, "no bar of"),
+        ({"sections": {"a": {"bars": 1, "chords": "~ | C", "play": {"lead": "0"}}}}, "no bar of"),
+        ({"sections": {"a": {"play": {"lead": {"notes": "C4", "step": "1/4"}}}}}, "an arpeggio"),
+        ({"sections": {}, "parts": {}, "generate": {}, "loop": False}, "remove loop"),
         ({"generate": {}}, "got sections and generate"),
         ({"sections": {"a": {"play": {"lead": "C4 H4"}}}}, "'H4' is no note name"),
         ({"sections": {"a": {"play": {"lead": {"tones": "0"}}}}}, "give chords"),

@@ -31,5 +31,5 @@ def test_wrong_costumes_are_refused_with_their_line(member: str, message: str) -
 
 def test_a_creature_that_is_no_person_wears_nothing() -> None:
     scene = read_scene(SCENE.format(member="figure: horse, costume: suit"))
-    with pytest.raises(SceneError, match=r"cast\[0\].costume"):
+    with pytest.raises(SceneError, match=r"scene:5:.*wears nothing"):
         simulate(scene)

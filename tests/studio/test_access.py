@@ -115,3 +115,17 @@ def test_a_document_of_the_library_is_saved_as_a_copy_once(tmp_path: Path) -> No
     listed = project.listed()
     assert {"name": "figures/beetle.yaml", "kind": "figure"} in listed
     assert {"name": f"{LIBRARY}first_steps.yaml", "kind": "scene"} in listed
+
+
+@pytest.mark.parametrize("query", ["&".join("a=1" for _ in range(20)), "a=%C3%A9"])
+def test_odd_queries_are_refused_like_those_without_a_token(served: Served, query: str) -> None:
+    status, body = served.request("GET", f"/?{query}", with_token=False)
+    assert (status, body.startswith(b"refused: no token")) == (403, True)
+
+
+def test_odd_messages_get_one_clear_error(served: Served) -> None:
+    deep = b"[" * 100_000
+    assert served.request("POST", "/api/open", deep)[0] == 400
+    drawing = b'{"nodes": {"a": {"at": [1' + b"0" * 400 + b', 0]}}, "chains": [], "settings": {}}'
+    body = b'{"text": "", "drawing": ' + drawing + b"}"
+    assert served.request("POST", "/api/analyse", body)[0] == 422

@@ -202,3 +202,29 @@ def test_newer_work_stops_the_one_before_it() -> None:
     assert newest.run(lambda still_wanted: "second") == "second"
     thread.join(10)
     assert ended == ["superseded"]
+
+
+def test_files_of_others_are_not_replaced(served: Served) -> None:
+    path = served.folder / "walk.yaml"
+    path.write_text(SCENE)
+    longer = SCENE.replace("frames: 8", "frames: 9")
+    status, answer = served.ask("save", name="walk.yaml", text=longer, before=None)
+    assert (status, "there is a file" in answer["error"]) == (422, True)
+    assert served.ask("save", name="walk.yaml", text=longer, before=SCENE)[0] == 200
+    status, answer = served.ask("save", name="walk.yaml", text=SCENE, before=SCENE)
+    assert (status, "changed by another program" in answer["error"]) == (422, True)
+    assert path.read_text() == longer
+
+
+def test_modules_of_the_project_are_not_imported(served: Served) -> None:
+    (served.folder / "json.py").write_text("open('imported', 'w').close()\n")
+    (served.folder / "wrong.yaml").write_text(SCENE.replace("frames", "framse"))
+    number = served.ask("render", name="wrong.yaml", preset="draft")[1]["number"]
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        (render,) = [x for x in served.ask("renders")[1]["renders"] if x["number"] == number]
+        if render["state"] == "failed":
+            break
+        time.sleep(0.1)
+    assert "did you mean 'frames'" in render["text"]
+    assert not (served.folder / "imported").exists()

@@ -149,3 +149,15 @@ def test_a_drawing_that_is_no_figure_is_refused_with_its_reason() -> None:
 def test_a_message_without_a_drawing_is_refused(message: object) -> None:
     with pytest.raises(UsageError, match="no drawing"):
         DrawnFigure.from_json(message)
+
+
+def test_a_last_line_without_an_end_is_kept_apart() -> None:
+    text = BEETLE.rstrip("\n")
+    drawing = drawn(text)
+    nodes = {**drawing.nodes, "tip": replace(drawing.nodes["head"], at=(0.0, -3.0))}
+    after = updated_text(
+        text, replace(drawing, nodes=nodes, chains=(*drawing.chains, ("head", "tip")))
+    )
+    assert after == updated_text(
+        BEETLE, replace(drawing, nodes=nodes, chains=(*drawing.chains, ("head", "tip")))
+    )

@@ -45,12 +45,14 @@ def _rows(take: Take, count: int) -> Array:
 
 
 def _speeds(take: Take, count: int) -> Array:
-    """Return the mean speed of the nodes that move at all [m/s]: (count,)."""
+    """Return the mean speed of the nodes that are there and move at all [m/s]: (count,)."""
     if take.positions.shape[1] == 0:
         return np.zeros(count)
-    places = np.nan_to_num(np.asarray(take.positions)[_rows(take, count + 1)])
+    rows = _rows(take, count + 1)
+    places, alive = np.nan_to_num(np.asarray(take.positions)[rows]), np.asarray(take.alive)[rows]
     speeds = np.linalg.norm(np.diff(places, axis=0), axis=2) * _RATE
-    moving = speeds > 0.02
+    # Raindrops that fall again jump back while they are hidden.
+    moving = (speeds > 0.02) & alive[1:] & alive[:-1]
     return np.asarray((speeds * moving).sum(axis=1) / np.maximum(moving.sum(axis=1), 1))
 
 

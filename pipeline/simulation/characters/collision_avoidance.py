@@ -37,6 +37,7 @@ from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
 PREDICTION_TIME = 2.2  # [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.36  # to both sides, in heights
+PUSH_RANGE = 1.25  # within which others push, in personal space
 SMOOTHING = 0.08  # share of the wanted sidestep taken over in a step
 
 
@@ -89,7 +90,7 @@ def _repulsion(one: Record, other: Record) -> tuple[float, float]:
     space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
     if other.posture == SITTING:
         space *= 1.4
-    space = min(space, one.neighbour_distance / 1.25)
+    space = min(space, one.neighbour_distance / PUSH_RANGE)
     rel_x, rel_z = other.velocity[0] - one.velocity[0], other.velocity[1] - one.velocity[1]
     speed_squared = rel_x * rel_x + rel_z * rel_z
     time = (
@@ -107,8 +108,9 @@ def _repulsion(one: Record, other: Record) -> tuple[float, float]:
         turn = -1.0 if (near_x * right_x + near_z * right_z) > 0.15 * space else 1.0
         amount = one.pace * (1.0 - time / PREDICTION_TIME) * (1.0 - closest / (1.5 * space)) * 1.6
         push_x, push_z = turn * amount * right_x, turn * amount * right_z
-    if distance < 1.25 * space:
-        amount = math.sqrt(GRAVITY * leg_length(one)) * 0.5 * (1.25 * space - distance) / space
+    if distance < PUSH_RANGE * space:
+        depth = (PUSH_RANGE * space - distance) / space
+        amount = math.sqrt(GRAVITY * leg_length(one)) * 0.5 * depth
         push_x, push_z = push_x - amount * x / distance, push_z - amount * z / distance
     return push_x, push_z
 

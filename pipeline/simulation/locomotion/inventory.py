@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
-from pipeline.simulation.figures.figure_skin import figure_skin, skin_form
+from pipeline.simulation.figures.figure_skin import figure_skin
 from pipeline.simulation.figures.inverse_dynamics import FrameMasses
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.inventory import Inventory
@@ -21,7 +21,7 @@ from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.mechanism import Leg, Mechanism
-from pipeline.simulation.people.dressed_figure import figure_layers
+from pipeline.simulation.people.dressed_figure import figure_layers, is_person
 from pipeline.simulation.people.person_mesh import layer_parts
 from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array
@@ -153,7 +153,7 @@ def describe_herd(
         meshes.extend(own[0])
         parts.extend(assign_looks(own[1], figure, len(looks)))
         looks.extend(creature_skins(figure, first))
-        if skin_form(figure) == "person":
+        if is_person(figure):
             layers = figure_layers(figure, clothes[herd.names[c]])
             worn = layer_parts(herd.names[c], layers, first, len(meshes), rows)
             meshes.extend(worn[0])

@@ -38,6 +38,7 @@ def take_of(
         channels=[SimpleNamespace(name="kim.anxiety")] if has_mind else [],
         values=np.full((rows, 1), anxiety) if has_mind else np.zeros((rows, 0)),
         positions=positions,
+        alive=np.ones((rows, 1), bool),
     )
 
 
@@ -60,3 +61,9 @@ def test_events_and_hard_impacts_are_lively_and_tense() -> None:
     assert soft.between(0, 2) == (0, 0)
     assert soft.between(5, 7)[1] > 0.5
     assert hard.between(5, 7)[0] > soft.between(5, 7)[0] + 0.2
+
+
+def test_what_is_hidden_does_not_move() -> None:
+    take = take_of(speed=1.6)
+    take.alive[:] = False
+    assert scene_course(take).between(6, 8)[1] == 0

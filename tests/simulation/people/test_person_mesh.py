@@ -218,7 +218,7 @@ def alone(name: str, seed: int, costume: Costume | None = None) -> Clothes:
     return deal_clothes({name: costume}, seed)[name]
 
 
-def test_clothes_depend_on_the_name_alone() -> None:
+def test_clothes_of_one_alone_depend_on_name_and_seed() -> None:
     looks = [alone("p0", seed) for seed in range(40)]
     assert looks == [alone("p0", seed) for seed in range(40)]
     assert alone("p0", 1) != alone("p1", 1)

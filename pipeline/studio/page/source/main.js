@@ -36,12 +36,14 @@ function refresh() {
 editor.onChange = refresh;
 player.onChange = refresh;
 
+// Tells whether the work was done.
 async function guarded(work) {
   try {
-    await work();
+    return (await work()) !== false;
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;
     report(error.message.split("\n")[0], true);
+    return false;
   }
 }
 
@@ -68,10 +70,11 @@ const save = () =>
     let { name } = document_;
     if (!name) {
       const wished = prompt("Name of the figure", "creature");
-      if (!wished) return;
+      if (!wished) return false;
       name = `figures/${wished.replace(/\.ya?ml$/, "")}.yaml`;
     }
-    const message = { name, text: document_.text };
+    const before = document_.name && !document_.is_shipped ? document_.text : null;
+    const message = { name, text: document_.text, before };
     if (shown === editor) message.drawing = editor.drawing;
     else message.text = player.editor.text;
     const saved = await ask("save", message);
@@ -92,7 +95,9 @@ const newScene = () =>
 
 const render = () =>
   guarded(async () => {
-    if (player.isDirty || !player.document.name || player.document.is_shipped) await save();
+    if (player.isDirty || !player.document.name || player.document.is_shipped) {
+      if (!(await save())) return false;
+    }
     await ask("render", { name: player.document.name, preset: $("preset").value });
     show("renders");
     await renders.refresh();

@@ -24,6 +24,14 @@ PRESETS: tuple[str, ...] = get_args(Preset)
 MAX_RENDERS = 100
 """Films that are remembered; the oldest that ended are forgotten."""
 
+PRONK = """\
+import signal
+from pipeline.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)
+main()
+"""
+"""Program that makes a film: a studio in the background inherits that interrupts are ignored."""
+
 STOP_TIMEOUT = 10.0
 """Time that a film has to end after it is stopped [s]."""
 
@@ -159,7 +167,7 @@ class RenderQueue:
 
     def _make(self, render: Render) -> None:
         # -P: modules of the project's folder are not those of pronk.
-        command = [sys.executable, "-P", "-m", "pipeline.cli", "render", f"./{render.scene}"]
+        command = [sys.executable, "-P", "-c", PRONK, "render", f"./{render.scene}"]
         with self._lock:
             if render.state != "rendering":
                 return

@@ -60,7 +60,7 @@ def table_of(err: str) -> dict[str, str]:
         (("simulate",), "take.zarr"),
         (("midi",), "{}.mid"),
         pytest.param(("sheet", "--count", "1"), "{}_sheet.png", marks=pytest.mark.nightly),
-        pytest.param(("render",), "{}.mp4", marks=pytest.mark.slow),
+        pytest.param(("render",), "{}.mp4", marks=pytest.mark.nightly),
         pytest.param(("render", "--jobs", "2"), "{}.mp4", marks=pytest.mark.nightly),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",

@@ -242,7 +242,7 @@ def test_one_of_two_simultaneous_runs_makes_the_film(
     _assert_complete(studio, film)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_processes_render_the_same_bytes_as_one(studio: Studio, film: Studio) -> None:
     shutil.rmtree(studio.made / "frames")
     (studio.made / "tiny.mp4").unlink()

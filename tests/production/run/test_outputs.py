@@ -130,7 +130,7 @@ def test_sound_of_a_part_equals_that_of_the_film(studio: Studio) -> None:
     assert onsets[0] - onsets[1] == pytest.approx(2 / 24, abs=0.001)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_film_without_sound_has_no_sound_track(unmade: Studio, tmp_path: Path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     studio.render(sound=False, frames="1-2")

@@ -7,39 +7,68 @@ import { lintGutter, setDiagnostics } from "@codemirror/lint";
 import { hoverTooltip, keymap } from "@codemirror/view";
 import { basicSetup, EditorView } from "codemirror";
 
-// All keys and names of a schema, with what it says about them.
-function wordsOf(schema) {
-  const words = new Map();
-  const add = (label, type, info) => {
-    if (/^[\w][\w -]*$/.test(label) && !(words.get(label)?.info && !info)) words.set(label, { label, type, info });
-  };
-  const visit = (part) => {
-    if (!part || typeof part !== "object") return;
-    for (const [key, below] of Object.entries(part.properties ?? {})) add(key, "property", below.description);
-    for (const value of [...(part.enum ?? []), part.const]) if (typeof value === "string") add(value, "constant", part.description);
-    for (const below of Object.values(part)) visit(below);
-  };
-  visit(schema);
-  return words;
+import { Draft, draggedValues } from "./dragged_values.js";
+import { SchemaPlaces } from "./schema_places.js";
+import { placeOf } from "./text_tree.js";
+
+// What may be written at a place: keys where a key stands, named values where a value does.
+function completions(places, text, from, to) {
+  const place = placeOf(text, from, to);
+  if (!place) return [];
+  const parts = places.at(place.path, place.plain);
+  const options = [];
+  if (place.isKey || place.isAlone) {
+    const present = place.path.reduce((below, step) => below?.[step], place.plain);
+    for (const [label, info] of places.keys(parts)) {
+      if (present && typeof present === "object" && Object.hasOwn(present, label)) continue;
+      const hasColon = /^[ \t]*:/.test(text.slice(to));
+      options.push({ label, type: "property", info, apply: hasColon ? label : `${label}: ` });
+    }
+  }
+  if (!place.isKey) {
+    for (const [label, info] of places.values(parts)) options.push({ label, type: "constant", info });
+    if (parts.some((part) => part.type === "string" && !part.enum)) {
+      for (const label of ownNames(place.plain)) options.push({ label, type: "variable", info: "of this scene" });
+    }
+  }
+  return options;
+}
+
+// Names that a scene gives: its cast, and what it defines.
+function ownNames(plain) {
+  const cast = (Array.isArray(plain?.cast) ? plain.cast : []).map((member) => member?.name);
+  const defined = ["figures", "dances", "materials", "moods", "places"].flatMap((key) => Object.keys(plain?.[key] ?? {}));
+  return new Set([...cast, ...defined].filter((name) => typeof name === "string"));
 }
 
 export function textEditor(parent, schema, changed) {
-  const words = wordsOf(schema);
+  const places = new SchemaPlaces(schema);
   let lineEnd = "\n";
-  const options = [...words.values()];
   const complete = (context) => {
-    const word = context.matchBefore(/[\w-]+/);
-    return word || context.explicit ? { from: word?.from ?? context.pos, options, validFor: /^[\w -]*$/ } : null;
+    const word = context.matchBefore(/[\w-][\w -]*/) ?? context.matchBefore(/[\w-]+/);
+    if (!word && !context.explicit) return null;
+    const text = context.state.doc.toString();
+    let from = word?.from ?? context.pos;
+    // A list's dash belongs to the list.
+    from += /^(- +)*/.exec(text.slice(from, context.pos))[0].length;
+    const rest = /^[\w-]*/.exec(text.slice(context.pos))[0].length;
+    const options = completions(places, text, from, context.pos + rest);
+    return options.length ? { from, options, validFor: /^[\w -]*$/ } : null;
   };
   const help = hoverTooltip((view, position) => {
     const line = view.state.doc.lineAt(position);
     const at = position - line.from;
     const found = [...line.text.matchAll(/[\w-]+/g)].find((one) => one.index <= at && at <= one.index + one[0].length);
-    const word = found && words.get(found[0]);
-    if (!word?.info) return null;
-    const dom = Object.assign(document.createElement("div"), { textContent: `${word.label}: ${word.info}` });
+    if (!found) return null;
+    const from = line.from + found.index;
+    const place = placeOf(view.state.doc.toString(), from, from + found[0].length);
+    if (!place) return null;
+    const parts = places.at(place.path, place.plain);
+    const text = place.isKey ? places.keys(parts).get(found[0]) : places.description(parts);
+    if (!text) return null;
+    const dom = Object.assign(document.createElement("div"), { textContent: `${found[0]}: ${text}` });
     dom.style.cssText = "max-width: 420px; padding: 4px 8px";
-    return { pos: line.from + found.index, create: () => ({ dom }) };
+    return { pos: from, create: () => ({ dom }) };
   });
   const view = new EditorView({
     parent,
@@ -50,6 +79,7 @@ export function textEditor(parent, schema, changed) {
       lintGutter(),
       autocompletion({ override: [complete] }),
       help,
+      draggedValues,
       EditorView.updateListener.of((update) => update.docChanged && changed()),
       EditorView.theme({ "&": { fontSize: "13px" }, ".cm-scroller": { fontFamily: "ui-monospace, monospace" } }),
     ],
@@ -64,6 +94,8 @@ export function textEditor(parent, schema, changed) {
       lineEnd = value.includes("\r\n") ? "\r\n" : "\n";
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
     },
+    draft: (from, to) => new Draft(view, from, to),
+    completions: (from, to = from) => completions(places, view.state.doc.toString(), from, to).map(({ label }) => label),
     mark(problems) {
       const { doc } = view.state;
       const found = problems.map((problem) => {

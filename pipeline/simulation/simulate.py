@@ -119,6 +119,37 @@ class Simulation:
         self.scheduler.flush()
         return self.scheduler.last_row
 
+    def run(self, each_step: Callable[[Simulation], None]) -> Take:
+        """Takes all steps that are left; returns the take.
+
+        Args:
+            each_step: called after each; what it raises ends the run.
+        """
+        while not self.finished:
+            self.step()
+            each_step(self)
+        return self.take()
+
+    def take_so_far(self) -> Take | None:
+        """Returns a take of the whole frames so far, None before the second; it has no notes,
+        orders or mechanisms."""
+        samples = self.recorder.clock.samples
+        frames = self.last_row() // samples
+        if frames < 1:
+            return None
+        whole = self.recorder.take()
+        rows = slice(0, (frames + 1) * samples)
+        return replace(
+            whole,
+            header=replace(whole.header, frames=frames),
+            positions=whole.positions[rows],
+            rotations=whole.rotations[rows],
+            alive=whole.alive[rows],
+            scales=whole.scales[rows],
+            values=whole.values[rows],
+            notes=(),
+        )
+
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         self._members.update(0)
@@ -208,8 +239,9 @@ def simulate(
     """
     simulation = Simulation(scene, key)
     clock = simulation.world.clock
-    while not simulation.finished:
-        simulation.step()
-        if progress and simulation.step_number % (8 * clock.steps) == 0:
-            progress(simulation.step_number // clock.steps, clock.frames)
-    return simulation.take()
+
+    def report(current: Simulation) -> None:
+        if progress and current.step_number % (8 * clock.steps) == 0:
+            progress(current.step_number // clock.steps, clock.frames)
+
+    return simulation.run(report)

@@ -21,12 +21,15 @@ from starlette.routing import Route
 
 from pipeline.errors import PronkError, SceneError, UsageError
 from pipeline.production.run.starter_scene import write_starter
-from pipeline.spec import Figure, figure_schema, read_scene, schema
+from pipeline.production.run.take_stage import take_key
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import Figure, Scene, figure_schema, read_scene, schema
 from pipeline.spec.figure import PartKind
 from pipeline.studio.access import Guard
 from pipeline.studio.drawing import DrawnFigure
 from pipeline.studio.figure_analysis import analysed, problem_facts, with_drawing
 from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text, updated_text
+from pipeline.studio.first_frames import FirstFrames, Requested
 from pipeline.studio.newest import Newest, Superseded
 from pipeline.studio.project import Document, Project
 from pipeline.studio.render_queue import PRESETS, RenderQueue
@@ -62,6 +65,7 @@ class Studio:
     _takes: Newest = field(default_factory=Newest)
     _play: tuple[int, ScenePlay] | None = None
     _plays: int = 0
+    _first: Requested = field(default_factory=Requested)
     _queue: RenderQueue = field(init=False)
 
     def __post_init__(self) -> None:
@@ -120,10 +124,39 @@ class Studio:
     def take(self, message: Json) -> Json:
         """Simulate the text of a scene; return its facts and the number to ask for more with."""
         scene = read_scene(_text(message, "text"), "scene", self._folder(message))
-        play = self._takes.run(lambda wanted: ScenePlay(scene, wanted))
+        first = FirstFrames(scene)
+        self._first.put(message.get("request"), first)
+        try:
+            play = self._takes.run(lambda wanted: self._played(scene, wanted, first))
+        finally:
+            first.end()
         self._plays += 1
         self._play = self._plays, play
         return {"play": self._plays, **play.facts}
+
+    def _played(
+        self, scene: Scene, still_wanted: Callable[[], None], first: FirstFrames
+    ) -> ScenePlay:
+        """Return the play of a scene, simulated only if the one that is shown has another take."""
+        key = take_key(scene)
+        if self._play is not None and self._play[1].take.header.key == key:
+            return ScenePlay(scene, self._play[1].take)
+
+        def see(simulation: Simulation) -> None:
+            still_wanted()
+            first.see(simulation)
+
+        return ScenePlay(scene, Simulation(scene, key).run(see))
+
+    def first_frames(self, message: Json) -> Response:
+        """Return the first frames of a take that is being made as binary glTF, and their length."""
+        first = self._first.get(message.get("request"))
+        glb = first.wait()
+        return _glb(glb, {"seconds": first.seconds})
+
+    def channels(self, message: Json) -> Json:
+        """Return the channels of a performer over time."""
+        return self._shown(message).channels(_text(message, "who"))
 
     def take_glb(self, message: Json) -> Response:
         """Return the take of a scene as binary glTF."""
@@ -243,6 +276,8 @@ def application(studio: Studio, port: int) -> Guard:
         "save": studio.save,
         "take": studio.take,
         "take.glb": studio.take_glb,
+        "first-frames": studio.first_frames,
+        "channels": studio.channels,
         "sound": studio.sound,
         "camera": studio.camera,
         "still": studio.still,

@@ -60,8 +60,4 @@ def simulated(scene: Scene, still_wanted: Callable[[], None]) -> Take:
         Superseded: it is not.
         PronkError: the scene cannot be simulated.
     """
-    simulation = Simulation(scene)
-    while not simulation.finished:
-        still_wanted()
-        simulation.step()
-    return simulation.take()
+    return Simulation(scene).run(lambda _: still_wanted())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 import threading
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from pathlib import Path
@@ -18,8 +17,9 @@ from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from pipeline.studio.newest import simulated
+from pipeline.studio.channel_curves import channel_facts
 from pipeline.studio.walk import gait_bars
+from pipeline.terminal_text import escaped_line
 from render.backend import choose
 from render.errors import RenderError
 from render.image_files import write_png
@@ -44,11 +44,11 @@ class ScenePlay:
         take: of the scene.
     """
 
-    def __init__(self, scene: Scene, still_wanted: Callable[[], None]) -> None:
+    def __init__(self, scene: Scene, take: Take) -> None:
         self.scene = scene.model_copy(
             update={"film": scene.film.model_copy(update={"preset": "draft", "size": STILL_SIZE})}
         )
-        self.take: Take = simulated(scene, still_wanted)
+        self.take = take
         self._building = threading.Lock()
 
     @cached_property
@@ -81,6 +81,16 @@ class ScenePlay:
             "gait": gait_bars(self.scene, self.take),
             "performers": list(dict.fromkeys(node.performer for node in self.take.nodes)),
         }
+
+    def channels(self, performer: str) -> dict[str, Any]:
+        """Return the channels and the mind of a performer over time.
+
+        Raises:
+            UsageError: there is no such performer.
+        """
+        if performer not in {node.performer for node in self.take.nodes}:
+            raise UsageError(f"there is no performer '{escaped_line(performer)}'")
+        return channel_facts(self.scene, self.take, performer)
 
     @cached_property
     def glb(self) -> bytes:

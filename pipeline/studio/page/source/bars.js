@@ -1,7 +1,10 @@
-// Bars over time: stances of feet, marks of sound events, and the present moment.
+// Bars over time: stances of feet, marks of sound events, channels, and the present moment.
 
 const INK = "#1f2933";
 const FAINT = "#8a94a0";
+const COLORS = ["#2d6fb4", "#b4442f", "#3f8f5f", "#8a5fb0", "#b8862b", "#3a9aa5"];
+const STRIP = 15; // pixels of a row of names
+const CURVE = 34; // pixels of a curve
 
 export class Bars {
   constructor(canvas, seek, pick) {
@@ -9,8 +12,10 @@ export class Bars {
     this.seconds = 1;
     this.gait = [];
     this.events = [];
+    this.curves = [];
+    this.strips = [];
     this.time = 0;
-    this.left = 64;
+    this.left = 110;
     const at = (event) => {
       const box = canvas.getBoundingClientRect();
       return ((event.clientX - box.left - this.left) / (box.width - this.left - 8)) * this.seconds;
@@ -37,8 +42,18 @@ export class Bars {
 
   show({ seconds, gait = [], events = [] }) {
     Object.assign(this, { seconds, gait, events });
-    const rows = gait.reduce((sum, one) => sum + one.legs.length, 0);
-    this.canvas.style.height = `${Math.min(28 + 13 * rows + 6, 220)}px`;
+    this.#fit();
+  }
+
+  showChannels({ curves, strips }) {
+    Object.assign(this, { curves, strips });
+    this.#fit();
+  }
+
+  #fit() {
+    const rows = this.gait.reduce((sum, one) => sum + one.legs.length, 0);
+    const channels = STRIP * this.strips.length + CURVE * this.curves.length;
+    this.canvas.style.height = `${28 + 13 * rows + 6 + channels}px`;
     this.draw();
   }
 
@@ -75,7 +90,47 @@ export class Bars {
         y += 13;
       }
     }
+    y = this.#drawStrips(context, x, y);
+    this.#drawCurves(context, x, y, width);
     context.fillStyle = INK;
     context.fillRect(x(this.time), 0, 1.5, height);
+  }
+
+  // What a mind does and looks at.
+  #drawStrips(context, x, y) {
+    const names = [...new Set(this.strips.flatMap(({ spans }) => spans.map(([name]) => name)))];
+    for (const { title, spans } of this.strips) {
+      context.fillStyle = INK;
+      context.fillText(title, 6, y);
+      for (const [name, start, end] of spans) {
+        context.fillStyle = COLORS[names.indexOf(name) % COLORS.length];
+        context.globalAlpha = 0.35;
+        context.fillRect(x(start), y - 6, x(end) - x(start) - 1, 12);
+        context.globalAlpha = 1;
+        context.fillStyle = INK;
+        if (context.measureText(name).width + 6 < x(end) - x(start)) context.fillText(name, x(start) + 3, y);
+      }
+      y += STRIP;
+    }
+    return y;
+  }
+
+  // Channels, each between its least and greatest value, with the value of this moment.
+  #drawCurves(context, x, y, width) {
+    this.curves.forEach(({ name, unit, least, most, points }, k) => {
+      const at = (value) => y + CURVE - 14 - ((value - least) / (most - least || 1)) * (CURVE - 8);
+      context.fillStyle = INK;
+      context.fillText(name, 6, y - 1, this.left - 12);
+      const now = points.findLast(([time]) => time <= this.time + 1e-6) ?? points[0];
+      context.fillStyle = FAINT;
+      if (now) context.fillText(`${Number(now[1].toPrecision(4))} ${unit}`, 6, y + 12, this.left - 12);
+      context.fillRect(this.left, y + CURVE - 12, width - this.left - 8, 0.5);
+      context.strokeStyle = COLORS[k % COLORS.length];
+      context.lineWidth = 1.4;
+      context.beginPath();
+      for (const [time, value] of points) context.lineTo(x(time), at(value));
+      context.stroke();
+      y += CURVE;
+    });
   }
 }

@@ -69,14 +69,19 @@ export class Player {
     const started = performance.now();
     this.report("simulating …");
     try {
-      const facts = await ask("take", this.#message());
+      const request = crypto.randomUUID();
+      this.request = request;
+      const whole = ask("take", { ...this.#message(), request });
+      this.#showFirst(request, started);
+      const facts = await whole;
       const { bytes } = await askBytes("take.glb", { play: facts.play });
+      this.request = null;
       this.facts = facts;
       const time = Math.min(this.viewer.time, facts.seconds);
       await this.viewer.show(bytes);
       this.bars.show(facts);
       this.seek(time);
-      this.#about();
+      await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
       this.report(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
       this.takes = (this.takes ?? 0) + 1;
       this.film = null;
@@ -87,6 +92,33 @@ export class Player {
       this.editor.mark(error.problems);
       this.report(error.message.split("\n")[0], true);
     }
+  }
+
+  // What is simulated so far, while the rest is.
+  async #showFirst(request, started) {
+    try {
+      const { bytes, facts } = await askBytes("first-frames", { request });
+      if (this.request !== request) return;
+      this.pause();
+      this.facts = null;
+      await this.viewer.show(bytes);
+      if (this.request !== request) return;
+      this.viewer.seek(Math.min(this.viewer.time, facts.seconds));
+      this.viewer.draw();
+      this.firstShown = performance.now() - started;
+      this.report(`simulating …; shown are the first ${facts.seconds.toFixed(1)} s`);
+    } catch (error) {
+      // It has ended before, or another has begun.
+      if (!(error instanceof Refusal)) throw error;
+    }
+  }
+
+  async #showChannels(who) {
+    this.who = who;
+    this.#about(who);
+    const { play } = this.facts;
+    const channels = who ? await ask("channels", { play, who }) : { curves: [], strips: [] };
+    if (this.facts?.play === play && this.who === who) this.bars.showChannels(channels);
   }
 
   async #fetchSound(play) {
@@ -220,8 +252,7 @@ export class Player {
     button("render-film", "Render", "the whole film, in the render queue", () => {});
     document.getElementById("still").onclick = (event) => (event.target.hidden = true);
     document.getElementById("world").addEventListener("click", (event) => {
-      const who = this.viewer.performerAt(event);
-      if (this.facts) this.#about(who ?? "");
+      if (this.facts) this.#showChannels(this.viewer.performerAt(event) ?? "");
     });
     this.#refresh();
   }

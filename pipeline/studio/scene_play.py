@@ -9,13 +9,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from audio.wav_file import write_wav
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.gltf.take_file import take_glb
 from pipeline.production.reports.plot_colors import cause_color
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
-from pipeline.simulation.take import Take
+from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.spec import Scene
 from pipeline.studio.channel_curves import channel_facts
 from pipeline.studio.walk import gait_bars
@@ -79,6 +81,7 @@ class ScenePlay:
             "events": events,
             "notes": notes,
             "gait": gait_bars(self.scene, self.take),
+            "forbidden": forbidden_runs(self.take.terrain),
             "performers": list(dict.fromkeys(node.performer for node in self.take.nodes)),
         }
 
@@ -139,6 +142,27 @@ class ScenePlay:
             return _RENDERING.submit(_picture, shot).result()
         except RenderError as error:
             raise FilmingError(str(error)) from error
+
+
+def forbidden_runs(terrain: TerrainRecord) -> dict[str, Any] | None:
+    """Return the cells of a terrain without footholds as runs [row, from, to] along x.
+
+    None where there are none, or where the terrain is no upright grid.
+    """
+    least, most = terrain.vertices.min(axis=0), terrain.vertices.max(axis=0)
+    rows, columns = terrain.forbidden.shape
+    is_grid = len(terrain.vertices) == (rows + 1) * (columns + 1)
+    corners = terrain.vertices[[0, -1]][:, [0, 2]]
+    if not terrain.forbidden.any() or not is_grid:
+        return None
+    if not np.allclose(corners, [least[[0, 2]], most[[0, 2]]]):
+        return None
+    runs = []
+    for row, cells in enumerate(terrain.forbidden):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], cells, [False]]).astype(int)))
+        runs += [[row, int(start), int(end)] for start, end in edges.reshape(-1, 2)]
+    size = (most - least)[[0, 2]] / (columns, rows)
+    return {"corner": least[[0, 2]].tolist(), "cell": size.tolist(), "runs": runs}
 
 
 def _picture(shot: Shot) -> bytes:

@@ -3,6 +3,7 @@
 import { ask, askBytes, latest, Refusal } from "./api.js";
 import { Bars } from "./bars.js";
 import { textEditor } from "./scene_text.js";
+import { TerrainMap } from "./terrain_map.js";
 import { Viewer } from "./viewer.js";
 
 const SIMULATE_DELAY = 300; // ms after the last change
@@ -31,6 +32,7 @@ export class Player {
       const schema = await ask("schema", { kind: "scene" });
       this.editor = textEditor(document.getElementById("text"), schema, () => this.#changed());
     }
+    this.map ??= new TerrainMap(document.getElementById("map"), this.viewer, this.editor);
     this.editor.text = document_.text;
     if (!this.ticking) {
       this.ticking = true;
@@ -49,6 +51,7 @@ export class Player {
 
   #changed() {
     this.onChange?.();
+    this.map?.draw();
     this.check(this.#message());
   }
 
@@ -80,6 +83,8 @@ export class Player {
       const time = Math.min(this.viewer.time, facts.seconds);
       await this.viewer.show(bytes);
       this.bars.show(facts);
+      this.map.forbidden = facts.forbidden;
+      this.map.draw();
       this.seek(time);
       await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
       this.report(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
@@ -224,6 +229,11 @@ export class Player {
     }
   }
 
+  toggleMap() {
+    this.map.show(!this.map.isShown);
+    this.#refresh();
+  }
+
   // ---- buttons
 
   #buildTransport() {
@@ -246,6 +256,7 @@ export class Player {
       this.#refresh();
       this.seek(this.time);
     });
+    button("see-map", "Map", "M: from above, with the positions of the text to drag", () => this.toggleMap());
     button("render-still", "Still", "R: this frame by pronk's renderer", () => this.still());
     box.append(Object.assign(document.createElement("output"), { id: "clock" }));
     box.append(Object.assign(document.createElement("select"), { id: "preset", title: "quality of the film" }));
@@ -260,6 +271,7 @@ export class Player {
   #refresh() {
     document.getElementById("play").textContent = this.playing ? "Pause" : "Play";
     document.getElementById("loop").classList.toggle("on", this.loops);
+    document.getElementById("see-map").classList.toggle("on", Boolean(this.map?.isShown));
     document.getElementById("film-camera").classList.toggle("on", this.camera === "film");
   }
 
@@ -271,6 +283,7 @@ export class Player {
       ArrowLeft: () => this.step(-1),
       ArrowRight: () => this.step(1),
       r: () => this.still(),
+      m: () => this.toggleMap(),
     }[event.key];
     if (!work || !this.facts) return;
     event.preventDefault();

@@ -9,7 +9,7 @@ import { basicSetup, EditorView } from "codemirror";
 
 import { Draft, draggedValues } from "./dragged_values.js";
 import { SchemaPlaces } from "./schema_places.js";
-import { placeOf } from "./text_tree.js";
+import { placeOf, plainOf } from "./text_tree.js";
 
 // What may be written at a place: keys where a key stands, named values where a value does.
 function completions(places, text, from, to) {
@@ -93,6 +93,12 @@ export function textEditor(parent, schema, changed) {
       // The editor knows one kind of line end; the file keeps its own.
       lineEnd = value.includes("\r\n") ? "\r\n" : "\n";
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: value } });
+    },
+    get viewText() {
+      return view.state.doc.toString();
+    },
+    get plain() {
+      return plainOf(view.state.doc.toString());
     },
     draft: (from, to) => new Draft(view, from, to),
     completions: (from, to = from) => completions(places, view.state.doc.toString(), from, to).map(({ label }) => label),

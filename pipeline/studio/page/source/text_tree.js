@@ -63,10 +63,19 @@ export function placeOf(text, from, to) {
   if (isScalar(doc.contents) && doc.contents.value === CURSOR) return { path: [], isKey: true, plain: {} };
   visit(doc.contents, []);
   if (!place) return null;
-  try {
-    return { ...place, plain: doc.toJS() };
-  } catch {
-    return { ...place, plain: null };
-  }
+  return { ...place, plain: plainOfDocument(doc) };
 }
 
+
+// The text as plain values, as far as it can be read.
+export function plainOf(text) {
+  return plainOfDocument(parseDocument(text, { logLevel: "silent", uniqueKeys: false }));
+}
+
+function plainOfDocument(doc) {
+  try {
+    return doc.toJS();
+  } catch {
+    return null; // an alias without its anchor
+  }
+}

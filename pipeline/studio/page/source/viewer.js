@@ -24,6 +24,7 @@ export class Viewer {
       this.scene.add(this.grid);
     }
     this.model = null;
+    this.roots = new Map();
     this.time = 0;
     this.filmCamera = null;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -121,6 +122,20 @@ export class Viewer {
     this.controls.target.set(tx, ty, tz);
   }
 
+  // From above: x to the right, z down, `half` metres up and down from the middle; null ends it.
+  seeFromAbove(view) {
+    this.above = null;
+    if (view) {
+      const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+      const wide = (view.half * width) / height;
+      this.above = new THREE.OrthographicCamera(-wide, wide, view.half, -view.half, 0.1, 4000);
+      this.above.up.set(0, 0, -1);
+      this.above.position.set(view.x, 2000, view.z);
+      this.above.lookAt(view.x, 0, view.z);
+    }
+    this.draw();
+  }
+
   // The performer at a place of the canvas.
   performerAt(event) {
     if (!this.model) return null;
@@ -142,6 +157,6 @@ export class Viewer {
   }
 
   draw() {
-    this.renderer.render(this.scene, this.camera);
+    this.renderer.render(this.scene, this.above ?? this.camera);
   }
 }

@@ -131,14 +131,16 @@ class Simulation:
         return self.take()
 
     def take_so_far(self) -> Take | None:
-        """Returns a take of the whole frames so far, None before the second; it has no notes,
-        orders or mechanisms."""
+        """Returns a take of the whole frames so far, None before the first is whole.
+
+        It has no notes, orders, legs or mechanisms.
+        """
         samples = self.recorder.clock.samples
         frames = self.last_row() // samples
         if frames < 1:
             return None
         whole = self.recorder.take()
-        rows = slice(0, (frames + 1) * samples)
+        rows = slice(0, frames * samples + 1)
         return replace(
             whole,
             header=replace(whole.header, frames=frames),

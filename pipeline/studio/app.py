@@ -203,6 +203,11 @@ class Studio:
         self._queue.stop(render)
         return render.facts
 
+    def open_folder(self, message: Json) -> Json:
+        """Show the folder of a film in the file manager."""
+        folder = self._queue.open_folder(self._queue.find(message.get("number")))
+        return {"folder": str(folder)}
+
     def rendered_frame(self, message: Json) -> Response:
         """Return the newest frame of a film as PNG."""
         picture = self._queue.frame(self._queue.find(message.get("number")))
@@ -286,6 +291,7 @@ def application(studio: Studio, port: int) -> Guard:
         "render": studio.render,
         "renders": studio.renders,
         "stop-render": studio.stop_render,
+        "open-folder": studio.open_folder,
         "rendered-frame": studio.rendered_frame,
     }
     routes = [

@@ -16,7 +16,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_args
 
+import typer
+
 from pipeline.errors import UsageError
+from pipeline.production.run.outputs import Outputs
+from pipeline.terminal_text import escaped_line
 from render.config.film import Preset
 
 PRESETS: tuple[str, ...] = get_args(Preset)
@@ -141,9 +145,27 @@ class RenderQueue:
                 except subprocess.TimeoutExpired:
                     render.process.kill()
 
+    def outputs(self, render: Render) -> Outputs:
+        """Return where a film and its frames are."""
+        name = Path(render.scene).stem
+        return Outputs(self._folder() / "out" / name, name)
+
+    def open_folder(self, render: Render) -> Path:
+        """Show the folder of a film in the file manager of this machine; return it.
+
+        Raises:
+            UsageError: it is not there yet, or there is no file manager.
+        """
+        folder = self.outputs(render).folder
+        if not folder.is_dir():
+            raise UsageError(f"there is no folder '{escaped_line(str(folder))}' yet")
+        if typer.launch(str(folder)) != 0:
+            raise UsageError(f"no file manager opens it; the folder is {escaped_line(str(folder))}")
+        return folder
+
     def frame(self, render: Render) -> bytes | None:
         """Return the newest frame of a film as PNG, None before the first."""
-        frames = self._folder() / "out" / Path(render.scene).stem / "frames"
+        frames = self.outputs(render).frames
         pictures = [path for path in frames.glob("[0-9]*.png") if path.is_file()]
         newest = max(pictures, key=lambda path: path.stat().st_mtime_ns, default=None)
         return None if newest is None else newest.read_bytes()

@@ -7,14 +7,21 @@ import threading
 import time
 from typing import Any
 
+import numpy as np
 import pytest
 
+from pipeline.errors import UsageError
 from pipeline.simulation.figure_analysis import build_figure
-from pipeline.spec import library
+from pipeline.simulation.simulate import Simulation, simulate
+from pipeline.spec import library, read_scene
+from pipeline.studio import first_frames
 from pipeline.studio.drawing import DrawnFigure
 from pipeline.studio.figure_analysis import with_drawing
 from pipeline.studio.figure_text import figure_of_text
+from pipeline.studio.first_frames import FirstFrames
 from pipeline.studio.newest import Newest, Superseded
+from pipeline.studio.render_queue import Render, RenderQueue
+from pipeline.studio.scene_play import forbidden_runs
 from tests.studio.conftest import SCENE, Served
 
 FIGURES = sorted((library() / "figures").glob("*.yaml"))
@@ -228,3 +235,97 @@ def test_modules_of_the_project_are_not_imported(served: Served) -> None:
         time.sleep(0.1)
     assert "did you mean 'frames'" in render["text"]
     assert not (served.folder / "imported").exists()
+
+
+def test_channels_and_minds_of_a_performer_are_curves_and_strips(served: Served) -> None:
+    text = SCENE.replace("frames: 8", "frames: 3") + (
+        "  - {name: mother, character: adult, at: [2, 1]}\n"
+        "  - {name: kid, character: child, at: [2, 2], traits: {},"
+        " behaviours: [{attachment: mother}]}\n"
+    )
+    status, facts = served.ask("take", text=text, name="walk.yaml")
+    assert status == 200, facts
+    bug = served.ask("channels", play=facts["play"], who="bug")[1]
+    phase = next(curve for curve in bug["curves"] if curve["name"] == "gait_phase")
+    assert [time for time, _ in phase["points"]][:2] == pytest.approx([0.0, 1 / 96], abs=1e-4)
+    assert phase["least"] == pytest.approx(min(value for _, value in phase["points"]), abs=1e-4)
+    assert bug["strips"] == []
+    kid = served.ask("channels", play=facts["play"], who="kid")[1]
+    assert [strip["title"] for strip in kid["strips"]] == ["behaviour", "focus", "looks at"]
+    assert {"anxiety", "distance"} <= {curve["name"] for curve in kid["curves"]}
+    status, refused = served.ask("channels", play=facts["play"], who="nobody")
+    assert (status, refused["error"]) == (422, "there is no performer 'nobody'")
+
+
+def test_a_change_of_the_camera_keeps_the_take(served: Served) -> None:
+    status, first = served.ask("take", text=SCENE, name="walk.yaml")
+    take = served.studio._play[1].take
+    text = SCENE + "camera: {follow: bug, view: side}\n"
+    status, second = served.ask("take", text=text, name="walk.yaml")
+    assert status == 200
+    assert second["play"] > first["play"]
+    assert served.studio._play[1].take is take
+    served.ask("take", text=SCENE.replace("frames: 8", "frames: 9"), name="walk.yaml")
+    assert served.studio._play[1].take is not take
+
+
+def test_first_frames_are_the_beginning_of_the_take(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = read_scene(SCENE, "scene", library())
+    monkeypatch.setattr(first_frames, "DELAY", 0.0)
+    first = FirstFrames(scene)
+    early = []
+
+    def see(simulation: Simulation) -> None:
+        first.see(simulation)
+        if simulation.step_number == 14:
+            early.append(simulation.take_so_far())
+
+    whole = Simulation(scene).run(see)
+    assert first.wait()[:4] == b"glTF"
+    assert first.seconds == pytest.approx(1 / 24)
+    (take,) = early
+    rows = len(take.positions)
+    assert 1 < take.header.frames < whole.header.frames
+    assert rows == take.header.frames * take.header.samples + 1
+    assert (take.positions == whole.positions[:rows]).all()
+    assert take.rotations.tobytes() == whole.rotations[:rows].tobytes()
+    # To look at what there is so far changes nothing of what follows.
+    assert whole.positions.tobytes() == simulate(scene).positions.tobytes()
+
+
+def test_first_frames_of_another_request_are_refused(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(first_frames, "PATIENCE", 0.01)
+    assert served.ask("first-frames", request="unknown")[0] == 409
+
+
+def test_cells_without_footholds_are_runs_on_the_map(served: Served) -> None:
+    ditches = "{kind: ditches, size: [8, 8], cells: [40, 40], width: 1, spacing: 3}"
+    text = SCENE.replace("{kind: flat, size: [8, 8], cells: [8, 8]}", ditches)
+    scene = read_scene(text.replace("frames: 8", "frames: 1"), "scene", library())
+    take = simulate(scene)
+    found = forbidden_runs(take.terrain)
+    assert found is not None
+    assert (found["corner"], found["cell"]) == ([-4.0, -4.0], pytest.approx([0.2, 0.2]))
+    cells = np.zeros_like(take.terrain.forbidden)
+    for row, start, end in found["runs"]:
+        cells[row, start:end] = True
+    assert (cells == take.terrain.forbidden).all()
+    assert forbidden_runs(simulate(read_scene(SCENE, "scene", library())).terrain) is None
+
+
+def test_the_folder_of_a_film_is_opened(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    queue = RenderQueue(lambda: served.folder)
+    render = Render(1, "walk.yaml", "draft")
+    opened: list[str] = []
+    codes = [0, 1]
+    monkeypatch.setattr("typer.launch", lambda path: (opened.append(path), codes.pop(0))[1])
+    with pytest.raises(UsageError, match="there is no folder"):
+        queue.open_folder(render)
+    folder = served.folder / "out" / "walk"
+    folder.mkdir(parents=True)
+    assert queue.open_folder(render) == folder
+    assert opened == [str(folder)]
+    with pytest.raises(UsageError, match="no file manager"):
+        queue.open_folder(render)

@@ -35,6 +35,15 @@ export class Renders {
     }
   }
 
+  async #openFolder(number) {
+    try {
+      this.report((await ask("open-folder", { number })).folder);
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      this.report(error.message, true);
+    }
+  }
+
   #article({ number, scene, preset, state, stage, text }) {
     const article = document.createElement("article");
     const picture = Object.assign(document.createElement("img"), { alt: `newest frame of ${scene}` });
@@ -50,6 +59,11 @@ export class Renders {
         this.refresh();
       };
       about.append(stop);
+    }
+    if (state !== "waiting") {
+      const folder = Object.assign(document.createElement("button"), { textContent: "Open the folder" });
+      folder.onclick = () => this.#openFolder(number);
+      about.append(folder);
     }
     article.append(picture, about);
     return article;

@@ -147,8 +147,14 @@ def test_a_six_legged_figure_is_drawn_from_nothing_and_walks(page: Page) -> None
     assert len(build_figure("it", figure, 1.0).skeleton.legs) == 6
     page.picture("new_figure")
     scene = page.served.folder / "walk.yaml"
-    scene.write_text(SCENE.replace("beetle", "sixlegs"))
+    film = "film: {size: [64, 36], samples: 1}\n"
+    scene.write_text(SCENE.replace("beetle", "sixlegs").replace("frames: 8", "frames: 2") + film)
     assert load_scene(scene).cast[0].figure == "sixlegs"
+    page.open("walk.yaml")
+    page.wait("studio.player.takes > 0")
+    page.page.click("#render-film")
+    page.wait("document.querySelector('#renders strong')?.textContent.includes(': done')", 200)
+    assert (page.served.folder / "out" / "walk" / "walk.mp4").stat().st_size > 0
 
 
 def _save_as(page: Page, name: str) -> None:
@@ -236,6 +242,100 @@ def test_a_scene_is_played_edited_and_marked(page: Page) -> None:
     colors = np.asarray(Image.open(moved).convert("RGB"))[100:500, 700:1200].reshape(-1, 3)
     # A creature on ground below a sky, not a canvas of one colour.
     assert len(np.unique(colors // 16, axis=0)) > 12
+
+
+MAPPED = """\
+pronk: 1
+frames: 8
+terrain: {kind: ditches, size: [12, 12], cells: [60, 60], width: 1, spacing: 3, material: turf}
+materials:
+  turf: {preset: grass, color: "#668844"}
+places: {tree: [2, 1]}
+cast:
+  - name: bug
+    figure: beetle
+    at: [0, 1]
+    walk: {path: [[3, 0], [4, 2]], speed: 0.5}
+"""
+
+
+def test_keys_and_values_are_completed_at_their_place(page: Page) -> None:
+    page.open("walk.yaml")
+    text = page.value("studio.player.editor.text")
+
+    def offered(added: str, at: str) -> list[str]:
+        place = text.index(at) + len(at)
+        page.page.evaluate(
+            "([at, added]) => studio.player.editor.view.dispatch("
+            "{changes: {from: at, insert: added}})",
+            [place, added],
+        )
+        found = page.value(f"studio.player.editor.completions({place + len(added)})")
+        page.page.evaluate("(text) => { studio.player.editor.text = text; }", text)
+        return list(found)
+
+    inside = offered("", "walk: {")
+    assert {"gait", "speed", "path"} <= set(inside)
+    assert "terrain" not in inside
+    member = offered(", ", "figure: beetle")
+    assert {"at", "heading_deg", "pose"} <= set(member)
+    # Keys that are there already, and those of other performers, are left out.
+    assert not {"name", "figure", "walk", "character", "traits"} & set(member)
+    assert "tripod" in offered("gait: ", "walk: {")
+    start = text.index("beetle")
+    figures = page.value(f"studio.player.editor.completions({start}, {start + 6})")
+    assert {"beetle", "spider", "horse"} <= set(figures)
+
+
+def test_numbers_colours_and_positions_are_dragged(page: Page) -> None:
+    (page.served.folder / "walk.yaml").write_text(MAPPED)
+    page.open("walk.yaml")
+    page.wait("studio.player.takes > 0")
+    box = page.page.locator(".cm-dragged-number", has_text="0.5").bounding_box()
+    y = box["y"] + box["height"] / 2
+    page.page.mouse.move(box["x"] + 4, y)
+    page.page.mouse.down()
+    page.page.mouse.move(box["x"] + 17, y, steps=5)
+    page.page.mouse.up()
+    assert page.value("studio.player.editor.text") == MAPPED.replace("0.5", "0.8")
+    page.page.keyboard.press("Control+z")
+    assert page.value("studio.player.editor.text") == MAPPED
+    page.page.locator(".swatch").evaluate(
+        "(e) => { e.value = '#aa4411'; e.dispatchEvent(new Event('input'));"
+        " e.dispatchEvent(new Event('change')); }"
+    )
+    assert page.value("studio.player.editor.text") == MAPPED.replace("#668844", "#aa4411")
+    page.page.click("#see-map")
+    labels = page.value("studio.player.map.points.map((point) => point.label)")
+    assert labels == ["tree", "bug at", "bug path", "bug path"]
+    x, y = page.value("studio.player.map.toScreen(2, 1)")
+    scale = page.value("studio.player.map.toScreen(1, 0)[0] - studio.player.map.toScreen(0, 0)[0]")
+    box = page.page.locator("#map").bounding_box()
+    x, y = x + box["x"], y + box["y"]
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 0.5 * scale, y - scale, steps=6)
+    page.page.mouse.up()
+    moved = page.value("studio.player.map.points[0]")
+    assert (moved["x"], moved["z"]) == pytest.approx((2.5, 0.0), abs=0.03)
+    page.wait("studio.player.takes > 1 && studio.player.request === null")
+    page.picture("map")
+
+
+def test_a_performer_that_is_clicked_shows_its_channels(page: Page) -> None:
+    page.open("walk.yaml")
+    page.wait("studio.player.takes > 0")
+    box = page.page.locator("#world").bounding_box()
+    found = page.page.evaluate(
+        "(box) => { for (let y = 5; y < box.height; y += 10)"
+        " for (let x = 5; x < box.width; x += 10) { const at = {clientX: box.x + x, clientY: box.y + y};"
+        " if (studio.player.viewer.performerAt(at) === 'bug') return [at.clientX, at.clientY]; } }",
+        box,
+    )
+    page.page.mouse.click(*found)
+    page.wait("studio.player.bars.curves.length > 0")
+    assert "gait_phase" in page.value("studio.player.bars.curves.map((curve) => curve.name)")
+    page.picture("channels")
 
 
 def _replace(page: Page, before: str, after: str) -> None:

@@ -328,7 +328,8 @@ def test_a_performer_that_is_clicked_shows_its_channels(page: Page) -> None:
     box = page.page.locator("#world").bounding_box()
     found = page.page.evaluate(
         "(box) => { for (let y = 5; y < box.height; y += 10)"
-        " for (let x = 5; x < box.width; x += 10) { const at = {clientX: box.x + x, clientY: box.y + y};"
+        " for (let x = 5; x < box.width; x += 10) {"
+        " const at = {clientX: box.x + x, clientY: box.y + y};"
         " if (studio.player.viewer.performerAt(at) === 'bug') return [at.clientX, at.clientY]; } }",
         box,
     )

@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.errors import SceneError
 from pipeline.production.gltf.take_file import take_glb
-from pipeline.production.reports.figure_walk import walk_scene
+from pipeline.production.reports.figure_walk import walk_or_stand
 from pipeline.production.reports.gait_plot import creature_stances
 from pipeline.simulation.figure_analysis import build_figure
 from pipeline.simulation.take import Take
@@ -47,14 +46,12 @@ def figure_walk(
         Superseded: it is not wanted any more.
     """
     figure = build_figure(NAME, config, 1.0)
+    scene, take, reason = walk_or_stand(
+        figure, config, materials, lambda scene: simulated(scene, still_wanted), SECONDS
+    )
     text = "walks" if figure.skeleton.legs else "crawls"
-    try:
-        scene = walk_scene(figure, config, materials, True, SECONDS)
-        take = simulated(scene, still_wanted)
-    except SceneError as error:
-        scene = walk_scene(figure, config, materials, False, SECONDS)
-        take = simulated(scene, still_wanted)
-        text = "stands: " + "; ".join(problem.message for problem in error.problems)
+    if reason:
+        text = f"stands: {reason}"
     still_wanted()
     facts = {
         "text": text,

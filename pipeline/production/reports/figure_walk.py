@@ -6,7 +6,7 @@ A figure that cannot walk stands, sways and looks about for a while instead.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -106,17 +106,37 @@ def walk_sheet(
 def _simulated(figure: Figure, home: Scene, reporter: Reporter) -> tuple[Scene, Take, str]:
     """Return the scene and take of a figure that walks, or stands if it cannot, and which."""
     with stage(reporter, "simulate", 1) as current:
-        try:
-            scene = walk_scene(figure, home.figures[figure.name], home.materials, True)
-            take = simulate(scene)
-            text = "walks" if figure.skeleton.legs else "crawls as an inchworm"
-        except SceneError as error:
-            scene = walk_scene(figure, home.figures[figure.name], home.materials, False)
-            take = simulate(scene)
-            reason = "; ".join(problem.message for problem in error.problems)
+        config = home.figures[figure.name]
+        scene, take, reason = walk_or_stand(figure, config, home.materials, simulate)
+        text = "walks" if figure.skeleton.legs else "crawls as an inchworm"
+        if reason:
             text = f"stands, because it cannot walk ({reason})"
         current.result = text
     return scene, take, text
+
+
+def walk_or_stand(
+    figure: Figure,
+    config: FigureConfig,
+    materials: Mapping[str, Material],
+    run: Callable[[Scene], Take],
+    seconds: float = SECONDS,
+) -> tuple[Scene, Take, str]:
+    """Return the scene and take of a figure that walks, or stands if it cannot, and why not.
+
+    Args:
+        figure: as drawn.
+        config: its drawing as it is written.
+        materials: of its scene, by name.
+        run: simulates a scene.
+        seconds: length of the scene.
+    """
+    try:
+        scene = walk_scene(figure, config, materials, True, seconds)
+        return scene, run(scene), ""
+    except SceneError as error:
+        scene = walk_scene(figure, config, materials, False, seconds)
+        return scene, run(scene), "; ".join(problem.message for problem in error.problems)
 
 
 def _size(figure: Figure) -> float:

@@ -57,7 +57,7 @@ EARLY_LOWERING = 0.4  # remaining swing from which the pelvis comes down for a f
 
 # Weight shifts in standing. Lengths in leg lengths; the rate in √(g / l): 6 s for an adult.
 SHIFT_RATE, SHIFT_BLEND_RATE = 0.05, 3.0
-SHIFT_ASIDE, SHIFT_AHEAD = 0.03, 0.012
+SHIFT_ASIDE, SHIFT_AHEAD = 0.04, 0.014
 SHIFT_TILT = math.radians(1.5)  # of the pelvis, the free hip down
 DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shifts
 

@@ -276,6 +276,18 @@ def _detoured(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[
 
 
 @compiled
+def _swing_turn(person: Record, k: int) -> float:
+    """Return the angle by which a foot turns in its swing [rad].
+
+    A foot that lags behind a turning pelvis may turn by more than half a circle; it turns with
+    the pelvis, not the shorter way round, on which the sense would flip within a swing.
+    """
+    lag = wrap_angle(person.liftoff_heading[k] - person.liftoff_yaw[k])
+    turned = wrap_angle(person.heading - person.liftoff_heading[k])
+    return lag + turned + wrap_angle(person.landing_yaw[k] - person.heading)
+
+
+@compiled
 def _leg_lean(person: Record, k: int, heading: float) -> float:
     """Return the lateral offset of a hip from its foot at the height of the passing foot [m]."""
     foot, hip = row(person.ankles, k), row(person.targets, HIP + k)
@@ -324,9 +336,7 @@ def _swing(
     person.ankles[k, 1] = (1.0 - s) * person.liftoff_place[k, 1] + s * end[1]
     # Level at both ends, so that the foot neither bumps down nor jerks up.
     person.ankles[k, 1] += 16.0 * person.swing_height[k] * (u * (1.0 - u)) ** 2
-    person.yaw[k] = person.liftoff_yaw[k] + s * wrap_angle(
-        person.landing_yaw[k] - person.liftoff_yaw[k]
-    )
+    person.yaw[k] = person.liftoff_yaw[k] + s * _swing_turn(person, k)
     pitch_blend = smoothstep(u / 0.8)
     person.pitch[k] = (1.0 - pitch_blend) * person.liftoff_pitch[k] + pitch_blend * toes
 

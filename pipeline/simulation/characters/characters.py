@@ -38,6 +38,7 @@ from pipeline.simulation.members import MemberState
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
+from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.character import Character
@@ -130,6 +131,9 @@ class Characters(Troupe):
         persons["owner"] = acting
         owners["acts"][acting] = True
         persons["grip"] = [grips[i] for i in acting]
+        persons["shift_phase"] = [
+            generator(self.world.seed, f"{self.cast[i].name}.weight_shift").random() for i in acting
+        ]
         return persons
 
     # --- solids of other rooms --------------------------------------------------------

@@ -7,7 +7,7 @@ gravity is taken off acting people, for a spring alone would let them sag.
 Source: Horswill 2008, "Low-level character control", "Limb control" and "Node control" (by
 velocity, by acceleration, and locked in place). Loops there are proportional, and the damping of
 nodes keeps them from swinging; here they damp themselves, so that they hold at any rate of
-sub-steps. Heads there turn at once.
+sub-steps. Heads there turn at once. Guitton and Volle 1987 for how fast heads turn.
 """
 
 from __future__ import annotations
@@ -21,7 +21,14 @@ from pipeline.simulation.characters.collision_avoidance import (
     slide_feet,
     stop_before_solids,
 )
-from pipeline.simulation.characters.gait_timing import spring_step, wrap_angle
+from pipeline.simulation.characters.gait_timing import (
+    froude,
+    ground_speed,
+    leg_length,
+    smoothstep,
+    spring_step,
+    wrap_angle,
+)
 from pipeline.simulation.characters.limb_posture import advance_stoop, hold_arms, hold_legs
 from pipeline.simulation.characters.pelvis_motion import advance_sitting, halt, lead_pelvis
 from pipeline.simulation.characters.person_record import (
@@ -69,13 +76,42 @@ def update_stun(person: Record, nodes: Records, links: Records, owners: Records,
 # Gaze.
 GAZE_RATE = 8.0  # [rad/s]
 MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
+MAX_WALKING_GAZE_YAW = math.radians(75.0)  # against the way, for who walks ahead
+WALKING_GAZE_FROUDE = 0.12  # speed from which that holds, in √(g l)
+MAX_HEAD_SPEED = math.radians(290.0)  # against the pelvis [rad/s]
 MAX_GAZE_UP, MAX_GAZE_DOWN = math.radians(45.0), math.radians(50.0)
+
+
+@compiled
+def _way_yaw(person: Record) -> float:
+    """Return the heading in which a person looks that looks at nothing: where it goes or turns.
+
+    The head leads: it looks along the new way before the trunk has turned to it.
+    """
+    x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
+    if person.has_facing:
+        return person.facing
+    if person.has_goal and math.hypot(x, z) > person.stop_distance + 0.5 * leg_length(person):
+        return math.atan2(-z, x)
+    return person.heading + 0.25 * person.yaw_rate
+
+
+@compiled
+def _within_view_of_way(person: Record, aside: float) -> float:
+    """Return a gaze yaw against the pelvis such that who walks ahead still sees the way."""
+    way = wrap_angle(math.atan2(-person.velocity[1], person.velocity[0]) - person.heading)
+    speed = froude(ground_speed(person), leg_length(person))
+    walking = smoothstep(speed / WALKING_GAZE_FROUDE)
+    if walking == 0.0 or abs(way) > 0.5 * math.pi:
+        return aside
+    nearest = min(max(aside, way - MAX_WALKING_GAZE_YAW), way + MAX_WALKING_GAZE_YAW)
+    return aside + walking * (nearest - aside)
 
 
 @compiled
 def turn_head(person: Record, dt: float) -> None:
     """Turn the head by one sub-step."""
-    yaw, pitch = person.heading + 0.25 * person.yaw_rate, 0.0
+    yaw, pitch = _way_yaw(person), 0.0
     if person.has_look_target:
         x = person.look_at[0] - person.targets[HEAD, 0]
         y = person.look_at[1] - person.targets[HEAD, 1]
@@ -88,13 +124,13 @@ def turn_head(person: Record, dt: float) -> None:
     # Beyond what neck and shoulders turn together: straight over the shoulder.
     aside = min(max(aside, -2.2), 2.2)
     limit = MAX_GAZE_YAW + abs(person.twist)
-    aside = min(max(aside, -limit), limit)
-    yaw = person.heading + aside
+    aside = _within_view_of_way(person, min(max(aside, -limit), limit))
     pitch = min(max(pitch, -MAX_GAZE_DOWN), MAX_GAZE_UP)
     yaw_now, rate = wrap_angle(person.gaze[0] - person.heading), person.gaze_rate[0]
-    yaw_now, person.gaze_rate[0] = spring_step(
-        yaw_now, rate, wrap_angle(yaw - person.heading), GAZE_RATE, dt
-    )
+    # A critically damped spring with a constant offset d settles at a speed of omega d / 2.
+    farthest = 2.0 * MAX_HEAD_SPEED / GAZE_RATE
+    aside = yaw_now + min(max(aside - yaw_now, -farthest), farthest)
+    yaw_now, person.gaze_rate[0] = spring_step(yaw_now, rate, aside, GAZE_RATE, dt)
     chest_yaw = wrap_angle(chest - person.heading)
     person.gaze[0] = person.heading + min(
         max(yaw_now, chest_yaw - MAX_GAZE_YAW), chest_yaw + MAX_GAZE_YAW

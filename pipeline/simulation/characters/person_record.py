@@ -91,6 +91,10 @@ PERSON = np.dtype(
         ("floor_rate", "f8"),
         # Lowering of the pelvis for a stance leg of limited length [m].
         ("pelvis_drop", "f8"),
+        # Clock of weight shifts while standing [cycles], their blend, 0 to 1, and rate.
+        ("shift_phase", "f8"),
+        ("shift_blend", "f8"),
+        ("shift_blend_rate", "f8"),
         # Lean of the trunk along x and z, as tangents; twist of the chest [rad].
         ("lean", "f8", 2),
         ("lean_rate", "f8", 2),

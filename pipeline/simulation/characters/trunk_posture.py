@@ -3,6 +3,7 @@
 - The pelvis stands at standing height over the feet (`pelvis_motion`). In walking it rises over
   each standing leg and sinks between them, sways over the stance foot, and turns its forward hip
   with the forward leg; in running it is lowest where the leg bears most.
+- Who stands idly shifts weight from leg to leg, and a little ahead and back; the free hip sinks.
 - The shoulders shift until the centre of mass is over the feet; running and
   acceleration lean it forward.
 - The pelvis turns with the path, the shoulders towards the gaze target, at most 90 degrees more.
@@ -10,7 +11,8 @@
 Rotations are yaw about Y, then lean; letters as in `spatial`.
 
 Source: Horswill 2008, "Low-level character control"; Perlin 1995 for breath; Winter 2009, chapter
-on kinematics, for how much a pelvis sways and sinks.
+on kinematics, for how much a pelvis sways and sinks; Duarte and Zatsiorsky 1999, "Patterns of
+center of pressure migration during prolonged unconstrained standing", for weight shifts.
 """
 
 from __future__ import annotations
@@ -33,10 +35,12 @@ from pipeline.simulation.characters.person_record import (
     HIP,
     NODE_COUNT,
     PELVIS,
+    PLACED,
     SHOULDER,
     SHOULDERS,
     SPINE,
     STANCE,
+    STANDING,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -50,6 +54,12 @@ SWAY, BOB = 0.022, 0.028
 PELVIS_ROTATION, PELVIS_TILT = math.radians(5.0), math.radians(4.0)
 RISE_RATE = 14.0  # at which the pelvis rises once no stance leg holds it down [1/s]
 EARLY_LOWERING = 0.4  # remaining swing from which the pelvis comes down for a far landing place
+
+# Weight shifts in standing. Lengths in leg lengths; the rate in √(g / l): 6 s for an adult.
+SHIFT_RATE, SHIFT_BLEND_RATE = 0.05, 3.0
+SHIFT_ASIDE, SHIFT_AHEAD = 0.04, 0.014
+SHIFT_TILT = math.radians(1.5)  # of the pelvis, the free hip down
+DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shifts
 
 SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
 MAX_TWIST = math.radians(90.0)  # of the shoulders against the pelvis
@@ -117,12 +127,16 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     middle = 0.5 * (1.0 - stance)
     walking = person.walk_blend
     # While the left foot swings, from phase 0 on, weight is on the right one.
-    sway = SWAY * leg_length(person) * walking * phase_cosine(person, middle)
+    leg = leg_length(person)
+    sway = SWAY * leg * walking * phase_cosine(person, middle)
     tilt = PELVIS_TILT * walking * phase_cosine(person, middle)
     rotation = -PELVIS_ROTATION * walking * phase_cosine(person, 1.0 - stance)
     height = _pelvis_height(person, stance, dt)
+    aside, ahead = _weight_shift(person, dt)
+    sway += SHIFT_ASIDE * leg * aside
+    tilt += SHIFT_TILT * aside
     c, s = math.cos(person.heading), math.sin(person.heading)
-    backward = backward_shift(person)
+    backward = backward_shift(person) - SHIFT_AHEAD * leg * ahead
     pelvis = (
         person.at[0] + sway * s - backward * c,
         person.floor + height,
@@ -135,6 +149,36 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
         put(person.targets, HIP + k, place_in_world(pelvis, frame, 0.0, 0.0, side))
     _lean(person, nodes, dt)
     _hold_chest(person, pelvis, rotation, dt)
+
+
+@compiled
+def _weight_shift(person: Record, dt: float) -> tuple[float, float]:
+    """Return the weight shift of a standing person to the right and ahead, each -1 to 1.
+
+    There is none while the person walks, sits, bows, kicks or has its hands at work.
+    """
+    is_idle = (
+        not person.stepping
+        and person.posture == STANDING
+        and person.sit_blend == 0.0
+        and person.kick_foot < 0
+        and person.bow < 0.02
+        and person.arm_mode[0] < PLACED
+        and person.arm_mode[1] < PLACED
+    )
+    person.shift_blend, person.shift_blend_rate = spring_step(
+        person.shift_blend,
+        person.shift_blend_rate,
+        1.0 if is_idle else 0.0,
+        SHIFT_BLEND_RATE,
+        dt,
+    )
+    person.shift_phase += SHIFT_RATE * math.sqrt(GRAVITY / leg_length(person)) * dt
+    angle = 2.0 * math.pi * person.shift_phase
+    slow = math.sin(angle / DRIFT_PERIODS)
+    aside = 0.75 * math.sin(angle) + 0.25 * slow
+    ahead = math.sin(0.5 * angle + slow)
+    return person.shift_blend * aside, person.shift_blend * ahead
 
 
 @compiled

@@ -122,8 +122,10 @@ def test_a_grabbed_thing_hangs_from_the_hand_until_released() -> None:
     assert np.abs(np.diff(apart)).max() * STEPS < 1.1
     assert apart[10:].max() < 1e-3
     first = play.firsts["doll"]
-    doll = play.p[:, first : first + 16, 1].mean(axis=1)
-    assert doll[int(5.1 * STEPS)] > 0.2 > doll[-1]
+    # Its limbs swing while it hangs by a foot, so the highest node tells.
+    highest = play.p[:, first : first + 16, 1].max(axis=1)
+    assert highest[int(5.1 * STEPS)] > 0.4
+    assert highest[-1] < 0.2
 
 
 @pytest.mark.slow

@@ -19,9 +19,8 @@ film: {{size: [320, 180]}}
 """
 
 
-@pytest.mark.parametrize(
-    ("hour", "is_lit"), [pytest.param(12, False, marks=pytest.mark.nightly), (22, True)]
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize(("hour", "is_lit"), [(12, False), (22, True)])
 def test_windows_are_lit_after_dark(hour: int, is_lit: bool) -> None:
     scene = read_scene(SCENE.format(hour=hour))
     shot = ShotBuilder(scene, simulate(scene)).shot(1)

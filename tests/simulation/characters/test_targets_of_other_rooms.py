@@ -261,6 +261,7 @@ def test_throws_and_chases_beyond_ones_strength_are_given_up() -> None:
     assert cart - 0.2 - float(follower["at"][0]) == pytest.approx(0.8 + 0.17 * 1.72, abs=0.25)
 
 
+@pytest.mark.nightly
 def test_a_grabbed_body_is_handed_over_and_thrown() -> None:
     (start, taken), (end, thrown) = [pair for pair in course().grips if pair[1].holder == "gus"]
     assert (taken.hands, taken.member, taken.taken) == (("gus.hand_r",), "marble", True)

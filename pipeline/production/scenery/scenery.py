@@ -34,6 +34,10 @@ flowers and leaves are few, and seen."""
 LEAST_REST = 0.3
 """Share of the budget that is left to presets, whatever else stands there."""
 
+LEAST_COVER = 0.55
+"""Share of the rest that is left to cover, whatever the trees take: a wood near the cameras would
+leave it bare ground."""
+
 FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.6
 """Length of a camera's path for which the budget doubles [m], and its greatest factor."""
 
@@ -140,7 +144,8 @@ def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
     """Return placed things within a number of triangles: of cover the highest ranks are left out.
 
     Ranks are shares of the wanted density, so that all species are thinned out alike, and plants
-    far from the cameras first: single blades are seen near them alone.
+    far from the cameras first: single blades are seen near them alone. Where trees and solid
+    things take more than `1 - LEAST_COVER` of the number, all together have more than it.
     """
     counts = [triangle_counts(placed, detail) for placed in every]
     is_cover = [KINDS[placed.name].layer == "cover" for placed in every]
@@ -151,7 +156,7 @@ def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
     rank = np.concatenate(ranks)
     weight = np.concatenate([n for n, cover in zip(counts, is_cover, strict=True) if cover])
     order = np.argsort(rank, kind="stable")
-    total = fixed + np.cumsum(weight[order])
+    total = min(fixed, round((1.0 - LEAST_COVER) * most)) + np.cumsum(weight[order])
     within = int(np.searchsorted(total, most, side="right"))
     if within == len(order):
         return list(every)

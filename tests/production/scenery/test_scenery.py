@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 
 from pipeline.production.scenery.clearings import Clearings
-from pipeline.production.scenery.expansion import MATERIALS, meshes
+from pipeline.production.scenery.expansion import MATERIALS, meshes, triangle_counts
 from pipeline.production.scenery.film_view import FilmView
 from pipeline.production.scenery.ground_surface import BANK, GroundSurface
 from pipeline.production.scenery.growth import Growth
 from pipeline.production.scenery.placement import MARGIN, Placement, Wanted
 from pipeline.production.scenery.scatter_choice import ScatterChoice
-from pipeline.production.scenery.scenery import TooManyTriangles, scenery_meshes, thinned
+from pipeline.production.scenery.scenery import (
+    LEAST_COVER,
+    TooManyTriangles,
+    scenery_meshes,
+    thinned,
+)
 from pipeline.production.scenery.species import KINDS, prototype
 from pipeline.production.scenery.treads import Treads
 from pipeline.production.shots.film_tracks import FilmTracks
@@ -140,6 +145,17 @@ def test_cover_is_thinned_out_to_a_budget_and_all_else_stays(ground: GroundSurfa
     assert full > 40_000
     assert 28_000 < less <= 30_000
     assert {mesh.name for mesh in made[0]} <= set(MATERIALS)
+
+
+def test_trees_do_not_take_the_place_of_all_cover(ground: GroundSurface) -> None:
+    placement = Placement(ground, VIEW, None, 3, Growth(3), DETAIL)
+    grass, oaks = (placement.placed(Wanted(name, 1.0)) for name in ("dry grass", "oak"))
+    most = 20_000
+    assert triangle_counts(oaks, DETAIL).sum() > most
+    kept, trees = thinned([grass, oaks], most, DETAIL)
+    assert len(trees.points) == len(oaks.points)
+    share = triangle_counts(kept, DETAIL).sum() / most
+    assert 0.95 * LEAST_COVER < share <= LEAST_COVER
 
 
 def test_the_nearest_cover_is_thinned_out_last(ground: GroundSurface) -> None:

@@ -46,8 +46,8 @@ def channel_facts(scene: Scene, take: Take, performer: str) -> dict[str, Any]:
             {
                 "name": quantity,
                 "unit": channel.unit,
-                "least": float(finite.min(initial=np.inf)) if len(finite) else 0.0,
-                "most": float(finite.max(initial=-np.inf)) if len(finite) else 0.0,
+                "least": float(finite.min()) if len(finite) else 0.0,
+                "most": float(finite.max()) if len(finite) else 0.0,
                 "points": [
                     [round(row / rate, 4), round(float(values[row]), 5)]
                     for row in shown

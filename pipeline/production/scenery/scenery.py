@@ -35,8 +35,7 @@ LEAST_REST = 0.3
 """Share of the budget that is left to presets, whatever else stands there."""
 
 LEAST_COVER = 0.55
-"""Share of the rest that is left to cover, whatever the trees take: a wood near the cameras would
-leave it bare ground."""
+"""Share of the budget kept for cover: trees near the cameras would otherwise leave bare ground."""
 
 FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.6
 """Length of a camera's path for which the budget doubles [m], and its greatest factor."""
@@ -144,8 +143,8 @@ def thinned(every: Sequence[Placed], most: int, detail: float) -> list[Placed]:
     """Return placed things within a number of triangles: of cover the highest ranks are left out.
 
     Ranks are shares of the wanted density, so that all species are thinned out alike, and plants
-    far from the cameras first: single blades are seen near them alone. Where trees and solid
-    things take more than `1 - LEAST_COVER` of the number, all together have more than it.
+    far from the cameras first: single blades are seen near them alone. Trees and solid things are
+    all kept: where they take more than `1 - LEAST_COVER` of the number, the total exceeds it.
     """
     counts = [triangle_counts(placed, detail) for placed in every]
     is_cover = [KINDS[placed.name].layer == "cover" for placed in every]

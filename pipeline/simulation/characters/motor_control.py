@@ -76,7 +76,7 @@ def update_stun(person: Record, nodes: Records, links: Records, owners: Records,
 # Gaze.
 GAZE_RATE = 8.0  # [rad/s]
 MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
-MAX_WALKING_GAZE_YAW = math.radians(75.0)  # against the way, for who walks ahead
+MAX_WALKING_GAZE_YAW = math.radians(75.0)  # against the direction of walking, forwards
 WALKING_GAZE_FROUDE = 0.12  # speed from which that holds, in √(g l)
 MAX_HEAD_SPEED = math.radians(290.0)  # against the pelvis [rad/s]
 MAX_GAZE_UP, MAX_GAZE_DOWN = math.radians(45.0), math.radians(50.0)
@@ -84,7 +84,7 @@ MAX_GAZE_UP, MAX_GAZE_DOWN = math.radians(45.0), math.radians(50.0)
 
 @compiled
 def _way_yaw(person: Record) -> float:
-    """Return the heading in which a person looks that looks at nothing: where it goes or turns.
+    """Return where a person without a gaze target looks: where it goes or turns [rad].
 
     The head leads: it looks along the new way before the trunk has turned to it.
     """
@@ -98,7 +98,7 @@ def _way_yaw(person: Record) -> float:
 
 @compiled
 def _within_view_of_way(person: Record, aside: float) -> float:
-    """Return a gaze yaw against the pelvis such that who walks ahead still sees the way."""
+    """Return a gaze yaw against the pelvis such that a person walking forwards sees its way."""
     way = wrap_angle(math.atan2(-person.velocity[1], person.velocity[0]) - person.heading)
     speed = froude(ground_speed(person), leg_length(person))
     walking = smoothstep(speed / WALKING_GAZE_FROUDE)

@@ -3,7 +3,8 @@
 - The pelvis stands at standing height over the feet (`pelvis_motion`). In walking it rises over
   each standing leg and sinks between them, sways over the stance foot, and turns its forward hip
   with the forward leg; in running it is lowest where the leg bears most.
-- Who stands idly shifts weight from leg to leg, and a little ahead and back; the free hip sinks.
+- An idly standing person shifts its weight from leg to leg, and a little forwards and back; the
+  free hip sinks.
 - The shoulders shift until the centre of mass is over the feet; running and
   acceleration lean it forward.
 - The pelvis turns with the path, the shoulders towards the gaze target, at most 90 degrees more.

@@ -31,6 +31,7 @@ def standing(cast: str = "ab") -> Play:
         "a": "{name: a, character: adult}",
         "b": "{name: b, character: child, scale: 0.8, at: [0, 2]}",
         "c": "{name: c, character: adult, at: [0, -2]}",
+        "t": "{name: twin, character: adult, at: [0, -4]}",
     }
     return play_scene(
         f"duration: 10\ncast: [{', '.join(people[name] for name in cast)}]\n"
@@ -40,7 +41,7 @@ def standing(cast: str = "ab") -> Play:
 
 
 @pytest.mark.parametrize("name", ["a", "b"])
-def test_who_stands_shifts_weight_over_feet_that_stay(name: str) -> None:
+def test_a_standing_person_shifts_weight_over_feet_that_stay(name: str) -> None:
     play = standing()
     assert longest_still(play.joint(name, "pelvis")) < 4.0
     for foot in ("foot_l", "foot_r"):
@@ -50,14 +51,15 @@ def test_who_stands_shifts_weight_over_feet_that_stay(name: str) -> None:
 
 
 def test_weight_shifts_differ_from_person_to_person_and_not_by_the_order_of_the_cast() -> None:
-    one, other = standing("ab"), standing("ba")
+    one, other = standing("at"), standing("ta")
     aside = [play.joint("a", "pelvis")[STEPS:, 2] for play in (one, other)]
     assert np.abs(aside[0] - aside[1]).max() < 1e-9
-    child = one.joint("b", "pelvis")[STEPS:, 2]
-    assert abs(np.corrcoef(aside[0], child)[0, 1]) < 0.98
+    # Of the same size, so that only the seeded phases set the two apart.
+    twin = one.joint("twin", "pelvis")[STEPS:, 2]
+    assert abs(np.corrcoef(aside[0], twin)[0, 1]) < 0.9
 
 
-def test_who_is_told_to_freeze_stays_still() -> None:
+def test_a_person_told_to_freeze_stays_still() -> None:
     pelvis = standing("ac").joint("c", "pelvis")
     assert np.ptp(pelvis[STEPS:], axis=0).max() < 0.005
 

@@ -75,7 +75,7 @@ LIGHTS_ON = 2.0
 """Height of the sun below which lamps are lit under a clear sky [degrees]."""
 
 GLOOM, LIGHTS_ON_IN_GLOOM = 0.3, 20.0
-"""Rain, snow or share of overcast sky from which it is gloomy, and the height of the sun below which
+"""Rain, snow or share of overcast sky that make it gloomy, and the height of the sun below which
 lamps are then lit [degrees]."""
 
 

@@ -280,6 +280,24 @@ def crossing(count: int) -> str:
     return "\n".join(["duration: 12", "cast:", *cast, "script:", *script])
 
 
+def test_walkers_head_on_pass_each_other_on_the_right() -> None:
+    play = play_scene("""
+duration: 8
+cast:
+  - {name: a, character: adult, at: [-3.5, 0]}
+  - {name: b, character: adult, at: [3.5, 0], heading_deg: 180}
+script:
+  - {at: 0, who: a, do: {go_to: [3.5, 0]}}
+  - {at: 0, who: b, do: {go_to: [-3.5, 0]}}
+""")
+    assert sorted(name for _, name in play.arrived) == ["a", "b"]
+    a, b = (play.joint(name, "pelvis")[:, [0, 2]] for name in "ab")
+    meeting = np.abs(a[:, 0] - b[:, 0]).argmin()
+    # Whoever walks along +X has +Z on the right.
+    assert 0.5 < a[meeting, 1] - b[meeting, 1] < 1.4
+    assert np.linalg.norm(a - b, axis=1).min() > 0.5
+
+
 @pytest.mark.slow
 def test_crossing_walkers_step_aside() -> None:
     play = play_scene(crossing(3))

@@ -175,7 +175,8 @@ class Grab(Task):
         if controller.ground_distance(first) > near + 0.12 * controller.arm:
             if self.part is None:
                 self.nodes.clear()
-            self.stick(self.approach.walk_to(controller, first, near, self.owner, dt))
+            reason = self.approach.walk_to(controller, first, near, self.owner, dt)
+            self.stick(reason, self.approach)
             return False
         if person.has_goal:
             self.progress = TaskProgress()
@@ -237,7 +238,8 @@ class Hug(Task):
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
             share = self._share_of_way(controller, partner, closeness, dt)
             stop = closeness - HUG_DEPTH + share
-            self.stick(self.approach.walk_to(controller, partner, stop, self.owner, dt))
+            reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
+            self.stick(reason, self.approach)
             if distance < closeness + 1.1 * controller.arm:
                 # Bowing only once the partner is there would knock heads.
                 self._bow(controller)
@@ -438,7 +440,7 @@ class Grapple(Task):
         if is_near:
             self.time += dt
         else:
-            self.stick(reason)
+            self.stick(reason, self.approach)
         if self.time > PATIENCE:
             controller.stop()
             for k in range(2):

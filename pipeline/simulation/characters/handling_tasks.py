@@ -103,7 +103,7 @@ class GrabMember(TargetTask):
             return False
         if distance > near + (0.2 if is_stopped else 0.12) * controller.arm:
             self.standoff.is_stepping, self.is_walking = False, True
-            self.stick(self.walk_to(controller, soon, near, dt))
+            self.stick(self.walk_to(controller, soon, near, dt), self.approach)
             return False
         if self.is_walking:
             self.is_walking, self.pace, self.progress = False, 0.0, TaskProgress()
@@ -267,7 +267,7 @@ class CarryTo(Task):
             self.walk.gap = BOWED_RANGE * controller.arm
         if not self.walk.advance(controller, dt):
             if self.walk.failure:
-                self.stick(f"{self.walk.failure}; still holds '{self.thing}'")
+                self.stick(f"{self.walk.failure}; still holds '{self.thing}'", self.walk.approach)
             return False
         self._put_down(controller, thing, goal, surface, dt)
         return False

@@ -53,10 +53,14 @@ class Task:
         """Command the person for the coming step of `dt` [s]; tell whether the task is done."""
         raise NotImplementedError
 
-    def stick(self, reason: str) -> None:
-        """Fail for a reason that another try from elsewhere may mend; "" is none."""
+    def stick(self, reason: str, approach: Approach | None = None) -> None:
+        """Fail for a reason that another try from elsewhere may mend; "" is none.
+
+        A search that finds no way at all finds none from elsewhere either.
+        """
         if reason:
-            self.failure, self.is_stuck = reason, True
+            self.failure = reason
+            self.is_stuck = approach is None or approach.route.vain_from is None
 
     def subject(self, controller: PersonController) -> Array | None:
         """Return (3,) the place that it is about and that the person looks at [m]."""
@@ -104,7 +108,7 @@ class Walk(Task):
         """See `Task`."""
         person = controller.record
         if self.goal is not None and person.has_goal:
-            self.stick(self.approach.advance(controller, self.goal, dt))
+            self.stick(self.approach.advance(controller, self.goal, dt), self.approach)
         return not person.has_goal and controller.is_standing
 
 

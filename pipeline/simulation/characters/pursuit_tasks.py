@@ -88,7 +88,7 @@ class WalkUp(TargetTask):
             controller.stop()
             self.is_there = controller.is_standing
             return self.is_there
-        self.stick(self.walk_to(controller, place, stop, dt))
+        self.stick(self.walk_to(controller, place, stop, dt), self.approach)
         return False
 
 
@@ -163,7 +163,7 @@ class ChaseTarget(TargetTask):
         if person.frozen:
             return False
         if self.pursuit.update(distance, dt, person.at) > BLOCKED_TIME:
-            self.stick(f"the way is blocked at {place_text(controller)}")
+            self.stick(f"the way is blocked at {place_text(controller)}", self.approach)
         elif self.pursuit.idle_time > CHASE_PATIENCE:
             self.failure = f"is not fast enough; still {distance:.2g} m off"
         return False

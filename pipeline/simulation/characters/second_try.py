@@ -21,7 +21,7 @@ LEAST_DISTANCE = 0.8  # of that place from what the act is about [m]
 TURNS = tuple(math.radians(turn) for turn in (70.0, -70.0, 35.0, -35.0, 110.0, -110.0))
 """Angles around what the act is about at which a second try starts, the best first."""
 
-LONGEST_STEP_ASIDE = 1.6  # after which a person tries from where it has got to [s]
+LONGEST_STEP_ASIDE = 1.2  # after which a person tries from where it has got to [s]
 REGRET_TIME, LOOKING_TIME = 2.2, 0.9  # of one who has given up, and of its look at the thing [s]
 DOWN = 0.8, 0.9  # where it looks then, ahead and below the head, in heights
 

@@ -58,6 +58,8 @@ class HugShape:
 
 HUG = HugShape()
 
+SHOVE_RANGE = 0.5  # of who shoves from the middle of the other, in arm lengths
+STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
 HUG_REACHED = 0.06  # from touching, within which arms close [m]
 LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
@@ -362,16 +364,24 @@ class LoosenHug(Task):
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        if self.hug.loosen(controller, dt):
-            if self.time == 0.0 and self.back > 0.0:
-                person = controller.record
-                partner = controller.view.pelvis(self.hug.owner)
-                x, z = person.at[0] - partner[0], person.at[1] - partner[2]
-                share = self.back / max(math.hypot(x, z), 0.1)
-                controller.go(person.at[0] + share * x, person.at[1] + share * z)
-                person.has_facing, person.facing = True, math.atan2(z, -x)
+        if self.time > 0.0 or self.hug.loosen(controller, dt):
+            if self.time == 0.0:
+                self._step_back(controller)
             self.time += dt
-        return self.time > OPEN_TIME
+        self.is_lost = self.time > OPEN_TIME
+        return self.is_lost
+
+    def _step_back(self, controller: PersonController) -> None:
+        """Let the arms sink, and step back facing the partner."""
+        person = controller.record
+        partner = controller.view.pelvis(self.hug.owner)
+        x, z = person.at[0] - partner[0], person.at[1] - partner[2]
+        share = self.back / max(math.hypot(x, z), 0.1)
+        controller.go(person.at[0] + share * x, person.at[1] + share * z)
+        person.has_facing, person.facing = True, math.atan2(z, -x)
+        for k in range(2):
+            if not controller.is_holding(k):
+                person.arm_mode[k] = SWINGING
 
 
 @dataclass
@@ -431,7 +441,7 @@ class Grapple(Task):
         """See `Task`."""
         if self.time > PATIENCE:
             return True
-        partner, stop = controller.view.pelvis(self.owner), 0.25 * controller.arm
+        partner, stop = controller.view.pelvis(self.owner), SHOVE_RANGE * controller.arm
         reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
         is_near = controller.ground_distance(partner) < 1.3 * controller.arm
         for k in range(2):

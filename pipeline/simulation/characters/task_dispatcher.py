@@ -11,7 +11,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
-from pipeline.simulation.characters.contact_tasks import Grab, Grapple, Hug, Reach
+from pipeline.simulation.characters.contact_tasks import (
+    STEP_BACK,
+    Grab,
+    Grapple,
+    Hug,
+    LoosenHug,
+    Reach,
+)
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
@@ -109,8 +116,8 @@ class TaskDispatcher:
             task, look = self._tasks[k], self._look_targets[k]
             if task is not None:
                 found.update(task.members)
-            if isinstance(task, StepAside) and (order := self._orders[k]) is not None:
-                found |= members_named(order, view)
+            if isinstance(task, StepAside) and (again := self._orders[k]) is not None:
+                found |= members_named(again, view)
             if isinstance(look, str) and view.owner(look) < 0:
                 found.add(look)
             found.update(controller.avoided, controller.held_members.values())
@@ -195,9 +202,9 @@ class TaskDispatcher:
         """Let two who are told to carry the same thing to the same place do that together."""
         loads = dict[tuple[str, str], list[int]]()
         for k, task in enumerate(self._tasks):
-            is_new = isinstance(task, CarryTo) and self._ordered[k] and not task.is_down
-            if is_new and not self.controllers[k].hands_holding(task.thing):
-                loads.setdefault((task.thing, task.walk.target), []).append(k)
+            if isinstance(task, CarryTo) and self._ordered[k] and not task.is_down:
+                if not self.controllers[k].hands_holding(task.thing):
+                    loads.setdefault((task.thing, task.walk.target), []).append(k)
         for (thing, target), carriers in loads.items():
             if len(carriers) < 2:
                 continue
@@ -419,7 +426,12 @@ class TaskDispatcher:
                 controller.record.arm_mode[hand] = SWINGING
 
     def _let_go(self, k: int, hands: Sequence[int]) -> None:
-        controller = self.controllers[k]
+        controller, task = self.controllers[k], self._tasks[k]
+        if isinstance(task, Hug) and task.touched > 0.0:
+            # Arms that are just dropped are torn out, or caught between the two.
+            self._begin(k, LoosenHug(task, STEP_BACK), keeps_arms=True)
+            self._done[k], self._ordered[k] = True, False
+            return
         controller.part_hands()
         for hand in hands:
             controller.let_go(hand)

@@ -63,6 +63,10 @@ ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 """Tasks that leave empty hands in the air when they are broken off."""
 
 
+LONGEST_FIRST_TRY = 4.0
+"""Time at the place of an act after which there is no second try, for it has taken long [s]."""
+
+
 class TaskDispatcher:
     """The tasks of all acting people of a troupe.
 
@@ -100,7 +104,7 @@ class TaskDispatcher:
         self._arrived: list[str] = []
         self._outcomes: list[Outcome] = []
         self._orders: list[Do | None] = [None] * count
-        self._tries, self._asked = [0] * count, [0.0] * count
+        self._tries, self._asked, self._stood = [0] * count, [0.0] * count, [0.0] * count
         self._regrets: list[Regret | None] = [None] * count
         self._usual_paces: list[float | None] = [None] * count
         self._waits = [False] * count
@@ -241,6 +245,7 @@ class TaskDispatcher:
         task = self._tasks[k]
         assert task is not None
         is_done = task.advance(controller, self._dt)
+        self._stood[k] += 0.0 if controller.record.has_goal else self._dt
         if isinstance(task, StepAside):
             if is_done:
                 self._begin_order(k, self._orders[k])
@@ -261,7 +266,7 @@ class TaskDispatcher:
         """Try an order that is stuck once more from elsewhere, or give it up."""
         controller = self.controllers[k]
         subject = task.subject(controller)
-        if not task.is_stuck or self._tries[k] > 0:
+        if not task.is_stuck or self._tries[k] > 0 or self._stood[k] > LONGEST_FIRST_TRY:
             self._regrets[k] = Regret(subject, self._steps * self._dt)
             self._give_up(k, task.failure)
             return
@@ -346,7 +351,8 @@ class TaskDispatcher:
         self._waits[k] = isinstance(order, spec.Wait)
         resumes = order == "walk" and self._tasks[k] is not None and not self._done[k]
         if not (resumes or self._waits[k]):
-            self._orders[k], self._tries[k], self._asked[k] = order, 0, 0.0
+            self._orders[k] = order
+            self._tries[k], self._asked[k], self._stood[k] = 0, 0.0, 0.0
         self._regrets[k] = None
         if order == "walk" and k in self.minded:
             # The person's own mind says where to.

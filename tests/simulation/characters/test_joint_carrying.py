@@ -16,7 +16,7 @@ from tests.simulation.characters.scripted_people import node_path, run_scene, tr
 @pytest.mark.slow
 @pytest.mark.parametrize("names", ["ab", pytest.param("ba", marks=pytest.mark.nightly)])
 def test_what_another_holds_is_handed_over(names: str) -> None:
-    giver, taker = names
+    giver, taker = names[0], names[1]
     cast = {
         giver: f"  - {{name: {giver}, character: adult, at: [0.8, 0], heading_deg: 180}}\n",
         taker: f"  - {{name: {taker}, character: child, at: [2, 1.5]}}\n",

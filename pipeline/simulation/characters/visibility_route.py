@@ -126,6 +126,7 @@ RING = np.stack([np.cos(RING_ANGLES), np.sin(RING_ANGLES)], axis=1) / math.cos(
 SHRINK_FACTOR = 0.98  # of the distance to which circles around start or goal shrink
 REACHED_DISTANCE = 0.25  # to a place on the way before the next one is headed for [m]
 REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
+VAIN_DISTANCE = 0.3  # from where no way was found, within which none is searched again [m]
 
 
 def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> Array:
@@ -192,11 +193,13 @@ class Route:
         places: (m, 2) still to come, the goal last [m].
         goal: (2,) of the search [m].
         middles: (n, 2) of the things in the search [m].
+        vain_from: (2,) where the last search found no way; None if it found one [m].
     """
 
     places: Array = field(default_factory=lambda: np.zeros((0, 2)))
     goal: Array = field(default_factory=lambda: np.full(2, np.inf))
     middles: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    vain_from: Array | None = None
 
     def next(
         self,
@@ -231,21 +234,25 @@ class Route:
         return self.places[0], float(np.sqrt((segments * segments).sum(axis=1)).sum())
 
     def _needs_search(self, at: Array, goal: Array, middles: Array, reaches: Array) -> bool:
-        if len(self.places) < 2 or math.dist(goal, self.goal) > REPLAN_DISTANCE:
+        is_vain = self.vain_from is not None and math.dist(at, self.vain_from) < VAIN_DISTANCE
+        if len(self.places) < 2 and not is_vain:
+            return True
+        if math.dist(goal, self.goal) > REPLAN_DISTANCE:
             return True
         if len(middles) != len(self.middles):
             return True
         offset = middles - self.middles
-        moved = bool((offset * offset).sum(axis=1).max(initial=0.0) > REPLAN_DISTANCE**2)
-        return moved or not are_free(at, self.places[:1], middles, reaches)[0]
+        if bool((offset * offset).sum(axis=1).max(initial=0.0) > REPLAN_DISTANCE**2):
+            return True
+        return not is_vain and not are_free(at, self.places[:1], middles, reaches)[0]
 
     def _search(
         self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array, bounds: Array
     ) -> None:
-        self.goal, self.middles = goal.copy(), middles.copy()
+        self.goal, self.middles, self.vain_from = goal.copy(), middles.copy(), None
         for clearance in CLEARANCES:
             radii = np.minimum(reaches + clearance, limits)
             self.places = shortest_way(at, goal, middles, radii, bounds)
             if len(self.places):
                 return
-        self.places = goal[None].copy()
+        self.places, self.vain_from = goal[None].copy(), at.copy()

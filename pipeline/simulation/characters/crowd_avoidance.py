@@ -1,9 +1,10 @@
 """Crowd avoidance: walkers choose velocities at which they will not meet other people.
 
 Each person that another will meet within a few seconds forbids a half plane of velocities. Two that
-both walk share the way that is to be made; of a standing person a walker makes all of it. Within all
-half planes, the velocity nearest to the wanted one is taken; in a throng where there is none, the one
-that offends least. Others are visited in order along x, so that a crowd costs little more than a few.
+both walk share the way that is to be made; of a standing person a walker makes all of it. Within
+all half planes, the velocity nearest to the wanted one is taken; in a throng where there is none,
+the one that offends least. Others are visited in order along x, so that a crowd costs little more
+than a few.
 
 Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
 planes in section 4, linear programs in section 5.
@@ -14,11 +15,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.pelvis_motion import goal_velocity
 from pipeline.simulation.characters.person_record import SITTING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.spatial import Array
+
+Numbers = NDArray[np.int64]
 
 HORIZON = 3.0  # within which nobody is met [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
@@ -64,7 +68,7 @@ def avoid_people(persons: Records) -> None:
 
 
 @compiled
-def _find_nearest(persons: Records, order: Array, n: int, nearest: Array) -> int:
+def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) -> int:
     """Write the numbers of the nearest people whom the n-th in order sees; return how many."""
     person = persons[order[n]]
     squares = np.zeros(MOST_NEIGHBOURS)

@@ -47,11 +47,20 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
     size = 1 << max(int(samples - 1).bit_length(), 6)
     spectrum = np.fft.rfft(rng.standard_normal(size))
     f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE)
-    low, high = band
-    # Two Butterworth-like shoulders; exactly zero at 0 Hz.
-    shape = (f / low) ** 2 / np.sqrt(1 + (f / low) ** 4) / np.sqrt(1 + (f / high) ** 6)
-    noise = np.fft.irfft(spectrum * shape, size)[:samples]
+    noise = np.fft.irfft(spectrum * band_response(f, band), size)[:samples]
     return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
+
+
+def band_response(frequency: Signal, band: tuple[float, float]) -> Signal:
+    """Return what a band of soft shoulders leaves of frequencies, as a factor: (M,).
+
+    Args:
+        frequency: (M,) [Hz]; two Butterworth-like shoulders, exactly zero at 0 Hz.
+        band: lower and upper edge [Hz].
+    """
+    # Products, because general powers take ten times as long.
+    below, above = (frequency / band[0]) ** 2, (frequency / band[1]) ** 2
+    return np.asarray(below / np.sqrt((1 + below * below) * (1 + above * above * above)))
 
 
 def grain_noise(

@@ -20,6 +20,7 @@ from scipy.special import jn_zeros, jv
 
 from audio.body_shape import SIDES, STATIONS, ShapeKind, quadrature, strike_points
 from audio.dsp import SINGLE_THREAD_SIZE, Signal
+from audio.mode_store import stored
 from audio.symmetric_eigen import lowest_eigenpairs
 
 MODES = 24
@@ -59,6 +60,13 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
         thickness: relative to the length.
         poisson: Poisson's ratio.
     """
+    body = kind, width, thickness, poisson
+    table = stored(body, (1 + STATIONS * SIDES,), lambda: _solved(*body))
+    return BodyModes(table[:, 0], table[:, 1:].reshape(-1, STATIONS, SIDES))
+
+
+def _solved(kind: ShapeKind, width: float, thickness: float, poisson: float) -> Signal:
+    """Return frequencies and displacements of the lowest modes: (M, 1 + STATIONS * SIDES)."""
     body = quadrature(kind, width, thickness)
     x = body.points / body.half
     exponents = _exponents(kind, width, thickness)
@@ -84,7 +92,7 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
     order = np.argsort(squared, kind="stable")[_RIGID_MODES : _RIGID_MODES + MODES]
     # The body of the equations has a length of 2.
     omega = 2 * np.sqrt(np.maximum(squared[order], 0))
-    return _merged(omega, np.concatenate(shapes)[order].reshape(-1, STATIONS, SIDES))
+    return _merged(omega, np.concatenate(shapes)[order])
 
 
 def _exponents(kind: ShapeKind, width: float, thickness: float) -> list[tuple[int, int, int]]:
@@ -176,20 +184,20 @@ def _products(left: Signal, right: Signal) -> Signal:
     return np.asarray(stack + left[whole:].T @ right[whole:])
 
 
-def _merged(omega: Signal, shapes: Signal) -> BodyModes:
+def _merged(omega: Signal, shapes: Signal) -> Signal:
     """Return modes with those of equal frequency as one, of the root of their summed squares."""
-    kept_omega, kept_shapes = [], []
+    kept = []
     first = 0
     for last in range(1, omega.size + 1):
         if last < omega.size and omega[last] < omega[first] * (1 + _SAME):
             continue
         group = shapes[first:last]
-        kept_omega.append(float(f"{omega[first:last].mean():.6g}"))
+        frequency = float(f"{omega[first:last].mean():.6g}")
         size = np.sqrt((group**2).sum(axis=0))
         # Of a single mode the sign is kept, up to that of the solver.
-        kept_shapes.append(np.round(size, 6))
+        kept.append(np.append(frequency, np.round(size, 6)))
         first = last
-    return BodyModes(np.array(kept_omega), np.array(kept_shapes))
+    return np.array(kept)
 
 
 @lru_cache(maxsize=1)

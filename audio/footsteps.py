@@ -20,7 +20,8 @@ from audio.acoustic_materials import family_name, family_of, solid_of
 from audio.bubbles import bubble
 from audio.dsp import Signal, band_noise, convolve, normalized
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
-from audio.modal_synthesis import excited_modes, ring
+from audio.modal_bank import ring
+from audio.modal_synthesis import excited_modes
 from audio.time_grid import SAMPLE_RATE
 
 CAUSE = "footfall"
@@ -260,8 +261,8 @@ def _struck(
             family.shape, pitch, solid.loss, damping, family.tilt, rng.uniform(), rng
         )
         heard = bank.amplitude * contact_attenuation(bank.frequency, seconds)
-        rung = ring(replace(bank, amplitude=heard), samples)
-        sound += level * normalized(np.convolve(rung, force_pulse(seconds))[:samples])
+        rung = ring(replace(bank, amplitude=heard), samples, force_pulse(seconds))
+        sound += level * normalized(rung)
     # Sole and floor meet at many points, not at one.
     slap = band_noise(samples, (500.0, max(2.0 / seconds, 1800.0)), rng)
     slap *= np.exp(-np.arange(samples) / (0.0035 * SAMPLE_RATE))

@@ -15,7 +15,8 @@ from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, wit
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_synthesis import ModalBank, body_bank, excited_modes, lowest_frequency, ring
+from audio.modal_bank import ModalBank, ring
+from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
 from audio.notes import Note
 from audio.seeded import seeded
 from audio.source_motion import SpeedProfile, speed_profile
@@ -237,8 +238,7 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
 def _struck(bank: ModalBank, seconds: float, sound: SoundParameters) -> Signal:
     """Return the ring of a bank under the force of a contact of this duration [s]."""
     left = contact_attenuation(bank.frequency, seconds)
-    body = _ring(replace(bank, amplitude=bank.amplitude * left), sound)
-    return np.convolve(body, force_pulse(seconds))[: body.size]
+    return _ring(replace(bank, amplitude=bank.amplitude * left), sound, force_pulse(seconds))
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
@@ -278,11 +278,14 @@ def _ground_modes(
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 
-def _ring(bank: ModalBank, sound: SoundParameters) -> Signal:
+def _ring(bank: ModalBank, sound: SoundParameters, *force: Signal) -> Signal:
+    """Return what is heard of a bank, under a force (K,) or an impulse: (N,)."""
     absorption = _absorption(bank.frequency, sound.distance)
-    longest = max(_MAX_RING, sound.decay)
-    samples = max(int(min(bank.seconds, longest) * SAMPLE_RATE), _FADE)
-    signal = ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+    bank = replace(bank, amplitude=bank.amplitude * absorption)
+    audible = float(bank.audible_seconds.max(initial=0.0))
+    seconds = min(bank.seconds, audible, max(_MAX_RING, sound.decay))
+    samples = max(int(seconds * SAMPLE_RATE), _FADE)
+    signal = ring(bank, samples, *force)
     # Other layers may last longer, and would not cover its end.
     return _faded(signal, min(_FADE, samples // 4))
 

@@ -150,6 +150,21 @@ def resample(sound: Signal, rate: Signal) -> Signal:
     return np.asarray(p1 + 0.5 * x * (p2 - p0 + x * curve))
 
 
+def upsampled(curve: Signal, rate: int, samples: int) -> Signal:
+    """Return a slow curve at each sample, linearly interpolated: (samples,).
+
+    Args:
+        curve: (K,) values, which reach beyond the last sample.
+        rate: of the values, a second; the sample rate is a multiple of it.
+        samples: to be returned.
+    """
+    step = SAMPLE_RATE // rate
+    share = np.arange(step) / step
+    rows = -(-samples // step)
+    values = curve[:rows, None] + (curve[1 : rows + 1] - curve[:rows])[:, None] * share
+    return np.asarray(values.reshape(-1)[:samples])
+
+
 def pan_gains(pan: float) -> tuple[float, float]:
     """Return the gains of left and right for a pan of -1 to 1; their squares add to 1."""
     angle = (pan + 1) * pi / 4

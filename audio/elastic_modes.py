@@ -12,7 +12,7 @@ the membrane's.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
@@ -48,6 +48,11 @@ class BodyModes:
 
     omega: Signal
     displacement: Signal
+
+    @cached_property
+    def mean_square(self) -> Signal:
+        """Mean squares of the displacements over the surface: (M,)."""
+        return np.asarray((self.displacement**2).mean(axis=(1, 2)))
 
 
 @lru_cache(maxsize=512)

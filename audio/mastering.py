@@ -111,7 +111,7 @@ def master_mix(
         out, curve = _limited(mix, gain_db, ceiling_db, bed)
         previous, loudness = loudness, integrated_loudness(out)
         slope = min(max((loudness - previous) / step, _SEARCH.min_slope), 1.0)
-    done = _measured(out, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
+    done = _measured(out, loudness, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
     if master is None:
         return replace(done, curve=curve)
     if done.lufs > target - _SEARCH.tolerance:
@@ -158,12 +158,13 @@ def _limited(
     return (raised, None) if curve is None else (raised * curve[:, None], curve)
 
 
-def _measured(out: Signal, gain_db: float, limited_db: float) -> Mastered:
+def _measured(out: Signal, loudness: float, gain_db: float, limited_db: float) -> Mastered:
+    """Return a track as it is written; rounding to 24 bits does not change its loudness."""
     samples = np.rint(out * FULL_SCALE).astype("<i4")
     written = samples / FULL_SCALE
     return Mastered(
         samples=samples,
-        lufs=integrated_loudness(written),
+        lufs=loudness,
         true_peak_db=decibels(true_peak(written)),
         gain_db=float(gain_db),
         limited_db=limited_db,

@@ -2,7 +2,8 @@
 
 A mode decays at d = π f tan φ_m + c for the internal friction tan φ_m of a material, its loss
 factor, and a damping c of air and support. An impact excites a mode in proportion to the mode's
-displacement at the point of impact: a mode is silent if struck at its node. The point along the body's longest axis is given or random, the point across it is random.
+displacement at the point of impact: a mode is silent if struck at its node. The point along the
+body's longest axis is given or random, the point across it is random.
 
 Source: van den Doel and Pai 1998.
 """
@@ -177,7 +178,7 @@ def _about(modes: BodyModes, side: int, along: float) -> Signal:
     Half the mean square is that of the whole surface.
     """
     there = _at(modes.displacement[:, :, side], along)
-    return np.asarray(np.sqrt(0.5 * (modes.displacement**2).mean(axis=(1, 2)) + 0.5 * there**2))
+    return np.asarray(np.sqrt(0.5 * modes.mean_square + 0.5 * there**2))
 
 
 def _at(table: Signal, along: float) -> Signal:

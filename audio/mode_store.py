@@ -22,7 +22,7 @@ from pipeline.user_cache import user_cache_folder
 FOLDER = "modes"
 
 # Modules on which the modes depend.
-_SOURCES = ("body_shape.py", "elastic_modes.py", "symmetric_eigen.py", "mode_store.py")
+_SOURCES = ("body_shape.py", "elastic_modes.py", "symmetric_eigen.py", "thin_walls.py")
 
 
 def stored(body: tuple[object, ...], shape: tuple[int, ...], solve: Callable[[], Signal]) -> Signal:

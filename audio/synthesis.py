@@ -262,9 +262,7 @@ def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
     damping = _AIR_DAMPING + _SUPPORT_DAMPING * solid_of(sound.surface).loss
     if sound.pitch:
         # A body of this pitch is as much larger or smaller.
-        scale = lowest_frequency(shape, solid) / sound.pitch
-        lengths = (shape.length, shape.width, shape.thickness)
-        shape = BodyShape(shape.kind, *(scale * length for length in lengths))
+        shape = shape.scaled(lowest_frequency(shape, solid) / sound.pitch)
     bank = body_bank(shape, solid, damping, sound.spot, sound.pitch > 0, rng)
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 

@@ -16,7 +16,7 @@ def folder(monkeypatch, tmp_path):
     body_modes.cache_clear()
 
 
-BODY = ("box", 0.25, 0.0625, 0.3)
+BODY = ("box", 0.25, 0.0625, 0.0, 0.3)
 
 
 def test_a_body_is_solved_once_and_its_file_says_the_same(folder, monkeypatch):

@@ -151,7 +151,7 @@ def _noise(
         rng: of the noise.
         slope: power of the frequency by which its amplitude falls.
     """
-    frequency = np.fft.rfftfreq(_TAPS, 1 / SAMPLE_RATE)
+    frequency = np.fft.rfftfreq(_TAPS, 1 / SAMPLE_RATE).astype(np.float64)
     shape = band_response(frequency, band) * np.maximum(frequency, band[0]) ** -slope
     kernel = np.roll(np.fft.irfft(shape, _TAPS), _TAPS // 2)
     left, right = (convolve(_white(samples, rng), kernel)[_TAPS:] for _ in range(2))

@@ -17,7 +17,7 @@ Bus = Literal["steps", "impacts", "voices", "motions", "music"]
 
 BUS_OF: Mapping[str, Bus] = {
     **dict.fromkeys(("footfall", "scuff"), "steps"),
-    **dict.fromkeys(("cry", "hug", "breath"), "voices"),
+    **dict.fromkeys(("cry", "laugh", "gasp", "hug", "breath", "call", "growl", "whine"), "voices"),
     **dict.fromkeys(("swoosh", "whistle", "boing", "push off", "squeak", "squawk"), "motions"),
     MUSIC: "music",
 }

@@ -46,7 +46,7 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
     # A power of two, since FFTs of prime lengths are slow.
     size = 1 << max(int(samples - 1).bit_length(), 6)
     spectrum = np.fft.rfft(rng.standard_normal(size))
-    f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE)
+    f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
     noise = np.fft.irfft(spectrum * band_response(f, band), size)[:samples]
     return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
 

@@ -77,9 +77,9 @@ def body_modes(
 def _solved(kind: ShapeKind, width: float, thickness: float, wall: float, poisson: float) -> Signal:
     """Return frequencies and displacements of the lowest modes: (M, 1 + STATIONS * SIDES)."""
     if kind != "ellipsoid" and 0 < wall <= THIN * thickness:
-        omega, shapes = thin_walled_modes(kind, width, thickness, wall, poisson)
-        order = np.argsort(omega, kind="stable")[:MODES]
-        return _merged(2 * omega[order], shapes[order])
+        found, displaced = thin_walled_modes(kind, width, thickness, wall, poisson)
+        lowest = np.argsort(found, kind="stable")[:MODES]
+        return _merged(2 * found[lowest], displaced[lowest])
     body = quadrature(kind, width, thickness, wall)
     x = body.points / body.half
     is_walled = kind == "vessel" or wall > 0

@@ -90,7 +90,7 @@ def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
     while first < last:
         modes = order[: max(np.count_nonzero(heard >= first * _BLOCK), 1)]
         end = min(first + step, last)
-        rung = _blocks(exponent[modes], start[modes], fine[modes], np.arange(first, end))
+        rung = _blocks(exponent[modes], start[modes], fine[modes], np.arange(float(first), end))
         part = whole[first * _BLOCK : end * _BLOCK]
         part[:] = rung[: part.size]
         first, step = end, end

@@ -10,13 +10,14 @@ import numpy as np
 from audio import footsteps
 from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
 from audio.body_shape import BodyShape
-from audio.cause_voices import Motion, MotionVoice, cause_voice
+from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
 from audio.modal_bank import ModalBank, ring
 from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
+from audio.motion import Motion
 from audio.notes import Note
 from audio.seeded import seeded
 from audio.source_motion import SpeedProfile, speed_profile
@@ -199,7 +200,7 @@ def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:
 
 
 def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator) -> Signal:
-    pitch = sound.pitch or voice.pitch * (0.1 / sound.size) ** 0.5
+    pitch = sound.pitch or voice.pitch_of(sound.size)
     body = np.ones(1)
     if voice.resonates:
         bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)

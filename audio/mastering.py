@@ -59,8 +59,8 @@ class Mastered:
         gain_db: of the whole mix [dB].
         limited_db: reduction of the highest peak after that gain [dB].
         target: loudness that was aimed at [LUFS]: that of the configuration, or, where that would
-            have flattened the peaks, what the greatest gain gives before its peaks are lowered;
-            -inf for silence or without a target.
+            have flattened the peaks or needed too much gain, what the greatest gain gives; -inf
+            for silence or without a target.
         curve: gain of the limiter (N,), by which all stems are lowered too; None without any.
     """
 
@@ -103,7 +103,9 @@ def master_mix(
     out, curve = _limited(mix, gain_db, ceiling_db, bed)
     # Secant search: limiting makes loudness grow slower than the gain.
     slope, loudness = 1.0, integrated_loudness(out)
-    for _ in range(_SEARCH.max_rounds if master and curve is not None else 0):
+    # What the bed adds between the events counts for less than they do.
+    is_searched = master and (curve is not None or bed is not None)
+    for _ in range(_SEARCH.max_rounds if is_searched else 0):
         step = min((target - loudness) / slope, max_gain_db - gain_db)
         if abs(step) < _SEARCH.tolerance or target - loudness < _SEARCH.tolerance:
             break
@@ -116,9 +118,8 @@ def master_mix(
         return replace(done, curve=curve)
     if done.lufs > target - _SEARCH.tolerance:
         return replace(done, curve=curve, target=target)
-    # What no limiter has touched tells what the greatest gain is worth.
-    most = integrated_loudness(_raised(mix, max_gain_db, bed))
-    return replace(done, curve=curve, target=min(target, most))
+    # No greater gain is allowed: this is as loud as it can be.
+    return replace(done, curve=curve, target=min(target, done.lufs))
 
 
 def _raised(mix: Signal, gain_db: float, bed: Signal | None) -> Signal:

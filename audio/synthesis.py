@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from math import log2
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from audio import footsteps
 from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
@@ -33,6 +34,8 @@ _SPOTS = 16
 # Attenuation in air [dB per m and Hz²], a square law through 0.16 dB/m at 10 kHz.
 # Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
 _AIR_ABSORPTION = 1.6e-9
+# Length of what air makes of an impulse [samples].
+_AIR_RESPONSE = 256
 # Longest ring without a configured decay [s].
 _MAX_RING = 6.0
 # Longest ring of a limb while its joint rubs, and of a body that rubs [s].
@@ -183,9 +186,11 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
 
 def _through_air(signal: Signal, distance: float) -> Signal:
     """Return a sound as it arrives over a distance [m], duller: (N,)."""
-    spectrum = np.fft.rfft(signal)
-    frequency = np.fft.rfftfreq(signal.size, 1 / SAMPLE_RATE).astype(np.float64)
-    return np.asarray(np.fft.irfft(spectrum * _absorption(frequency, distance), signal.size))
+    # FFTs of prime lengths are slow, and the end must not come round to the onset.
+    size = next_fast_len(signal.size + _AIR_RESPONSE, real=True)
+    frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
+    spectrum = np.fft.rfft(signal, size) * _absorption(frequency, distance)
+    return np.asarray(np.fft.irfft(spectrum, size)[: signal.size])
 
 
 def _absorption(frequency: Signal, distance: float) -> Signal:

@@ -89,7 +89,7 @@ def test_growls_are_rough():
         rate = np.fft.rfftfreq(1 << 12, 120 / SAMPLE_RATE)
         return float(changes[(rate > 20) & (rate < 45)].sum() / changes[0])
 
-    growl, call = (np.median([roughness(voice(c, 0.2, v)) for v in range(6)]) for c in CALLS[:2])
+    call, growl = (np.median([roughness(voice(c, 0.2, v)) for v in range(6)]) for c in CALLS[:2])
     assert growl > 5 * call
 
 

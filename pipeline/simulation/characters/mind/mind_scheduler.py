@@ -158,7 +158,8 @@ class MindScheduler:
         """
         doing, now = mind.doing.split(" ")[0], mind.now
         takes_fright = doing in FEARFUL and doing != before.split(" ")[0]
-        if takes_fright and now - mind.gasped >= GASP_INTERVAL:
+        has_cried = now - mind.cried < MIN_CRY_INTERVAL
+        if takes_fright and not has_cried and now - mind.gasped >= GASP_INTERVAL:
             mind.gasped = now
             self.voices.append(Voice("gasp", k, mind.attention.focus, CRY.faintest + mind.anxiety))
         elif doing == "play" and mind.anxiety < MERRY_ANXIETY and now >= mind.next_laugh:

@@ -5,7 +5,7 @@ stay right. A box is six plates whose slopes agree at the edges. A cylinder is a
 by its ends, and two discs that the shell keeps from turning at their rims.
 
 Source: Leissa 1969, for plates; Arnold and Warburton 1949, for the shell; Timoshenko and
-Woinowsky-Krieger 1959, 114, for the stiffness of a shell's rim.
+Woinowsky-Krieger 1959, ch. 15, for the stiffness of a shell's rim.
 """
 
 from __future__ import annotations

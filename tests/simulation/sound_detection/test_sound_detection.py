@@ -322,15 +322,18 @@ def test_breathing_is_optional_and_follows_the_gait() -> None:
 
 
 def test_creatures_call_on_request_in_the_voice_of_their_mood() -> None:
-    creatures = "{name: bob, figure: person, mood: sad}", "{name: bug, figure: beetle, at: [3, 3]}"
-    ask = "sound: {detect: {call: {heard: true, every: 1}}}\n"
-    mood = "script:\n  - {at: 3, who: bob, do: {mood: angry}}\n"
-    assert events_of(simulate(scene_of(*creatures, duration=2)), "call") == []
-    take = simulate(scene_of(*creatures, duration=6, more=ask + mood))
+    creatures = (
+        "{name: bob, figure: person, mood: sad, walk: {}}",
+        "{name: bug, figure: beetle, at: [3, 3]}",
+    )
+    ask = "sound: {detect: {call: {heard: true, every: 0.5, who: 'b*'}}}\n"
+    mood = "script:\n  - {at: 1.5, who: bob, do: {mood: angry}}\n"
+    third = "{name: calf, figure: person, at: [-3, 3]}"
+    take = simulate(scene_of(*creatures, third, duration=3, more=ask + mood))
     calls = [event for event in take.events if event.cause in ("call", "growl", "whine")]
     for event in calls:
         expected = (
-            "call" if event.who == "bug" else "whine" if time_of(take, event) < 3 else "growl"
+            "call" if event.who == "bug" else "whine" if time_of(take, event) < 1.5 else "growl"
         )
         assert event.cause == expected
         row = event.track[0]
@@ -339,16 +342,13 @@ def test_creatures_call_on_request_in_the_voice_of_their_mood() -> None:
         assert math.dist(event.place, take.positions[row, head]) < 1e-5
     assert {event.cause for event in calls} == {"call", "growl", "whine"}
     times = {who: [time_of(take, e) for e in calls if e.who == who] for who in ("bob", "bug")}
-    assert all(0.3 <= gap <= 1.71 for found in times.values() for gap in np.diff(found))
+    assert all(0.15 <= gap <= 0.87 for found in times.values() for gap in np.diff(found))
     assert times["bob"][0] != times["bug"][0]
     sizes = {event.who: event.size for event in calls}
     # Cubes of water as heavy as they are.
     assert 0.3 < sizes["bob"] < 0.5
-    assert sizes["bug"] < sizes["bob"]
-    one = simulate(
-        scene_of(*creatures, duration=2, more=ask.replace("heard: true", "heard: true, who: b*g"))
-    )
-    assert {event.who for event in one.events if event.cause == "call"} <= {"bug"}
+    assert sizes["bug"] > 2 * sizes["bob"]  # this beetle weighs over a ton
+    assert not Detect().call.heard
 
 
 def test_a_rolling_ball_has_a_course() -> None:

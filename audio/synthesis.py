@@ -12,7 +12,15 @@ from audio import footsteps
 from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
 from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
-from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
+from audio.dsp import (
+    Signal,
+    band_noise,
+    convolve,
+    grain_noise,
+    normalized,
+    resample,
+    without_rumble,
+)
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
@@ -326,7 +334,7 @@ def _friction(
     bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
     body = _ring(bank, sound)
     # The slope of the profile excites the body: read slowly, it hardly does.
-    excited = np.convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])[:samples]
+    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])
     signal = normalized(noise) + _FRICTION_RESONANCE * normalized(excited)
     edge = np.arange(samples) + 1.0
     return np.asarray(signal * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))

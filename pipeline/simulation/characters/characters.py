@@ -189,13 +189,13 @@ class Characters(Troupe):
         self._roll_balls(before)
         world, people = self.world, (self._names, self._masses)
         steps = footfalls(self.persons, *people, world.ground, world.clock, step)
-        cries = self.minds.cries if self.minds is not None else ()
+        voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
         self._facts = replace(
             done,
             contacts=self.contact_reporter.contacts(self.log, step) + steps,
             touched=self.contact_reporter.touched(self.log) + done.touched,
-            signals=self.signals.signals(cries),
+            signals=self.signals.signals(voices),
         )
 
     def move(self) -> None:

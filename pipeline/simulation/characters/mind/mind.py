@@ -109,6 +109,8 @@ class Mind:
         doing: name of the present behaviour, "" for none.
         command: of the present behaviour.
         cried: time of the last cry [s].
+        gasped: time of the last gasp [s].
+        next_laugh: time from which it laughs at play [s].
         froude_speed: √(g l) of its legs [m/s].
     """
 
@@ -137,7 +139,8 @@ class Mind:
         self.detour = DetourState()
         self.anxiety = self.anger = 0.0
         self.struck: tuple[float, int] = (-math.inf, -1)
-        self.cried = -math.inf
+        self.cried = self.gasped = -math.inf
+        self.next_laugh = 0.0
         self.behaviours: Mapping[str, Behaviour] = {}
         self.biases: dict[str, float] = {}
         self.doing, self.command = "", MotorCommand()

@@ -21,7 +21,7 @@ from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
-from pipeline.simulation.characters.step_report import CRY, hardest_toucher, loudness
+from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.script import Orders
@@ -36,6 +36,10 @@ THINKING_INTERVAL = 0.1  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
 DISTRESS_CRY_INTERVAL = 3.0  # [s]
 MIN_CRY_INTERVAL = 0.8  # [s]
+FEARFUL = ("withdrawal", "flee")  # behaviours that begin with a gasp
+GASP_INTERVAL = 3.0  # [s]
+MERRY_ANXIETY = 0.35  # below which a child at play laughs
+LAUGH_INTERVAL = 6.0  # on average, at play [s]
 STOPPING_ANXIETY = 0.2  # from which one stops to glance back
 GLANCING_BACK_ANGLE = 1.2  # from the way, beyond which one does [rad]
 MIN_PACE = 0.05  # [m/s]
@@ -53,8 +57,7 @@ class MindScheduler:
         sub_step: [s].
 
     Attributes:
-        cries: of the last step: index of the controller, number of the character that caused it
-            or -1, strength [m/s].
+        voices: of the last step.
     """
 
     def __init__(
@@ -66,7 +69,7 @@ class MindScheduler:
         dt: float,
         sub_step: float,
     ) -> None:
-        self.cries: list[tuple[int, int, float]] = []
+        self.voices: list[Voice] = []
         self._dispatcher, self._surroundings = dispatcher, surroundings
         self._sub_step, self._interval = sub_step, max(round(THINKING_INTERVAL / dt), 1)
         acting = np.array([member.acts for member in cast], dtype=bool)
@@ -77,6 +80,11 @@ class MindScheduler:
             _mind(members[k], cast, dispatcher.controllers[k], surroundings, acting, records, seed)
             for k in self._indices
         ]
+        self._laughter = [
+            generator(seed, f"{mind.controller.name}.laughter") for mind in self.minds
+        ]
+        for k in self._indices:
+            self._put_off_laugh(k, 0.0)
         dispatcher.minded = frozenset(self._indices)
         self._owners = np.array([mind.number_of_self for mind in self.minds], dtype=np.int64)
         self._pain: Array = np.zeros(len(self._owners))
@@ -124,9 +132,11 @@ class MindScheduler:
             if self._dispatcher.is_ordered(k):
                 mind.end_behaviour()
             else:
+                before = mind.doing
                 mind.choose()
                 self._act(k, mind)
                 self._cry_in_distress(k, mind)
+                self._laugh_or_gasp(k, mind, before)
             mind.look(dt)
             self._dispatcher.glance(k, mind.glances.at)
 
@@ -136,11 +146,34 @@ class MindScheduler:
         is_due = mind.now - mind.cried >= DISTRESS_CRY_INTERVAL
         if mind.doing == "attachment" and not is_calm and is_due:
             mind.cried = mind.now
-            self.cries.append((k, NOBODY, CRY.faintest + mind.anxiety))
+            self.voices.append(Voice("cry", k, NOBODY, CRY.faintest + mind.anxiety))
+
+    def _laugh_or_gasp(self, k: int, mind: Mind, before: str) -> None:
+        """Let a calm child laugh at play, now and then, and who takes to flight gasp first.
+
+        Args:
+            k: index of the controller.
+            mind: the mind.
+            before: its behaviour until now.
+        """
+        doing, now = mind.doing.split(" ")[0], mind.now
+        takes_fright = doing in FEARFUL and doing != before.split(" ")[0]
+        has_cried = now - mind.cried < MIN_CRY_INTERVAL
+        if takes_fright and not has_cried and now - mind.gasped >= GASP_INTERVAL:
+            mind.gasped = now
+            self.voices.append(Voice("gasp", k, mind.attention.focus, CRY.faintest + mind.anxiety))
+        elif doing == "play" and mind.anxiety < MERRY_ANXIETY and now >= mind.next_laugh:
+            self._put_off_laugh(k, now)
+            self.voices.append(Voice("laugh", k, NOBODY, CRY.faintest))
+
+    def _put_off_laugh(self, k: int, now: float) -> None:
+        """Choose when a mind laughs next; children at play do not laugh in step."""
+        n = self._indices.index(k)
+        self.minds[n].next_laugh = now + LAUGH_INTERVAL * (0.5 + self._laughter[n].random())
 
     def _feel_blows(self, now: float) -> set[int]:
         """Let minds feel the blows of the last step; return the indices of those hurt."""
-        self.cries.clear()
+        self.voices.clear()
         pain = self._pains_now[self._owners]
         added = pain - self._pain
         self._pain = pain
@@ -154,7 +187,7 @@ class MindScheduler:
             is_shock = mind.feel_blow(blow, striker, now)
             if is_shock and blow > CRY.cry and now - mind.cried >= MIN_CRY_INTERVAL:
                 mind.cried = now
-                self.cries.append((self._indices[n], striker, loudness(blow)))
+                self.voices.append(Voice("cry", self._indices[n], striker, loudness(blow)))
         return set(hurt)
 
     def _act(self, k: int, mind: Mind) -> None:

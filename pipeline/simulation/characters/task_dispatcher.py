@@ -46,7 +46,10 @@ from pipeline.spec.script import Do
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
 
-SIDE_ORDERS = (spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges)
+SIDE_ORDERS = (
+    *(spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges),
+    spec.Express,
+)
 """Orders that leave the task as it is."""
 
 ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
@@ -66,6 +69,7 @@ class TaskDispatcher:
         view: all characters.
         controllers: of the people, in the order of their records.
         minded: indices of people with a mind.
+        expressions: orders to show an emotion that are in force, by index.
     """
 
     def __init__(
@@ -80,6 +84,7 @@ class TaskDispatcher:
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
         ]
+        self.expressions = dict[int, spec.Express]()
         self._dt, self._steps = dt, 0
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
@@ -286,6 +291,8 @@ class TaskDispatcher:
             controller.avoided[self.view.target_name(order.avoid)] = order.distance
         elif isinstance(order, spec.LetGo):
             self._let_go(k, HANDS[order.let_go])
+        elif isinstance(order, spec.Express):
+            self.expressions[k] = order
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":

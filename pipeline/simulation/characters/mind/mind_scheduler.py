@@ -105,6 +105,10 @@ class MindScheduler:
             found += (mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour)
         return found
 
+    def emotions(self) -> tuple[list[int], list[list[float]]]:
+        """Return the indices of the people with a mind, and the emotions that they show."""
+        return self._indices, [mind.emotions() for mind in self.minds]
+
     def read(self, orders: Orders) -> None:
         """Accept the urges that the script sets."""
         for mind in self.minds:

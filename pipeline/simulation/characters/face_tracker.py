@@ -3,7 +3,7 @@
 Feelings rise fast and fade slowly. Eyes jump to what is looked at before the head has turned, and
 rest on it while the head follows; lids blink, and go down with the gaze.
 
-Sources: Ekman and Friesen 1978 for faces; Bentivoglio et al. 1997 for the rate of blinks.
+Source: Bentivoglio et al. 1997 for the rate of blinks.
 """
 
 from __future__ import annotations

@@ -159,9 +159,7 @@ def test_vertices_in_the_middle_follow_no_side(proportions: Proportions, clothes
 def test_volumes_match_the_body_mass(proportions: Proportions) -> None:
     """The volume of body and clothes is that of the body within a tenth."""
     layers = person_layers(proportions, Clothes(style="none"))
-    bodies = [
-        trimesh_of(layer) for layer in layers if layer.name not in ("eyes", "hair")
-    ]
+    bodies = [trimesh_of(layer) for layer in layers if layer.name not in ("eyes", "hair")]
     low = np.min([b.bounds[0] for b in bodies], axis=0)
     high = np.max([b.bounds[1] for b in bodies], axis=0)
     rng = np.random.default_rng(6)

@@ -32,7 +32,7 @@ LIPS = {
 }
 """Skin material -> lip material."""
 
-BLUSH = np.array([1.02, 0.66, 0.62])
+BLUSH = np.array([1.02, 0.76, 0.72])
 """Colour of cheeks in that of the skin."""
 
 HOLLOW, PUPIL, TOOTH = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002), (0.62, 0.57, 0.48)

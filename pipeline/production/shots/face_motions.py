@@ -12,25 +12,39 @@ from pipeline.simulation.face_units import EYE_TURN
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Take
 
+LEAST_ACTION = 1e-3
+"""Action of a unit below which it moves nothing that shows."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnitMove:
+    """What one unit of one face does at its full action.
+
+    Attributes:
+        face: its number.
+        unit: number of the unit.
+        vertices: (n,) moved vertices, each once.
+        offsets: (n, 3) their moves [m].
+    """
+
+    face: int
+    unit: int
+    vertices: NDArray[np.int64]
+    offsets: Array
+
 
 @dataclass(frozen=True, eq=False)
 class FaceMotions:
     """The moves of the vertices of some meshes by the faces of their performers.
 
     Attributes:
-        vertices: (n,) moved vertices.
-        faces: (n,) numbers of the faces that move them.
-        units: (n,) units that move them.
-        offsets: (n, 3) their moves at the full action [m].
+        moves: of all units of all faces.
         eyes: (m,) vertices of eyeballs.
         owners: (m,) their faces.
         spokes: (m, 3) their offsets from the middle of the eye [m].
     """
 
-    vertices: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    faces: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    units: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    offsets: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    moves: tuple[UnitMove, ...] = ()
     eyes: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
     owners: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
     spokes: Array = field(default_factory=lambda: np.zeros((0, 3)))
@@ -39,23 +53,24 @@ class FaceMotions:
     def of(take: Take, meshes: Sequence[Mesh], starts: NDArray[np.int64]) -> FaceMotions:
         """Return the motions of meshes of a take, whose vertices are numbered from `starts`."""
         numbers = {face.performer: k for k, face in enumerate(take.faces)}
-        if not numbers:
-            return FaceMotions()
-        by_node = [numbers.get(node.performer, -1) for node in take.nodes]
-        targets, offsets, owners = [], [], []
-        for mesh, start in zip(meshes, starts, strict=False):
-            face = by_node[mesh.nodes[0, 0]] if len(mesh.targets) else -1
-            if face >= 0:
-                targets.append(mesh.targets.astype(np.int64) + np.array([start, 0]))
-                offsets.append(mesh.offsets.astype(float))
-                owners.append(np.full(len(mesh.targets), face))
-        if not targets:
-            return FaceMotions()
-        rows, moves, face_of = map(np.concatenate, (targets, offsets, owners))
-        turns = rows[:, 1] == EYE_TURN
+        moves = list[UnitMove]()
+        eyes, owners, spokes = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros((0, 3))]
+        for mesh, start in zip(meshes, starts, strict=False) if numbers else ():
+            performer = take.nodes[mesh.nodes[0, 0]].performer if len(mesh.targets) else ""
+            if performer not in numbers:
+                continue
+            face, units = numbers[performer], mesh.targets[:, 1]
+            vertices, offsets = mesh.targets[:, 0] + start, mesh.offsets.astype(float)
+            for unit in np.unique(units).tolist():
+                own = units == unit
+                if unit == EYE_TURN:
+                    eyes.append(vertices[own])
+                    owners.append(np.full(len(eyes[-1]), face))
+                    spokes.append(offsets[own])
+                else:
+                    moves.append(UnitMove(face, unit, vertices[own], offsets[own]))
         return FaceMotions(
-            *(rows[~turns, 0], face_of[~turns], rows[~turns, 1], moves[~turns]),
-            *(rows[turns, 0], face_of[turns], moves[turns]),
+            tuple(moves), np.concatenate(eyes), np.concatenate(owners), np.concatenate(spokes)
         )
 
     def moved(self, vertices: Array, take: Take, at: float) -> Array:
@@ -66,16 +81,17 @@ class FaceMotions:
             take: of the faces.
             at: row of the take, or between two.
         """
-        if not (len(self.vertices) or len(self.eyes)):
+        if not (self.moves or len(self.eyes)):
             return vertices
         now = _expressions(take, at)
-        share = now[self.faces, self.units]
-        acts = share != 0.0
-        moves = np.zeros(vertices.shape[1:])
-        np.add.at(moves, self.vertices[acts], share[acts, None] * self.offsets[acts])
-        left, up = now[self.owners, EYE_TURN], now[self.owners, EYE_TURN + 1]
-        moves[self.eyes] += _eye_turned(self.spokes, left, up) - self.spokes
-        return vertices + moves
+        moved = vertices.copy()
+        for move in self.moves:
+            share = now[move.face, move.unit]
+            if share > LEAST_ACTION:
+                moved[:, move.vertices] += share * move.offsets
+        gaze = now[self.owners, EYE_TURN], now[self.owners, EYE_TURN + 1]
+        moved[:, self.eyes] += _eye_turned(self.spokes, *gaze) - self.spokes
+        return moved
 
 
 def _expressions(take: Take, at: float) -> Array:

@@ -87,6 +87,10 @@ class Characters(Troupe):
         row_time = dt * world.clock.steps / world.clock.samples
         self._faces = FaceTracker(self._names, world.seed, row_time)
         self._face_inputs: list[FaceInputs] = []
+        self._owners, self._unfelt = (
+            np.array(owners, dtype=np.int64),
+            np.zeros((len(owners), len(EMOTIONS))),
+        )
         # Rows to write: nodes, rotations of balls, records of acting people.
         self._rows: list[tuple[Array, Array, Records]] = []
         self._values: list[list[float]] = []
@@ -230,18 +234,9 @@ class Characters(Troupe):
 
     def _face_input(self) -> FaceInputs:
         """Return what moves faces now."""
-        count = len(self.persons)
-        felt, told = np.zeros((count, len(EMOTIONS))), np.zeros((count, len(EMOTIONS)))
-        if self.minds is not None:
-            indices, emotions = self.minds.emotions()
-            felt[indices] = emotions
-        is_told = np.zeros(count, dtype=bool)
-        for k, order in self.dispatcher.expressions.items():
-            is_told[k] = order.express != "own"
-            if order.express in EMOTIONS:
-                told[k, EMOTIONS.index(order.express)] = order.strength
-        pain = self.arrays.owners["pain"][self.persons["owner"]]
-        return FaceInputs(felt, told, is_told, pain)
+        pain = self.arrays.owners["pain"][self._owners]
+        felt = self._unfelt if self.minds is None else self.minds.felt.copy()
+        return FaceInputs(felt, self.dispatcher.expressions, pain)
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept, at once because the calls dominate the cost."""

@@ -32,6 +32,9 @@ RISE_TIME, FADE_TIME = 0.12, 0.5
 PAIN_SHOWN, PAIN_FADE = 0.5, 0.9
 """Pain of a blow that shows fully [of `pain`], and the time constant of its decay [s]."""
 
+LEAST_HURT, MAX_HURT = 1e-4, 1.5
+"""Pain that no longer shows, and the most that a face remembers, in what shows fully."""
+
 BLINK_PAUSE = 1.4, 5.6
 """Shortest and longest time between blinks [s]: 17 a minute on average."""
 
@@ -57,14 +60,12 @@ class FaceInputs:
 
     Attributes:
         felt: (P, 6) emotions of minds, from 0 to 1.
-        told: (P, 6) emotions that orders ask for.
-        is_told: (P,) whether an order asks for these.
+        told: (P, 6) emotions that orders ask for; NaN where no order asks.
         pain: (P,) felt since the start.
     """
 
     felt: Array
     told: Array
-    is_told: NDArray[np.bool_]
     pain: Array
 
 
@@ -79,7 +80,7 @@ class FaceTracker:
 
     def __init__(self, names: Sequence[str], seed: int, dt: float) -> None:
         self._rngs = [generator(seed, f"{name}.blinks") for name in names]
-        self._dt, self._now, count = dt, 0.0, len(names)
+        self._dt, self._rows, count = dt, 0, len(names)
         self._shown = np.zeros((count, len(EMOTIONS)))
         self._hurt, self._pain = np.zeros(count), np.zeros(count)
         self._eyes = np.zeros((count, 2))
@@ -93,42 +94,68 @@ class FaceTracker:
             inputs: of each row.
             persons: (K, P) `PERSON` records.
         """
-        aims = _eye_aims(persons)
-        emotions, eyes = np.empty((*aims.shape[:2], len(EMOTIONS))), np.empty(aims.shape)
-        shut = np.empty(aims.shape[:2])
-        for k, row in enumerate(inputs):
-            emotions[k], eyes[k], shut[k] = self._advance(row, aims[k])
-        found = np.zeros((*aims.shape[:2], len(COLUMNS)), np.float32)
+        felt, told = (np.array([getattr(row, name) for row in inputs]) for name in ("felt", "told"))
+        hurt = self._hurts(np.array([row.pain for row in inputs]))
+        emotions = self._emotions(np.where(np.isnan(told), felt, told), hurt)
+        eyes = self._eyes_along(_eye_aims(persons))
+        shut = np.maximum(
+            self._blinks(len(inputs)), STUNNED_LIDS * np.minimum(persons["stun"], 1.0)
+        )
+        found = np.zeros((*hurt.shape, len(COLUMNS)), np.float32)
         units = face_of(emotions)
-        lowered = LID_FOLLOWS * np.maximum(-eyes[..., 1], 0.0)
-        shut = np.maximum(shut, STUNNED_LIDS * np.minimum(persons["stun"], 1.0))
-        open_share = (1.0 - units[..., BLINK]) * (1.0 - np.minimum(lowered, 1.0)) * (1.0 - shut)
-        units[..., BLINK] = 1.0 - open_share
+        lowered = np.clip(-LID_FOLLOWS * eyes[..., 1], 0.0, 1.0)
+        units[..., BLINK] = 1.0 - (1.0 - units[..., BLINK]) * (1.0 - lowered) * (1.0 - shut)
         units[..., WIDE] *= 1.0 - shut
         found[..., : len(UNITS)], found[..., len(UNITS) :] = units, eyes
+        self._rows += len(inputs)
         return found
 
-    def _advance(self, row: FaceInputs, aims: Array) -> tuple[Array, Array, Array]:
-        """Advance by a row; return emotions (P, 6), eyes (P, 2) [rad], and how shut lids are."""
-        dt = self._dt
-        self._now += dt
-        blow = np.maximum(row.pain - self._pain, 0.0)
-        self._pain = row.pain
-        self._hurt = np.minimum(self._hurt * np.exp(-dt / PAIN_FADE) + blow / PAIN_SHOWN, 1.5)
-        target = np.where(row.is_told[:, None], row.told, row.felt)
-        hurt = np.minimum(self._hurt, 1.0)
+    def _hurts(self, pain: Array) -> Array:
+        """Return how much pain shows (K, P), from 0 to 1, from the pain felt since the start."""
+        blows = np.maximum(np.diff(pain, axis=0, prepend=self._pain[None]), 0.0) / PAIN_SHOWN
+        self._pain = pain[-1]
+        found = np.zeros_like(blows)
+        if not (blows.any() or (self._hurt > LEAST_HURT).any()):
+            self._hurt = np.zeros_like(self._hurt)
+            return found
+        decay = np.exp(-self._dt / PAIN_FADE)
+        for k, blow in enumerate(blows):
+            self._hurt = found[k] = np.minimum(decay * self._hurt + blow, MAX_HURT)
+        return np.minimum(found, 1.0)
+
+    def _emotions(self, target: Array, hurt: Array) -> Array:
+        """Return the emotions (K, P, 6) that show on the way to these."""
         # Pain takes the face over.
-        target = target * (1.0 - hurt[:, None])
-        target[:, PAIN] = np.maximum(target[:, PAIN], hurt)
-        time = np.where(target > self._shown, RISE_TIME, FADE_TIME)
-        self._shown = self._shown + (target - self._shown) * (1.0 - np.exp(-dt / time))
-        self._eyes = self._eyes + (aims - self._eyes) * (1.0 - np.exp(-dt / EYE_TIME))
-        for k in np.flatnonzero(self._now >= self._due).tolist():
-            self._blinked[k] = self._now
-            self._due[k] = self._now + self._rngs[k].uniform(*BLINK_PAUSE)
-        since = self._now - self._blinked
+        target = target * (1.0 - hurt[..., None])
+        target[..., PAIN] = np.maximum(target[..., PAIN], hurt)
+        rise, fade = (1.0 - np.exp(-self._dt / time) for time in (RISE_TIME, FADE_TIME))
+        shown = self._shown
+        for k, wanted in enumerate(target):
+            away = wanted - shown
+            shown = target[k] = shown + np.where(away > 0.0, rise, fade) * away
+        self._shown = shown
+        return target
+
+    def _eyes_along(self, aims: Array) -> Array:
+        """Return the turns of the eyes (K, P, 2) on the way to their aims [rad]."""
+        share, eyes = 1.0 - np.exp(-self._dt / EYE_TIME), self._eyes
+        for k, aim in enumerate(aims):
+            eyes = aims[k] = eyes + share * (aim - eyes)
+        self._eyes = eyes
+        return aims
+
+    def _blinks(self, count: int) -> Array:
+        """Return how shut lids are in the next rows (K, P), from 0 to 1."""
+        times = self._dt * (self._rows + np.arange(count))
+        since = times[:, None] - self._blinked
+        for k in np.flatnonzero(self._due <= times[-1]).tolist():
+            while self._due[k] <= times[-1]:
+                start = self._blinked[k] = self._due[k]
+                later = times >= start
+                since[later, k] = times[later] - start
+                self._due[k] = start + self._rngs[k].uniform(*BLINK_PAUSE)
         closing, opening = since / BLINK_CLOSING, 1.0 - (since - BLINK_CLOSING) / BLINK_OPENING
-        return self._shown, self._eyes, np.clip(np.minimum(closing, opening), 0.0, 1.0)
+        return np.clip(np.minimum(closing, opening), 0.0, 1.0)
 
 
 def _eye_aims(persons: Records) -> Array:

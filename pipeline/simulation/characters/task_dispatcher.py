@@ -39,6 +39,7 @@ from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
@@ -69,7 +70,8 @@ class TaskDispatcher:
         view: all characters.
         controllers: of the people, in the order of their records.
         minded: indices of people with a mind.
-        expressions: orders to show an emotion that are in force, by index.
+        expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
+            changed.
     """
 
     def __init__(
@@ -84,7 +86,7 @@ class TaskDispatcher:
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
         ]
-        self.expressions = dict[int, spec.Express]()
+        self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
@@ -292,7 +294,8 @@ class TaskDispatcher:
         elif isinstance(order, spec.LetGo):
             self._let_go(k, HANDS[order.let_go])
         elif isinstance(order, spec.Express):
-            self.expressions[k] = order
+            self.expressions = self.expressions.copy()
+            self.expressions[k] = _told(order)
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":
@@ -346,3 +349,10 @@ class TaskDispatcher:
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
             self._tasks[k] = None
+
+
+def _told(order: spec.Express) -> list[float]:
+    """Return the emotions (6,) that an order asks to show, NaN for those that are felt."""
+    if order.express == "own":
+        return [math.nan] * len(EMOTIONS)
+    return [order.strength if emotion == order.express else 0.0 for emotion in EMOTIONS]

@@ -24,7 +24,7 @@ CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
 BROW_LENGTH = 0.028
 
 FRINGE, FRINGE_SPAN = 0.42, (0.02, 0.24)
-"""Share of its length to which hair is cut over the face, and where along X that begins and ends."""
+"""Share of its length to which hair is cut over the face, and where along X that comes about."""
 
 
 def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:

@@ -36,8 +36,7 @@ SMILE = UNITS.index("smile")
 def rows(count: int, **changes: Array) -> list[FaceInputs]:
     """Return the inputs of rows of one person; changes have a row each, (count, ...)."""
     none = np.zeros((count, 1, len(EMOTIONS)))
-    values = {"felt": none, "told": none, "is_told": np.zeros((count, 1), bool)}
-    values["pain"] = np.zeros((count, 1))
+    values = {"felt": none, "told": none + np.nan, "pain": np.zeros((count, 1))}
     values |= {name: value[:, None] for name, value in changes.items()}
     return [FaceInputs(**{name: value[k] for name, value in values.items()}) for k in range(count)]
 
@@ -51,7 +50,11 @@ def faces(inputs: list[FaceInputs], names: tuple[str, ...] = ("ann",), **record:
     persons = np.tile(np.array(people), (len(inputs), 1))
     for name, value in record.items():
         persons[name] = value
-    return FaceTracker(names, 3, DT).faces(inputs, persons).astype(float)
+    all_of = [
+        FaceInputs(*(np.repeat(x, count, axis=0) for x in (row.felt, row.told, row.pain)))
+        for row in inputs
+    ]
+    return FaceTracker(names, 3, DT).faces(all_of, persons).astype(float)
 
 
 def of(emotion: str) -> Array:
@@ -61,9 +64,9 @@ def of(emotion: str) -> Array:
 def test_what_is_told_shows_and_what_is_felt_comes_back() -> None:
     count = 400
     told = np.tile(of("joy"), (count, 1))
-    is_told = np.arange(count) < 200
+    told[200:] = np.nan
     felt = np.tile(of("sadness"), (count, 1))
-    shown = faces(rows(count, told=told, is_told=is_told, felt=felt))[:, 0]
+    shown = faces(rows(count, told=told, felt=felt))[:, 0]
     down = UNITS.index("corner_down")
     assert shown[199, SMILE] > 0.95 * EXPRESSIONS["joy"]["smile"]
     assert shown[199, down] < 0.01
@@ -77,7 +80,7 @@ def test_what_is_told_shows_and_what_is_felt_comes_back() -> None:
 def test_a_blow_shows_whatever_is_told_and_fades() -> None:
     count = 500
     told, pain = np.tile(of("joy"), (count, 1)), np.where(np.arange(count) < 100, 0.0, 2.0)
-    shown = faces(rows(count, told=told, is_told=np.ones(count, bool), pain=pain))[:, 0]
+    shown = faces(rows(count, told=told, pain=pain))[:, 0]
     hurt = UNITS.index("lip_up")
     assert shown[99, SMILE] > 0.9
     assert shown[140, hurt] > 0.8

@@ -30,6 +30,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
 from pipeline.spec.character import Character
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.script import SetUrges
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]
@@ -55,6 +56,7 @@ class MindScheduler:
     Attributes:
         cries: of the last step: index of the controller, number of the character that caused it
             or -1, strength [m/s].
+        felt: (P, 6) emotions of all acting people, zero for those without a mind.
     """
 
     def __init__(
@@ -78,6 +80,7 @@ class MindScheduler:
             for k in self._indices
         ]
         dispatcher.minded = frozenset(self._indices)
+        self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
         self._owners = np.array([mind.number_of_self for mind in self.minds], dtype=np.int64)
         self._pain: Array = np.zeros(len(self._owners))
         self._pains_now = surroundings.view.arrays.owners["pain"]
@@ -105,10 +108,6 @@ class MindScheduler:
             found += (mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour)
         return found
 
-    def emotions(self) -> tuple[list[int], list[list[float]]]:
-        """Return the indices of the people with a mind, and the emotions that they show."""
-        return self._indices, [mind.emotions() for mind in self.minds]
-
     def read(self, orders: Orders) -> None:
         """Accept the urges that the script sets."""
         for mind in self.minds:
@@ -133,6 +132,7 @@ class MindScheduler:
                 self._cry_in_distress(k, mind)
             mind.look(dt)
             self._dispatcher.glance(k, mind.glances.at)
+            self.felt[k] = mind.emotions()
 
     def _cry_in_distress(self, k: int, mind: Mind) -> None:
         """Let a distressed child cry on its way back, until it is in its caregiver's arms."""

@@ -48,7 +48,7 @@ def _clustered(mesh: Mesh, cell: float) -> tuple[NDArray[np.int64], NDArray[np.u
 
     Vertices that follow the head become one within a cell, the first of them.
     """
-    head = int(np.bincount(mesh.nodes[mesh.targets[:, 0], 1]).argmax())
+    head = int(np.bincount(mesh.nodes[mesh.targets[:, 0], 0]).argmax())
     on_head = (mesh.nodes == head).any(axis=1)
     cells = np.floor(mesh.vertices / cell).astype(np.int64)
     # Others are alone in cells of their own.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,25 +74,28 @@ class FaceMotions:
             tuple(moves), np.concatenate(eyes), np.concatenate(owners), np.concatenate(spokes)
         )
 
-    def moved(self, vertices: Array, take: Take, at: float) -> Array:
-        """Return vertices (2, V, 3) in the rest frame as the faces move them, or these themselves.
+    @cached_property
+    def touched(self) -> NDArray[np.int64]:
+        """Numbers of all vertices that a face may move."""
+        return np.unique(np.concatenate([self.eyes, *(move.vertices for move in self.moves)]))
+
+    def offsets(self, count: int, take: Take, at: float) -> Array:
+        """Return by how much the faces move all vertices (V, 3) in the rest frame [m].
 
         Args:
-            vertices: relative to each of their two nodes, whose frames are alike at rest [m].
+            count: of the vertices. Most are in no face, and their zeros take up no memory.
             take: of the faces.
             at: row of the take, or between two.
         """
-        if not (self.moves or len(self.eyes)):
-            return vertices
         now = _expressions(take, at)
-        moved = vertices.copy()
+        found = np.zeros((count, 3))
         for move in self.moves:
             share = now[move.face, move.unit]
             if share > LEAST_ACTION:
-                moved[:, move.vertices] += share * move.offsets
+                found[move.vertices] += share * move.offsets
         gaze = now[self.owners, EYE_TURN], now[self.owners, EYE_TURN + 1]
-        moved[:, self.eyes] += _eye_turned(self.spokes, *gaze) - self.spokes
-        return moved
+        found[self.eyes] += _eye_turned(self.spokes, *gaze) - self.spokes
+        return found
 
 
 def _expressions(take: Take, at: float) -> Array:

@@ -96,20 +96,25 @@ class Skin:
         # A scale acts along the node's own axes, before its rotation.
         R[list(take.scaled)] *= scales[:, None, :]
         first = self.nodes[0]
-        vertices = self.motions.moved(self.vertices, take, at)
-        world: Array = p[first] + (R[first] @ vertices[0][..., None])[..., 0]
+        world: Array = p[first] + (R[first] @ self.vertices[0][..., None])[..., 0]
+        acts = self.motions.touched
+        moves = self.motions.offsets(len(first), take, at) if acts.size else None
+        if moves is not None:
+            world[acts] += (R[first[acts]] @ moves[acts][..., None])[..., 0]
         if self.blended.size:
-            world[self.blended] = self._blended_vertices(vertices, q, p, R)
+            offsets = self.vertices[:, self.blended]
+            if moves is not None:
+                # Both nodes of a vertex are turned alike at rest.
+                offsets = offsets + moves[self.blended]
+            world[self.blended] = self._blended_vertices(offsets, q, p, R)
         gone = ~take.alive[row]
         if gone.any():
             # Hidden by collapsing, because the topology of a build is constant.
             world[gone[self.nodes[0]]] = 0.0
         return world.astype(np.float32)
 
-    def _blended_vertices(self, vertices: Array, q: Array, p: Array, R: Array) -> Array:
-        """Return those of `vertices` (2, V, 3) that follow two nodes (B, 3) [m].
-
-        It is dual quaternion skinning.
+    def _blended_vertices(self, offsets: Array, q: Array, p: Array, R: Array) -> Array:
+        """Return the vertices that follow two nodes (B, 3) [m], by dual quaternion skinning.
 
         A bent knee keeps its volume, where linear blending would collapse it. Nodes that only
         move apart stretch what is between them.
@@ -118,10 +123,10 @@ class Skin:
         """
         some, share = self.blended, self.weights[1, self.blended]
         a, b = (self.nodes[k][some] for k in range(2))
-        offset = vertices[0][some]
+        offset = offsets[0]
         # Relative to the first node the second one is a rotation and a translation.
         here = p[a] + (R[a] @ offset[..., None])[..., 0]
-        there = p[b] + (R[b] @ vertices[1][some][..., None])[..., 0]
+        there = p[b] + (R[b] @ offsets[1][..., None])[..., 0]
         turned = _product(q[b], q[a] * _CONJUGATE)
         turned = turned * np.where(turned[:, :1] < 0.0, -1.0, 1.0)
         # there = turned (here) + shift

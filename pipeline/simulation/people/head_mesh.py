@@ -98,7 +98,8 @@ def head_skin(head: Head) -> SkinnedPatch:
     places = head.on_body(grid.vertices)
     base, chin = head.build.level(0.826), float(head.at(0.0, -0.42, 0.0)[1])
     share = ramp(places[:, 1], base + 0.15 * (chin - base), chin)
-    patch = Surface(places, grid.faces).follow("chest", "head", share)
+    # The head first: what follows it alone is quick to pose.
+    patch = Surface(places, grid.faces).follow("head", "chest", 1.0 - share)
     skin = FaceSkin(grid.vertices, grid.jaw, grid.closing, grid.lid, grid.upper)
     return replace(_with_units(head, patch, skin), tint=_skin_tint(head.face, grid))
 
@@ -305,4 +306,4 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     high = (c[0] + 0.50 * s, c[1] + 0.62 * s, 0.54 * s)
     net = polygonise(HAIR_STYLES[style](head), low, high, 0.084 * s, symmetric=True)
     share = ramp(net.vertices[:, 1], float(c[1] - 0.85 * s), float(c[1] - 0.30 * s))
-    return net.follow("chest", "head", share)
+    return net.follow("head", "chest", 1.0 - share)

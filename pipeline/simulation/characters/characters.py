@@ -21,6 +21,7 @@ from pipeline.simulation.characters.character_plans import (
     start_nodes,
 )
 from pipeline.simulation.characters.contact_response import new_touch_log
+from pipeline.simulation.characters.face_tracker import FaceInputs, FaceTracker
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.person_controller import CharacterView
@@ -40,8 +41,10 @@ from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Face
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.character import Character
+from pipeline.spec.expression import EMOTIONS
 
 SUB_STEP_RATE = 240.0
 """Least number of sub-steps per second."""
@@ -72,7 +75,8 @@ class Characters(Troupe):
         self.signals = SignalDetector(self.dispatcher)
         self.minds = self._start_minds(view)
         channels = self.minds.channels if self.minds is not None else ()
-        self.inventory = replace(self._poser.inventory, channels=channels)
+        faces = tuple(Face(cast[int(owner)].name) for owner in self.persons["owner"])
+        self.inventory = replace(self._poser.inventory, channels=channels, faces=faces)
         balls = [thing.nodes[0] for thing in self._poser.things if thing.axes is None]
         self._balls = np.array(balls, dtype=np.int64)
         self.ball_rotations = BallRotations(self.arrays.nodes["radius"][self._balls])
@@ -80,6 +84,13 @@ class Characters(Troupe):
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
+        row_time = dt * world.clock.steps / world.clock.samples
+        self._faces = FaceTracker(self._names, world.seed, row_time)
+        self._face_inputs: list[FaceInputs] = []
+        self._owners, self._unfelt = (
+            np.array(owners, dtype=np.int64),
+            np.zeros((len(owners), len(EMOTIONS))),
+        )
         # Rows to write: nodes, rotations of balls, records of acting people.
         self._rows: list[tuple[Array, Array, Records]] = []
         self._values: list[list[float]] = []
@@ -219,6 +230,13 @@ class Characters(Troupe):
         self._rows.append((self.arrays.p.copy(), self.ball_rotations.R, np.array(self.persons)))
         if self.minds is not None:
             self._values.append(self.minds.values())
+        self._face_inputs.append(self._face_input())
+
+    def _face_input(self) -> FaceInputs:
+        """Return what moves faces now."""
+        pain = self.arrays.owners["pain"][self._owners]
+        felt = self._unfelt if self.minds is None else self.minds.felt.copy()
+        return FaceInputs(felt, self.dispatcher.expressions, pain)
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept, at once because the calls dominate the cost."""
@@ -229,6 +247,8 @@ class Characters(Troupe):
         posed = self._poser.pose(np.array(nodes), np.array(turned), persons, self.world.ground)
         rows.rotations[:], rows.positions[:] = posed
         rows.alive[:] = True
+        rows.expressions[:] = self._faces.faces(self._face_inputs, persons)
+        self._face_inputs.clear()
         if self._values:
             rows.values[:] = self._values
             self._values.clear()

@@ -49,6 +49,7 @@ from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
@@ -56,7 +57,10 @@ from pipeline.spec.script import Do
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
 
-SIDE_ORDERS = (spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges)
+SIDE_ORDERS = (
+    *(spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges),
+    spec.Express,
+)
 """Orders that leave the task as it is."""
 
 ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
@@ -80,6 +84,8 @@ class TaskDispatcher:
         view: all characters.
         controllers: of the people, in the order of their records.
         minded: indices of people with a mind.
+        expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
+            changed.
     """
 
     def __init__(
@@ -94,6 +100,7 @@ class TaskDispatcher:
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
         ]
+        self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
@@ -387,6 +394,9 @@ class TaskDispatcher:
             controller.avoided[self.view.target_name(order.avoid)] = order.distance
         elif isinstance(order, spec.LetGo):
             self._let_go(k, HANDS[order.let_go])
+        elif isinstance(order, spec.Express):
+            self.expressions = self.expressions.copy()
+            self.expressions[k] = _told(order)
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":
@@ -445,3 +455,10 @@ class TaskDispatcher:
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
             self._tasks[k] = None
+
+
+def _told(order: spec.Express) -> list[float]:
+    """Return the emotions (6,) that an order asks to show, NaN for those that are felt."""
+    if order.express == "own":
+        return [math.nan] * len(EMOTIONS)
+    return [order.strength if emotion == order.express else 0.0 for emotion in EMOTIONS]

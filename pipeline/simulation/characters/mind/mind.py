@@ -66,6 +66,31 @@ class EmotionRates:
 EMOTION = EmotionRates()
 
 
+@dataclass(frozen=True)
+class FaceRates:
+    """How feelings show in a face.
+
+    Attributes:
+        worry: anxiety from which it looks like fear, too.
+        anxious_fear: fear of full anxiety, by the anxiety beyond worry.
+        anxious_sadness: sadness of full anxiety.
+        hug_joy: joy in somebody's arms.
+        interest: curiosity by the salience of the focus.
+    """
+
+    worry: float = 0.5
+    anxious_fear: float = 0.8
+    anxious_sadness: float = 0.9
+    hug_joy: float = 0.9
+    interest: float = 1.3
+
+
+FACE = FaceRates()
+
+JOYS: Mapping[str, float] = {"play": 0.8, "comfort": 0.5, "carry": 0.35, "push": 0.7}
+"""Joy in a face by the present behaviour."""
+
+
 class Behaviour(Protocol):
     """An activity that a mind may choose."""
 
@@ -213,6 +238,21 @@ class Mind:
         p, first = self.surroundings.view.arrays.p, int(record.node) + HAND
         offset = p[first] - p[first + 1]
         return math.sqrt(float((offset * offset).sum()))
+
+    def emotions(self) -> list[float]:
+        """Return the emotions that its face shows, in the order of `EMOTIONS`, from 0 to 1."""
+        attention, anxiety = self.attention, self.anxiety
+        # Far-off threats frighten less.
+        fear = max(float((attention.fears * attention.nearness).max(initial=0.0)), 0.0)
+        fear = min(fear + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0), 1.0)
+        worried = FACE.anxious_sadness * anxiety
+        calm = 1.0 - max(fear, worried, self.anger)
+        social = FACE.hug_joy if self.is_hugging else JOYS.get(self.doing, 0.0)
+        joy = social * (1.0 - anxiety) * (1.0 - max(fear, self.anger))
+        focus = attention.focus
+        interest = float(attention.salience[focus]) if focus >= 0 else 0.0
+        curiosity = min(FACE.interest * interest, 1.0) * calm * (1.0 - joy)
+        return [joy, min(worried, 1.0) * (1.0 - fear), self.anger, fear, 0.0, curiosity]
 
     # --- experience ---------------------------------------------------------------------
 

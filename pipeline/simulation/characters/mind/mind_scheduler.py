@@ -30,6 +30,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
 from pipeline.spec.character import Character
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.script import SetUrges
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]
@@ -58,6 +59,7 @@ class MindScheduler:
 
     Attributes:
         voices: of the last step.
+        felt: (P, 6) emotions of all acting people, zero for those without a mind.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class MindScheduler:
         for k in self._indices:
             self._put_off_laugh(k, 0.0)
         dispatcher.minded = frozenset(self._indices)
+        self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
         self._owners = np.array([mind.number_of_self for mind in self.minds], dtype=np.int64)
         self._pain: Array = np.zeros(len(self._owners))
         self._pains_now = surroundings.view.arrays.owners["pain"]
@@ -139,6 +142,7 @@ class MindScheduler:
                 self._laugh_or_gasp(k, mind, before)
             mind.look(dt)
             self._dispatcher.glance(k, mind.glances.at)
+            self.felt[k] = mind.emotions()
 
     def _cry_in_distress(self, k: int, mind: Mind) -> None:
         """Let a distressed child cry on its way back, until it is in its caregiver's arms."""

@@ -189,6 +189,7 @@ class Attention:
         salience: (C,).
         valence: (C,) from -1 to 1.
         priority: (C,) of watching, from 0 to about 1.
+        nearness: (C,) 1 for what is close, less for what is far.
         focus: number of the most salient character, -1 if there is none.
     """
 
@@ -201,7 +202,7 @@ class Attention:
         self._natural_valence = np.array([VALENCE.get(kind, 0.0) for kind in kinds])
         self.fears = np.zeros(len(kinds))
         self.salience, self.valence = np.zeros(len(kinds)), self._natural_valence.copy()
-        self.priority = np.zeros(len(kinds))
+        self.priority, self.nearness = np.zeros(len(kinds)), np.zeros(len(kinds))
         self.focus = -1
 
     def appraise(self, memory: Memory, anxiety: float, noise: Array, now: float) -> None:
@@ -216,6 +217,7 @@ class Attention:
         v = memory.velocities
         speed = np.sqrt(v[:, 0] ** 2 + v[:, 2] ** 2)
         near = HALF_INTEREST_DISTANCE / (HALF_INTEREST_DISTANCE + memory.distances)
+        self.nearness = near
         lively = np.minimum(MOTION_SALIENCE * speed, 0.3)
         interest, varied = self._interest + lively + self.fears, 1 + SALIENCE_NOISE * noise
         self.valence = np.clip(self._natural_valence - 1.5 * self.fears, -1.0, 1.0)

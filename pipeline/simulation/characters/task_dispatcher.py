@@ -66,6 +66,7 @@ class TaskDispatcher:
         view: all characters.
         controllers: of the people, in the order of their records.
         minded: indices of people with a mind.
+        suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
     """
 
     def __init__(
@@ -77,6 +78,7 @@ class TaskDispatcher:
     ) -> None:
         self.view = view
         self.minded: frozenset[int] = frozenset()
+        self.suspended = set[int]()
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
         ]
@@ -165,7 +167,7 @@ class TaskDispatcher:
             controller.kicked_bodies.clear()
             controller.end_distant_embrace()
             task = self._tasks[k]
-            if task is not None and not self._waits[k]:
+            if task is not None and not self._waits[k] and k not in self.suspended:
                 is_done = task.advance(controller, self._dt)
                 if is_done and not self._done[k]:
                     self._arrived.append(controller.name)

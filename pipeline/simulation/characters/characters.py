@@ -24,6 +24,7 @@ from pipeline.simulation.characters.contact_response import new_touch_log
 from pipeline.simulation.characters.face_tracker import FaceInputs, FaceTracker
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
+from pipeline.simulation.characters.pain_reflex import PainReflexes
 from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import persons_of
 from pipeline.simulation.characters.pose_output import BallRotations, frame_poser
@@ -73,6 +74,9 @@ class Characters(Troupe):
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)
         self.signals = SignalDetector(self.dispatcher)
+        owners = [int(owner) for owner in self.persons["owner"]]
+        obediences = [cast[owner].obedience for owner in owners]
+        self.reflexes = PainReflexes(self.dispatcher, obediences)
         self.minds = self._start_minds(view)
         channels = self.minds.channels if self.minds is not None else ()
         faces = tuple(Face(cast[int(owner)].name) for owner in self.persons["owner"])
@@ -80,7 +84,6 @@ class Characters(Troupe):
         balls = [thing.nodes[0] for thing in self._poser.things if thing.axes is None]
         self._balls = np.array(balls, dtype=np.int64)
         self.ball_rotations = BallRotations(self.arrays.nodes["radius"][self._balls])
-        owners = [int(owner) for owner in self.persons["owner"]]
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
@@ -192,6 +195,7 @@ class Characters(Troupe):
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
+        self.reflexes.react(step * self.world.clock.dt)
         for controller in self.dispatcher.controllers:
             for name, v in controller.kicked_bodies:
                 self.solid_tracker.set_velocity(name, v)

@@ -86,6 +86,7 @@ class TaskDispatcher:
         minded: indices of people with a mind.
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
+        suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
     """
 
     def __init__(
@@ -97,6 +98,7 @@ class TaskDispatcher:
     ) -> None:
         self.view = view
         self.minded: frozenset[int] = frozenset()
+        self.suspended = set[int]()
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
         ]
@@ -191,7 +193,7 @@ class TaskDispatcher:
             controller.touched.clear()
             controller.kicked_bodies.clear()
             controller.end_distant_embrace()
-            if self._tasks[k] is not None and not self._waits[k]:
+            if self._tasks[k] is not None and not self._waits[k] and k not in self.suspended:
                 self._advance(k, controller)
             task = self._tasks[k]
             if task is None or not task.leads_hands:

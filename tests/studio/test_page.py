@@ -17,7 +17,7 @@ import pytest
 from PIL import Image
 
 from pipeline.simulation.figure_analysis import build_figure
-from pipeline.spec import load_figure, load_scene
+from pipeline.spec import library, load_figure, load_scene
 from pipeline.studio.app import Studio
 from tests.studio.conftest import SCENE, Served
 
@@ -159,6 +159,10 @@ def test_a_six_legged_figure_is_drawn_from_nothing_and_walks(page: Page) -> None
 
 def _save_as(page: Page, name: str) -> None:
     page.page.once("dialog", lambda dialog: dialog.accept(name))
+    _save(page)
+
+
+def _save(page: Page) -> None:
     page.page.click("#save")
     page.wait("document.getElementById('status').textContent.startsWith('saved')")
 
@@ -187,6 +191,99 @@ def test_a_dragged_node_is_drawn_and_analysed_and_undone(page: Page) -> None:
     for _ in range(55):
         page.page.keyboard.press("Control+Shift+Z")
     assert page.value("JSON.stringify(studio.editor.drawing)") == after
+
+
+def _place_of_part(page: Page, part: str) -> tuple[float, float]:
+    """Return a place of the screen at which a part of the creature is seen, well inside of it."""
+    box = page.page.locator("#creature").bounding_box()
+    expression = (
+        "([box, part]) => { const seen = []; for (let y = 4; y < box.height; y += 9)"
+        " for (let x = 4; x < box.width; x += 9) {"
+        " const at = {clientX: box.x + x, clientY: box.y + y};"
+        " if (studio.editor.viewer.partAt(at) === part) seen.push([at.clientX, at.clientY]); }"
+        " return seen[Math.floor(seen.length / 2)]; }"
+    )
+    found = page.page.evaluate(expression, [box, part])
+    assert found, f"{part} is not seen"
+    return found[0], found[1]
+
+
+def test_a_part_is_clicked_and_posed_in_three_dimensions(page: Page) -> None:
+    page.open("library:figures/beetle.yaml")
+    page.wait("studio.editor.walks > 0 && Boolean(studio.editor.analysis.links)")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("Space")
+    page.page.mouse.click(*_place_of_part(page, "l1.2"))
+    assert page.value("studio.editor.posing.link") == "l1.2"
+    assert page.page.locator("#part").is_visible()
+    before = page.value("studio.editor.analysis.links.find(l => l.name === 'l1.2').joints[0]")
+    x, y = _place_of_part(page, "l1.2")
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 6, y + 22, steps=8)
+    page.picture("part")
+    page.page.mouse.up()
+    joints = page.value("studio.editor.drawing.joints")
+    rest = joints["l1"]["joint1_bend"]["rest_deg"]
+    assert before["lower"] <= rest <= before["upper"]
+    assert abs(rest - before["preferred"]) > 3
+    assert joints["r1"] == joints["l1"]
+    assert page.value("studio.editor.undos.length") == 1
+    page.wait("studio.editor.walks > 1")
+    page.page.fill("[aria-label='mass']", "9.5")
+    page.page.press("[aria-label='mass']", "Enter")
+    page.wait("Math.abs(studio.editor.analysis.masses.r1 - 9.5) < 1e-6")
+    page.page.fill("[aria-label='joint1_bend rest']", "179")
+    page.page.press("[aria-label='joint1_bend rest']", "Enter")
+    page.wait("document.querySelector('#part .bad') !== null")
+    assert "rests outside its limits" in page.page.inner_text("#warnings")
+    page.picture("refused")
+    page.page.click("#undo")
+    page.wait("document.querySelector('#part .bad') === null")
+    most = page.value("studio.editor.posing.arcs[0].handles.most.toArray()")
+    x, y = page.page.evaluate(
+        "(p) => studio.editor.viewer.onScreen("
+        "studio.editor.posing.arcs[0].handles.most.clone().fromArray(p))",
+        most,
+    )
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 14, y + 14, steps=6)
+    page.page.mouse.up()
+    limits = page.value("studio.editor.drawing.joints.l1.joint1_bend.limits_deg")
+    assert limits[0] == pytest.approx(before["lower"])
+    assert limits[1] != pytest.approx(before["upper"])
+    _save(page)
+    text = (page.served.folder / "figures" / "beetle.yaml").read_text()
+    original = (library() / "figures" / "beetle.yaml").read_text()
+    assert all(line in text.splitlines() for line in original.splitlines())
+    figure = load_figure(page.served.folder / "figures" / "beetle.yaml")
+    assert figure.masses == {"l1": 9.5, "r1": 9.5}
+    assert figure.joints["l1"]["joint1_bend"].rest_deg == rest
+    for _ in range(3):
+        page.page.click("#undo")
+    assert page.value("studio.editor.drawing.joints") == {}
+    page.page.focus("#canvas")
+    page.page.keyboard.press("Escape")
+    assert page.value("studio.editor.posing.link") is None
+
+
+def test_a_part_of_one_skin_is_found(page: Page) -> None:
+    page.open("library:figures/horse.yaml")
+    page.wait("studio.editor.walks > 0 && Boolean(studio.editor.analysis.links)")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("Space")
+    page.page.mouse.click(*_place_of_part(page, "head.1"))
+    assert page.value("studio.editor.posing.link") == "head.1"
+    page.page.mouse.move(10, 10)
+    page.picture("neck")
+    x, y = _place_of_part(page, "head.1")
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 30, y + 25, steps=8)
+    page.page.mouse.up()
+    page.picture("neck_lowered")
+    assert page.value("studio.editor.drawing.joints.head.base_pitch.rest_deg") != 46
 
 
 def test_operations_of_the_selected_set(page: Page) -> None:

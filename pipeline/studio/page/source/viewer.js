@@ -4,6 +4,14 @@ import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
+const AXIS = new THREE.Vector3();
+const TURN = new THREE.Quaternion();
+
+function performerOf(object) {
+  for (; object; object = object.parent) if (object.userData.performer) return object.userData.performer;
+  return null;
+}
+
 export class Viewer {
   constructor(canvas, { onTheSpot = false } = {}) {
     this.canvas = canvas;
@@ -25,6 +33,8 @@ export class Viewer {
     }
     this.model = null;
     this.roots = new Map();
+    this.nodes = new Map();
+    this.scale = 1;
     this.time = 0;
     this.filmCamera = null;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -55,17 +65,27 @@ export class Viewer {
     this.model = gltf.scene;
     this.scene.add(this.model);
     this.roots = new Map();
+    this.nodes = new Map();
+    this.helpers = [];
     this.model.traverse((object) => {
       object.frustumCulled = false;
-      const who = object.userData.performer;
-      if (who && !object.isMesh && !this.roots.has(who)) this.roots.set(who, object);
+      const { performer: who, name } = object.userData;
+      if (who && !object.isMesh) {
+        if (!this.roots.has(who)) this.roots.set(who, object);
+        if (name && !object.userData.part) this.nodes.set(name, object);
+      } else if (name?.includes("~") && !name.endsWith("~shown")) {
+        const [first, second, share] = name.split("~");
+        if (share > 0) this.helpers.push({ object, first, second, share: Number(share) });
+      }
+      // Of the rest pose, which motion replaces.
+      object.userData.place = object.position.clone();
     });
     this.mixer = new THREE.AnimationMixer(this.model);
     if (gltf.animations.length) {
-      const action = this.mixer.clipAction(gltf.animations[0]);
-      action.setLoop(THREE.LoopOnce);
-      action.clampWhenFinished = true;
-      action.play();
+      this.action = this.mixer.clipAction(gltf.animations[0]);
+      this.action.setLoop(THREE.LoopOnce);
+      this.action.clampWhenFinished = true;
+      this.action.play();
     }
     this.seek(this.time);
     if (isFirst || this.onTheSpot) this.fit(isFirst);
@@ -111,6 +131,76 @@ export class Viewer {
     }
   }
 
+  // The node of a link of the first performer.
+  nodeOf(link) {
+    const [who] = this.roots.keys();
+    return this.nodes.get(`${who}.${link}`);
+  }
+
+  // Poses the first performer where it is by values of its joints, links after their parents.
+  pose(links, valueOf) {
+    if (!this.model) return;
+    const turn = new THREE.Quaternion();
+    for (const link of links) {
+      const node = this.nodeOf(link.name);
+      if (!node) continue;
+      turn.identity();
+      node.position.copy(node.userData.place);
+      for (const joint of link.joints) {
+        const value = valueOf(link, joint);
+        const axis = AXIS.set(...joint.axis).normalize();
+        if (joint.slides) node.position.addScaledVector(axis, value * this.scale);
+        else turn.multiply(TURN.setFromAxisAngle(axis, (value * Math.PI) / 180));
+      }
+      node.quaternion.copy(turn);
+    }
+    this.model.updateMatrixWorld(true);
+    for (const { object, first, second, share } of this.helpers) {
+      const [a, b] = [this.nodes.get(first), this.nodes.get(second)];
+      if (!a || !b) continue;
+      // The second node's place as either node carries it.
+      const place = b.parent === a ? b.userData.place.clone() : a.worldToLocal(b.getWorldPosition(new THREE.Vector3()));
+      const [at, end] = [a.localToWorld(place), b.getWorldPosition(new THREE.Vector3())];
+      object.position.copy(object.parent.worldToLocal(at.lerp(end, share)));
+      const whole = object.parent.getWorldQuaternion(new THREE.Quaternion()).invert();
+      object.quaternion.copy(whole.multiply(a.getWorldQuaternion(turn).slerp(b.getWorldQuaternion(TURN), share)));
+    }
+  }
+
+  // Lets the creature move again.
+  release() {
+    if (!this.action) return;
+    // The mixer writes only what has changed since it wrote last.
+    this.action.stop();
+    this.action.play();
+    this.seek(this.time);
+  }
+
+  // The link at a place of the canvas, without its performer.
+  partAt(event) {
+    const hit = this.hitAt(event);
+    if (!hit) return null;
+    let { object } = hit;
+    if (object.isSkinnedMesh) {
+      const { skinIndex, skinWeight } = object.geometry.attributes;
+      const slot = skinWeight.getY(hit.face.a) > skinWeight.getX(hit.face.a) ? 1 : 0;
+      object = object.skeleton.bones[skinIndex.getComponent(hit.face.a, slot)];
+    }
+    for (; object; object = object.parent) {
+      const [first, second, share] = (object.userData.name ?? "").split("~");
+      const name = share >= 0.5 ? second : first;
+      const node = this.nodes.get(name);
+      if (node && !object.userData.part) return name.slice(node.userData.performer.length + 1);
+    }
+    return null;
+  }
+
+  onScreen(place) {
+    const box = this.canvas.getBoundingClientRect();
+    const { x, y } = place.clone().project(this.camera);
+    return [box.left + ((x + 1) / 2) * box.width, box.top + ((1 - y) / 2) * box.height];
+  }
+
   // From the film's camera: origin, target and vertical field of view of a frame.
   lookAs(pose) {
     if (!pose) return;
@@ -136,20 +226,32 @@ export class Viewer {
     this.draw();
   }
 
-  // The performer at a place of the canvas.
-  performerAt(event) {
-    if (!this.model) return null;
+  #casterAt(event) {
     const box = this.canvas.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * 2 - 1;
     const y = 1 - ((event.clientY - box.top) / box.height) * 2;
-    const ray = new THREE.Raycaster();
-    ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
-    for (const hit of ray.intersectObject(this.model, true)) {
-      for (let object = hit.object; object; object = object.parent) {
-        if (object.userData.performer) return object.userData.performer;
-      }
-    }
-    return null;
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    return caster;
+  }
+
+  rayAt(event) {
+    return this.#casterAt(event).ray;
+  }
+
+  // The first hit of a performer at a place of the canvas.
+  hitAt(event) {
+    if (!this.model) return null;
+    this.model.traverse((object) => {
+      // Their spheres are those of the moment at which they were asked for.
+      if (object.isSkinnedMesh) object.boundingSphere = object.boundingBox = null;
+    });
+    return this.#casterAt(event).intersectObject(this.model, true).find(({ object }) => performerOf(object)) ?? null;
+  }
+
+  performerAt(event) {
+    const hit = this.hitAt(event);
+    return hit && performerOf(hit.object);
   }
 
   get triangles() {

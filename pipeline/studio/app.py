@@ -150,9 +150,11 @@ class Studio:
 
     def first_frames(self, message: Json) -> Response:
         """Return the first frames of a take that is being made as binary glTF, and their length."""
-        first = self._first.get(message.get("request"))
-        glb = first.wait()
-        return _glb(glb, {"seconds": first.seconds})
+        after = message.get("after", 0)
+        if not isinstance(after, int):
+            raise UsageError("`after` is no number of frames")
+        beginning = self._first.get(message.get("request")).wait(after)
+        return _glb(beginning.glb, beginning.facts)
 
     def channels(self, message: Json) -> Json:
         """Return the channels of a performer over time."""

@@ -486,3 +486,24 @@ def test_studio_is_reached_by_its_address_alone(page: Page, served: Served) -> N
     assert isinstance(served.studio, Studio)
     page.page.goto(f"http://127.0.0.1:{served.port}/")
     assert page.page.inner_text("body").startswith("refused: no token")
+
+
+def test_first_frames_grow_while_the_simulation_goes_on(page: Page) -> None:
+    file = page.served.folder / "walk.yaml"
+    file.write_text(SCENE.replace("frames: 8", "duration: 60"))
+    page.open("walk.yaml")
+    page.wait("studio.player.beginnings?.length > 1")
+    whole, known = page.value("[studio.player.bars.seconds, studio.player.bars.known]")
+    assert whole == 60
+    assert 0 < known < whole
+    page.value("studio.player.seek(studio.player.bars.known / 2)")
+    page.picture("growing")
+    time_, frame = page.value("[studio.player.time, studio.player.frame]")
+    assert 0 < time_ < whole
+    assert frame > 1
+    page.wait("studio.player.takes > 0", 200)
+    frames = page.value("studio.player.beginnings")
+    assert frames == sorted(set(frames))
+    assert page.value("studio.player.bars.known") == whole
+    # The moment that was looked at stays.
+    assert page.value("studio.player.time") == pytest.approx(time_)

@@ -41,14 +41,15 @@ _KEPT = threading.local()
 class ScenePlay:
     """A scene that was simulated for the page.
 
-    Attributes:
+    Args:
         scene: as its text has it.
-        take: of the scene.
+        take: of the scene, or of its beginning.
+        size: of stills [pixels].
     """
 
-    def __init__(self, scene: Scene, take: Take) -> None:
+    def __init__(self, scene: Scene, take: Take, size: tuple[int, int] = STILL_SIZE) -> None:
         self.scene = scene.model_copy(
-            update={"film": scene.film.model_copy(update={"preset": "draft", "size": STILL_SIZE})}
+            update={"film": scene.film.model_copy(update={"preset": "draft", "size": size})}
         )
         self.take = take
         self._building = threading.Lock()

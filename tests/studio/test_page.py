@@ -476,8 +476,20 @@ def test_a_scene_that_was_not_changed_is_saved_as_the_same_file(page: Page) -> N
 def test_the_library_opens_documents(page: Page) -> None:
     page.open(None)
     page.page.click("#tab-library")
-    page.wait("document.querySelectorAll('#library button').length > 60")
+    page.wait("document.querySelectorAll('#library article').length > 200")
+    page.wait("document.querySelectorAll('#library article img[src]').length > 2", 300)
     page.picture("library")
+    page.page.fill("#find", "marimba")
+    assert page.page.locator("#library article:visible").count() == 1
+    page.page.click("#library article:visible .name")
+    page.wait("studio.library.audio.duration > 3", 200)
+    page.page.fill("#find", "oak")
+    page.page.once("dialog", lambda dialog: dialog.accept("log"))
+    page.page.click("[data-from='material oak']")
+    page.wait("document.getElementById('name').textContent.startsWith('log.yaml')")
+    assert load_scene(page.served.folder / "log.yaml").cast[0].material == "oak"
+    page.page.click("#tab-library")
+    page.wait("document.querySelectorAll('#library article').length > 200")
     page.page.click("[data-name='library:figures/horse.yaml']")
     page.wait("studio.editor.analysis?.headline.startsWith('mammal, 4 legs')")
 

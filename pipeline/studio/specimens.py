@@ -79,19 +79,34 @@ cast:
 camera: {{follow: bug, view: three-quarter}}
 sound:
   ambience: none
+  tempo_bpm: 96
+  music:
+    level_db: 6
+    parts: {{own: {part}}}
+    sections: {{bar: {{play: {{own: {notes}}}}}}}
+    form: [bar]
+    loop: true
   voices:
-    - {{when: {{who: bug}}, {voice}}}
+    - {{when: {{who: bug}}, {voice}}}    # in the score, and with a SoundFont in the track
 """
 
 TEXTS: dict[str, tuple[str, str, float]] = {
     "material": ("A ball and a block of {name} fall on a wooden floor.", MATERIAL, 2),
     "dance": ("Somebody dances: {name}.", DANCE, 8),
     "instrument": (
-        "The feet of a beetle play: {name}.",
-        VOICE.replace("{voice}", "instrument: {name}, pitch: by foot from C4, length: 0.5"),
-        4,
+        "A bar for {name}; in the score the feet of a beetle play it, too.",
+        VOICE.replace("{part}", "{{instrument: {name}}}")
+        .replace("{notes}", '"C4 E4 [G4 A4] C5"')
+        .replace("{voice}", "instrument: {name}, pitch: by foot from C4, length: 0.5"),
+        5,
     ),
-    "drum": ("The feet of a beetle play: {name}.", VOICE.replace("{voice}", "drum: {name}"), 4),
+    "drum": (
+        "A bar for {name}; in the score the feet of a beetle play it, too.",
+        VOICE.replace("{part}", "{{}}")
+        .replace("{notes}", "{{drums: {{{name}: x..xx.X.}}}}")
+        .replace("{voice}", "drum: {name}"),
+        5,
+    ),
 }
 """Description, scene and duration [s] by kind of entry."""
 

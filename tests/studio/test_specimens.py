@@ -74,7 +74,7 @@ def test_pictures_and_sounds_are_made_once(
     heard = [specimens.sound("drum", name) for name in ("cowbell", "hand clap")]
     assert heard[0] != heard[1]
     with wave.open(io.BytesIO(heard[0])) as track:
-        assert track.getnframes() / track.getframerate() == pytest.approx(4, abs=0.1)
+        assert track.getnframes() / track.getframerate() == pytest.approx(5, abs=0.1)
         assert max(track.readframes(track.getnframes())) > 0
     monkeypatch.setattr(Simulation, "step", lambda _: pytest.fail("it is simulated again"))
     again = Specimens(specimens._read, specimens._folder)

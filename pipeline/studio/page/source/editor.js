@@ -270,7 +270,7 @@ export class Editor {
   seek(time) {
     if (this.posing.isOn) this.posing.select(null);
     this.viewer.seek(time);
-    this.viewer.draw();
+    this.viewer.draw(true);
     this.bars.time = time;
     this.bars.draw();
   }

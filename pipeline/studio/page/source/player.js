@@ -175,7 +175,7 @@ export class Player {
   #show(time) {
     this.viewer.seek(time);
     if (this.camera === "film" && this.film) this.viewer.lookAs(this.film[this.frame - 1]);
-    this.viewer.draw();
+    this.viewer.draw(true);
     this.bars.time = time;
     this.bars.draw();
     const clock = document.getElementById("clock");
@@ -214,9 +214,11 @@ export class Player {
   }
 
   #tick(now) {
-    const seconds = Math.min((now - this.last) / 1000, 0.1);
+    const before = this.last;
+    const seconds = Math.min((now - before) / 1000, 0.1);
     this.last = now;
     if (this.playing && this.facts && !document.getElementById("scene").hidden) {
+      this.viewer.tookFrame(now - before);
       // The sound keeps the time; without it the page does.
       let time = this.hasSound && !this.audio.paused ? this.audio.currentTime : this.time + seconds;
       if (time >= this.facts.seconds - 1e-3 || (this.hasSound && this.audio.ended)) {

@@ -3,9 +3,19 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { Detail, GPU_TRIANGLES, isSoftware, shareSkeletons, SOFTWARE_TRIANGLES } from "./detail.js";
 
+const REST = 180; // ms after which a view that moved no more is drawn in full
+const SLOW = 24; // ms of a frame of which there are too many triangles
+const FRAMES = 12; // that are looked at for that
 const AXIS = new THREE.Vector3();
+const PLACE = new THREE.Vector3();
 const TURN = new THREE.Quaternion();
+
+// A material that takes little to draw without a graphics processor.
+function plain({ color, opacity, transparent, emissive, vertexColors, side, name }) {
+  return new THREE.MeshLambertMaterial({ color, opacity, transparent, emissive, vertexColors, side, name });
+}
 
 function performerOf(object) {
   for (; object; object = object.parent) if (object.userData.performer) return object.userData.performer;
@@ -16,13 +26,15 @@ export class Viewer {
   constructor(canvas, { onTheSpot = false } = {}) {
     this.canvas = canvas;
     this.onTheSpot = onTheSpot;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.isSoftware = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware });
+    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, 2));
+    this.budget = this.isSoftware ? SOFTWARE_TRIANGLES : GPU_TRIANGLES;
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(onTheSpot ? "#e9ecef" : "#c9d9e6");
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.02, 400);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("change", () => this.draw(true));
     this.scene.add(new THREE.HemisphereLight("#ffffff", "#8a7f70", 1.6));
     const sun = new THREE.DirectionalLight("#fff3df", 2.2);
     sun.position.set(2, 5, 3);
@@ -35,6 +47,7 @@ export class Viewer {
     this.roots = new Map();
     this.nodes = new Map();
     this.scale = 1;
+    this.slow = 0;
     this.time = 0;
     this.filmCamera = null;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -53,6 +66,7 @@ export class Viewer {
   async show(bytes) {
     const gltf = await new GLTFLoader().parseAsync(bytes, "");
     const isFirst = this.model === null;
+    this.detail?.dispose();
     if (this.model) {
       this.scene.remove(this.model);
       this.model.traverse((object) => {
@@ -77,9 +91,14 @@ export class Viewer {
         const [first, second, share] = name.split("~");
         if (share > 0) this.helpers.push({ object, first, second, share: Number(share) });
       }
+      if (object.isMesh && this.isSoftware) object.material = plain(object.material);
       // Of the rest pose, which motion replaces.
       object.userData.place = object.position.clone();
     });
+    const meshes = [];
+    this.model.traverse((object) => object.isMesh && meshes.push(object));
+    shareSkeletons(meshes);
+    this.detail = new Detail(this.model, this.roots, this.budget);
     this.mixer = new THREE.AnimationMixer(this.model);
     if (gltf.animations.length) {
       this.action = this.mixer.clipAction(gltf.animations[0]);
@@ -125,7 +144,7 @@ export class Viewer {
       const [root] = this.roots.values();
       this.model.position.set(0, 0, 0);
       this.model.updateMatrixWorld(true);
-      const at = root ? root.getWorldPosition(new THREE.Vector3()) : new THREE.Vector3();
+      const at = root ? root.getWorldPosition(PLACE) : PLACE.set(0, 0, 0);
       this.model.position.set(-at.x, 0, -at.z);
       this.grid.position.set(-(at.x % 1), 0, -(at.z % 1));
     }
@@ -258,7 +277,20 @@ export class Viewer {
     return this.renderer.info.render.triangles;
   }
 
-  draw() {
+  // With fewer triangles while it moves, and in full soon after.
+  draw(isMoving = false) {
+    clearTimeout(this.resting);
+    if (isMoving) this.resting = setTimeout(() => this.draw(), REST);
+    this.detail?.choose(this.above ?? this.camera, isMoving);
     this.renderer.render(this.scene, this.above ?? this.camera);
+  }
+
+  // A frame of a motion that took so long [ms]: where all are slow there are too many triangles.
+  tookFrame(duration) {
+    this.slow = duration > SLOW ? this.slow + 1 : 0;
+    if (this.slow < FRAMES || this.budget <= SOFTWARE_TRIANGLES) return;
+    this.slow = 0;
+    this.budget = Math.max(this.budget / 2, SOFTWARE_TRIANGLES);
+    if (this.detail) this.detail.budget = this.budget;
   }
 }

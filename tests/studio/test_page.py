@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from PIL import Image
 
 from pipeline.simulation.figure_analysis import build_figure
@@ -353,6 +354,7 @@ cast:
     figure: beetle
     at: [0, 1]
     walk: {path: [[3, 0], [4, 2]], speed: 0.5}
+  - {name: crate, prop: {shape: box, size: [0.2, 0.2, 0.2]}, parent: bug, at: [-0.4, 0.6, 0.3]}
 """
 
 
@@ -404,19 +406,36 @@ def test_numbers_colours_and_positions_are_dragged(page: Page) -> None:
     assert page.value("studio.player.editor.text") == MAPPED.replace("#668844", "#aa4411")
     page.page.click("#see-map")
     labels = page.value("studio.player.map.points.map((point) => point.label)")
-    assert labels == ["tree", "bug at", "bug path", "bug path"]
-    x, y = page.value("studio.player.map.toScreen(2, 1)")
+    assert labels == ["tree", "bug at", "bug path", "bug path", "crate at"]
+    _drag_on_the_map(page, 4, 0.3, 0.2)
+    text = page.value("studio.player.editor.text")
+    before, own = ([-0.4, 0.3], yaml.safe_load(text)["cast"][1]["at"])
+    assert own[1] == 0.6
+    # As far as it was dragged, in the directions of what carries it.
+    assert np.hypot(own[0] - before[0], own[2] - before[1]) == pytest.approx(0.36, abs=0.03)
+    moved = page.value("studio.player.map.points[4]")
+    assert (moved["own"]["x"], moved["own"]["z"]) == (own[0], own[2])
+    page.value("studio.player.editor.view.focus()")
+    page.page.keyboard.press("Control+z")
+    _drag_on_the_map(page, 0, 0.5, -1.0)
+    moved = page.value("studio.player.map.points[0]")
+    assert (moved["x"], moved["z"]) == pytest.approx((2.5, 0.0), abs=0.03)
+    page.wait("studio.player.takes > 1 && studio.player.request === null")
+    page.picture("map")
+
+
+def _drag_on_the_map(page: Page, number: int, dx: float, dz: float) -> None:
+    """Drag a position of the text by some metres."""
+    x, y = page.value(
+        f"(p => studio.player.map.toScreen(p.x, p.z))(studio.player.map.points[{number}])"
+    )
     scale = page.value("studio.player.map.toScreen(1, 0)[0] - studio.player.map.toScreen(0, 0)[0]")
     box = page.page.locator("#map").bounding_box()
     x, y = x + box["x"], y + box["y"]
     page.page.mouse.move(x, y)
     page.page.mouse.down()
-    page.page.mouse.move(x + 0.5 * scale, y - scale, steps=6)
+    page.page.mouse.move(x + dx * scale, y + dz * scale, steps=6)
     page.page.mouse.up()
-    moved = page.value("studio.player.map.points[0]")
-    assert (moved["x"], moved["z"]) == pytest.approx((2.5, 0.0), abs=0.03)
-    page.wait("studio.player.takes > 1 && studio.player.request === null")
-    page.picture("map")
 
 
 def test_a_performer_that_is_clicked_shows_its_channels(page: Page) -> None:

@@ -84,6 +84,7 @@ export class Player {
       await this.viewer.show(bytes);
       this.bars.show(facts);
       this.map.forbidden = facts.forbidden;
+      this.map.carriers = facts.carriers;
       this.map.draw();
       this.seek(time);
       await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
@@ -175,7 +176,8 @@ export class Player {
   #show(time) {
     this.viewer.seek(time);
     if (this.camera === "film" && this.film) this.viewer.lookAs(this.film[this.frame - 1]);
-    this.viewer.draw(true);
+    if (this.map?.isShown) this.map.draw(true);
+    else this.viewer.draw(true);
     this.bars.time = time;
     this.bars.draw();
     const clock = document.getElementById("clock");

@@ -35,10 +35,10 @@ export class Viewer {
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.02, 400);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw(true));
-    this.scene.add(new THREE.HemisphereLight("#ffffff", "#8a7f70", 1.6));
-    const sun = new THREE.DirectionalLight("#fff3df", 2.2);
-    sun.position.set(2, 5, 3);
-    this.scene.add(sun);
+    this.sky = new THREE.HemisphereLight("#ffffff", "#8a7f70", 1.6);
+    this.sun = new THREE.DirectionalLight("#fff3df", 2.2);
+    this.sun.position.set(2, 5, 3);
+    this.scene.add(this.sky, this.sun);
     if (onTheSpot) {
       this.grid = new THREE.GridHelper(24, 24, "#b9b4a8", "#d7d3c8");
       this.scene.add(this.grid);
@@ -91,7 +91,10 @@ export class Viewer {
         const [first, second, share] = name.split("~");
         if (share > 0) this.helpers.push({ object, first, second, share: Number(share) });
       }
-      if (object.isMesh && this.isSoftware) object.material = plain(object.material);
+      if (object.isMesh && this.isSoftware) {
+        if (performerOf(object)) object.material = plain(object.material);
+        else this.#light(object);
+      }
       // Of the rest pose, which motion replaces.
       object.userData.place = object.position.clone();
     });
@@ -109,6 +112,23 @@ export class Viewer {
     this.seek(this.time);
     if (isFirst || this.onTheSpot) this.fit(isFirst);
     this.draw();
+  }
+
+  // Gives a mesh that stands still the light at its vertices: it covers most of the picture, and
+  // without a graphics processor each pixel of it that is lit takes time.
+  #light(mesh) {
+    const { normal } = mesh.geometry.attributes;
+    const towards = this.sun.position.clone().normalize();
+    const [sum, own, turned] = [new THREE.Color(), new THREE.Color(), new THREE.Vector3()];
+    const colors = new Float32Array(3 * normal.count);
+    for (let v = 0; v < normal.count; v++) {
+      turned.fromBufferAttribute(normal, v);
+      sum.copy(this.sky.groundColor).lerp(this.sky.color, 0.5 * turned.y + 0.5).multiplyScalar(this.sky.intensity);
+      sum.add(own.copy(this.sun.color).multiplyScalar(this.sun.intensity * Math.max(turned.dot(towards), 0)));
+      sum.multiply(mesh.material.color).multiplyScalar(1 / Math.PI).toArray(colors, 3 * v);
+    }
+    mesh.geometry.setAttribute("color", new THREE.BufferAttribute(colors, 3));
+    mesh.material = new THREE.MeshBasicMaterial({ vertexColors: true });
   }
 
   // Creatures alone: the ground is far larger than what is watched.
@@ -148,6 +168,13 @@ export class Viewer {
       this.model.position.set(-at.x, 0, -at.z);
       this.grid.position.set(-(at.x % 1), 0, -(at.z % 1));
     }
+  }
+
+  // The pose of a node in the world at this moment, null where it is not there.
+  poseOf(name) {
+    const node = this.nodes.get(name);
+    node?.updateWorldMatrix(true, false);
+    return node?.matrixWorld ?? null;
   }
 
   // The node of a link of the first performer.
@@ -232,7 +259,7 @@ export class Viewer {
   }
 
   // From above: x to the right, z down, `half` metres up and down from the middle; null ends it.
-  seeFromAbove(view) {
+  seeFromAbove(view, isMoving = false) {
     this.above = null;
     if (view) {
       const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
@@ -242,7 +269,7 @@ export class Viewer {
       this.above.position.set(view.x, 2000, view.z);
       this.above.lookAt(view.x, 0, view.z);
     }
-    this.draw();
+    this.draw(isMoving);
   }
 
   #casterAt(event) {

@@ -56,7 +56,7 @@ export class Posing {
     if (this.isOn) this.viewer.pose(this.links, (link, joint) => this.values(link, joint).rest);
     this.#drawArcs();
     this.#fillPanel();
-    this.viewer.draw();
+    this.viewer.draw(Boolean(this.drag));
   }
 
   #own() {

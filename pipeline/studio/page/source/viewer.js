@@ -308,6 +308,9 @@ export class Viewer {
   draw(isMoving = false) {
     clearTimeout(this.resting);
     if (isMoving) this.resting = setTimeout(() => this.draw(), REST);
+    // Edges are smoothed by more pixels where the context cannot, as soon as there is time.
+    const ratio = isMoving ? 1 : 2;
+    if (this.isSoftware && this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.detail?.choose(this.above ?? this.camera, isMoving);
     this.renderer.render(this.scene, this.above ?? this.camera);
   }

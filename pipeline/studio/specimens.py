@@ -6,13 +6,14 @@ Pictures and sounds are kept in the user's cache by all that they depend on.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import threading
 from collections.abc import Callable
 from pathlib import Path
 
 from pipeline.atomic_file import make_folder, write_if_changed
-from pipeline.errors import SceneError, UsageError
+from pipeline.errors import UsageError
 from pipeline.production.reports.figure_walk import walk_scene
 from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.figure_analysis import build_figure
@@ -132,9 +133,8 @@ def specimen_text(kind: str, name: str, folder: Path, title: str = "") -> str:
     if kind not in TEXTS or name not in {entry.name for entry in names_of(f"{kind}s", folder)}:
         raise UsageError(f"the library has no {escaped_line(kind)} '{escaped_line(name)}'")
     text, scene, duration = TEXTS[kind]
-    head = HEAD.format(
-        text=text.format(name=name), title=title or name.capitalize(), duration=f"{duration:g}"
-    )
+    shown = (title or name.capitalize()).translate({ord(c): None for c in '"\\'})
+    head = HEAD.format(text=text.format(name=name), title=shown, duration=f"{duration:g}")
     return head + scene.format(name=name) + FILM
 
 
@@ -203,8 +203,7 @@ class Specimens:
         while not simulation.finished and simulation.step_number < frames * header.steps:
             simulation.step()
         take = simulation.take() if simulation.finished else simulation.take_so_far()
-        if take is None:
-            raise SceneError([])
+        assert take is not None, "a frame is whole"
         return take
 
     def _whole(self, scene: Scene) -> Take:
@@ -223,8 +222,10 @@ class Specimens:
             if file.is_file():
                 return file.read_bytes()
             content = make()
-            make_folder(file.parent)
-            write_if_changed(file, content)
+            # Where nothing can be kept it is made again the next time.
+            with contextlib.suppress(OSError):
+                make_folder(file.parent)
+                write_if_changed(file, content)
             return content
 
 

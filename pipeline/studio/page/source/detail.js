@@ -30,10 +30,13 @@ export function coarse(geometry, triangles) {
   const cell = Math.sqrt((CELL * areaOf(position, index)) / triangles);
   const clusters = new Map();
   const owner = new Int32Array(position.count);
+  const { min, max } = new THREE.Box3().setFromBufferAttribute(position);
+  const [nx, ny, nz] = max.sub(min).toArray().map((size) => Math.floor(size / cell) + 1);
   const key = (v) => {
     const node = skinIndex ? skinIndex.getComponent(v, skinWeight.getY(v) > skinWeight.getX(v) ? 1 : 0) : 0;
-    const [x, y, z] = [position.getX(v), position.getY(v), position.getZ(v)].map((p) => Math.floor(p / cell) + 512);
-    return ((node * 1024 + x) * 1024 + y) * 1024 + z;
+    const x = Math.floor((position.getX(v) - min.x) / cell);
+    const y = Math.floor((position.getY(v) - min.y) / cell);
+    return ((node * nx + x) * ny + y) * nz + Math.floor((position.getZ(v) - min.z) / cell);
   };
   for (let v = 0; v < position.count; v++) {
     const own = key(v);

@@ -497,7 +497,7 @@ def test_the_library_opens_documents(page: Page) -> None:
     page.page.click("#tab-library")
     page.wait("document.querySelectorAll('#library article').length > 200")
     # All that are in view, where the picture is kept: they are rendered one by one.
-    count = 18 if PICTURES in os.environ else 2
+    count = 11 if PICTURES in os.environ else 2
     page.wait(f"document.querySelectorAll('#library article img[src]').length > {count}", 500)
     page.picture("library")
     page.page.fill("#find", "marimba")

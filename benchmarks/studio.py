@@ -1,7 +1,7 @@
 """Playback of the studio's page by software GL: processor time of a frame, whole and moving.
 
-Creatures are drawn with all of their triangles, and as the page does while they move. Both in one browser, one after the other, in turns; the ratio is what counts. Needs playwright and
-Chromium:
+Creatures are drawn with all of their triangles, and as the page does while they move, in turns in
+one browser; the ratio is what counts. Needs playwright and Chromium:
 
     python benchmarks/studio.py [CREATURES ...]
 """
@@ -15,9 +15,9 @@ import sys
 import tempfile
 import threading
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
-import playwright.sync_api as driver
 import uvicorn
 
 from pipeline.studio.app import Studio, application
@@ -73,6 +73,11 @@ def main() -> None:
     """Measure each number of creatures."""
     counts = [int(word) for word in sys.argv[1:]] or [10, 20]
     program = os.environ.get("PRONK_BROWSER") or shutil.which("chromium")
+    if program is None or find_spec("playwright") is None:
+        print("left out: it needs Chromium and playwright")
+        return
+    import playwright.sync_api as driver
+
     with tempfile.TemporaryDirectory() as folder, listener(0) as bound:
         studio = Studio(Project.at(Path(folder)), None, "t0ken")
         port = bound.getsockname()[1]
@@ -100,10 +105,9 @@ def main() -> None:
                         triangles[is_moving] = page.evaluate(DRAW, [FRAMES, is_moving])
                         times.append((children_time() - before) / FRAMES * 1000)
                 whole, moving = (statistics.median(spent[key]) for key in (False, True))
-                print(
-                    f"{count} creatures: whole {triangles[False]} triangles, {whole:.0f} ms; moving "
-                    f"{triangles[True]} triangles, {moving:.0f} ms; ratio {whole / moving:.1f}"
-                )
+                print(f"{count} creatures: ratio {whole / moving:.1f}")
+                print(f"  whole {triangles[False]} triangles, {whole:.0f} ms")
+                print(f"  moving {triangles[True]} triangles, {moving:.0f} ms")
             browser.close()
         studio.stop()
         server.should_exit = True

@@ -38,7 +38,7 @@ TINY = 1e-9  # [m]
 MIN_LINK_FRACTION = 0.996  # of its length that a link may be pressed to
 MIN_TURN_COSINE = 0.05  # below which a turn has no shortest way
 MAX_TURN = 0.2  # of a limb towards its cone in one projection [rad]
-RECOVERY_SPEED = 1.5  # at which a resting limb comes back from beyond a limit [m/s]
+RECOVERY_SPEED = 2.5  # at which a limb comes back from beyond a limit [m/s]
 
 
 class Posture(NamedTuple):
@@ -81,19 +81,13 @@ class Pulls(NamedTuple):
 
 
 @inlined
-def begin_recovery(nodes: Records, limbs: Records, h: float) -> None:
+def begin_recovery(limbs: Records, h: float) -> None:
     """Let limbs come back from beyond their limits in a sub-step of `h` [s].
 
-    What moves may come back as fast as it moves, which is not seen.
+    No faster where they move: links turn some of the way back into speed, which would grow.
     """
     for n in range(len(limbs)):
-        limb = limbs[n]
-        root = _move_of(nodes[limb.root])
-        joint, tip = (
-            minus(_move_of(nodes[limb.joint]), root),
-            minus(_move_of(nodes[limb.tip]), root),
-        )
-        limb.slack = RECOVERY_SPEED * h + length(joint) + length(tip)
+        limbs[n].slack = RECOVERY_SPEED * h
 
 
 @inlined

@@ -159,7 +159,7 @@ def _sub_step(
     damp_links(nodes, links, h)
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
-    begin_recovery(nodes, limbs, h)
+    begin_recovery(limbs, h)
     age_touches(links, h)
     update_bounds(nodes, owners)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]

@@ -28,11 +28,8 @@ import mujoco
 import numpy as np
 
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.clock import Clock
 from pipeline.simulation.script import Orders
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import World
 from pipeline.spec import load_scene, read_scene
 from pipeline.spec.scene_library import library
 
@@ -61,13 +58,14 @@ print(time.process_time() - start)
 
 def troupe(cast: str) -> Characters:
     """Return the characters of a cast on level ground."""
-    scene = read_scene(f"pronk: 1\nduration: 10\ncast:\n{cast}")
-    clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
-    world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
-    made = Characters(scene.cast, world)  # type: ignore[arg-type]
-    orders: Orders = {}
-    made.read(orders)
-    return made
+    head = "pronk: 1\nduration: 10\nterrain: {kind: flat, size: [200, 200]}"
+    scene = read_scene(f"{head}\ncast:\n{cast}")
+    return characters_of(Simulation(scene))
+
+
+def characters_of(simulation: Simulation) -> Characters:
+    """Return the characters of a simulation."""
+    return next(one for one in simulation.troupes if isinstance(one, Characters))
 
 
 def least(step: Callable[[], object], steps: int = STEPS) -> float:
@@ -95,8 +93,7 @@ def falling() -> float:
 
 def minded() -> float:
     """Return the time of a step of the shipped schoolyard, the least of a few rounds [us]."""
-    simulation = Simulation(load_scene(library() / "schoolyard.yaml"))
-    (made,) = (one for one in simulation.troupes if isinstance(one, Characters))
+    made = characters_of(Simulation(load_scene(library() / "schoolyard.yaml")))
     orders: Orders = {}
     best, step = np.inf, 0
     for _ in range(ROUNDS):

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_arrays import THING
@@ -18,6 +17,7 @@ from pipeline.simulation.dynamics.mujoco_model import (
     log_warnings,
     memory_for,
 )
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField

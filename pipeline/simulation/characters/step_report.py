@@ -173,11 +173,15 @@ def footfalls(
         clock: of the scene.
         step: that was taken.
     """
+    touchdowns = persons["touchdowns"]
+    persons["report_time"] = 0.0
+    if not touchdowns.any():
+        return ()
     found = tuple(
         _footfall(persons[n], k, names[n], masses[n] * LEG_MASS, ground, clock, step)
-        for n, k in np.argwhere(persons["touchdowns"]).tolist()
+        for n, k in np.argwhere(touchdowns).tolist()
     )
-    persons["touchdowns"], persons["report_time"] = 0, 0.0
+    touchdowns[:] = 0
     return found
 
 

@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.contact_tasks import Grab, Grapple, Hug, Reach
+from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
 from pipeline.simulation.characters.kick_task import KickThing
@@ -87,6 +88,9 @@ class TaskDispatcher:
         self._done, self._ordered = [True] * count, [False] * count
         self._look_targets: list[Target | None] = [None] * count
         self._glances = [NOBODY] * count
+        self._persons, self._owners = persons, persons["owner"].copy()
+        self._people = np.array([k in view.people for k in range(len(view.names))], dtype=bool)
+        self._looked_at: IntArray = np.full(count, NOBODY)
         self._arrived: list[str] = []
         self._outcomes: list[Outcome] = []
         self._orders: list[Do | None] = [None] * count
@@ -159,11 +163,13 @@ class TaskDispatcher:
         time = self._steps * self._dt
         self._steps += 1
         self._share_slots()
+        embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         for k, controller in enumerate(self.controllers):
             controller.grip_changes.clear()
             controller.touched.clear()
             controller.kicked_bodies.clear()
-            controller.end_distant_embrace()
+            if embraces[k] >= 0:
+                controller.end_distant_embrace()
             task = self._tasks[k]
             if task is not None and not self._waits[k]:
                 is_done = task.advance(controller, self._dt)
@@ -181,7 +187,11 @@ class TaskDispatcher:
                 evade(controller)
             if controller.name in self._posed_hands:
                 self._posed_hands[controller.name].advance(controller, time)
-            self._look(k, controller)
+            self._looked_at[k] = self._look(k, controller)
+        look_at_characters(
+            *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
+            *(self._people, self._looked_at),
+        )
 
     def _share_slots(self) -> None:
         """Let those who need slots take them, the nearest first, whatever the order of the cast."""
@@ -225,24 +235,24 @@ class TaskDispatcher:
         frozen = bool(self.controllers[k].record.frozen)
         return frozen or isinstance(self._tasks[k], SitDown | SitOn)
 
-    def _look(self, k: int, controller: PersonController) -> None:
-        target, owner = self._look_targets[k], self._glances[k]
-        if owner < 0:
-            owner = getattr(self._tasks[k], "owner", NOBODY)
-        task = self._tasks[k]
-        name = task.members[:1] if owner < 0 and task is not None else ()
+    def _look(self, k: int, controller: PersonController) -> int:
+        """Return the character to look at, NOBODY, or ELSEWHERE for a place that this sets."""
+        target, task = self._look_targets[k], self._tasks[k]
         if isinstance(target, str):
-            number = self.view.owner(target)
-            is_own = number >= 0
-            controller.look_at(self.view.face(number) if is_own else self.view.state(target).face)
+            owner = self.view.owner(target)
+            if owner >= 0:
+                return owner
+            controller.look_at(self.view.state(target).face)
         elif target is not None:
             controller.look_at(np.array(target))
-        elif owner >= 0:
-            controller.look_at(self.view.face(owner))
-        elif name:
-            controller.look_at(self.view.state(name[0]).face)
         else:
-            controller.record.has_look_target = False
+            owner = self._glances[k]
+            if owner < 0 and task is not None:
+                owner = getattr(task, "owner", NOBODY)
+            if owner >= 0 or task is None or not task.members:
+                return owner
+            controller.look_at(self.view.state(task.members[0]).face)
+        return ELSEWHERE
 
     # --- orders ---------------------------------------------------------------------------
 

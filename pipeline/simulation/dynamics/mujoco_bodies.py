@@ -56,13 +56,13 @@ def impact_things(builds: Sequence[BodyModel], pushers: int) -> Records:
     bodies = Bodies.of(builds)
     things = zero_records(1 + len(builds) + pushers, THING)
     # Ground and kinematic bodies have none of their own: the body's bounciness holds.
-    things.bounciness = np.inf
+    things["bounciness"] = np.inf
     own = things[1 : 1 + len(builds)]
-    own.bounciness = bodies.bounciness
-    own.inverse_mass, own.inverse_inertia = 1.0 / bodies.mass, bodies.inverse
+    own["bounciness"] = bodies.bounciness
+    own["inverse_mass"], own["inverse_inertia"] = 1.0 / bodies.mass, bodies.inverse
     turns = np.linalg.eigvalsh(bodies.inverse)[:, -1]
     # Contacts may lie a little outside the body.
-    own.gives = 1.0 / bodies.mass + (CONTACT_REACH * bodies.reach) ** 2 * turns
+    own["gives"] = 1.0 / bodies.mass + (CONTACT_REACH * bodies.reach) ** 2 * turns
     return things
 
 

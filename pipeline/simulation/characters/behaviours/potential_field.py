@@ -11,15 +11,16 @@ Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared wi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, are_free
+from pipeline.simulation.dynamics.compiled import compiled, entry
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
@@ -27,25 +28,38 @@ MIN_GAP = 0.16  # below which it pushes no harder, d_min [m]
 MAX_GAP = 2.6  # above which obstacles are ignored [m]
 
 
-def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:
-    """Return the walking velocity (2,) along x and z [m/s].
+@entry
+def walk_vector(
+    offset_x: float,
+    offset_z: float,
+    away: Array,
+    gaps: Array,
+    senses: Array,
+    pace: float,
+) -> tuple[float, float]:
+    """Return the walking velocity along x and z [m/s].
 
     Args:
-        offset: (2,) to the target, without the stop distance [m].
+        offset_x: to the target, without the stop distance [m].
+        offset_z: likewise [m].
         away: (n, 2) unit vectors from obstacles to the walker.
         gaps: (n,) between them [m].
         senses: (n,) way round each, 1 or -1: the sign of the curl.
         pace: of the walk [m/s].
     """
-    size = math.hypot(offset[0], offset[1])
+    size = math.hypot(offset_x, offset_z)
     if size < 1e-9:
-        return np.zeros(2)
-    pull = offset * (pace / max(size, 1e-9) * min(size / 0.3, 1.0))
-    # Only obstacles ahead push.
-    ahead = np.clip(0.35 - (away @ offset) / size, 0.0, 1.0)
-    push = pace * BALANCE_GAP * ahead / np.maximum(gaps, MIN_GAP)
-    curl = np.stack([-away[:, 1], away[:, 0]], axis=1)
-    return pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
+        return 0.0, 0.0
+    pull = pace / max(size, 1e-9) * min(size / 0.3, 1.0)
+    x = z = 0.0
+    for n in range(len(gaps)):
+        # Only obstacles ahead push.
+        towards = (away[n, 0] * offset_x + away[n, 1] * offset_z) / size
+        ahead = min(max(0.35 - towards, 0.0), 1.0)
+        push = pace * BALANCE_GAP * ahead / max(gaps[n], MIN_GAP)
+        x += push * (away[n, 0] - senses[n] * away[n, 1])
+        z += push * (away[n, 1] + senses[n] * away[n, 0])
+    return offset_x * pull + x, offset_z * pull + z
 
 
 def steer(
@@ -67,40 +81,34 @@ def steer(
         touching: whether the target is approached closely and not stepped aside for.
     """
     pace = mind.pace if pace is None else pace
-    at, low, high = mind.at, mind.surroundings.low, mind.surroundings.high
-    place = np.clip(place, low + EDGE_MARGIN, high - EDGE_MARGIN)
-    offset = place - at
-    size = math.hypot(offset[0], offset[1])
-    left = max(size - stop_distance, 0.0)
+    at, bounds = mind.at, mind.walking_bounds
+    place = np.minimum(np.maximum(place, mind.goal_bounds[0]), mind.goal_bounds[1])
+    left = max(math.hypot(place[0] - at[0], place[1] - at[1]) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
     obstacles = _obstacles(mind, target)
-    bounds = np.stack([low + 0.5 * EDGE_MARGIN, high - 0.5 * EDGE_MARGIN])
     detour = mind.detour
     first, length = detour.route.next(at, place, obstacles.middles, obstacles.reaches, bounds)
-    offset = first - at
-    size = max(math.hypot(offset[0], offset[1]), 1e-9)
     left = max(length - stop_distance, 0.0)
-    away, gaps, senses = _near_obstacles(mind, obstacles, offset, size)
+    forced = detour.forced if mind.now < detour.forced_until else 0.0
+    x, z, is_hindered, detour.keys, detour.senses = _walk(
+        *(obstacles, at, first, left, pace, mind.body_radius, bounds),
+        *(forced, detour.keys, detour.senses),
+    )
     detour.update_progress(left, mind.now)
-    w = walk_vector(offset * (left / size), away, gaps, senses, pace)
-    # Nothing leads off the terrain.
-    w = np.where((at < bounds[0]) & (w < 0.0), 0.2, w)
-    w = np.where((at > bounds[1]) & (w > 0.0), -0.2, w)
-    speed = math.hypot(w[0], w[1])
+    speed = math.hypot(x, z)
     if speed < 1e-6:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    goal = at + w * (max(left, 0.35) if len(gaps) else left) / speed
+    reach = max(left, 0.35) if is_hindered else left
     return MotorCommand(
-        goal=(float(goal[0]), float(goal[1])),
+        goal=(float(at[0] + x * reach / speed), float(at[1] + z * reach / speed)),
         pace=min(max(speed, 0.35 * pace), pace),
         target=target,
         touching=touching,
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Obstacles:
+class _Obstacles(NamedTuple):
     """Circles to walk around.
 
     Attributes:
@@ -121,27 +129,64 @@ class _Obstacles:
 def _obstacles(mind: Mind, target: int) -> _Obstacles:
     """Return all obstacles on the way to a target."""
     surroundings, memory = mind.surroundings, mind.memory
-    # Walkers step aside for people before they come near.
-    walking = surroundings.people & mind.acting
-    mask = ~walking & (memory.distances > 1e-6) & mind.is_obstacle
-    mask[mind.number_of_self] = False
-    if target >= 0:
-        mask[target] = False
-    keys = np.flatnonzero(mask)
-    middles, distances = memory.places[keys][:, [0, 2]], memory.distances[keys]
-    reaches = surroundings.radius[keys] + mind.body_radius
     circles = surroundings.view.obstacle_circles
-    if not circles.update():
-        return _Obstacles(keys, middles, reaches, distances, keys)
-    offset = circles.middles - mind.at
-    circle_distances = np.sqrt((offset * offset).sum(axis=1))
+    circles.update()
     return _Obstacles(
-        np.concatenate([keys, len(mask) + circles.keys]),
-        np.concatenate([middles, circles.middles]),
-        np.concatenate([reaches, circles.radii + mind.body_radius]),
-        np.concatenate([distances, np.maximum(circle_distances, 1e-6)]),
-        np.concatenate([keys, len(mask) + circles.things]),
+        *_find_obstacles(
+            *(memory.places, memory.distances, surroundings.radius),
+            *(mind.is_obstacle, target, mind.at, mind.body_radius),
+            *(circles.middles, circles.radii, circles.keys, circles.things),
+        )
     )
+
+
+@entry
+def _find_obstacles(
+    places: Array,
+    distances: Array,
+    radius: Array,
+    is_obstacle: NDArray[np.bool_],
+    target: int,
+    at: Array,
+    body_radius: float,
+    circle_middles: Array,
+    circle_radii: Array,
+    circle_keys: IntArray,
+    circle_things: IntArray,
+) -> tuple[IntArray, Array, Array, Array, IntArray]:
+    """Return the fields of `_Obstacles`.
+
+    Args:
+        places: (C, 3) of characters as remembered [m].
+        distances: (C,) of these [m].
+        radius: (C,) of the circles around them [m].
+        is_obstacle: (C,) which are walked around.
+        target: number of the one that is not.
+        at: (2,) place of the walker [m].
+        body_radius: of the walker [m].
+        circle_middles: (S, 2) of circles of other rooms [m].
+        circle_radii: (S,) [m].
+        circle_keys: (S,) their numbers.
+        circle_things: (S,) numbers of their things.
+    """
+    most = len(places) + len(circle_radii)
+    keys, things = np.empty(most, np.int64), np.empty(most, np.int64)
+    middles, reaches, found = np.empty((most, 2)), np.empty(most), np.empty(most)
+    n = 0
+    for c in range(len(places)):
+        if is_obstacle[c] and c != target and distances[c] > 1e-6:
+            keys[n] = things[n] = c
+            middles[n, 0], middles[n, 1] = places[c, 0], places[c, 2]
+            reaches[n], found[n] = radius[c] + body_radius, distances[c]
+            n += 1
+    for s in range(len(circle_radii)):
+        keys[n], things[n] = len(places) + circle_keys[s], len(places) + circle_things[s]
+        x, z = circle_middles[s, 0] - at[0], circle_middles[s, 1] - at[1]
+        middles[n, 0], middles[n, 1] = circle_middles[s, 0], circle_middles[s, 1]
+        reaches[n] = circle_radii[s] + body_radius
+        found[n] = max(math.sqrt(x * x + z * z), 1e-6)
+        n += 1
+    return keys[:n], middles[:n], reaches[:n], found[:n], things[:n]
 
 
 def has_room(mind: Mind, place: Array) -> bool:
@@ -161,22 +206,88 @@ def is_way_free(mind: Mind, place: Array) -> bool:
     return bool(are_free(mind.at, place[None], obstacles.middles, reaches)[0])
 
 
-def _near_obstacles(
-    mind: Mind, obstacles: _Obstacles, offset: Array, size: float
-) -> tuple[Array, Array, Array]:
-    """Return unit vectors (n, 2) from near obstacles, gaps [m] and ways round."""
+@entry
+def _walk(
+    obstacles: _Obstacles,
+    at: Array,
+    first: Array,
+    left: float,
+    pace: float,
+    body_radius: float,
+    bounds: Array,
+    forced: float,
+    known_keys: IntArray,
+    known_senses: Array,
+) -> tuple[float, float, bool, IntArray, Array]:
+    """Return the walking velocity along x and z that stays on the terrain [m/s].
+
+    Args:
+        obstacles: on the way.
+        at: (2,) place of the walker [m].
+        first: (2,) the next place on the way [m].
+        left: length of the way [m].
+        pace: of the walk [m/s].
+        body_radius: of the walker [m].
+        bounds: (2, 2) least and greatest x and z of places on the way [m].
+        forced: way round all obstacles, 0 where each has its own.
+        known_keys: (k,) numbers of the obstacles that it went round before.
+        known_senses: (k,) way round each.
+
+    Returns:
+        The velocity, whether there are obstacles near, the numbers of those, and the way round
+        each.
+    """
+    offset_x, offset_z = first[0] - at[0], first[1] - at[1]
+    size = max(math.hypot(offset_x, offset_z), 1e-9)
+    near = _near(obstacles, size, body_radius)
+    away, gaps, senses = np.empty((len(near), 2)), np.empty(len(near)), np.empty(len(near))
+    keys, kept, count = np.empty(len(near), np.int64), np.empty(len(near)), 0
+    for n in range(len(near)):
+        i = near[n]
+        gaps[n] = obstacles.distances[i] - obstacles.reaches[i]
+        x, z = obstacles.middles[i, 0] - at[0], obstacles.middles[i, 1] - at[1]
+        away[n, 0], away[n, 1] = -x / obstacles.distances[i], -z / obstacles.distances[i]
+        sense = 0.0
+        for k in range(len(known_keys)):
+            if known_keys[k] == obstacles.keys[i]:
+                sense = known_senses[k]
+        if sense == 0.0 and forced == 0.0:
+            # On the side on which the obstacle is not.
+            sense = 1.0 if offset_x * z - offset_z * x >= 0.0 else -1.0
+        if sense != 0.0:
+            keys[count], kept[count] = obstacles.keys[i], sense
+            count += 1
+        senses[n] = forced if forced != 0.0 else sense
+    scale = left / size
+    x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, pace)
+    x = _inward(at[0], x, bounds[0, 0], bounds[1, 0])
+    z = _inward(at[1], z, bounds[0, 1], bounds[1, 1])
+    return x, z, len(near) > 0, keys[:count], kept[:count]
+
+
+@compiled
+def _inward(at: float, v: float, low: float, high: float) -> float:
+    """Return a velocity along an axis that does not lead off the terrain."""
+    if at < low and v < 0.0:
+        v = 0.2
+    if at > high and v > 0.0:
+        v = -0.2
+    return v
+
+
+@compiled
+def _near(obstacles: _Obstacles, size: float, body_radius: float) -> IntArray:
+    """Return the indices of obstacles that are near, and not behind a place at a distance [m].
+
+    A long thing pushes once, from where it is nearest.
+    """
     gaps = obstacles.distances - obstacles.reaches
-    near = np.flatnonzero((gaps < MAX_GAP) & (gaps + mind.body_radius < size + 0.1))
-    if len(np.unique(obstacles.things[near])) < len(near):
-        # A long thing pushes once, from where it is nearest.
-        order = near[np.argsort(gaps[near], kind="stable")]
-        near = np.sort(order[np.unique(obstacles.things[order], return_index=True)[1]])
-    keys, gaps = obstacles.keys[near].tolist(), gaps[near]
-    to = obstacles.middles[near] - mind.at
-    away = -to / obstacles.distances[near][:, None]
-    sides = (offset[0] * to[:, 1] - offset[1] * to[:, 0]).tolist()
-    detour = mind.detour
-    senses = [detour.sense(key, side, mind.now) for key, side in zip(keys, sides, strict=True)]
-    for passed in set(detour.senses) - set(keys):
-        del detour.senses[passed]
-    return away, gaps, np.array(senses)
+    near = np.flatnonzero((gaps < MAX_GAP) & (gaps + body_radius < size + 0.1))
+    is_nearest = np.ones(len(near), np.bool_)
+    for n in range(len(near)):
+        for m in range(len(near)):
+            i, j = near[n], near[m]
+            if obstacles.things[i] == obstacles.things[j]:
+                if gaps[j] < gaps[i] or (gaps[j] == gaps[i] and j < i):
+                    is_nearest[n] = False
+    return near[is_nearest]

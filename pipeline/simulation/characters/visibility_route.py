@@ -255,7 +255,7 @@ class Route:
         """
         is_straight, limits = straight_way(at, goal, middles, reaches, clearance)
         if is_straight:
-            self.places = goal[None]
+            self.go_straight(goal)
         elif self._needs_search(at, goal, middles, np.minimum(reaches, limits)):
             self._search(at, goal, middles, reaches, limits, bounds)
         elif len(self.places) > 1 and math.dist(self.places[0], at) < REACHED_DISTANCE:
@@ -266,6 +266,10 @@ class Route:
             return goal, math.sqrt(x * x + z * z)
         segments = np.diff(np.concatenate([at[None], self.places]), axis=0)
         return self.places[0], float(np.sqrt((segments * segments).sum(axis=1)).sum())
+
+    def go_straight(self, goal: Array) -> None:
+        """Take the straight way to a goal (2,) [m]."""
+        self.places = goal[None]
 
     def _needs_search(self, at: Array, goal: Array, middles: Array, reaches: Array) -> bool:
         if len(self.places) < 2 or math.dist(goal, self.goal) > REPLAN_DISTANCE:

@@ -19,7 +19,12 @@ from numpy.typing import NDArray
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, are_free
+from pipeline.simulation.characters.visibility_route import (
+    CLEARANCES,
+    SHRINK_FACTOR,
+    are_free,
+    straight_way,
+)
 from pipeline.simulation.dynamics.compiled import compiled, entry
 from pipeline.simulation.spatial import Array
 
@@ -81,30 +86,116 @@ def steer(
         touching: whether the target is approached closely and not stepped aside for.
     """
     pace = mind.pace if pace is None else pace
-    at, bounds = mind.at, mind.walking_bounds
-    place = np.minimum(np.maximum(place, mind.goal_bounds[0]), mind.goal_bounds[1])
-    left = max(math.hypot(place[0] - at[0], place[1] - at[1]) - stop_distance, 0.0)
+    place = mind.clip_to_terrain(place)
+    left = max(math.dist(place, mind.at) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    obstacles = _obstacles(mind, target)
-    detour = mind.detour
-    first, length = detour.route.next(at, place, obstacles.middles, obstacles.reaches, bounds)
-    left = max(length - stop_distance, 0.0)
-    forced = detour.forced if mind.now < detour.forced_until else 0.0
-    x, z, is_hindered, detour.keys, detour.senses = _walk(
-        *(obstacles, at, first, left, pace, mind.body_radius, bounds),
-        *(forced, detour.keys, detour.senses),
+    detour, walker = mind.detour, _walker(mind, pace)
+    is_straight, walk = _walk_straight(
+        _sight(mind), target, walker, place, stop_distance, detour.keys, detour.senses
     )
-    detour.update_progress(left, mind.now)
-    speed = math.hypot(x, z)
-    if speed < 1e-6:
+    if is_straight:
+        detour.route.go_straight(place)
+    else:
+        obstacles = _obstacles(mind, target)
+        first, length = detour.route.next(
+            mind.at, place, obstacles.middles, obstacles.reaches, mind.walking_bounds
+        )
+        left = max(length - stop_distance, 0.0)
+        walk = _walk(obstacles, walker, first, left, detour.keys, detour.senses)
+    detour.keys, detour.senses = walk.keys, walk.senses
+    detour.update_progress(walk.left, mind.now)
+    if walk.speed < 1e-6:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    reach = max(left, 0.35) if is_hindered else left
     return MotorCommand(
-        goal=(float(at[0] + x * reach / speed), float(at[1] + z * reach / speed)),
-        pace=min(max(speed, 0.35 * pace), pace),
+        goal=(walk.goal_x, walk.goal_z),
+        pace=min(max(walk.speed, 0.35 * pace), pace),
         target=target,
         touching=touching,
+    )
+
+
+class _Walker(NamedTuple):
+    """A person that walks.
+
+    Attributes:
+        at: (2,) its place [m].
+        pace: of the walk [m/s].
+        body_radius: of the circle on the ground around it [m].
+        bounds: (2, 2) least and greatest x and z of places on the way [m].
+        forced: way round all obstacles, 0 where each has its own.
+    """
+
+    at: Array
+    pace: float
+    body_radius: float
+    bounds: Array
+    forced: float
+
+
+def _walker(mind: Mind, pace: float) -> _Walker:
+    detour = mind.detour
+    forced = detour.forced if mind.now < detour.forced_until else 0.0
+    return _Walker(mind.at, pace, mind.body_radius, mind.walking_bounds, forced)
+
+
+class _Walk(NamedTuple):
+    """What a walker does next.
+
+    Attributes:
+        speed: [m/s].
+        goal_x: where to walk to [m].
+        goal_z: likewise [m].
+        left: length of the way [m].
+        keys: (k,) numbers of near obstacles.
+        senses: (k,) way round each, 1 or -1.
+    """
+
+    speed: float
+    goal_x: float
+    goal_z: float
+    left: float
+    keys: IntArray
+    senses: Array
+
+
+class _Sight(NamedTuple):
+    """What a walker knows of things in its way.
+
+    Attributes:
+        places: (C, 3) of characters as remembered [m].
+        distances: (C,) of these [m].
+        radius: (C,) of the circles around them [m].
+        is_obstacle: (C,) which are walked around.
+        circle_middles: (S, 2) of circles of other rooms [m].
+        circle_radii: (S,) [m].
+        circle_keys: (S,) their numbers.
+        circle_things: (S,) numbers of their things.
+    """
+
+    places: Array
+    distances: Array
+    radius: Array
+    is_obstacle: NDArray[np.bool_]
+    circle_middles: Array
+    circle_radii: Array
+    circle_keys: IntArray
+    circle_things: IntArray
+
+
+def _sight(mind: Mind) -> _Sight:
+    surroundings, memory = mind.surroundings, mind.memory
+    circles = surroundings.view.obstacle_circles
+    circles.update()
+    return _Sight(
+        memory.places,
+        memory.distances,
+        surroundings.radius,
+        mind.is_obstacle,
+        circles.middles,
+        circles.radii,
+        circles.keys,
+        circles.things,
     )
 
 
@@ -128,65 +219,33 @@ class _Obstacles(NamedTuple):
 
 def _obstacles(mind: Mind, target: int) -> _Obstacles:
     """Return all obstacles on the way to a target."""
-    surroundings, memory = mind.surroundings, mind.memory
-    circles = surroundings.view.obstacle_circles
-    circles.update()
-    return _Obstacles(
-        *_find_obstacles(
-            *(memory.places, memory.distances, surroundings.radius),
-            *(mind.is_obstacle, target, mind.at, mind.body_radius),
-            *(circles.middles, circles.radii, circles.keys, circles.things),
-        )
-    )
+    return _find_obstacles(_sight(mind), target, mind.at, mind.body_radius)
 
 
 @entry
-def _find_obstacles(
-    places: Array,
-    distances: Array,
-    radius: Array,
-    is_obstacle: NDArray[np.bool_],
-    target: int,
-    at: Array,
-    body_radius: float,
-    circle_middles: Array,
-    circle_radii: Array,
-    circle_keys: IntArray,
-    circle_things: IntArray,
-) -> tuple[IntArray, Array, Array, Array, IntArray]:
-    """Return the fields of `_Obstacles`.
-
-    Args:
-        places: (C, 3) of characters as remembered [m].
-        distances: (C,) of these [m].
-        radius: (C,) of the circles around them [m].
-        is_obstacle: (C,) which are walked around.
-        target: number of the one that is not.
-        at: (2,) place of the walker [m].
-        body_radius: of the walker [m].
-        circle_middles: (S, 2) of circles of other rooms [m].
-        circle_radii: (S,) [m].
-        circle_keys: (S,) their numbers.
-        circle_things: (S,) numbers of their things.
-    """
+def _find_obstacles(sight: _Sight, target: int, at: Array, body_radius: float) -> _Obstacles:
+    """Return all obstacles of a walker at x and z, other than its target [m]."""
+    places, distances = sight.places, sight.distances
+    circle_middles, circle_radii = sight.circle_middles, sight.circle_radii
     most = len(places) + len(circle_radii)
     keys, things = np.empty(most, np.int64), np.empty(most, np.int64)
     middles, reaches, found = np.empty((most, 2)), np.empty(most), np.empty(most)
     n = 0
     for c in range(len(places)):
-        if is_obstacle[c] and c != target and distances[c] > 1e-6:
+        if sight.is_obstacle[c] and c != target and distances[c] > 1e-6:
             keys[n] = things[n] = c
             middles[n, 0], middles[n, 1] = places[c, 0], places[c, 2]
-            reaches[n], found[n] = radius[c] + body_radius, distances[c]
+            reaches[n], found[n] = sight.radius[c] + body_radius, distances[c]
             n += 1
     for s in range(len(circle_radii)):
-        keys[n], things[n] = len(places) + circle_keys[s], len(places) + circle_things[s]
+        keys[n] = len(places) + sight.circle_keys[s]
+        things[n] = len(places) + sight.circle_things[s]
         x, z = circle_middles[s, 0] - at[0], circle_middles[s, 1] - at[1]
         middles[n, 0], middles[n, 1] = circle_middles[s, 0], circle_middles[s, 1]
         reaches[n] = circle_radii[s] + body_radius
         found[n] = max(math.sqrt(x * x + z * z), 1e-6)
         n += 1
-    return keys[:n], middles[:n], reaches[:n], found[:n], things[:n]
+    return _Obstacles(keys[:n], middles[:n], reaches[:n], found[:n], things[:n])
 
 
 def has_room(mind: Mind, place: Array) -> bool:
@@ -207,39 +266,47 @@ def is_way_free(mind: Mind, place: Array) -> bool:
 
 
 @entry
+def _walk_straight(
+    sight: _Sight,
+    target: int,
+    walker: _Walker,
+    place: Array,
+    stop_distance: float,
+    keys: IntArray,
+    senses: Array,
+) -> tuple[bool, _Walk]:
+    """Tell whether the straight way to a place (2,) is free, and return the walk there."""
+    obstacles = _find_obstacles(sight, target, walker.at, walker.body_radius)
+    middles, reaches = obstacles.middles, obstacles.reaches
+    is_straight, _ = straight_way(walker.at, place, middles, reaches, CLEARANCES[0])
+    x, z = place[0] - walker.at[0], place[1] - walker.at[1]
+    left = max(math.sqrt(x * x + z * z) - stop_distance, 0.0)
+    return is_straight, _walk(obstacles, walker, place, left, keys, senses)
+
+
+@entry
 def _walk(
     obstacles: _Obstacles,
-    at: Array,
+    walker: _Walker,
     first: Array,
     left: float,
-    pace: float,
-    body_radius: float,
-    bounds: Array,
-    forced: float,
     known_keys: IntArray,
     known_senses: Array,
-) -> tuple[float, float, bool, IntArray, Array]:
-    """Return the walking velocity along x and z that stays on the terrain [m/s].
+) -> _Walk:
+    """Return a walk that keeps off obstacles and stays on the terrain.
 
     Args:
         obstacles: on the way.
-        at: (2,) place of the walker [m].
+        walker: the person.
         first: (2,) the next place on the way [m].
         left: length of the way [m].
-        pace: of the walk [m/s].
-        body_radius: of the walker [m].
-        bounds: (2, 2) least and greatest x and z of places on the way [m].
-        forced: way round all obstacles, 0 where each has its own.
         known_keys: (k,) numbers of the obstacles that it went round before.
         known_senses: (k,) way round each.
-
-    Returns:
-        The velocity, whether there are obstacles near, the numbers of those, and the way round
-        each.
     """
+    at, bounds, forced = walker.at, walker.bounds, walker.forced
     offset_x, offset_z = first[0] - at[0], first[1] - at[1]
     size = max(math.hypot(offset_x, offset_z), 1e-9)
-    near = _near(obstacles, size, body_radius)
+    near = _near(obstacles, size, walker.body_radius)
     away, gaps, senses = np.empty((len(near), 2)), np.empty(len(near)), np.empty(len(near))
     keys, kept, count = np.empty(len(near), np.int64), np.empty(len(near)), 0
     for n in range(len(near)):
@@ -259,10 +326,13 @@ def _walk(
             count += 1
         senses[n] = forced if forced != 0.0 else sense
     scale = left / size
-    x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, pace)
+    x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, walker.pace)
     x = _inward(at[0], x, bounds[0, 0], bounds[1, 0])
     z = _inward(at[1], z, bounds[0, 1], bounds[1, 1])
-    return x, z, len(near) > 0, keys[:count], kept[:count]
+    speed = math.hypot(x, z)
+    reach, size = max(left, 0.35) if len(near) else left, max(speed, 1e-9)
+    goal_x, goal_z = at[0] + x * reach / size, at[1] + z * reach / size
+    return _Walk(speed, goal_x, goal_z, left, keys[:count], kept[:count])
 
 
 @compiled
@@ -281,13 +351,20 @@ def _near(obstacles: _Obstacles, size: float, body_radius: float) -> IntArray:
 
     A long thing pushes once, from where it is nearest.
     """
-    gaps = obstacles.distances - obstacles.reaches
-    near = np.flatnonzero((gaps < MAX_GAP) & (gaps + body_radius < size + 0.1))
-    is_nearest = np.ones(len(near), np.bool_)
-    for n in range(len(near)):
-        for m in range(len(near)):
-            i, j = near[n], near[m]
+    near, count = np.empty(len(obstacles.keys), np.int64), 0
+    gaps = np.empty(len(near))
+    for i in range(len(near)):
+        gaps[i] = obstacles.distances[i] - obstacles.reaches[i]
+        if gaps[i] < MAX_GAP and gaps[i] + body_radius < size + 0.1:
+            near[count] = i
+            count += 1
+    nearest, kept = np.empty(count, np.int64), 0
+    for i in near[:count]:
+        is_nearest = True
+        for j in near[:count]:
             if obstacles.things[i] == obstacles.things[j]:
-                if gaps[j] < gaps[i] or (gaps[j] == gaps[i] and j < i):
-                    is_nearest[n] = False
-    return near[is_nearest]
+                is_nearest &= not (gaps[j] < gaps[i] or (gaps[j] == gaps[i] and j < i))
+        if is_nearest:
+            nearest[kept] = i
+            kept += 1
+    return nearest[:kept]

@@ -72,7 +72,6 @@ class Mind:
         number_of_self: number of the character.
         body_radius: of the circle on the ground around it [m].
         is_obstacle: (C,) which characters are walked around.
-        goal_bounds: (2, 2) least and greatest x and z of places to go to [m].
         walking_bounds: (2, 2) least and greatest x and z of places on the way [m].
         memory: of the other characters.
         attention: to the other characters.
@@ -108,8 +107,8 @@ class Mind:
         self.is_obstacle = ~(is_ball | (surroundings.people & acting))
         self.is_obstacle[self.number_of_self] = False
         edges = np.stack([surroundings.low, surroundings.high])
-        inward = EDGE_MARGIN * np.array([[1.0], [-1.0]])
-        self.goal_bounds, self.walking_bounds = edges + inward, edges + 0.5 * inward
+        self._edges = edges.tolist()
+        self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
         self._records = records
         self._arrays, self._number = arrays, number
         self._state = arrays.minds[number]
@@ -121,7 +120,8 @@ class Mind:
         self.behaviours: Mapping[str, Behaviour] = {}
         self.biases: dict[str, float] = {}
         self.doing, self.command = "", MotorCommand()
-        self.now = 0.0
+        # Time since the thought before [s].
+        self._pause = self.now = 0.0
         self.at = np.zeros(2)
         self.froude_speed = math.sqrt(GRAVITY * float(controller.record.hip_height))
 
@@ -183,8 +183,17 @@ class Mind:
 
     def is_on_terrain(self, place: Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
-        low, high = self.surroundings.low + margin, self.surroundings.high - margin
-        return bool((place > low).all() and (place < high).all())
+        (low_x, low_z), (high_x, high_z) = self._edges
+        x, z = place
+        is_inside = low_x + margin < x < high_x - margin
+        return bool(is_inside and low_z + margin < z < high_z - margin)
+
+    def clip_to_terrain(self, place: Array) -> Array:
+        """Return the nearest place (2,) that can be walked to."""
+        (low_x, low_z), (high_x, high_z) = self._edges
+        x, z = place
+        m = EDGE_MARGIN
+        return np.array([min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)])
 
     @property
     def is_hugging(self) -> bool:
@@ -244,7 +253,8 @@ class Mind:
 
     def take_over(self, now: float) -> None:
         """Accept the time [s] and place at which it has noticed."""
-        self.now, self.at = now, self.surroundings.places[self.number_of_self, [0, 2]]
+        self._pause, self.now = now - self.now, now
+        self.at = self.surroundings.places[self.number_of_self, ::2].copy()
 
     def choose(self) -> None:
         """Follow the behaviour of the highest activation."""
@@ -266,7 +276,7 @@ class Mind:
             self.behaviours[self.doing].end(self)
         self.doing, self.command, self.detour = "", MotorCommand(), DetourState()
 
-    def look(self, dt: float) -> None:
-        """Choose where to look for the next `dt` [s]."""
-        attention = self.attention
-        self.glances.look(self.now, dt, attention.priority, attention.focus, self.command.target)
+    def look(self) -> None:
+        """Choose where to look until the next thought."""
+        attention, target = self.attention, self.command.target
+        self.glances.look(self.now, self._pause, attention.priority, attention.focus, target)

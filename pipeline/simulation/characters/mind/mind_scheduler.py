@@ -141,17 +141,18 @@ class MindScheduler:
             turns = sorted(hurt.union(turns))
         if turns:
             self._notice(turns, now)
+        free = [n for n in turns if not self._dispatcher.is_ordered(self._indices[n])]
+        # All choose before any of them acts, so that their order has no effect.
+        for n in free:
+            self.minds[n].choose()
         for n in turns:
             k, mind = self._indices[n], self.minds[n]
-            dt = now - mind.now
-            mind.take_over(now)
-            if self._dispatcher.is_ordered(k):
-                mind.end_behaviour()
-            else:
-                mind.choose()
+            if n in free:
                 self._act(k, mind)
                 self._cry_in_distress(k, mind)
-            mind.look(dt)
+            else:
+                mind.end_behaviour()
+            mind.look()
             self._dispatcher.glance(k, mind.glances.at)
             self._values[n] = self._values_of(mind)
 
@@ -162,10 +163,17 @@ class MindScheduler:
         for n in turns:
             self.minds[n].prepare()
         notice(
-            *(self._arrays, np.array(turns), self._persons),
-            *(surroundings.places, surroundings.velocities),
-            *(surroundings.radius, surroundings.valence, now),
+            self._arrays,
+            np.array(turns),
+            self._persons,
+            surroundings.places,
+            surroundings.velocities,
+            surroundings.radius,
+            surroundings.valence,
+            now,
         )
+        for n in turns:
+            self.minds[n].take_over(now)
 
     def _cry_in_distress(self, k: int, mind: Mind) -> None:
         """Let a distressed child cry on its way back, until it is in its caregiver's arms."""

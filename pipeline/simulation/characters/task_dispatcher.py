@@ -19,6 +19,7 @@ from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
 from pipeline.simulation.characters.person_controller import (
     HANDS,
+    JOINED_GRIP,
     CharacterView,
     PersonController,
 )
@@ -89,6 +90,7 @@ class TaskDispatcher:
         self._look_targets: list[Target | None] = [None] * count
         self._glances = [NOBODY] * count
         self._persons, self._owners = persons, persons["owner"].copy()
+        self._grips = persons["grip"][:, None] + np.arange(JOINED_GRIP)
         self._people = np.array([k in view.people for k in range(len(view.names))], dtype=bool)
         self._looked_at: IntArray = np.full(count, NOBODY)
         self._arrived: list[str] = []
@@ -110,7 +112,8 @@ class TaskDispatcher:
                 found.update(task.members)
             if isinstance(look, str) and view.owner(look) < 0:
                 found.add(look)
-            found.update(controller.avoided, controller.held_members.values())
+            if controller.avoided or controller.held_members:
+                found.update(controller.avoided, controller.held_members.values())
         return found - view.places.keys()
 
     def read(self, orders: Orders) -> None:
@@ -164,6 +167,7 @@ class TaskDispatcher:
         self._steps += 1
         self._share_slots()
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
+        holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
         for k, controller in enumerate(self.controllers):
             controller.grip_changes.clear()
             controller.touched.clear()
@@ -181,8 +185,7 @@ class TaskDispatcher:
                 if task.failure and self._ordered[k] and not self._done[k]:
                     self._give_up(k, task.failure)
             if task is None or not task.leads_hands:
-                controller.hold_gripped_things()
-                hold_members(controller)
+                _hold(controller, task is not None or holds[k])
             if controller.avoided:
                 evade(controller)
             if controller.name in self._posed_hands:
@@ -349,3 +352,11 @@ class TaskDispatcher:
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
             self._tasks[k] = None
+
+
+def _hold(controller: PersonController, may_grip: bool) -> None:
+    """Hold what a person has in its hands; `may_grip` is false if no hand grips a node."""
+    if may_grip:
+        controller.hold_gripped_things()
+    if controller.held_members:
+        hold_members(controller)

@@ -182,6 +182,40 @@ def straight_way(
     return are_free(at, goal.reshape(1, 2), middles, radii)[0], limits
 
 
+@entry
+def is_way_barred(
+    at: Array, places: Array, known: Array, middles: Array, reaches: Array, limits: Array
+) -> bool:
+    """Tell whether a circle has moved, or bars the way to the first place.
+
+    Args:
+        at: (2,) start [m].
+        places: (m, 2) on the way [m].
+        known: (n, 2) middles of the circles when the way was found [m].
+        middles: (n, 2) of the circles now [m].
+        reaches: (n,) radii [m].
+        limits: (n,) greatest radii [m].
+    """
+    radii = np.empty(len(middles))
+    for n in range(len(middles)):
+        x, z = middles[n, 0] - known[n, 0], middles[n, 1] - known[n, 1]
+        if x * x + z * z > REPLAN_DISTANCE**2:
+            return True
+        radii[n] = min(reaches[n], limits[n])
+    return not are_free(at, places[:1], middles, radii)[0]
+
+
+@entry
+def way_length(at: Array, places: Array) -> float:
+    """Return the length of the way from a place (2,) along places (m, 2) [m]."""
+    length, from_x, from_z = 0.0, at[0], at[1]
+    for m in range(len(places)):
+        x, z = places[m, 0] - from_x, places[m, 1] - from_z
+        length += math.sqrt(x * x + z * z)
+        from_x, from_z = places[m, 0], places[m, 1]
+    return length
+
+
 def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, bounds: Array) -> Array:
     """Return (m, 2) the places on the shortest way, the goal last; none if there is no way.
 
@@ -256,29 +290,25 @@ class Route:
         is_straight, limits = straight_way(at, goal, middles, reaches, clearance)
         if is_straight:
             self.go_straight(goal)
-        elif self._needs_search(at, goal, middles, np.minimum(reaches, limits)):
+        elif self._needs_search(at, goal, middles, reaches, limits):
             self._search(at, goal, middles, reaches, limits, bounds)
         elif len(self.places) > 1 and math.dist(self.places[0], at) < REACHED_DISTANCE:
             self.places = self.places[1:]
         self.places[-1] = goal
-        if len(self.places) == 1:
-            x, z = (goal - at).tolist()
-            return goal, math.sqrt(x * x + z * z)
-        segments = np.diff(np.concatenate([at[None], self.places]), axis=0)
-        return self.places[0], float(np.sqrt((segments * segments).sum(axis=1)).sum())
+        return self.places[0], way_length(at, self.places)
 
     def go_straight(self, goal: Array) -> None:
         """Take the straight way to a goal (2,) [m]."""
         self.places = goal[None]
 
-    def _needs_search(self, at: Array, goal: Array, middles: Array, reaches: Array) -> bool:
+    def _needs_search(
+        self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array
+    ) -> bool:
         if len(self.places) < 2 or math.dist(goal, self.goal) > REPLAN_DISTANCE:
             return True
         if len(middles) != len(self.middles):
             return True
-        offset = middles - self.middles
-        moved = bool((offset * offset).sum(axis=1).max(initial=0.0) > REPLAN_DISTANCE**2)
-        return moved or not are_free(at, self.places[:1], middles, reaches)[0]
+        return is_way_barred(at, self.places, self.middles, middles, reaches, limits)
 
     def _search(
         self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array, bounds: Array

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from audio.bubbles import bubble
-from audio.dsp import Signal, convolve, pan_gains, without_rumble
+from audio.dsp import Signal, band_response, convolve, pan_gains, upsampled, without_rumble
 from audio.loudness_meter import integrated_loudness
 from audio.time_grid import SAMPLE_RATE
 
@@ -88,6 +88,9 @@ USUAL_LUFS = -16.0
 CONTROL_RATE = 50
 """Values of slow changes a second."""
 
+# Length of the filter of a noise [samples].
+_TAPS = 2**13
+
 
 def ambient_sound(
     ambience: Ambience, samples: int, seed: int, target_lufs: float = USUAL_LUFS
@@ -134,9 +137,7 @@ def _slow(samples: int, rate: float, depth: float, rng: np.random.Generator) -> 
     spectrum *= np.exp(-((frequency / rate) ** 2))
     curve = np.fft.irfft(spectrum, size)[:count]
     curve = curve / max(float(np.std(curve)), 1e-9)
-    level = 10 ** (depth * np.clip(curve, -1.4, 2.2) / 20)
-    at = np.arange(samples) * (CONTROL_RATE / SAMPLE_RATE)
-    return np.interp(at, np.arange(count), level)
+    return upsampled(10 ** (depth * np.clip(curve, -1.4, 2.2) / 20), CONTROL_RATE, samples)
 
 
 def _noise(
@@ -150,19 +151,23 @@ def _noise(
         rng: of the noise.
         slope: power of the frequency by which its amplitude falls.
     """
-    size = 1 << max(int(samples - 1).bit_length(), 6)
-    frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE)
-    low, high = band
-    shape = (frequency / low) ** 2 / np.sqrt(1 + (frequency / low) ** 4)
-    shape /= np.sqrt(1 + (frequency / high) ** 6)
-    shape *= np.maximum(frequency, low) ** -slope
-    sides = [
-        np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * shape, size)[:samples]
-        for _ in range(2)
-    ]
+    frequency = np.fft.rfftfreq(_TAPS, 1 / SAMPLE_RATE).astype(np.float64)
+    shape = band_response(frequency, band) * np.maximum(frequency, band[0]) ** -slope
+    kernel = np.roll(np.fft.irfft(shape, _TAPS), _TAPS // 2)
+    left, right = (convolve(_white(samples, rng), kernel)[_TAPS:] for _ in range(2))
     # Part of it is the same on both sides: a place is around, not at two ears.
-    middle = 0.5 * (sides[0] + sides[1])
-    return np.stack([0.8 * side + 0.6 * middle for side in sides], axis=-1)
+    noise = np.empty((samples, 2))
+    noise[:, 0] = 1.1 * left + 0.3 * right
+    noise[:, 1] = 0.3 * left + 1.1 * right
+    return noise
+
+
+def _white(samples: int, rng: np.random.Generator) -> Signal:
+    """Return white noise with half a filter more at both ends: (samples + _TAPS,)."""
+    size = max(1 << int(samples - 1).bit_length(), _TAPS)
+    noise, half = rng.standard_normal(size), _TAPS // 2
+    # It goes around: what is before its start is its end.
+    return np.concatenate((noise[-half:], noise, noise[:half]))[: samples + _TAPS]
 
 
 def _wind(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
@@ -231,11 +236,13 @@ def _crickets(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     for _ in range(5):
         pitch, chirps = rng.uniform(3900.0, 4800.0), rng.uniform(1.6, 2.9)
         beat = (t * chirps + rng.uniform()) % 1.0
+        chirp = np.flatnonzero(beat < 0.28)
         # Three strokes of the wings in each chirp.
-        strokes = np.sin(3.0 * np.pi * np.minimum(beat / 0.28, 1.0)) ** 2 * (beat < 0.28)
-        song = np.sin(2.0 * np.pi * pitch * t) * strokes * _slow(samples, 0.1, 3.0, rng)
+        strokes = np.sin(3.0 * np.pi / 0.28 * beat[chirp]) ** 2
+        song = np.sin(2.0 * np.pi * pitch * t[chirp]) * strokes
+        song *= _slow(samples, 0.1, 3.0, rng)[chirp]
         left, right = pan_gains(rng.uniform(-0.9, 0.9))
-        out += song[:, None] * [left, right] * rng.uniform(0.2, 1.0)
+        out[chirp] += song[:, None] * [left, right] * rng.uniform(0.2, 1.0)
     return out
 
 

@@ -1,12 +1,14 @@
 """Shapes of sounding bodies: box, cylinder, ellipsoid, open vessel and stretched membrane.
 
+Boxes, cylinders and ellipsoids are solid, or hollow and closed.
 A shape is normalised to the cube from -1 to 1 of its bounding box; the longest axis is the first.
 A vessel stands on the floor of its last axis.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 from math import log2, pi
 from typing import Literal
 
@@ -36,6 +38,8 @@ _FLATTEST = 1e-3
 # Multiples of four and of two, so that no point lies in a plane of symmetry.
 _ANGLES = 20
 _GAUSS = 12
+# Points across the wall of a hollow body.
+_ACROSS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +51,15 @@ class BodyShape:
         length: greatest extent [m]; a vessel's diameter.
         width: middle extent [m]; a vessel's height.
         thickness: least extent [m]; of a vessel that of its wall, of a membrane that of its skin.
+        wall: thickness of the wall of a hollow box, cylinder or ellipsoid [m]; 0 if it is solid.
+            That of an ellipsoid is in proportion to its axes, and this its least.
     """
 
     kind: ShapeKind
     length: float
     width: float
     thickness: float
+    wall: float = 0.0
 
     @property
     def volume(self) -> float:
@@ -61,7 +68,28 @@ class BodyShape:
         if self.kind == "vessel":
             floor = pi / 4 * self.length**2 * self.thickness
             return pi * (self.length - self.thickness) * product / self.length + floor
-        return FILLED_SHARES[self.kind] * product
+        return FILLED_SHARES[self.kind] * (product - self._cavity)
+
+    @property
+    def _cavity(self) -> float:
+        """Volume of the box around the cavity [m³]."""
+        if not self.wall:
+            return 0.0
+        axes = (self.length, self.width, self.thickness)
+        if self.kind == "ellipsoid":
+            return (1 - 2 * self.wall / self.thickness) ** 3 * axes[0] * axes[1] * axes[2]
+        inner = [max(axis - 2 * self.wall, 0.0) for axis in axes]
+        return inner[0] * inner[1] * inner[2]
+
+    def hollow(self, wall: float) -> BodyShape:
+        """Return the shape with a cavity inside a wall [m]; solid where the wall leaves none."""
+        can_be = self.kind in ("box", "cylinder", "ellipsoid")
+        return replace(self, wall=wall) if can_be and 0 < 2 * wall < self.thickness else self
+
+    def scaled(self, factor: float) -> BodyShape:
+        """Return a shape of the same proportions and of another size."""
+        axes = (self.length, self.width, self.thickness, self.wall)
+        return BodyShape(self.kind, *(factor * axis for axis in axes))
 
     @property
     def contact_radius(self) -> float:
@@ -81,9 +109,15 @@ class BodyShape:
         return (self.length * self.width) ** 0.5 / 2
 
     @property
-    def proportions(self) -> tuple[float, float]:
-        """Width and thickness relative to the length, rounded so that like shapes share modes."""
-        return _rounded(self.width / self.length), _rounded(self.thickness / self.length)
+    def proportions(self) -> tuple[float, float, float]:
+        """Width, thickness and wall relative to the length, so rounded that like ones are equal."""
+        width, thickness = (
+            _rounded(self.width / self.length),
+            _rounded(self.thickness / self.length),
+        )
+        wall = _rounded(self.wall / self.length) if self.wall else 0.0
+        # Rounding must leave a cavity.
+        return width, thickness, min(wall, 0.45 * thickness)
 
 
 def _rounded(proportion: float) -> float:
@@ -109,16 +143,19 @@ class Quadrature:
     is_symmetric: tuple[bool, bool, bool]
 
 
-def quadrature(kind: ShapeKind, width: float, thickness: float) -> Quadrature:
+def quadrature(kind: ShapeKind, width: float, thickness: float, wall: float = 0.0) -> Quadrature:
     """Return the integration points of a body of length 2.
 
     Args:
         kind: any but a membrane.
         width: relative to the length.
         thickness: relative to the length.
+        wall: of a hollow body, relative to the length; 0 if it is solid.
     """
     if kind == "vessel":
         return _vessel(2 * width, 2 * thickness)
+    if wall:
+        return _hollow(kind, np.array([1.0, width, thickness]), 2 * wall)
     half = np.array([1.0, width, thickness])
     x, w = np.polynomial.legendre.leggauss(_GAUSS)
     if kind == "box":
@@ -140,6 +177,75 @@ def quadrature(kind: ShapeKind, width: float, thickness: float) -> Quadrature:
             points = np.stack([r * flat * np.cos(angle), r * flat * np.sin(angle), r * z], axis=1)
             weights = weights * r * r
     return _one_part(points * half, weights * half.prod(), half, (True, True, True))
+
+
+def _hollow(kind: ShapeKind, half: Signal, wall: float) -> Quadrature:
+    """Return the points of the wall of a hollow body, on the positive side of all mirrors.
+
+    Args:
+        kind: box, cylinder or ellipsoid.
+        half: (3,) half extents.
+        wall: thickness of the wall, where the half length is 1.
+    """
+    quarter = (np.arange(_ANGLES // 2) + 0.5) * pi / _ANGLES
+    turn = np.full(quarter.size, pi / _ANGLES)
+    if kind == "ellipsoid":
+        r, w_r = _gauss(_ACROSS, 1 - wall / float(half.min()), 1.0)
+        z, w_z = _gauss(_GAUSS, 0.0, 1.0)
+        grid, weights = _product((r, quarter, z), (w_r * r * r, turn, w_z))
+        r, angle, z = grid.T
+        flat = r * np.sqrt(1 - z * z)
+        points = np.stack([flat * np.cos(angle), flat * np.sin(angle), r * z], axis=1) * half
+        return Quadrature(points, 8 * weights * half.prod(), half, (True, True, True))
+    if kind == "box":
+        points, weights = _around([_cells(extent, wall) for extent in half])
+        return Quadrature(points, 8 * weights, half, (True, True, True))
+    # The axis is that whose extent differs most from the other two.
+    axis = 0 if half[1] * half[1] < half[2] else 2
+    across = [i for i in range(3) if i != axis]
+    radii = half[across]
+    whole = (quarter, turn), (np.zeros(0), np.zeros(0))
+    (r, angle, z), weights = _around_columns(
+        [_cells(1.0, wall / float(radii.min())), whole, _cells(float(half[axis]), wall)]
+    )
+    points = np.empty((r.size, 3))
+    points[:, across[0]] = radii[0] * r * np.cos(angle)
+    points[:, across[1]] = radii[1] * r * np.sin(angle)
+    points[:, axis] = z
+    return Quadrature(points, 8 * weights * r * radii.prod(), half, (True, True, True))
+
+
+_Rule = tuple[Signal, Signal]
+"""Points and weights of a rule on a line."""
+
+
+def _gauss(count: int, low: float, high: float) -> _Rule:
+    """Return the points and weights of Gauss and Legendre between two places: (count,) each."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    return low + (high - low) * (x + 1) / 2, w * (high - low) / 2
+
+
+def _cells(extent: float, wall: float) -> tuple[_Rule, _Rule]:
+    """Return rules for half of the inside of an axis and for its wall."""
+    return _gauss(_GAUSS, 0.0, extent - wall), _gauss(_ACROSS, extent - wall, extent)
+
+
+def _around_columns(axes: list[tuple[_Rule, _Rule]]) -> tuple[list[Signal], Signal]:
+    """Return coordinates and weights of all cells but the innermost: 3 of (M,), (M,)."""
+    found = []
+    for choice in product((0, 1), repeat=3):
+        rules = [axis[i] for axis, i in zip(axes, choice, strict=True)]
+        if any(choice) and all(rule[0].size for rule in rules):
+            (a, wa), (b, wb), (c, wc) = rules
+            found.append(_product((a, b, c), (wa, wb, wc)))
+    points = np.concatenate([part for part, _ in found])
+    return list(points.T), np.concatenate([weights for _, weights in found])
+
+
+def _around(axes: list[tuple[_Rule, _Rule]]) -> _Rule:
+    """Return points and weights of all cells but the innermost: (M, 3), (M,)."""
+    columns, weights = _around_columns(axes)
+    return np.stack(columns, axis=1), weights
 
 
 def _one_part(

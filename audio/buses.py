@@ -9,7 +9,7 @@ import numpy as np
 
 from audio.cause_voices import cause_voice
 from audio.config.sound import Mix
-from audio.dsp import Signal
+from audio.dsp import Signal, upsampled
 from audio.notes import MUSIC, Note
 from audio.time_grid import SAMPLE_RATE
 
@@ -17,7 +17,7 @@ Bus = Literal["steps", "impacts", "voices", "motions", "music"]
 
 BUS_OF: Mapping[str, Bus] = {
     **dict.fromkeys(("footfall", "scuff"), "steps"),
-    **dict.fromkeys(("cry", "hug", "breath"), "voices"),
+    **dict.fromkeys(("cry", "laugh", "gasp", "hug", "breath", "call", "growl", "whine"), "voices"),
     **dict.fromkeys(("swoosh", "whistle", "boing", "push off", "squeak", "squawk"), "motions"),
     MUSIC: "music",
 }
@@ -73,5 +73,4 @@ def yielding(mix: Mix, notes: Iterable[Note], samples: int) -> Signal | float:
     window = np.exp(-0.5 * (np.arange(-reach, reach + 1) / (SOFTNESS * CONTROL_RATE)) ** 2)
     smooth = np.convolve(np.pad(heard, reach, mode="edge"), window / window.sum(), "valid")
     gain = 10 ** (-mix.duck_db * np.clip(smooth, 0.0, 1.0) / 20)
-    at = np.arange(samples) * (CONTROL_RATE / SAMPLE_RATE)
-    return np.asarray(np.interp(at, np.arange(count), gain))[:, None]
+    return upsampled(gain, CONTROL_RATE, samples)[:, None]

@@ -46,12 +46,21 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
     # A power of two, since FFTs of prime lengths are slow.
     size = 1 << max(int(samples - 1).bit_length(), 6)
     spectrum = np.fft.rfft(rng.standard_normal(size))
-    f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE)
-    low, high = band
-    # Two Butterworth-like shoulders; exactly zero at 0 Hz.
-    shape = (f / low) ** 2 / np.sqrt(1 + (f / low) ** 4) / np.sqrt(1 + (f / high) ** 6)
-    noise = np.fft.irfft(spectrum * shape, size)[:samples]
+    f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
+    noise = np.fft.irfft(spectrum * band_response(f, band), size)[:samples]
     return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
+
+
+def band_response(frequency: Signal, band: tuple[float, float]) -> Signal:
+    """Return what a band of soft shoulders leaves of frequencies, as a factor: (M,).
+
+    Args:
+        frequency: (M,) [Hz]; two Butterworth-like shoulders, exactly zero at 0 Hz.
+        band: lower and upper edge [Hz].
+    """
+    # Products, because general powers take ten times as long.
+    below, above = (frequency / band[0]) ** 2, (frequency / band[1]) ** 2
+    return np.asarray(below / np.sqrt((1 + below * below) * (1 + above * above * above)))
 
 
 def grain_noise(
@@ -139,6 +148,21 @@ def resample(sound: Signal, rate: Signal) -> Signal:
     p0, p1, p2, p3 = (sound[(i + k) % sound.size] for k in (-1, 0, 1, 2))
     curve = x * (3 * (p1 - p2) + p3 - p0) + 2 * p0 - 5 * p1 + 4 * p2 - p3
     return np.asarray(p1 + 0.5 * x * (p2 - p0 + x * curve))
+
+
+def upsampled(curve: Signal, rate: int, samples: int) -> Signal:
+    """Return a slow curve at each sample, linearly interpolated: (samples,).
+
+    Args:
+        curve: (K,) values, which reach beyond the last sample.
+        rate: of the values, a second; the sample rate is a multiple of it.
+        samples: to be returned.
+    """
+    step = SAMPLE_RATE // rate
+    share = np.arange(step) / step
+    rows = -(-samples // step)
+    values = curve[:rows, None] + (curve[1 : rows + 1] - curve[:rows])[:, None] * share
+    return np.asarray(values.reshape(-1)[:samples])
 
 
 def pan_gains(pan: float) -> tuple[float, float]:

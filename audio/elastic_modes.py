@@ -12,7 +12,7 @@ the membrane's.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
@@ -20,13 +20,15 @@ from scipy.special import jn_zeros, jv
 
 from audio.body_shape import SIDES, STATIONS, ShapeKind, quadrature, strike_points
 from audio.dsp import SINGLE_THREAD_SIZE, Signal
+from audio.mode_store import stored
 from audio.symmetric_eigen import lowest_eigenpairs
+from audio.thin_walls import THIN, thin_walled_modes
 
 MODES = 24
 """Number of the lowest modes that are kept."""
 
-# Thin walls need more: their displacement is a polynomial across the whole vessel.
-_DEGREE, _VESSEL_DEGREE = 9, 11
+# Thin walls need more: their displacement is a polynomial across the whole body.
+_DEGREE, _WALLED_DEGREE = 9, 11
 # Across a thin body the displacement is at most cubic.
 _THIN, _THIN_DEGREE = 0.25, 3
 _RIGID_MODES = 6
@@ -48,24 +50,45 @@ class BodyModes:
     omega: Signal
     displacement: Signal
 
+    @cached_property
+    def mean_square(self) -> Signal:
+        """Mean squares of the displacements over the surface: (M,)."""
+        return np.asarray((self.displacement**2).mean(axis=(1, 2)))
+
 
 @lru_cache(maxsize=512)
-def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) -> BodyModes:
+def body_modes(
+    kind: ShapeKind, width: float, thickness: float, wall: float, poisson: float
+) -> BodyModes:
     """Return the lowest modes of a body that is free everywhere.
 
     Args:
         kind: of the body; not a membrane.
         width: relative to the length.
         thickness: relative to the length.
+        wall: of a hollow body, relative to the length; 0 if it is solid.
         poisson: Poisson's ratio.
     """
-    body = quadrature(kind, width, thickness)
+    body = kind, width, thickness, wall, poisson
+    table = stored(body, (1 + STATIONS * SIDES,), lambda: _solved(*body))
+    return BodyModes(table[:, 0], table[:, 1:].reshape(-1, STATIONS, SIDES))
+
+
+def _solved(kind: ShapeKind, width: float, thickness: float, wall: float, poisson: float) -> Signal:
+    """Return frequencies and displacements of the lowest modes: (M, 1 + STATIONS * SIDES)."""
+    if kind != "ellipsoid" and 0 < wall <= THIN * thickness:
+        found, displaced = thin_walled_modes(kind, width, thickness, wall, poisson)
+        lowest = np.argsort(found, kind="stable")[:MODES]
+        return _merged(2 * found[lowest], displaced[lowest])
+    body = quadrature(kind, width, thickness, wall)
     x = body.points / body.half
-    exponents = _exponents(kind, width, thickness)
-    values = [_legendre(x[:, i], kind) for i in range(3)]
+    is_walled = kind == "vessel" or wall > 0
+    degree = _WALLED_DEGREE if is_walled else _DEGREE
+    exponents = _exponents(width, thickness, degree, is_walled)
+    values = [_legendre(x[:, i], degree) for i in range(3)]
     slopes = [_slopes(values[i]) / body.half[i] for i in range(3)]
     at, normals = strike_points(kind, width, thickness)
-    seen = [_legendre(at[..., i].reshape(-1) / body.half[i], kind) for i in range(3)]
+    seen = [_legendre(at[..., i].reshape(-1) / body.half[i], degree) for i in range(3)]
     omegas, shapes = [], []
     for parity in product(*((0, 1) if symmetric else (None,) for symmetric in body.is_symmetric)):
         blocks = [_of_parity(exponents, parity, axis) for axis in range(3)]
@@ -84,21 +107,18 @@ def body_modes(kind: ShapeKind, width: float, thickness: float, poisson: float) 
     order = np.argsort(squared, kind="stable")[_RIGID_MODES : _RIGID_MODES + MODES]
     # The body of the equations has a length of 2.
     omega = 2 * np.sqrt(np.maximum(squared[order], 0))
-    return _merged(omega, np.concatenate(shapes)[order].reshape(-1, STATIONS, SIDES))
+    return _merged(omega, np.concatenate(shapes)[order])
 
 
-def _exponents(kind: ShapeKind, width: float, thickness: float) -> list[tuple[int, int, int]]:
-    degree = _degree(kind)
-    most = [degree if kind == "vessel" or x > _THIN else _THIN_DEGREE for x in (width, thickness)]
+def _exponents(
+    width: float, thickness: float, degree: int, is_walled: bool
+) -> list[tuple[int, int, int]]:
+    most = [degree if is_walled or x > _THIN else _THIN_DEGREE for x in (width, thickness)]
     return [
         (i, j, k)
         for i, j, k in product(range(degree + 1), range(most[0] + 1), range(most[1] + 1))
         if i + j + k <= degree
     ]
-
-
-def _degree(kind: ShapeKind) -> int:
-    return _VESSEL_DEGREE if kind == "vessel" else _DEGREE
 
 
 def _of_parity(
@@ -117,9 +137,9 @@ def _of_parity(
     )
 
 
-def _legendre(x: Signal, kind: ShapeKind) -> Signal:
+def _legendre(x: Signal, degree: int) -> Signal:
     """Return Legendre polynomials at points (N,): (N, degree + 1)."""
-    return np.asarray(np.polynomial.legendre.legvander(x, _degree(kind)), dtype=float)
+    return np.asarray(np.polynomial.legendre.legvander(x, degree), dtype=float)
 
 
 def _slopes(values: Signal) -> Signal:
@@ -176,20 +196,20 @@ def _products(left: Signal, right: Signal) -> Signal:
     return np.asarray(stack + left[whole:].T @ right[whole:])
 
 
-def _merged(omega: Signal, shapes: Signal) -> BodyModes:
+def _merged(omega: Signal, shapes: Signal) -> Signal:
     """Return modes with those of equal frequency as one, of the root of their summed squares."""
-    kept_omega, kept_shapes = [], []
+    kept = []
     first = 0
     for last in range(1, omega.size + 1):
         if last < omega.size and omega[last] < omega[first] * (1 + _SAME):
             continue
         group = shapes[first:last]
-        kept_omega.append(float(f"{omega[first:last].mean():.6g}"))
+        frequency = float(f"{omega[first:last].mean():.6g}")
         size = np.sqrt((group**2).sum(axis=0))
         # Of a single mode the sign is kept, up to that of the solver.
-        kept_shapes.append(np.round(size, 6))
+        kept.append(np.append(frequency, np.round(size, 6)))
         first = last
-    return BodyModes(np.array(kept_omega), np.array(kept_shapes))
+    return np.array(kept)
 
 
 @lru_cache(maxsize=1)

@@ -59,8 +59,8 @@ class Mastered:
         gain_db: of the whole mix [dB].
         limited_db: reduction of the highest peak after that gain [dB].
         target: loudness that was aimed at [LUFS]: that of the configuration, or, where that would
-            have flattened the peaks, what the greatest gain gives before its peaks are lowered;
-            -inf for silence or without a target.
+            have flattened the peaks or needed too much gain, what the greatest gain gives; -inf
+            for silence or without a target.
         curve: gain of the limiter (N,), by which all stems are lowered too; None without any.
     """
 
@@ -103,7 +103,9 @@ def master_mix(
     out, curve = _limited(mix, gain_db, ceiling_db, bed)
     # Secant search: limiting makes loudness grow slower than the gain.
     slope, loudness = 1.0, integrated_loudness(out)
-    for _ in range(_SEARCH.max_rounds if master and curve is not None else 0):
+    # What the bed adds between the events counts for less than they do.
+    is_searched = master and (curve is not None or bed is not None)
+    for _ in range(_SEARCH.max_rounds if is_searched else 0):
         step = min((target - loudness) / slope, max_gain_db - gain_db)
         if abs(step) < _SEARCH.tolerance or target - loudness < _SEARCH.tolerance:
             break
@@ -111,14 +113,13 @@ def master_mix(
         out, curve = _limited(mix, gain_db, ceiling_db, bed)
         previous, loudness = loudness, integrated_loudness(out)
         slope = min(max((loudness - previous) / step, _SEARCH.min_slope), 1.0)
-    done = _measured(out, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
+    done = _measured(out, loudness, gain_db, max(peak_db + gain_db - ceiling_db, 0.0))
     if master is None:
         return replace(done, curve=curve)
     if done.lufs > target - _SEARCH.tolerance:
         return replace(done, curve=curve, target=target)
-    # What no limiter has touched tells what the greatest gain is worth.
-    most = integrated_loudness(_raised(mix, max_gain_db, bed))
-    return replace(done, curve=curve, target=min(target, most))
+    # No greater gain is allowed: this is as loud as it can be.
+    return replace(done, curve=curve, target=min(target, done.lufs))
 
 
 def _raised(mix: Signal, gain_db: float, bed: Signal | None) -> Signal:
@@ -158,12 +159,13 @@ def _limited(
     return (raised, None) if curve is None else (raised * curve[:, None], curve)
 
 
-def _measured(out: Signal, gain_db: float, limited_db: float) -> Mastered:
+def _measured(out: Signal, loudness: float, gain_db: float, limited_db: float) -> Mastered:
+    """Return a track as it is written; rounding to 24 bits does not change its loudness."""
     samples = np.rint(out * FULL_SCALE).astype("<i4")
     written = samples / FULL_SCALE
     return Mastered(
         samples=samples,
-        lufs=integrated_loudness(written),
+        lufs=loudness,
         true_peak_db=decibels(true_peak(written)),
         gain_db=float(gain_db),
         limited_db=limited_db,

@@ -1,9 +1,9 @@
-"""Modal synthesis: the ring of a struck body as a bank of damped sinusoids.
+"""Modal synthesis: the modes of a body that an impact excites.
 
-Each mode is a e^{-d t} cos(2π f t + φ), with d = π f tan φ_m + c for the internal friction tan φ_m
-of a material, its loss factor, and a damping c of air and support. An impact excites a mode in
-proportion to the mode's displacement at the point of impact: a mode is silent if struck at its
-node. The point along the body's longest axis is given or random, the point across it is random.
+A mode decays at d = π f tan φ_m + c for the internal friction tan φ_m of a material, its loss
+factor, and a damping c of air and support. An impact excites a mode in proportion to the mode's
+displacement at the point of impact: a mode is silent if struck at its node. The point along the
+body's longest axis is given or random, the point across it is random.
 
 Source: van den Doel and Pai 1998.
 """
@@ -16,18 +16,16 @@ import numpy as np
 
 from audio.acoustic_materials import Solid
 from audio.body_shape import SIDES, STATIONS, BodyShape
-from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
+from audio.dsp import Signal
 from audio.elastic_modes import BodyModes, body_modes, membrane_modes
+from audio.modal_bank import ModalBank
 from audio.mode_shapes import ModeShape
-from audio.time_grid import SAMPLE_RATE
 
 # Modes outside are inaudible, and would alias above half the sample rate [Hz].
 _MIN_FREQUENCY, _MAX_FREQUENCY = 20, 18_000.0
 _POISSON_STEP = 0.05
 SPEED_OF_SOUND = 343.0
 """In air at 20 °C [m/s]."""
-# Samples per step of the coarse table of powers; near the square root of a usual length.
-_BLOCK = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,32 +48,6 @@ class _Impact:
 
 
 _IMPACT = _Impact()
-
-
-@dataclass(frozen=True, slots=True)
-class ModalBank:
-    """Excited modes of one body.
-
-    Attributes:
-        frequency: (M,) [Hz].
-        decay: (M,) [1/s].
-        amplitude: (M,).
-    """
-
-    frequency: Signal
-    decay: Signal
-    amplitude: Signal
-
-    @property
-    def seconds(self) -> float:
-        """Time in which the last mode falls by 60 dB."""
-        return float(np.max(SILENCE_EXPONENT / self.decay, initial=0.0))
-
-    def with_decay_time(self, seconds: float) -> ModalBank:
-        """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
-        if self.decay.size == 0:
-            return self
-        return ModalBank(self.frequency, self.decay * (self.seconds / seconds), self.amplitude)
 
 
 def excited_modes(
@@ -127,29 +99,6 @@ def _signs(modes: int) -> Signal:
     signs = np.ones(modes)
     signs[2::3] = -1.0
     return signs
-
-
-def ring(bank: ModalBank, samples: int) -> Signal:
-    """Return the sum of a bank's modes from the impact on: (samples,).
-
-    The phase makes the sum of all samples of a mode zero: no mode leaves a constant pressure.
-    With z = e^{(-d + 2πi f) / r} that sum is Re(e^{iφ} / (1 - z)), so φ is 90° from the angle of
-    1 - z; of the two the one that starts upward is taken.
-    """
-    if bank.frequency.size == 0 or samples == 0:
-        return np.zeros(samples)
-    exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
-    rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
-    rotor = np.where(rotor.real < 0, -rotor, rotor)
-    rows = max(SINGLE_THREAD_SIZE // (2 * exponent.size * _BLOCK), 1)
-    blocks = -(-samples // (_BLOCK * rows)) * rows
-    # e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.
-    coarse = np.exp(np.outer(np.arange(blocks) * _BLOCK, exponent)) * (bank.amplitude * rotor)
-    fine = np.exp(np.outer(exponent, np.arange(_BLOCK)))
-    left = np.concatenate((coarse.real, -coarse.imag), axis=1)
-    right = np.concatenate((fine.real, fine.imag), axis=0)
-    stacked = left.reshape(-1, rows, left.shape[1])
-    return np.matmul(stacked, right).reshape(-1)[:samples]
 
 
 def body_bank(
@@ -229,7 +178,7 @@ def _about(modes: BodyModes, side: int, along: float) -> Signal:
     Half the mean square is that of the whole surface.
     """
     there = _at(modes.displacement[:, :, side], along)
-    return np.asarray(np.sqrt(0.5 * (modes.displacement**2).mean(axis=(1, 2)) + 0.5 * there**2))
+    return np.asarray(np.sqrt(0.5 * modes.mean_square + 0.5 * there**2))
 
 
 def _at(table: Signal, along: float) -> Signal:

@@ -6,16 +6,27 @@ from dataclasses import dataclass, replace
 from math import log2
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from audio import footsteps
 from audio.acoustic_materials import MaterialFamily, Solid, family_of, solid_of, usual_shape
 from audio.body_shape import BodyShape
-from audio.cause_voices import Motion, MotionVoice, cause_voice
-from audio.dsp import Signal, band_noise, grain_noise, normalized, resample, without_rumble
+from audio.cause_voices import MotionVoice, cause_voice
+from audio.dsp import (
+    Signal,
+    band_noise,
+    convolve,
+    grain_noise,
+    normalized,
+    resample,
+    without_rumble,
+)
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_synthesis import ModalBank, body_bank, excited_modes, lowest_frequency, ring
+from audio.modal_bank import ModalBank, ring
+from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
+from audio.motion import Motion
 from audio.notes import Note
 from audio.seeded import seeded
 from audio.source_motion import SpeedProfile, speed_profile
@@ -31,6 +42,8 @@ _SPOTS = 16
 # Attenuation in air [dB per m and Hz²], a square law through 0.16 dB/m at 10 kHz.
 # Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
 _AIR_ABSORPTION = 1.6e-9
+# Length of what air makes of an impulse [samples].
+_AIR_RESPONSE = 256
 # Longest ring without a configured decay [s].
 _MAX_RING = 6.0
 # Longest ring of a limb while its joint rubs, and of a body that rubs [s].
@@ -181,9 +194,11 @@ def synthesize(sound: SoundParameters, seed: int) -> Signal:
 
 def _through_air(signal: Signal, distance: float) -> Signal:
     """Return a sound as it arrives over a distance [m], duller: (N,)."""
-    spectrum = np.fft.rfft(signal)
-    frequency = np.fft.rfftfreq(signal.size, 1 / SAMPLE_RATE).astype(np.float64)
-    return np.asarray(np.fft.irfft(spectrum * _absorption(frequency, distance), signal.size))
+    # FFTs of prime lengths are slow, and the end must not come round to the onset.
+    size = next_fast_len(signal.size + _AIR_RESPONSE, real=True)
+    frequency = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
+    spectrum = np.fft.rfft(signal, size) * _absorption(frequency, distance)
+    return np.asarray(np.fft.irfft(spectrum, size)[: signal.size])
 
 
 def _absorption(frequency: Signal, distance: float) -> Signal:
@@ -198,7 +213,7 @@ def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:
 
 
 def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator) -> Signal:
-    pitch = sound.pitch or voice.pitch * (0.1 / sound.size) ** 0.5
+    pitch = sound.pitch or voice.pitch_of(sound.size)
     body = np.ones(1)
     if voice.resonates:
         bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
@@ -237,8 +252,7 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
 def _struck(bank: ModalBank, seconds: float, sound: SoundParameters) -> Signal:
     """Return the ring of a bank under the force of a contact of this duration [s]."""
     left = contact_attenuation(bank.frequency, seconds)
-    body = _ring(replace(bank, amplitude=bank.amplitude * left), sound)
-    return np.convolve(body, force_pulse(seconds))[: body.size]
+    return _ring(replace(bank, amplitude=bank.amplitude * left), sound, force_pulse(seconds))
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
@@ -262,9 +276,7 @@ def _body_modes(sound: SoundParameters, rng: np.random.Generator) -> ModalBank:
     damping = _AIR_DAMPING + _SUPPORT_DAMPING * solid_of(sound.surface).loss
     if sound.pitch:
         # A body of this pitch is as much larger or smaller.
-        scale = lowest_frequency(shape, solid) / sound.pitch
-        lengths = (shape.length, shape.width, shape.thickness)
-        shape = BodyShape(shape.kind, *(scale * length for length in lengths))
+        shape = shape.scaled(lowest_frequency(shape, solid) / sound.pitch)
     bank = body_bank(shape, solid, damping, sound.spot, sound.pitch > 0, rng)
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
@@ -278,11 +290,14 @@ def _ground_modes(
     return bank.with_decay_time(sound.decay) if sound.decay else bank
 
 
-def _ring(bank: ModalBank, sound: SoundParameters) -> Signal:
+def _ring(bank: ModalBank, sound: SoundParameters, *force: Signal) -> Signal:
+    """Return what is heard of a bank, under a force (K,) or an impulse: (N,)."""
     absorption = _absorption(bank.frequency, sound.distance)
-    longest = max(_MAX_RING, sound.decay)
-    samples = max(int(min(bank.seconds, longest) * SAMPLE_RATE), _FADE)
-    signal = ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+    bank = replace(bank, amplitude=bank.amplitude * absorption)
+    audible = float(bank.audible_seconds.max(initial=0.0))
+    seconds = min(bank.seconds, audible, max(_MAX_RING, sound.decay))
+    samples = max(int(seconds * SAMPLE_RATE), _FADE)
+    signal = ring(bank, samples, *force)
     # Other layers may last longer, and would not cover its end.
     return _faded(signal, min(_FADE, samples // 4))
 
@@ -319,7 +334,7 @@ def _friction(
     bank = _body_modes(sound, rng).with_decay_time(_FRICTION_RING)
     body = _ring(bank, sound)
     # The slope of the profile excites the body: read slowly, it hardly does.
-    excited = np.convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])[:samples]
+    excited = convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])
     signal = normalized(noise) + _FRICTION_RESONANCE * normalized(excited)
     edge = np.arange(samples) + 1.0
     return np.asarray(signal * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))

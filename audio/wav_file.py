@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import wave
-from collections import Counter, OrderedDict
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,17 +22,16 @@ from audio.music_mix import mix_music, music_gain
 from audio.notes import Note, notes_of
 from audio.room_acoustics import Reverberator, room_acoustics
 from audio.score import Score
+from audio.sound_cache import SOUNDS
 from audio.sound_files import write_sound_file
 from audio.soundfont import play_soundfont
 from audio.source_motion import moving_gains, surrounding_gains
-from audio.synthesis import SoundParameters, sound_parameters, synthesize
+from audio.synthesis import sound_parameters
 from audio.time_grid import SAMPLE_RATE, sample_at, sample_of_frame
 
 _CHANNELS, _SAMPLE_BYTES = 2, 3
 # Sizes in a WAV file have 32 bits.
 _MAX_SAMPLES = (2**32 - 1024) // (_CHANNELS * _SAMPLE_BYTES)
-# Synthesised sounds kept for reuse; a scene has some dozens.
-_CACHE_SIZE = 512
 # Longest fade at the end [s]; never longer than half the last frame.
 _END_FADE = 0.004
 # 24 bits in the upper bytes of 32.
@@ -179,7 +178,6 @@ def mix_notes(
     """
     mix = np.zeros((samples, len(layout.channels)))
     reverberator = Reverberator(room_acoustics(score.sound.room), samples, layout)
-    cache: OrderedDict[SoundParameters, Signal] = OrderedDict()
     occurrences = Counter[tuple[object, ...]]()
     for note in notes:
         if note.is_music:
@@ -190,7 +188,7 @@ def mix_notes(
         parameters, jitter_db = sound_parameters(note, score.seed, occurrence, remaining)
         level = note.level + jitter_db + bus_gain_db(score.sound.mix, note.event.cause)
         gain = 10 ** (level / 20)
-        sound, start = _cached_sound(cache, parameters, score.seed), sample_at(note.onset)
+        sound, start = SOUNDS.sound(parameters, score.seed), sample_at(note.onset)
         mix_in(mix, start, sound, _gains(note, gain, sound.size, layout))
         reverberator.feed(note.event, start, sound, gain, note.send)
     reverberator.add_to(mix)
@@ -217,17 +215,6 @@ def _gains(note: Note, gain: float, samples: int, layout: Layout) -> tuple[Gain,
         *(event.course, event.distance, event.duration, samples, layout.gains)
     )
     return tuple(gain * channel for channel in around)
-
-
-def _cached_sound(
-    cache: OrderedDict[SoundParameters, Signal], parameters: SoundParameters, seed: int
-) -> Signal:
-    if parameters not in cache:
-        cache[parameters] = synthesize(parameters, seed)
-        if len(cache) > _CACHE_SIZE:
-            cache.popitem(last=False)
-    cache.move_to_end(parameters)
-    return cache[parameters]
 
 
 def wav_bytes(samples: NDArray[np.int32]) -> bytes:

@@ -29,6 +29,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from audio.acoustic_materials import FAMILIES
+from audio.body_shape import BodyShape
 from audio.cause_voices import CAUSE_VOICES
 from audio.config.sound import Sound
 from audio.midi_file import midi_bytes
@@ -43,6 +44,7 @@ ALLOWED = 0.05
 
 COUNT, SECONDS, SAMPLE_RATE = 48, 8, 48_000
 COURSE = tuple(Bearing(abs(4 - i) + 1.0, i / 4 - 1, 8.0 - 2 * i) for i in range(9))
+BRICK = BodyShape("box", 0.3, 0.15, 0.1)
 SPEEDS = tuple(3.0 - abs(4 - i) / 2 for i in range(9))
 
 
@@ -82,6 +84,28 @@ def measure(name: str, score: Score) -> float:
     share = median(spent for spent, _ in runs) / lasts
     print(f"{name:28s} {100 * share:6.2f} % a voice; {lasts / COUNT:5.2f} s each")
     return share
+
+
+def dense_tracks(folder: Path) -> None:
+    """Print what a track takes by its impacts a second, each of a place and speed of its own."""
+    for rate in (6, 25, 100):
+        frames = 24 * SECONDS
+        events = [
+            ScoreEvent(
+                *(1 + i * (frames - 1) // (rate * SECONDS), Fraction(0), "collision", "one"),
+                *(f"part_{i}", "other", "oak", "oak", 0.2 * 1.07 ** (i % 50)),
+                size=0.3,
+                spot=(i % 97) / 97,
+                shape=BRICK,
+                struck_shape=BRICK,
+            )
+            for i in range(rate * SECONDS)
+        ]
+        score = Score(Fraction(24), frames, tuple(events), Sound())
+        began = time.process_time()
+        write_wav(score, folder / "track.wav")
+        spent = 100 * (time.process_time() - began) / SECONDS
+        print(f"{rate:4d} impacts a second {spent:24.2f} % of real time")
 
 
 def whole_track(folder: Path) -> None:
@@ -160,6 +184,7 @@ def main() -> None:
         shares[cause] = measure(cause, score_of(cause, "wood", "stone", lasting=True))
     with tempfile.TemporaryDirectory() as folder:
         whole_track(Path(folder))
+        dense_tracks(Path(folder))
         beside(Path(folder), font)
     slow = [name for name, share in shares.items() if share > ALLOWED]
     top = max(shares, key=shares.__getitem__)

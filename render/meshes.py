@@ -73,7 +73,7 @@ class MeshGroup:
         warned: (F,) hatched faces, or None.
         unwrapped: the surface with texture coordinates, None where it needs none.
         footprints: in the ground, or None; a mesh with footprints is not merged.
-        colors: (V, 3) linear base colours of the vertices, or None.
+        has_colors: whether the vertices have colours.
         given_normals: whether the meshes bring their normals.
         cover: (V, 4) colours and their shares, or None; ground with a cover is not merged.
         wear: bare soil in the ground, or None; a mesh with wear is not merged.
@@ -88,7 +88,7 @@ class MeshGroup:
     warned: NDArray[np.bool_] | None
     unwrapped: Unwrapped | None
     footprints: FootprintRaster | None
-    colors: NDArray[np.float32] | None
+    has_colors: bool
     given_normals: bool
     cover: NDArray[np.float32] | None
     wear: GroundWear | None
@@ -169,12 +169,11 @@ def _group(
     smooth: bool,
 ) -> MeshGroup:
     starts = np.cumsum([0, *(len(meshes[i].vertices) for i in members)])
-    faces = np.concatenate(
-        [
-            meshes[i].faces.astype(np.uint32) + np.uint32(start)
-            for i, start in zip(members, starts, strict=False)
-        ]
-    )
+    own = [meshes[i].faces.astype(np.uint32, copy=False) for i in members]
+    # Scenery is large, and alone in its group: it is not copied.
+    faces = own[0]
+    if len(own) > 1:
+        faces = np.concatenate([f + np.uint32(k) for f, k in zip(own, starts, strict=False)])
     share_material = material if needs_vertex_shares(material, surface) else None
     warned = [mesh.warned for mesh in (meshes[i] for i in members) if mesh.warned is not None]
     unwrapped = None
@@ -183,9 +182,7 @@ def _group(
         grouped = [meshes[i] for i in members]
         rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in grouped]
         unwrapped = unwrap(np.concatenate(rest), faces)
-    colors = [mesh.colors for mesh in (meshes[i] for i in members) if mesh.colors is not None]
     cover = [mesh.cover for mesh in (meshes[i] for i in members) if mesh.cover is not None]
-    base = linear(material.color).astype(np.float32)
     return MeshGroup(
         members,
         name,
@@ -196,11 +193,16 @@ def _group(
         np.concatenate(warned) if warned else None,
         unwrapped,
         meshes[members[0]].footprints,
-        np.concatenate(colors) * base if colors else None,
+        meshes[members[0]].colors is not None,
         meshes[members[0]].normals is not None,
         np.concatenate(cover) if cover else None,
         meshes[members[0]].wear,
     )
+
+
+def _joined(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return arrays one after the other; a single one is not copied."""
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
 def unwrap(rest: NDArray[np.float32], faces: NDArray[np.uint32]) -> Unwrapped:
@@ -232,7 +234,7 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
         group.surface,
         group.warned is not None,
         group.footprints,
-        has_colors=group.colors is not None,
+        has_colors=group.has_colors,
         has_cover=group.cover is not None,
         wear=group.wear,
     )
@@ -256,8 +258,8 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
     if group.warned is not None:
         share = _vertex_share(group.warned, group.faces)
         mesh.add_attribute(WARNED, 1, (share[unwrapped.source] if unwrapped else share).tolist())
-    if group.colors is not None:
-        mesh.add_attribute(VERTEX_COLOR, 3, [0.0] * group.colors.size)
+    if group.has_colors:
+        mesh.add_attribute(VERTEX_COLOR, 3, [0.0] * (3 * count))
     if group.cover is not None:
         mesh.add_attribute(COVER_COLOR, 3, [0.0] * (3 * count))
         mesh.add_attribute(COVER_SHARE, 1, [0.0] * count)
@@ -267,8 +269,10 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
         _write(values, COVER_COLOR, cover[:, :3])
         _write(values, COVER_SHARE, cover[:, 3])
     _write(values, "faces", unwrapped.faces if unwrapped else group.faces)
-    if group.colors is not None:
-        _write(values, VERTEX_COLOR, group.colors)
+    if group.has_colors:
+        of_members = [meshes[i].colors for i in group.members]
+        colors = _joined([colors for colors in of_members if colors is not None])
+        _write(values, VERTEX_COLOR, colors * linear(material.color).astype(np.float32))
     if unwrapped:
         _write(values, "vertex_texcoords", unwrapped.uv)
     update_vertices(values, "", group, meshes)
@@ -282,7 +286,7 @@ def update_vertices(values: Any, prefix: str, group: MeshGroup, meshes: Sequence
     Raises:
         ShotError: a vertex is not finite.
     """
-    vertices = np.concatenate([meshes[i].vertices for i in group.members])
+    vertices = _joined([meshes[i].vertices for i in group.members])
     vertices = np.ascontiguousarray(vertices, np.float32)
     if not np.isfinite(vertices).all():
         raise ShotError(f"a vertex of material {group.material!r} is not finite")
@@ -291,7 +295,7 @@ def update_vertices(values: Any, prefix: str, group: MeshGroup, meshes: Sequence
     if group.smooth:
         if group.given_normals:
             given = [meshes[i].normals for i in group.members]
-            normals = np.concatenate([n for n in given if n is not None])
+            normals = _joined([n for n in given if n is not None])
         else:
             normals = vertex_normals(vertices, group.faces)
         _write(values, prefix + "vertex_normals", normals[source])
@@ -301,10 +305,10 @@ def update_vertices(values: Any, prefix: str, group: MeshGroup, meshes: Sequence
                 _write(values, prefix + name, share[source])
 
 
-def update_footprints(values: Any, prefix: str, group: MeshGroup, count: int) -> None:
-    """Write the number of footprints made so far to Mitsuba's parameters."""
+def update_footprints(values: Any, prefix: str, count: int) -> None:
+    """Write the number of footprints made so far to Mitsuba's parameters of ground."""
     name = f"{prefix}bsdf.{FOOTPRINT_COUNT}"
-    if group.footprints is not None and name in values:
+    if name in values:
         values[name] = dr.opaque(type(values[name]), count)
 
 

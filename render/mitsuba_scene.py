@@ -6,6 +6,7 @@ Building anew for each frame would leak (mitsuba3, issue 1890) and take far long
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import drjit as dr
@@ -25,6 +26,7 @@ from render.color import linear
 from render.config import FullFilm, Material
 from render.errors import ShotError
 from render.frame import LightLayers
+from render.freed_memory import return_freed_memory
 from render.lens_blur import softness
 from render.lights.cloud_shadows import cloud_shadows
 from render.lights.environment_emitters import surroundings
@@ -75,6 +77,7 @@ class MitsubaScene:
     def __init__(self, shot: Shot) -> None:
         self.build = shot.build
         self._film = shot.film.resolved()
+        return_freed_memory()
         self._groups: tuple[MeshGroup, ...] = group_meshes(shot.meshes, shot.materials)
         meshes: dict[str, Any] = {
             f"mesh{i}": build_mesh(group, shot.meshes, shot.materials[group.material])
@@ -85,7 +88,6 @@ class MitsubaScene:
         self._lamp_places: tuple[LampPlace, ...] = ()
         around = surroundings(shot.light, _ground_color(shot), sky_width(self._film.size[0]))
         self.air = Air.of(around.haze) if around.haze is not None else None
-        self._around = around
         self._sky_time: float | None = None
         self.scene = mi.load_dict(
             {
@@ -96,7 +98,11 @@ class MitsubaScene:
                 "camera": _camera(self._film, shot.camera),
             }
         )
-        self._still_groups = still_groups = _still_groups(shot)
+        # Mitsuba has a copy of the maps.
+        self._around = replace(around, emitters={})
+        return_freed_memory()
+        still_groups = _still_groups(shot)
+        self._n_still = len(still_groups)
         still = {
             f"still{i}": build_mesh(group, shot.scenery, shot.materials[group.material])
             for i, group in enumerate(still_groups)
@@ -128,13 +134,14 @@ class MitsubaScene:
         keys = [shape for shape in self.scene.shapes() if shape.id() == "key"]
         self._key = keys[0].emitter() if keys else None
         self.update(shot.moments[0])
+        return_freed_memory()
 
     def update(self, moment: Moment) -> None:
         """Move meshes, lamps and camera to a moment of a shot with the same build."""
         for i, group in enumerate(self._groups):
             if has_moved(group, self._meshes, moment.meshes):
                 update_vertices(self._values, f"mesh{i}.", group, moment.meshes)
-            update_footprints(self._values, f"mesh{i}.", group, moment.footprint_count)
+            update_footprints(self._values, f"mesh{i}.", moment.footprint_count)
         self._meshes = moment.meshes
         places = moment.lamps or fixed_places(self._lamps)
         if places != self._lamp_places:
@@ -145,9 +152,8 @@ class MitsubaScene:
             self._values["sky.data"] = self._around.drifting.at(moment.time)
             self._sky_time = moment.time
         set_pixel_width(self._values, moment.camera.fov_deg, self._film.size[1])
-        for i, group in enumerate(self._still_groups):
-            count = moment.footprint_count
-            update_footprints(self._still_values, f"still{i}.", group, count)
+        for i in range(self._n_still):
+            update_footprints(self._still_values, f"still{i}.", moment.footprint_count)
         self._values.update()
         if self._still_values is not self._values:
             # No vertices: the acceleration structure stays.

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal, band_noise
-from audio.modal_synthesis import ModalBank, ring
+from audio.modal_bank import ModalBank, ring
 from audio.time_grid import SAMPLE_RATE
 
 # Modes of an ideal membrane, relative to the lowest: zeros of Bessel functions.

@@ -8,7 +8,7 @@ import numpy as np
 
 from audio.dsp import SILENCE_EXPONENT, Signal, band_noise
 from audio.harmony import MIDDLE_C, frequency_of
-from audio.modal_synthesis import ModalBank, ring
+from audio.modal_bank import ModalBank, ring
 from audio.time_grid import SAMPLE_RATE
 
 _HIGHEST = 14_000.0

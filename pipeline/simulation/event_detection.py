@@ -13,8 +13,10 @@ from pipeline.simulation.sound_detection.motion_sounds import MotionSounds
 from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts
 from pipeline.simulation.sound_detection.vocal_sounds import VocalSounds
 from pipeline.simulation.troupe import Facts
+from pipeline.spec.creature import Creature
 from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene
+from pipeline.spec.script import ChangeMood
 
 
 class EventDetection:
@@ -56,4 +58,25 @@ def sound_sources(
         channels=recorder.channels,
         figures=figures,
         groups=frozenset(m.name for m in scene.cast if isinstance(m, Group)),
+        moods=moods_in_time(scene),
+        seed=scene.seed,
     )
+
+
+def moods_in_time(scene: Scene) -> dict[str, list[tuple[float, str]]]:
+    """Returns the strongest mood of each creature, with the times of scripted changes [s]."""
+    found = {
+        member.name: [(0.0, _strongest(member.mood))]
+        for member in scene.cast
+        if isinstance(member, Creature) and member.name is not None
+    }
+    timed = [order for order in scene.script if order.at is not None]
+    for order in sorted(timed, key=lambda order: order.at or 0.0):
+        if isinstance(order.do, ChangeMood):
+            moods = found.setdefault(order.who, [])
+            moods.append((order.at or 0.0, _strongest(order.do.mood)))
+    return found
+
+
+def _strongest(mood: Mapping[str, float]) -> str:
+    return max(mood, key=mood.__getitem__, default="")

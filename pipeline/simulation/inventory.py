@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.obstacles import Obstacle, outermost
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Channel, Mesh, Node, Part
+from pipeline.simulation.take import Channel, Face, Mesh, Node, Part
 
 MIN_EXTENT = 1e-4
 """Extent below which a part is no obstacle [m]."""
@@ -28,6 +28,7 @@ class Inventory:
         scaled: numbers of the nodes that have a scale.
         looks: render meshes that replace meshes of parts; `Part.look` indexes them.
         solids: obstacles that replace the convex hulls of parts on the same nodes.
+        faces: performers whose faces move.
     """
 
     nodes: tuple[Node, ...]
@@ -37,14 +38,17 @@ class Inventory:
     scaled: tuple[int, ...] = ()
     looks: tuple[Mesh, ...] = ()
     solids: tuple[Obstacle, ...] = ()
+    faces: tuple[Face, ...] = ()
 
 
 def join_inventories(inventories: Iterable[Inventory]) -> Inventory:
     """Returns one inventory of all, with continuous numbers of nodes, meshes and looks."""
     nodes, meshes, looks = list[Node](), list[Mesh](), list[Mesh]()
     channels, parts, scaled, solids = list[Channel](), list[Part](), list[int](), list[Obstacle]()
+    faces = list[Face]()
     for own in inventories:
         first = len(nodes)
+        faces += own.faces
         if not (nodes or meshes or looks):
             # Those of the first keep their numbers, and there may be 100,000 of them.
             nodes, meshes, looks = [*own.nodes], [*own.meshes], [*own.looks]
@@ -66,7 +70,7 @@ def join_inventories(inventories: Iterable[Inventory]) -> Inventory:
         solids += [replace(solid, node=first + solid.node) for solid in own.solids]
     return Inventory(
         *(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts)),
-        *(tuple(scaled), tuple(looks), tuple(solids)),
+        *(tuple(scaled), tuple(looks), tuple(solids), tuple(faces)),
     )
 
 

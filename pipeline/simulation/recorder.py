@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.face_units import COLUMNS
 from pipeline.simulation.inventory import Inventory, join_inventories, shifted_look
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.row_storage import allocate_rows, release_rows
@@ -73,6 +74,8 @@ class Recorder:
         self.alive = allocate_rows((rows, nodes), bool)
         self.values = allocate_rows((rows, len(self.channels)), float)
         self.scales = allocate_rows((rows, len(self.scaled), 3), float)
+        self.faces = own.faces
+        self.expressions = allocate_rows((rows, len(self.faces), len(COLUMNS)), np.float32)
         # Matrices of the rows that are not stored yet, from row `_first` on.
         self._R = np.zeros((0, nodes, 3, 3))
         self._first = 0
@@ -132,8 +135,9 @@ class Recorder:
                 self.alive[which, nodes],
                 self.values[which, channels],
                 self.scales[which, scales],
+                self.expressions[which, faces],
             )
-            for nodes, channels, scales in self._slices
+            for nodes, channels, scales, faces in self._slices
         ]
 
     def _matrices(self, which: slice) -> Array:
@@ -173,7 +177,8 @@ class Recorder:
         last = self.quaternions[max(which.start - 1, 0) : which.start]
         run = continuous(np.concatenate([last, quaternion(R)]))
         self.quaternions[which] = run[len(last) :]
-        for rows in (self.positions, self.quaternions, self.alive, self.values, self.scales):
+        moving = self.positions, self.quaternions, self.alive, self.values, self.scales
+        for rows in (*moving, self.expressions):
             release_rows(rows)
         return None
 
@@ -222,16 +227,18 @@ class Recorder:
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self.notes),
+            faces=self.faces,
+            expressions=self.expressions,
         )
 
 
-def _slices(inventories: Sequence[Inventory]) -> list[tuple[slice, slice, slice]]:
-    """Returns the slices of each troupe's nodes, channels and scales."""
-    slices, before = [], (0, 0, 0)
+def _slices(inventories: Sequence[Inventory]) -> list[tuple[slice, slice, slice, slice]]:
+    """Returns the slices of each troupe's nodes, channels, scales and faces."""
+    slices, before = [], (0, 0, 0, 0)
     for inventory in inventories:
-        counts = len(inventory.nodes), len(inventory.channels), len(inventory.scaled)
-        after = before[0] + counts[0], before[1] + counts[1], before[2] + counts[2]
-        nodes, channels, scales = map(slice, before, after)
-        slices.append((nodes, channels, scales))
-        before = after
+        own = inventory.nodes, inventory.channels, inventory.scaled, inventory.faces
+        a, b, c, d = (first + len(new) for first, new in zip(before, own, strict=True))
+        nodes, channels, scales, faces = map(slice, before, (a, b, c, d))
+        slices.append((nodes, channels, scales, faces))
+        before = a, b, c, d
     return slices

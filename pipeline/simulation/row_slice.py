@@ -20,6 +20,7 @@ class Rows:
         alive: (n, J) whether a node exists.
         values: (n, C) channel values.
         scales: (n, N, 3) scales of the scaled nodes.
+        expressions: (n, F, 15) of the faces, in the order of `face_units.COLUMNS`.
     """
 
     positions: Array
@@ -27,3 +28,4 @@ class Rows:
     alive: NDArray[np.bool_]
     values: Array
     scales: Array
+    expressions: NDArray[np.float32]

@@ -11,6 +11,8 @@ SIGNAL_KINDS: Mapping[str, str] = {
     "pain": "somebody is hurt, by whom or what",
     "hug": "somebody has its arms around somebody",
     "cry": "somebody cries, for pain or for fear",
+    "laugh": "somebody laughs at play",
+    "gasp": "somebody takes fright",
 }
 """Kinds of signals and their meaning."""
 

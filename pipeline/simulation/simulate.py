@@ -149,6 +149,7 @@ class Simulation:
             alive=whole.alive[rows],
             scales=whole.scales[rows],
             values=whole.values[rows],
+            expressions=whole.expressions[rows],
             notes=(),
         )
 

@@ -33,11 +33,11 @@ ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = (
     *("nodes", "channels", "parts", "contacts", "events"),
-    *("notes", "mechanisms", "legs", "aliases", "orders"),
+    *("notes", "mechanisms", "legs", "aliases", "orders", "faces"),
 )
 """Attributes of a take that are tables of records."""
 
-OPTIONAL_TABLES = ("mechanisms", "legs", "aliases", "orders")
+OPTIONAL_TABLES = ("mechanisms", "legs", "aliases", "orders", "faces")
 """Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
@@ -118,6 +118,9 @@ class Mesh:
         paint: (V, 4) float32 linear colour in place of the material's, and its share; (0, 4) for
             none.
         hair: (V, 3) float32 of a coat, from root to tip in the rest frame [m]; (0, 3) for none.
+        targets: (n, 2) int32 vertex, and the unit of its performer's face that moves it; (0, 2) for
+            none.
+        offsets: (n, 3) float32 by which it moves at the unit's full action, in the rest frame [m].
     """
 
     vertices: NDArray[np.float32]
@@ -127,9 +130,11 @@ class Mesh:
     uv: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 2), np.float32))
     paint: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
     hair: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    targets: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
+    offsets: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
 
 
-OPTIONAL_ARRAYS = ("paint", "hair")
+OPTIONAL_ARRAYS = ("paint", "hair", "targets", "offsets")
 """Arrays of meshes that may be empty, the last ones of a mesh."""
 
 
@@ -290,6 +295,13 @@ class OrderRecord:
     reason: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Face:
+    """A face that moves, by the name of its performer."""
+
+    performer: str
+
+
 @dataclass(frozen=True, eq=False)
 class TerrainRecord:
     """The ground of a take.
@@ -333,6 +345,9 @@ class Take:
         legs: legs of these creatures, with the stances that their gaits planned.
         aliases: names of drawing nodes for the nodes of creatures.
         orders: of the script, and what became of them, in the order of time.
+        faces: F faces that move.
+        expressions: (K, F, n) float32 units and gaze of these, in the order of
+            `face_units.COLUMNS`; empty without faces.
     """
 
     header: Header
@@ -354,11 +369,18 @@ class Take:
     legs: tuple[Leg, ...] = ()
     aliases: tuple[NodeAlias, ...] = ()
     orders: tuple[OrderRecord, ...] = ()
+    faces: tuple[Face, ...] = ()
+    expressions: NDArray[np.float32] = field(
+        default_factory=lambda: np.zeros((0, 0, 0), np.float32)
+    )
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
         """Yields the name and the values of every array, in a fixed order."""
         for name in ("positions", "rotations", "alive", "scales", "values"):
             yield name, getattr(self, name)
+        if self.faces:
+            # Left out of takes without faces, which keep the digests that they had before.
+            yield "expressions", self.expressions
         for name in ("vertices", "faces", "forbidden"):
             yield f"terrain/{name}", getattr(self.terrain, name)
         # Concatenated meshes: a handful of arrays, however many meshes there are.

@@ -27,6 +27,7 @@ from pipeline.simulation.take import (
     OPTIONAL_TABLES,
     Channel,
     Contact,
+    Face,
     Header,
     Mesh,
     Node,
@@ -51,12 +52,16 @@ RECORD_TYPES: dict[str, Any] = {
     "legs": Leg,
     "aliases": NodeAlias,
     "orders": OrderRecord,
+    "faces": Face,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
 """Exceptions of zarr for a damaged group; RuntimeError for a truncated chunk."""
 
-ROW_ARRAYS = ("positions", "rotations", "alive", "scales", "values")
+ROW_ARRAYS = ("positions", "rotations", "alive", "scales", "values", "expressions")
+
+OPTIONAL_ROWS = ("expressions",)
+"""Arrays of rows that are left out where they are empty."""
 
 
 def write_take(take: Take, path: Path) -> None:
@@ -166,7 +171,10 @@ def read_rows(source: StoreLike, take: Take, rows: slice) -> None:
     try:
         group = zarr.open_group(source, mode="r")
         for name in ROW_ARRAYS:
-            values, found = getattr(take, name), group[name]
+            values = getattr(take, name)
+            if name in OPTIONAL_ROWS and not values.size:
+                continue
+            found = group[name]
             assert isinstance(found, zarr.Array)
             if values.size:
                 values[rows] = found[rows]
@@ -192,7 +200,9 @@ def _assemble(group: zarr.Group, plain: dict[str, Any], with_rows: bool = True) 
         for name, row in RECORD_TYPES.items()
         if name not in OPTIONAL_TABLES or name in plain["tables"]
     }
-    rows: dict[str, Any] = {name: array(name) for name in ROW_ARRAYS}
+    rows: dict[str, Any] = {
+        name: array(name) for name in ROW_ARRAYS if name not in OPTIONAL_ROWS or name in group
+    }
     terrain = plain["terrain"]
     return Take(
         header=Header.from_dict(plain["header"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
@@ -68,7 +69,37 @@ class Matter(ConfigModel):
         return self
 
 
-class Box(Matter):
+def faults_of_hollow(wall: float | None, least: float) -> list[Fault]:
+    """Return what is wrong with the wall of a hollow body [m] whose least extent is given [m]."""
+    if wall is None or 2.0 * wall < least:
+        return []
+    message = f"leaves no cavity; write less than {least / 2.0:g}, or remove this"
+    return [Fault(("hollow",), message)]
+
+
+HOLLOW = (
+    "Thickness of its wall, if it is closed and hollow [m]; solid if left out. It changes the "
+    "sound; mass is density times the whole volume."
+)
+
+
+class Hollow(Matter, ABC):
+    """Matter that may have a cavity."""
+
+    hollow: Length | None = Field(None, description=HOLLOW)
+
+    @model_validator(mode="after")
+    def _check_wall(self) -> Self:
+        raise_faults(faults_of_hollow(self.hollow, self.least_extent))
+        return self
+
+    @property
+    @abstractmethod
+    def least_extent(self) -> float:
+        """The least of its extents [m]."""
+
+
+class Box(Hollow):
     """A box about its middle."""
 
     shape: Literal["box"] = Field(description="A box.")
@@ -76,8 +107,13 @@ class Box(Matter):
         (0.3, 0.3, 0.3), description="Its extent along x, y and z [m]."
     )
 
+    @property
+    def least_extent(self) -> float:
+        """The least of its extents [m]."""
+        return min(self.size)
 
-class Brick(Matter):
+
+class Brick(Hollow):
     """A brick: a box that lies."""
 
     shape: Literal["brick"] = Field(description="A brick.")
@@ -86,12 +122,22 @@ class Brick(Matter):
     )
     density: Annotated[Positive, Field(le=30_000)] = Field(1800.0, description="[kg/m³].")
 
+    @property
+    def least_extent(self) -> float:
+        """The least of its extents [m]."""
+        return min(self.size)
 
-class Cube(Matter):
+
+class Cube(Hollow):
     """A cube; as a die it has pips, opposite ones adding up to seven."""
 
     shape: Literal["cube", "die"] = Field(description="A cube, or one with pips.")
     size: Length = Field(0.3, description="Length of its edges [m].")
+
+    @property
+    def least_extent(self) -> float:
+        """The least of its extents [m]."""
+        return self.size
 
 
 class Regular(Matter):
@@ -103,7 +149,7 @@ class Regular(Matter):
     size: Length = Field(0.4, description=AROUND_IT)
 
 
-class Upright(Matter):
+class Upright(Hollow):
     """A prism or a pyramid over a regular polygon."""
 
     shape: Literal["prism", "pyramid"] = Field(
@@ -113,12 +159,22 @@ class Upright(Matter):
     radius: Length = Field(0.2, description="Of the circle around the polygon [m].")
     height: Length = Field(0.4, description="Its height [m].")
 
+    @property
+    def least_extent(self) -> float:
+        """The least of its extents [m]."""
+        return min(self.height, 2.0 * self.radius * math.cos(math.pi / self.sides))
 
-class Sphere(Matter):
+
+class Sphere(Hollow):
     """A ball."""
 
     shape: Literal["sphere"] = Field(description="A ball.")
     radius: Length = Field(0.2, description="Its radius [m].")
+
+    @property
+    def least_extent(self) -> float:
+        """The least of its extents [m]."""
+        return 2.0 * self.radius
 
 
 class HullBody(Matter):

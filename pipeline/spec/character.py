@@ -7,7 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from pipeline.spec.behaviour import Behaviour, Traits
+from pipeline.spec.behaviour import Behaviour, Part, Traits
 from pipeline.spec.character_kinds import HANDS, PEOPLE, WEARERS, Kind
 from pipeline.spec.costume import Costume
 from pipeline.spec.keyframes import PoseKey, Turn
@@ -67,6 +67,11 @@ class Character(Performer):
         description="What it does by itself, the most pressing first. With traits alone it plays "
         "with the nearest ball and is attached to the nearest adult, or hugs children who come.",
     )
+    obedience: Part = Field(
+        0.5,
+        description="How much pain a child or an adult bears while it does what it is told: "
+        "0 none, 0.5 a hard blow, 1 any. It flinches at half of that, and steps back beyond it.",
+    )
     slapstick: bool = Field(
         False, description="Whether it runs into the person it hugs instead of slowing down."
     )
@@ -77,8 +82,8 @@ class Character(Performer):
         return self
 
     def _faults_of_mind(self) -> Iterator[Fault]:
-        for key in ("traits", "behaviours", "slapstick"):
-            if getattr(self, key) and not self.acts:
+        for key in ("traits", "behaviours", "slapstick", "obedience"):
+            if getattr(self, key) != type(self).model_fields[key].default and not self.acts:
                 message = f"a {self.character} that does not stand does not act; remove this"
                 yield Fault((key,), message, at_key=True)
 

@@ -39,6 +39,9 @@ LinkShape = Literal["round", "straight", "box", "plate", "ball"]
 MAX_DENSITY = 100_000.0
 """About four times the density of the densest metals [kg/m³]."""
 
+MAX_MASS = 1e9
+"""Of a limb: far more than any animal weighs [kg]."""
+
 SNAP_FRACTION = 1e-3
 """Default distance at which nodes snap to an axis, as a fraction of the drawing's size."""
 
@@ -140,6 +143,11 @@ class Figure(ConfigModel):
     )
     density: Annotated[Positive, Field(le=MAX_DENSITY)] = Field(
         1000.0, description="Mass of the visible solids by volume [kg/m³]; water's if left out."
+    )
+    masses: dict[Name, Annotated[Positive, Field(le=MAX_MASS)]] = Field(
+        {},
+        description="Masses that are not by volume: by limb, such as l1 or head, or of the body, "
+        "at the size in which the figure is drawn [kg].",
     )
 
     @model_validator(mode="after")

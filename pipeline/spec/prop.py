@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from pipeline.spec.body import HOLLOW, faults_of_hollow
 from pipeline.spec.hold import Hold, faults_of_holds
 from pipeline.spec.keyframes import Keyframe, Rates, Time, Turn, faults_of_order, faults_of_tangents
 from pipeline.spec.model_base import (
@@ -30,6 +31,12 @@ class BoxShape(ConfigModel):
     size: tuple[Length, Length, Length] = Field(
         (0.3, 0.3, 0.3), description="Its extent along x, y and z [m]."
     )
+    hollow: Length | None = Field(None, description=HOLLOW)
+
+    @model_validator(mode="after")
+    def _check_wall(self) -> Self:
+        raise_faults(faults_of_hollow(self.hollow, min(self.size)))
+        return self
 
 
 class BallShape(ConfigModel):
@@ -37,6 +44,12 @@ class BallShape(ConfigModel):
 
     shape: Literal["ball"] = Field(description="A ball.")
     radius: Length = Field(0.2, description="Its radius [m].")
+    hollow: Length | None = Field(None, description=HOLLOW)
+
+    @model_validator(mode="after")
+    def _check_wall(self) -> Self:
+        raise_faults(faults_of_hollow(self.hollow, 2.0 * self.radius))
+        return self
 
 
 class CylinderShape(ConfigModel):
@@ -45,6 +58,12 @@ class CylinderShape(ConfigModel):
     shape: Literal["cylinder"] = Field(description="An upright cylinder.")
     radius: Length = Field(0.2, description="Its radius [m].")
     height: Length = Field(0.4, description="Its height [m].")
+    hollow: Length | None = Field(None, description=HOLLOW)
+
+    @model_validator(mode="after")
+    def _check_wall(self) -> Self:
+        raise_faults(faults_of_hollow(self.hollow, min(2.0 * self.radius, self.height)))
+        return self
 
 
 class ConeShape(ConfigModel):

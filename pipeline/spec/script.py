@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
 from pipeline.spec.events import EVENTS
+from pipeline.spec.expression import Shown
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.model_base import (
     BehaviourName,
@@ -235,6 +236,15 @@ class SetUrges(ConfigModel):
     )
 
 
+class Express(ConfigModel):
+    """Show an emotion from now on, whatever it feels; pain shows all the same."""
+
+    express: Shown = Field(
+        description="What its face shows; `neutral` is a calm face, `own` what it feels again."
+    )
+    strength: Annotated[Number, Field(ge=0, le=1)] = Field(1.0, description="How much of it shows.")
+
+
 class Perform(ConfigModel):
     """Dance something from now on, or so many bars of it."""
 
@@ -276,6 +286,7 @@ FORMS: Mapping[str, type[ConfigModel]] = {
     "grapple": Grapple,
     "sit": SitOn,
     "urge": SetUrges,
+    "express": Express,
     "dance": Perform,
     # Last, for gait and kick have a key of this name too.
     "speed": SetSpeed,

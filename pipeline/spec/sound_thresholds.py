@@ -223,6 +223,29 @@ class Hug(VocalCause):
     pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
 
 
+class Laugh(VocalCause):
+    """Laughs of people at play."""
+
+    above: Speed = Field(0.0, description="Least strength that is heard [m/s]; that of most is 1.")
+    pause: Seconds = Field(2.0, description="The same one is not heard again sooner than this [s].")
+
+
+class Gasp(VocalCause):
+    """Gasps of people who take fright."""
+
+    above: Speed = Field(0.0, description="Least strength that is heard [m/s]: 1, and 2 in panic.")
+    pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
+
+
+class Call(Cause):
+    """Creatures that call, each in the voice of its mood; heard only if it is asked for."""
+
+    heard: bool = Field(False, description="True to hear calls.")
+    every: Annotated[Positive, Field(le=3600)] = Field(
+        6.0, description="Time from one call to the next, on average [s]."
+    )
+
+
 class Detect(ConfigModel):
     """Detection thresholds of each cause."""
 
@@ -241,6 +264,9 @@ class Detect(ConfigModel):
     breath: Breath = Field(Breath(), description="Whether breathing is heard.")
     cry: Cry = Field(Cry(), description="Thresholds of cries.")
     hug: Hug = Field(Hug(), description="Thresholds of hugs.")
+    laugh: Laugh = Field(Laugh(), description="Thresholds of laughs.")
+    gasp: Gasp = Field(Gasp(), description="Thresholds of gasps.")
+    call: Call = Field(Call(), description="Whether creatures call, and how often.")
 
 
 class SceneSound(Sound):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib.resources
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, get_args
@@ -25,15 +25,18 @@ from pipeline.production.run.take_stage import take_key
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Figure, Scene, figure_schema, read_scene, schema
 from pipeline.spec.figure import PartKind
+from pipeline.spec.name_catalogue import names_of
+from pipeline.spec.scene_library import FIGURES
 from pipeline.studio.access import Guard
 from pipeline.studio.drawing import DrawnFigure
 from pipeline.studio.figure_analysis import analysed, problem_facts, with_drawing
 from pipeline.studio.figure_text import NEW_FIGURE, figure_of_text, updated_text
 from pipeline.studio.first_frames import FirstFrames, Requested
 from pipeline.studio.newest import Newest, Superseded
-from pipeline.studio.project import Document, Project
+from pipeline.studio.project import Document, Project, kind_of
 from pipeline.studio.render_queue import PRESETS, RenderQueue
 from pipeline.studio.scene_play import ScenePlay
+from pipeline.studio.specimens import TEXTS, Specimens, specimen_text
 from pipeline.studio.walk import figure_walk
 
 PAGE = importlib.resources.files("pipeline.studio") / "page"
@@ -67,9 +70,13 @@ class Studio:
     _plays: int = 0
     _first: Requested = field(default_factory=Requested)
     _queue: RenderQueue = field(init=False)
+    _specimens: Specimens = field(init=False)
 
     def __post_init__(self) -> None:
         self._queue = RenderQueue(lambda: self.project.folder)
+        self._specimens = Specimens(
+            lambda name: self.project.read(name), lambda: self.project.folder
+        )
 
     def stop(self) -> None:
         """End what is being simulated."""
@@ -78,8 +85,35 @@ class Studio:
         self._queue.stop_all()
 
     def library(self, _: Json) -> Json:
-        """Return the documents of the project and of the library."""
-        return {"documents": self.project.listed(), "first": self.first}
+        """Return the documents of the project and of the library, and its other entries."""
+        entries = [
+            {"kind": kind, **asdict(entry)}
+            for kind in TEXTS
+            for entry in names_of(f"{kind}s", self.project.folder)
+        ]
+        return {"documents": self.project.listed(), "entries": entries, "first": self.first}
+
+    def picture(self, message: Json) -> Response:
+        """Return a picture of an entry of the library as PNG."""
+        content = self._specimens.picture(_text(message, "kind"), _text(message, "name"))
+        return Response(content, media_type="image/png")
+
+    def heard(self, message: Json) -> Response:
+        """Return the sound of an entry of the library as WAV."""
+        content = self._specimens.sound(_text(message, "kind"), _text(message, "name"))
+        return Response(content, media_type="audio/wav")
+
+    def new_from(self, message: Json) -> Json:
+        """Write a copy of a document, or a scene with another entry, into the project."""
+        kind, source = _text(message, "kind"), _text(message, "source")
+        stem = _text(message, "name").removesuffix(".yaml")
+        if kind in TEXTS:
+            title = stem.replace("_", " ").capitalize()
+            text = specimen_text(kind, source, self.project.folder, title)
+        else:
+            text = self.project.read(source).text
+        name = f"{FIGURES}/{stem}.yaml" if kind_of(text) == "figure" else f"{stem}.yaml"
+        return _document(self.project.read(self.project.write(name, text)))
 
     def open(self, message: Json) -> Json:
         """Return a document, with its drawing if it is a right figure."""
@@ -150,9 +184,11 @@ class Studio:
 
     def first_frames(self, message: Json) -> Response:
         """Return the first frames of a take that is being made as binary glTF, and their length."""
-        first = self._first.get(message.get("request"))
-        glb = first.wait()
-        return _glb(glb, {"seconds": first.seconds})
+        after = message.get("after", 0)
+        if not isinstance(after, int):
+            raise UsageError("`after` is no number of frames")
+        beginning = self._first.get(message.get("request")).wait(after)
+        return _glb(beginning.glb, beginning.facts)
 
     def channels(self, message: Json) -> Json:
         """Return the channels of a performer over time."""
@@ -288,6 +324,9 @@ def application(studio: Studio, port: int) -> Guard:
         "still": studio.still,
         "schema": studio.schema,
         "new-scene": studio.new_scene,
+        "new-from": studio.new_from,
+        "picture": studio.picture,
+        "heard": studio.heard,
         "render": studio.render,
         "renders": studio.renders,
         "stop-render": studio.stop_render,

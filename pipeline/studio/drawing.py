@@ -1,6 +1,6 @@
 """Drawing: what the figure editor of the page changes of a figure, as plain values.
 
-All else of a figure file, such as its joints, its skin and its comments, stays as it was read.
+All else of a figure file, such as its skin and its comments, stays as it was read.
 """
 
 from __future__ import annotations
@@ -17,6 +17,15 @@ MIRRORED: tuple[Mapping[str, str], ...] = ({"mirror": "x"},)
 
 SETTINGS = ("style", "feet")
 """Keys of a figure whose values are names, that the page offers to change."""
+
+MAPPINGS = ("parts", "joints", "masses")
+"""Keys of a figure whose values are mappings, that the page offers to change."""
+
+JOINT_KEYS = ("rest_deg", "limits_deg", "rest", "slide")
+"""Of the settings of a joint."""
+
+Joint = dict[str, float | list[float]]
+"""Settings of a joint by `JOINT_KEYS`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +52,8 @@ class DrawnFigure:
             which the editor leaves alone.
         parts: kinds by the node that ends them.
         settings: values of `SETTINGS` that are given.
+        joints: by limb and joint, those that are not as their style makes them.
+        masses: by limb, those that are not by volume [kg].
     """
 
     nodes: dict[str, DrawnNode] = field(default_factory=dict)
@@ -50,6 +61,8 @@ class DrawnFigure:
     is_mirrored: bool | None = False
     parts: dict[str, str] = field(default_factory=dict)
     settings: dict[str, str] = field(default_factory=dict)
+    joints: dict[str, dict[str, Joint]] = field(default_factory=dict)
+    masses: dict[str, float] = field(default_factory=dict)
 
     @staticmethod
     def of(figure: Figure) -> DrawnFigure:
@@ -63,6 +76,14 @@ class DrawnFigure:
             mirrored if then else False,
             dict(figure.parts),
             {key: str(getattr(figure, key)) for key in SETTINGS if key in given},
+            {
+                limb: {
+                    name: joint.model_dump(mode="json", exclude_unset=True)
+                    for name, joint in joints.items()
+                }
+                for limb, joints in figure.joints.items()
+            },
+            dict(figure.masses),
         )
 
     @staticmethod
@@ -87,6 +108,11 @@ class DrawnFigure:
                 None if mirrored is None else bool(mirrored),
                 {str(tip): str(kind) for tip, kind in plain.get("parts", {}).items()},
                 {key: str(plain["settings"][key]) for key in SETTINGS if key in plain["settings"]},
+                {
+                    str(limb): {str(name): _joint(joint) for name, joint in joints.items()}
+                    for limb, joints in plain.get("joints", {}).items()
+                },
+                {str(limb): float(mass) for limb, mass in plain.get("masses", {}).items()},
             )
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
             raise UsageError(f"the message holds no drawing ({error!r})") from None
@@ -102,4 +128,15 @@ class DrawnFigure:
             "is_mirrored": self.is_mirrored,
             "parts": self.parts,
             "settings": self.settings,
+            "joints": self.joints,
+            "masses": self.masses,
         }
+
+
+def _joint(plain: Any) -> Joint:
+    """Return the settings of a joint of a message."""
+    return {
+        key: [float(v) for v in plain[key]] if isinstance(plain[key], list) else float(plain[key])
+        for key in JOINT_KEYS
+        if plain.get(key) is not None
+    }

@@ -13,7 +13,8 @@ from pipeline.simulation.figure_analysis import Figure, FigureMass, build_figure
 from pipeline.spec import Figure as FigureConfig
 from pipeline.spec.validation import check
 from pipeline.spec.yaml_tree import tree_of
-from pipeline.studio.drawing import MIRRORED, DrawnFigure
+from pipeline.studio.drawing import MAPPINGS, MIRRORED, DrawnFigure
+from pipeline.studio.joint_facts import posed_facts
 
 NAME = "it"
 """Of the figure in scenes of the studio and in paths of problems."""
@@ -44,7 +45,8 @@ def with_drawing(config: FigureConfig | None, drawing: DrawnFigure) -> FigureCon
     plain["chains"] = drawing.chains
     if drawing.is_mirrored is not None:
         plain["then"] = MIRRORED if drawing.is_mirrored else ()
-    plain["parts"] = drawing.parts
+    for key in MAPPINGS:
+        plain[key] = getattr(drawing, key)
     plain |= drawing.settings
     made, problems = check(FigureConfig, tree_of(plain))
     if made is None:
@@ -85,6 +87,7 @@ def analysed(config: FigureConfig, is_whole: bool = True) -> dict[str, Any]:
         "limbs": limbs,
         "warnings": [asdict(remark) for remark in remarks],
         **_drawn(config, figure, colors),
+        **(posed_facts(figure) if is_whole else {}),
     }
 
 

@@ -17,6 +17,7 @@ from pipeline.production.gltf.take_file import take_glb
 from pipeline.production.reports.plot_colors import cause_color
 from pipeline.production.shots.shot_builder import ShotBuilder
 from pipeline.production.sound.score_builder import build_score
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.spec import Scene
 from pipeline.studio.channel_curves import channel_facts
@@ -41,14 +42,15 @@ _KEPT = threading.local()
 class ScenePlay:
     """A scene that was simulated for the page.
 
-    Attributes:
+    Args:
         scene: as its text has it.
-        take: of the scene.
+        take: of the scene, or of its beginning.
+        size: of stills [pixels].
     """
 
-    def __init__(self, scene: Scene, take: Take) -> None:
+    def __init__(self, scene: Scene, take: Take, size: tuple[int, int] = STILL_SIZE) -> None:
         self.scene = scene.model_copy(
-            update={"film": scene.film.model_copy(update={"preset": "draft", "size": STILL_SIZE})}
+            update={"film": scene.film.model_copy(update={"preset": "draft", "size": size})}
         )
         self.take = take
         self._building = threading.Lock()
@@ -82,7 +84,19 @@ class ScenePlay:
             "notes": notes,
             "gait": gait_bars(self.scene, self.take),
             "forbidden": forbidden_runs(self.take.terrain),
+            "carriers": self._carriers(),
             "performers": list(dict.fromkeys(node.performer for node in self.take.nodes)),
+        }
+
+    def _carriers(self) -> dict[str, str]:
+        """Return the nodes of what carries somebody, by how the text names it."""
+        names = NodeNames.of(self.take)
+        parents = {member.parent for member in self.scene.cast if member.parent is not None}
+        found = {parent: names.find(parent) for parent in sorted(parents)}
+        return {
+            parent: self.take.nodes[number].name
+            for parent, number in found.items()
+            if isinstance(number, int)
         }
 
     def channels(self, performer: str) -> dict[str, Any]:

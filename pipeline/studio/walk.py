@@ -56,7 +56,7 @@ def figure_walk(
     facts = {
         "text": text,
         "seconds": take.header.frames / float(take.header.rate),
-        "root": f"{NAME}.body",
+        "scale": scene.creatures[0][1].scale,
         "gait": gait_bars(scene, take),
     }
     return FigureWalk(take_glb(take, materials, ground=False), facts)

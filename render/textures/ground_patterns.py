@@ -65,9 +65,14 @@ def grass(rng: np.random.Generator) -> Drawn:
     tint = np.zeros((TILE, TILE))
     top = tall >= height[row, column]
     tint[row[top], column[top]] = np.broadcast_to(rng.normal(0, 1, (blades, 1)), row.shape)[top]
+    # Blades are finer than pixels a few metres away. What is seen of a lawn then are its tufts, and
+    # the dark gaps between them.
+    tufts, own = pebbles(rng, 30, 0.9)
+    gaps = 0.72 + 0.42 * tufts + 0.10 * own * (tufts > 0)
     # Low light turns any wave of the ground into a ripple: the relief is that of blades alone.
     relief = 0.0035 * height + 0.0012 * clump + 0.0008 * fine
-    shade = (0.5 + 0.65 * height) * (1 + 0.14 * tint) * (1 + 0.13 * clump) * (1 + 0.08 * fine)
+    shade = (0.5 + 0.65 * height) * (1 + 0.14 * tint) * (1 + 0.13 * clump) * (1 + 0.12 * fine)
+    shade = shade * gaps
     warmth = 0.3 * tint + 0.22 * clump + 0.2 * noise(rng, 1.5, first=4)
     return shade.clip(0.2, 2.0), warmth.clip(-1, 1), relief, 1.9
 

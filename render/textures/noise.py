@@ -10,6 +10,9 @@ Plane = NDArray[np.float32]
 TILE = 1024
 """Width and height of a tile [pixels]."""
 
+BAND = 32
+"""Rows of a tile that are worked on at once."""
+
 
 def noise(
     rng: np.random.Generator,
@@ -47,20 +50,33 @@ def cells(
     if warp:
         x = x + np.float32(warp) * noise(rng, 1.6, first=across / 2)
         y = y + np.float32(warp) * noise(rng, 1.6, first=across / 2)
+    first, second = np.empty_like(x), np.empty_like(x)
+    owner = np.empty(x.shape, np.intp)
+    # Bands of rows fit into the cache of a processor.
+    for band in np.split(np.arange(TILE), TILE // BAND):
+        rows = slice(band[0], band[-1] + 1)
+        first[rows], second[rows], owner[rows] = _nearest(x[rows], y[rows], seed_x, seed_y, across)
+    return np.sqrt(first), np.sqrt(second), owner
+
+
+def _nearest(
+    x: Plane, y: Plane, seed_x: Plane, seed_y: Plane, across: int
+) -> tuple[Plane, Plane, NDArray[np.intp]]:
+    """Return squared distances to the nearest and second nearest seed [cells], and its cell."""
     row, column = np.floor(y).astype(np.int32), np.floor(x).astype(np.int32)
-    y, x = y - row, x - column
-    first = np.full((TILE, TILE), 81.0, np.float32)
+    y, x = y - row.astype(np.float32), x - column.astype(np.float32)
+    first = np.full(x.shape, 81.0, np.float32)
     second = first.copy()
-    owner = np.zeros((TILE, TILE), np.intp)
+    owner = np.zeros(x.shape, np.int32)
     for dy in (-1, 0, 1):
         for dx in (-1, 0, 1):
             cell = (row + dy) % across * across + (column + dx) % across
             d = (seed_y[cell] + dy - y) ** 2 + (seed_x[cell] + dx - x) ** 2
             nearer = d < first
-            second = np.where(nearer, first, np.minimum(second, d))
-            owner = np.where(nearer, cell, owner)
-            first = np.where(nearer, d, first)
-    return np.sqrt(first), np.sqrt(second), owner
+            np.minimum(second, np.maximum(first, d), out=second)
+            np.copyto(owner, cell, where=nearer)
+            np.minimum(first, d, out=first)
+    return first, second, owner.astype(np.intp)
 
 
 def pebbles(rng: np.random.Generator, across: int, share: float) -> tuple[Plane, Plane]:

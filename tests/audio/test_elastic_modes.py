@@ -6,11 +6,13 @@ Source: Lamb 1882; Leissa 1969; Rayleigh 1877.
 import numpy as np
 import pytest
 
+from audio import elastic_modes
 from audio.acoustic_materials import SOLIDS, shape_in_material
 from audio.body_shape import BodyShape
 from audio.elastic_modes import body_modes, membrane_modes
 from audio.modal_synthesis import lowest_frequency
 from audio.symmetric_eigen import lowest_eigenpairs
+from audio.thin_walls import thin_walled_modes
 
 BENDING = np.array([4.730041, 7.853205, 10.995608])
 """Roots of cos β cosh β = 1: a bar free at both ends."""
@@ -115,3 +117,69 @@ def test_eigenpairs_leave_out_dependent_directions():
     values, vectors = lowest_eigenpairs(T @ stiffness @ T.T, T @ T.T, 4)
     assert values == pytest.approx([1, 2, 3, 4])
     assert vectors.T @ T @ T.T @ vectors == pytest.approx(np.eye(4), abs=1e-8)
+
+
+def test_a_hollow_ball_has_the_modes_of_a_thin_shell():
+    # Lamb 1882: Ω⁴ - (1 + 3ν + λ) Ω² + (λ - 2) (1 - ν²) = 0 with λ = n (n + 1).
+    solid, shape = SOLIDS["metal"], BodyShape("ellipsoid", 0.2, 0.2, 0.2).hollow(0.004)
+    nu, n = solid.poisson, np.array([2, 3, 4])
+    b, c = 1 + 3 * nu + n * (n + 1), (n * (n + 1) - 2) * (1 - nu**2)
+    squared = (b - np.sqrt(b * b - 4 * c)) / 2 / (1 - nu**2)
+    expected = np.sqrt(squared * solid.young / solid.density) / 0.098 / (2 * np.pi)
+    assert frequencies(shape, solid)[:3] == pytest.approx(expected, rel=0.05)
+
+
+def test_walls_of_a_cube_that_move_outward_together_are_clamped_plates():
+    # Leissa 1969: 35.99 for a clamped square, 19.74 for one with hinged edges.
+    solid, shape = SOLIDS["metal"], BodyShape("box", 0.2, 0.2, 0.2).hollow(0.002)
+    plate = np.sqrt(solid.young / (12 * (1 - solid.poisson**2)) / solid.density)
+    unit = 0.002 * plate / 0.198**2 / (2 * np.pi)
+    found = frequencies(shape, solid)
+    assert found[np.abs(found - 35.99 * unit).argmin()] == pytest.approx(35.99 * unit, rel=0.03)
+    # All others of one half wave lie between those of hinged and of clamped edges.
+    assert 19.74 * unit < found[0] < 35.99 * unit
+
+
+def test_walls_of_a_long_box_bend_as_hinged_plates():
+    # Neighbours move against each other, and no edge keeps them from turning: π² (1 + (a / L)²).
+    solid, shape = SOLIDS["oak"], BodyShape("box", 1.0, 0.2, 0.2).hollow(0.003)
+    plate = np.sqrt(solid.young / (12 * (1 - solid.poisson**2)) / solid.density)
+    expected = np.pi**2 * (1 + 0.2**2) * 0.003 * plate / 0.197**2 / (2 * np.pi)
+    assert lowest_frequency(shape, solid) == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "wall"),
+    [
+        ("cylinder", (0.4, 0.2, 0.2), 0.008),
+        ("cylinder", (0.4, 0.2, 0.2), 0.016),
+    ],
+)
+def test_thin_walls_agree_with_elastic_solids_as_they_become_thick(monkeypatch, kind, size, wall):
+    shape, poisson = BodyShape(kind, *size).hollow(wall), 0.3
+    thin, _ = thin_walled_modes(kind, *shape.proportions, poisson)
+    monkeypatch.setattr(elastic_modes, "THIN", 0.0)
+    monkeypatch.setattr(elastic_modes, "_WALLED_DEGREE", 12)
+    whole = elastic_modes._solved(kind, *shape.proportions, poisson)[:, 0]
+    # Of polynomials, which are too stiff.
+    assert 2 * thin.min() == pytest.approx(whole[0], rel=0.1)
+
+
+def test_displacements_of_walls_have_a_mean_square_of_one():
+    for kind, length, least, most in (("box", 0.2, 0.5, 1.5), ("cylinder", 0.8, 1.2, 1.8)):
+        shape = BodyShape(kind, length, 0.2, 0.2).hollow(0.002)
+        omega, seen = thin_walled_modes(kind, *shape.proportions, 0.3)
+        # The blow is near the middle of a wall, where it moves more.
+        lowest = np.sqrt((seen**2).mean(axis=1))[np.argsort(omega)[:8]]
+        assert least < np.median(lowest) < most
+
+
+def test_a_hollow_body_is_lower_and_lighter_than_a_solid_one():
+    for kind in ("box", "cylinder", "ellipsoid"):
+        solid = BodyShape(kind, 0.2, 0.2, 0.2)
+        can = solid.hollow(0.003)
+        assert can.volume < 0.15 * solid.volume
+        assert lowest_frequency(can, SOLIDS["metal"]) < 0.5 * lowest_frequency(
+            solid, SOLIDS["metal"]
+        )
+        assert solid.hollow(0.1) is solid

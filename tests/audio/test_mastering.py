@@ -28,7 +28,7 @@ def test_a_walk_of_any_level_reaches_the_target_loudness(level, lufs, decay):
     assert done.true_peak_db < -1
     written = done.samples / FULL_SCALE
     assert done.true_peak_db == pytest.approx(20 * np.log10(true_peak(written)), abs=1e-9)
-    assert done.lufs == pytest.approx(integrated_loudness(written), abs=1e-9)
+    assert done.lufs == pytest.approx(integrated_loudness(written), abs=1e-6)
     # Every step is an attack: none is limited by much, and the target falls.
     assert done.limited_db <= 1.0
     assert done.lufs == pytest.approx(done.target, abs=0.3)

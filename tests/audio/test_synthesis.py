@@ -167,7 +167,11 @@ def test_a_configured_length_ends_the_ring(step, render):
 
 
 @pytest.mark.parametrize(
-    "cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath", "cry"]
+    "cause",
+    [
+        *("swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath", "cry"),
+        *("laugh", "gasp", "call", "growl", "whine"),
+    ],
 )
 def test_motion_sounds_start_on_their_frame_and_have_their_duration(step, render, cause):
     sound = render([step(3, cause=cause, duration=0.5, strength=3.0)], 48)

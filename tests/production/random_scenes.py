@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from random import Random
-from typing import Any
+from typing import Any, get_args
 
 from pipeline.errors import SceneError, SimulationError
 from pipeline.simulation.simulate import Simulation
@@ -19,6 +19,7 @@ from pipeline.spec import Scene, read_scene
 from pipeline.spec.behaviour import NAMES
 from pipeline.spec.character_kinds import PEOPLE
 from pipeline.spec.events import EVENTS
+from pipeline.spec.expression import Shown
 from pipeline.spec.mood import MOODS
 from pipeline.spec.order_support import performer_kind
 from pipeline.spec.targets import JOINTED_CHARACTER, TargetKind, kind_of_target
@@ -509,6 +510,7 @@ SETTINGS: dict[str, Callable[[_Draft, Block], Block | None]] = {
     "let_go": lambda draft, _: {"let_go": draft.rng.choice(["left", "right", "both"])},
     "kick": lambda draft, _: {"speed": draft.number(1, 10)},
     "urge": _urge,
+    "express": lambda draft, _: {"express": draft.rng.choice(get_args(Shown))},
     "dance": _dance,
 }
 """Settings of orders besides their targets, by verb."""

@@ -70,7 +70,7 @@ def test_bodies_are_listed_by_shape_and_layout_with_their_defaults() -> None:
         (entry.group.partition(":")[0], entry.name): entry.text
         for entry in names_of("bodies", Path())
     }
-    assert entries["body", "box"].endswith("Keys: size [0.3, 0.3, 0.3].")
+    assert entries["body", "box"].endswith("Keys: hollow, size [0.3, 0.3, 0.3].")
     assert {*get_args(ShapeName), "hull", "mesh"} == {
         name for kind, name in entries if kind == "body"
     }

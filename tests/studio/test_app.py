@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import threading
 import time
@@ -13,6 +14,7 @@ import pytest
 from pipeline.errors import UsageError
 from pipeline.simulation.figure_analysis import build_figure
 from pipeline.simulation.simulate import Simulation, simulate
+from pipeline.simulation.take import Take
 from pipeline.spec import library, read_scene
 from pipeline.studio import first_frames
 from pipeline.studio.drawing import DrawnFigure
@@ -269,28 +271,48 @@ def test_a_change_of_the_camera_keeps_the_take(served: Served) -> None:
     assert served.studio._play[1].take is not take
 
 
-def test_first_frames_are_the_beginning_of_the_take(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_first_frames_grow_and_are_the_beginning_of_the_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     scene = read_scene(SCENE, "scene", library())
     monkeypatch.setattr(first_frames, "DELAY", 0.0)
+    written: list[Take] = []
+    monkeypatch.setattr(
+        first_frames, "take_glb", lambda take, _: (written.append(take), b"glTF")[1]
+    )
     first = FirstFrames(scene)
-    early = []
+    shown = [0]
+
+    def watch() -> None:
+        with contextlib.suppress(Superseded):
+            while True:
+                shown.append(first.wait(shown[-1]).facts["frames"])
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
 
     def see(simulation: Simulation) -> None:
+        # In step with the one who watches, so that nothing depends on their speed.
+        before = len(written)
+        while first._wanted is None and len(written) == before:
+            time.sleep(0.001)
         first.see(simulation)
-        if simulation.step_number == 14:
-            early.append(simulation.take_so_far())
 
     whole = Simulation(scene).run(see)
-    assert first.wait()[:4] == b"glTF"
-    assert first.seconds == pytest.approx(1 / 24)
-    (take,) = early
-    rows = len(take.positions)
-    assert 1 < take.header.frames < whole.header.frames
-    assert rows == take.header.frames * take.header.samples + 1
-    assert (take.positions == whole.positions[:rows]).all()
-    assert take.rotations.tobytes() == whole.rotations[:rows].tobytes()
+    first.end()
+    watcher.join(10)
+    assert len(shown) > 3
+    assert shown == sorted(set(shown))
+    assert len(written) == len(shown) - 1
+    for take in written:
+        rows = take.header.frames * take.header.samples + 1
+        assert len(take.positions) == rows
+        assert take.positions.tobytes() == whole.positions[:rows].tobytes()
+        assert take.rotations.tobytes() == whole.rotations[:rows].tobytes()
     # To look at what there is so far changes nothing of what follows.
     assert whole.positions.tobytes() == simulate(scene).positions.tobytes()
+    with pytest.raises(Superseded):
+        first.wait()
 
 
 def test_first_frames_of_another_request_are_refused(

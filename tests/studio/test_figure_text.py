@@ -130,6 +130,51 @@ def test_a_new_file_is_written_from_nothing() -> None:
     )
 
 
+HORSE = (library() / "figures" / "horse.yaml").read_text(encoding="utf-8")
+
+
+def test_a_joint_that_is_changed_changes_its_value_alone() -> None:
+    drawing = drawn(HORSE)
+    head = {**drawing.joints["head"], "base_pitch": {"rest_deg": 40.0, "limits_deg": [-40, 75.5]}}
+    joints = {**drawing.joints, "head": head, "l1": {"base_yaw": {"rest_deg": -3.0}}}
+    changed = replace(drawing, joints=joints, masses={"l1": 31.5})
+    after = updated_text(HORSE, changed)
+    assert changed_lines(HORSE, after) == [
+        "+   masses: {l1: 31.5}",
+        "-       base_pitch: {rest_deg: 46, limits_deg: [-40, 70]}",
+        "+       base_pitch: {rest_deg: 40, limits_deg: [-40, 75.5]}",
+        "+     l1:",
+        "+       base_yaw: {rest_deg: -3}",
+    ]
+    assert updated_text(after, drawing) == HORSE
+
+
+def test_joints_are_written_from_nothing_and_taken_back() -> None:
+    drawing = drawn(BEETLE)
+    joints = {"l1": {"base_pitch": {"rest_deg": 3.5}}, "r1": {"base_pitch": {"rest_deg": 3.5}}}
+    after = updated_text(BEETLE, replace(drawing, joints=joints))
+    assert "  joints:\n    l1:\n      base_pitch: {rest_deg: 3.5}\n    r1:\n" in after
+    assert updated_text(after, drawing) == BEETLE
+
+
+def test_values_of_a_mapping_in_one_line_come_and_go() -> None:
+    text = "pronk: 1\nfigure:\n  nodes:\n    a: [0, 0]\n    b: [0, 1]\n  chains: [[a, b]]\n"
+    text += "  masses: {body: 3}  # heavy\n"
+    drawing = drawn(text)
+    more = updated_text(text, replace(drawing, masses={"body": 3.0, "tail": 0.25}))
+    assert more == text.replace("3}", "3, tail: 0.25}")
+    less = updated_text(more, replace(drawing, masses={"tail": 0.5}))
+    assert less == text.replace("{body: 3}", "{tail: 0.5}")
+
+
+def test_joints_that_share_values_are_refused_and_not_damaged() -> None:
+    crab = (library() / "figures" / "crab.yaml").read_text(encoding="utf-8")
+    drawing = drawn(crab)
+    own = {**drawing.joints, "feeler_r1": {"base_pitch": {"rest_deg": 20.0}}}
+    with pytest.raises(UsageError, match="aliases"):
+        updated_text(crab, replace(drawing, joints=own))
+
+
 def test_shared_values_are_refused_and_not_damaged() -> None:
     text = "pronk: 1\nfigure:\n  nodes:\n    a: {at: &p [0, 0], radius: 1}\n"
     text += "    b: {at: [0, 3]}\n    c: {at: *p}\n  chains: [[a, b]]\n"

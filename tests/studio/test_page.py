@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from PIL import Image
 
 from pipeline.simulation.figure_analysis import build_figure
-from pipeline.spec import load_figure, load_scene
+from pipeline.spec import library, load_figure, load_scene
 from pipeline.studio.app import Studio
 from tests.studio.conftest import SCENE, Served
 
@@ -159,6 +160,10 @@ def test_a_six_legged_figure_is_drawn_from_nothing_and_walks(page: Page) -> None
 
 def _save_as(page: Page, name: str) -> None:
     page.page.once("dialog", lambda dialog: dialog.accept(name))
+    _save(page)
+
+
+def _save(page: Page) -> None:
     page.page.click("#save")
     page.wait("document.getElementById('status').textContent.startsWith('saved')")
 
@@ -187,6 +192,99 @@ def test_a_dragged_node_is_drawn_and_analysed_and_undone(page: Page) -> None:
     for _ in range(55):
         page.page.keyboard.press("Control+Shift+Z")
     assert page.value("JSON.stringify(studio.editor.drawing)") == after
+
+
+def _place_of_part(page: Page, part: str) -> tuple[float, float]:
+    """Return a place of the screen at which a part of the creature is seen, well inside of it."""
+    box = page.page.locator("#creature").bounding_box()
+    expression = (
+        "([box, part]) => { const seen = []; for (let y = 4; y < box.height; y += 9)"
+        " for (let x = 4; x < box.width; x += 9) {"
+        " const at = {clientX: box.x + x, clientY: box.y + y};"
+        " if (studio.editor.viewer.partAt(at) === part) seen.push([at.clientX, at.clientY]); }"
+        " return seen[Math.floor(seen.length / 2)]; }"
+    )
+    found = page.page.evaluate(expression, [box, part])
+    assert found, f"{part} is not seen"
+    return found[0], found[1]
+
+
+def test_a_part_is_clicked_and_posed_in_three_dimensions(page: Page) -> None:
+    page.open("library:figures/beetle.yaml")
+    page.wait("studio.editor.walks > 0 && Boolean(studio.editor.analysis.links)")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("Space")
+    page.page.mouse.click(*_place_of_part(page, "l1.2"))
+    assert page.value("studio.editor.posing.link") == "l1.2"
+    assert page.page.locator("#part").is_visible()
+    before = page.value("studio.editor.analysis.links.find(l => l.name === 'l1.2').joints[0]")
+    x, y = _place_of_part(page, "l1.2")
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 6, y + 22, steps=8)
+    page.picture("part")
+    page.page.mouse.up()
+    joints = page.value("studio.editor.drawing.joints")
+    rest = joints["l1"]["joint1_bend"]["rest_deg"]
+    assert before["lower"] <= rest <= before["upper"]
+    assert abs(rest - before["preferred"]) > 3
+    assert joints["r1"] == joints["l1"]
+    assert page.value("studio.editor.undos.length") == 1
+    page.wait("studio.editor.walks > 1")
+    page.page.fill("[aria-label='mass']", "9.5")
+    page.page.press("[aria-label='mass']", "Enter")
+    page.wait("Math.abs(studio.editor.analysis.masses.r1 - 9.5) < 1e-6")
+    page.page.fill("[aria-label='joint1_bend rest']", "179")
+    page.page.press("[aria-label='joint1_bend rest']", "Enter")
+    page.wait("document.querySelector('#part .bad') !== null")
+    assert "rests outside its limits" in page.page.inner_text("#warnings")
+    page.picture("refused")
+    page.page.click("#undo")
+    page.wait("document.querySelector('#part .bad') === null")
+    most = page.value("studio.editor.posing.arcs[0].handles.most.toArray()")
+    x, y = page.page.evaluate(
+        "(p) => studio.editor.viewer.onScreen("
+        "studio.editor.posing.arcs[0].handles.most.clone().fromArray(p))",
+        most,
+    )
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 14, y + 14, steps=6)
+    page.page.mouse.up()
+    limits = page.value("studio.editor.drawing.joints.l1.joint1_bend.limits_deg")
+    assert limits[0] == pytest.approx(before["lower"])
+    assert limits[1] != pytest.approx(before["upper"])
+    _save(page)
+    text = (page.served.folder / "figures" / "beetle.yaml").read_text()
+    original = (library() / "figures" / "beetle.yaml").read_text()
+    assert all(line in text.splitlines() for line in original.splitlines())
+    figure = load_figure(page.served.folder / "figures" / "beetle.yaml")
+    assert figure.masses == {"l1": 9.5, "r1": 9.5}
+    assert figure.joints["l1"]["joint1_bend"].rest_deg == rest
+    for _ in range(3):
+        page.page.click("#undo")
+    assert page.value("studio.editor.drawing.joints") == {}
+    page.page.focus("#canvas")
+    page.page.keyboard.press("Escape")
+    assert page.value("studio.editor.posing.link") is None
+
+
+def test_a_part_of_one_skin_is_found(page: Page) -> None:
+    page.open("library:figures/horse.yaml")
+    page.wait("studio.editor.walks > 0 && Boolean(studio.editor.analysis.links)")
+    page.page.focus("#canvas")
+    page.page.keyboard.press("Space")
+    page.page.mouse.click(*_place_of_part(page, "head.1"))
+    assert page.value("studio.editor.posing.link") == "head.1"
+    page.page.mouse.move(10, 10)
+    page.picture("neck")
+    x, y = _place_of_part(page, "head.1")
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 30, y + 25, steps=8)
+    page.page.mouse.up()
+    page.picture("neck_lowered")
+    assert page.value("studio.editor.drawing.joints.head.base_pitch.rest_deg") != 46
 
 
 def test_operations_of_the_selected_set(page: Page) -> None:
@@ -256,6 +354,7 @@ cast:
     figure: beetle
     at: [0, 1]
     walk: {path: [[3, 0], [4, 2]], speed: 0.5}
+  - {name: crate, prop: {shape: box, size: [0.2, 0.2, 0.2]}, parent: bug, at: [-0.4, 0.6, 0.3]}
 """
 
 
@@ -307,19 +406,36 @@ def test_numbers_colours_and_positions_are_dragged(page: Page) -> None:
     assert page.value("studio.player.editor.text") == MAPPED.replace("#668844", "#aa4411")
     page.page.click("#see-map")
     labels = page.value("studio.player.map.points.map((point) => point.label)")
-    assert labels == ["tree", "bug at", "bug path", "bug path"]
-    x, y = page.value("studio.player.map.toScreen(2, 1)")
+    assert labels == ["tree", "bug at", "bug path", "bug path", "crate at"]
+    _drag_on_the_map(page, 4, 0.3, 0.2)
+    text = page.value("studio.player.editor.text")
+    before, own = ([-0.4, 0.3], yaml.safe_load(text)["cast"][1]["at"])
+    assert own[1] == 0.6
+    # As far as it was dragged, in the directions of what carries it.
+    assert np.hypot(own[0] - before[0], own[2] - before[1]) == pytest.approx(0.36, abs=0.03)
+    moved = page.value("studio.player.map.points[4]")
+    assert (moved["own"]["x"], moved["own"]["z"]) == (own[0], own[2])
+    page.value("studio.player.editor.view.focus()")
+    page.page.keyboard.press("Control+z")
+    _drag_on_the_map(page, 0, 0.5, -1.0)
+    moved = page.value("studio.player.map.points[0]")
+    assert (moved["x"], moved["z"]) == pytest.approx((2.5, 0.0), abs=0.03)
+    page.wait("studio.player.takes > 1 && studio.player.request === null")
+    page.picture("map")
+
+
+def _drag_on_the_map(page: Page, number: int, dx: float, dz: float) -> None:
+    """Drag a position of the text by some metres."""
+    x, y = page.value(
+        f"(p => studio.player.map.toScreen(p.x, p.z))(studio.player.map.points[{number}])"
+    )
     scale = page.value("studio.player.map.toScreen(1, 0)[0] - studio.player.map.toScreen(0, 0)[0]")
     box = page.page.locator("#map").bounding_box()
     x, y = x + box["x"], y + box["y"]
     page.page.mouse.move(x, y)
     page.page.mouse.down()
-    page.page.mouse.move(x + 0.5 * scale, y - scale, steps=6)
+    page.page.mouse.move(x + dx * scale, y + dz * scale, steps=6)
     page.page.mouse.up()
-    moved = page.value("studio.player.map.points[0]")
-    assert (moved["x"], moved["z"]) == pytest.approx((2.5, 0.0), abs=0.03)
-    page.wait("studio.player.takes > 1 && studio.player.request === null")
-    page.picture("map")
 
 
 def test_a_performer_that_is_clicked_shows_its_channels(page: Page) -> None:
@@ -379,8 +495,22 @@ def test_a_scene_that_was_not_changed_is_saved_as_the_same_file(page: Page) -> N
 def test_the_library_opens_documents(page: Page) -> None:
     page.open(None)
     page.page.click("#tab-library")
-    page.wait("document.querySelectorAll('#library button').length > 60")
+    page.wait("document.querySelectorAll('#library article').length > 200")
+    # All that are in view, where the picture is kept: they are rendered one by one.
+    count = 11 if PICTURES in os.environ else 2
+    page.wait(f"document.querySelectorAll('#library article img[src]').length > {count}", 500)
     page.picture("library")
+    page.page.fill("#find", "marimba")
+    assert page.page.locator("#library article:visible").count() == 1
+    page.page.click("#library article:visible .name")
+    page.wait("studio.library.audio.duration > 3", 200)
+    page.page.fill("#find", "oak")
+    page.page.once("dialog", lambda dialog: dialog.accept("log"))
+    page.page.click("[data-from='material oak']")
+    page.wait("document.getElementById('name').textContent.startsWith('log.yaml')")
+    assert load_scene(page.served.folder / "log.yaml").cast[0].material == "oak"
+    page.page.click("#tab-library")
+    page.wait("document.querySelectorAll('#library article').length > 200")
     page.page.click("[data-name='library:figures/horse.yaml']")
     page.wait("studio.editor.analysis?.headline.startsWith('mammal, 4 legs')")
 
@@ -389,3 +519,47 @@ def test_studio_is_reached_by_its_address_alone(page: Page, served: Served) -> N
     assert isinstance(served.studio, Studio)
     page.page.goto(f"http://127.0.0.1:{served.port}/")
     assert page.page.inner_text("body").startswith("refused: no token")
+
+
+def test_first_frames_grow_while_the_simulation_goes_on(page: Page) -> None:
+    file = page.served.folder / "walk.yaml"
+    file.write_text(SCENE.replace("frames: 8", "duration: 60"))
+    page.open("walk.yaml")
+    page.wait("studio.player.beginnings?.length > 1")
+    whole, known = page.value("[studio.player.bars.seconds, studio.player.bars.known]")
+    assert whole == 60
+    assert 0 < known < whole
+    page.value("studio.player.seek(studio.player.bars.known / 2)")
+    page.picture("growing")
+    time_, frame = page.value("[studio.player.time, studio.player.frame]")
+    assert 0 < time_ < whole
+    assert frame > 1
+    page.wait("studio.player.takes > 0", 200)
+    frames = page.value("studio.player.beginnings")
+    assert frames == sorted(set(frames))
+    assert page.value("studio.player.bars.known") == whole
+    # The moment that was looked at stays.
+    assert page.value("studio.player.time") == pytest.approx(time_)
+
+
+def test_a_moving_view_has_fewer_triangles_and_one_at_rest_all(page: Page) -> None:
+    cast = "".join(f"  - {{name: b{i}, figure: horse, at: [{3 * i}, 0]}}\n" for i in range(4))
+    text = SCENE[: SCENE.index("cast:")].replace("[8, 8]", "[40, 40]") + f"cast:\n{cast}"
+    (page.served.folder / "walk.yaml").write_text(text)
+    page.open("walk.yaml")
+    page.wait("studio.player.takes > 0")
+    draw = "(studio.player.viewer.draw({}), studio.player.viewer.triangles)"
+    whole = page.value(draw.format("false"))
+    page.picture("whole")
+    budget = page.value("studio.player.viewer.detail.budget = 18000")
+    moving = page.value(draw.format("true"))
+    page.picture("coarse")
+    assert whole > 2 * budget
+    assert moving < 1.25 * budget
+    seen = [
+        np.asarray(Image.open(page.pictures / f"{name}.png").convert("L"), dtype=float)
+        for name in ("whole", "coarse")
+    ]
+    # The same animals at the same places: few pixels are clearly another colour.
+    assert (np.abs(seen[0] - seen[1])[50:540, 540:] > 60).mean() < 0.01
+    page.wait(f"studio.player.viewer.triangles === {whole}")

@@ -72,7 +72,11 @@ WEATHERED = Material.model_validate(
 """Of boards that have stood in the rain for years."""
 
 LIGHTS_ON = 2.0
-"""Height of the sun at which lamps are lit [degrees]."""
+"""Height of the sun below which lamps are lit under a clear sky [degrees]."""
+
+GLOOM, LIGHTS_ON_IN_GLOOM = 0.3, 20.0
+"""Rain, snow or share of overcast sky that make it gloomy, and the height of the sun below which
+lamps are then lit [degrees]."""
 
 
 def edging_materials(light: Light) -> Mapping[str, Material]:
@@ -89,7 +93,10 @@ def edging_materials(light: Light) -> Mapping[str, Material]:
 
 def _is_dark(light: Light) -> bool:
     height = light_elevation_deg(light)
-    return height is not None and height < LIGHTS_ON
+    if height is None or light.sun is None:
+        return height is not None
+    grey = max(light.weather.rain, light.weather.snow, light.sun.clouds.overcast)
+    return bool(height < np.interp(grey, (0.0, GLOOM), (LIGHTS_ON, LIGHTS_ON_IN_GLOOM)))
 
 
 TREES: Mapping[str, tuple[str, ...]] = {

@@ -37,6 +37,11 @@ CAUSE_COLORS = {
     "breath": "#c2577f",
     "cry": "#d64ba0",
     "hug": "#8e6bd1",
+    "laugh": "#e8a33d",
+    "gasp": "#7a9cc6",
+    "call": "#3f9c86",
+    "growl": "#8b3a2e",
+    "whine": "#9fb84a",
 }
 OTHER_CAUSES = ("#7a6cc4", "#8b5a9f", "#64748b", "#b5651d", "#4b8f8c")
 

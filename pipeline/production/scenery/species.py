@@ -78,6 +78,8 @@ def _grass(
     values: dict[str, float | str | tuple[float, float]] = {
         "ground": 0.35,
         "habitat": "tufts",
+        # A blade of the first level costs five of the next: near ones are few, so that more stand.
+        "levels": (2.6, 13.0),
         **others,
     }
     return Species(
@@ -163,7 +165,7 @@ KINDS: dict[str, Species] = {
         reach=60.0,
         near=5.5,
         sizes=(0.6, 1.5),
-        levels=(3.0, 10.0),
+        levels=(1.8, 10.0),
     ),
     "meadow grass": _grass(
         *("meadow grass", 95.0, 0.24), cover=0.55, patch=8.0, near=8.0, family="tall"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.shots.face_motions import FaceMotions
 from pipeline.simulation.spatial import Array, cross, matrix
 from pipeline.simulation.take import UNSEEN, Mesh, Part, Take
 
@@ -28,6 +29,7 @@ class Skin:
         weights: (2, V, 1).
         blended: (B,) vertices that follow two nodes.
         starts: (P + 1,) first vertex of each visible part.
+        motions: of the faces.
     """
 
     vertices: Array
@@ -35,6 +37,7 @@ class Skin:
     weights: Array
     blended: NDArray[np.int64]
     starts: NDArray[np.int64]
+    motions: FaceMotions = field(default_factory=FaceMotions)
 
     @staticmethod
     def of(take: Take) -> Skin:
@@ -54,6 +57,7 @@ class Skin:
                 vertices [m].
         """
         counts = [len(mesh.vertices) for mesh in meshes]
+        starts = np.concatenate([[0], np.cumsum(counts)])
         placed = places or [mesh.vertices for mesh in meshes]
         nodes = np.concatenate([mesh.nodes for mesh in meshes]).T
         rest = np.array([node.rest for node in take.nodes])
@@ -64,7 +68,8 @@ class Skin:
             nodes=nodes,
             weights=weights,
             blended=np.flatnonzero(weights[1, :, 0] > 0.0),
-            starts=np.concatenate([[0], np.cumsum(counts)]),
+            starts=starts,
+            motions=FaceMotions.of(take, meshes, starts),
         )
 
     def thinned(self, most: int) -> Skin:
@@ -92,15 +97,23 @@ class Skin:
         R[list(take.scaled)] *= scales[:, None, :]
         first = self.nodes[0]
         world: Array = p[first] + (R[first] @ self.vertices[0][..., None])[..., 0]
+        acts = self.motions.touched
+        moves = self.motions.offsets(len(first), take, at) if acts.size else None
+        if moves is not None:
+            world[acts] += (R[first[acts]] @ moves[acts][..., None])[..., 0]
         if self.blended.size:
-            world[self.blended] = self._blended_vertices(q, p, R)
+            offsets = self.vertices[:, self.blended]
+            if moves is not None:
+                # Both nodes of a vertex are turned alike at rest.
+                offsets = offsets + moves[self.blended]
+            world[self.blended] = self._blended_vertices(offsets, q, p, R)
         gone = ~take.alive[row]
         if gone.any():
             # Hidden by collapsing, because the topology of a build is constant.
             world[gone[self.nodes[0]]] = 0.0
         return world.astype(np.float32)
 
-    def _blended_vertices(self, q: Array, p: Array, R: Array) -> Array:
+    def _blended_vertices(self, offsets: Array, q: Array, p: Array, R: Array) -> Array:
         """Return the vertices that follow two nodes (B, 3) [m], by dual quaternion skinning.
 
         A bent knee keeps its volume, where linear blending would collapse it. Nodes that only
@@ -110,10 +123,10 @@ class Skin:
         """
         some, share = self.blended, self.weights[1, self.blended]
         a, b = (self.nodes[k][some] for k in range(2))
-        offset = self.vertices[0][some]
+        offset = offsets[0]
         # Relative to the first node the second one is a rotation and a translation.
         here = p[a] + (R[a] @ offset[..., None])[..., 0]
-        there = p[b] + (R[b] @ self.vertices[1][some][..., None])[..., 0]
+        there = p[b] + (R[b] @ offsets[1][..., None])[..., 0]
         turned = _product(q[b], q[a] * _CONJUGATE)
         turned = turned * np.where(turned[:, :1] < 0.0, -1.0, 1.0)
         # there = turned (here) + shift

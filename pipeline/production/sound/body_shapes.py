@@ -18,8 +18,13 @@ _DIGITS = 3
 _LEAST_SHARE = 0.05
 
 
-def body_shape(part: RigidPart) -> BodyShape | None:
-    """Return the shape of a part; None if it has no extent."""
+def body_shape(part: RigidPart, wall: float = 0.0) -> BodyShape | None:
+    """Return the shape of a part; None if it has no extent.
+
+    Args:
+        part: the part.
+        wall: thickness of its wall if it is hollow [m]; 0 if it is solid.
+    """
     vertices = part.mesh.vertices.astype(float)
     extents = _extents(vertices, part.principal_axes)
     if extents.min() <= 0:
@@ -32,7 +37,8 @@ def body_shape(part: RigidPart) -> BodyShape | None:
         # What has corners fills less of its box: as much as this ellipsoid.
         extents = extents * (max(share, _LEAST_SHARE) / FILLED_SHARES[kind]) ** (1 / 3)
     thickness, width, length = (float(f"{x:.{_DIGITS}g}") for x in np.sort(extents))
-    return shape_in_material(part.material, BodyShape(kind, length, width, thickness))
+    shape = BodyShape(kind, length, width, thickness)
+    return shape.hollow(wall) if wall else shape_in_material(part.material, shape)
 
 
 def _extents(vertices: Array, principal_axes: Array) -> Array:

@@ -16,7 +16,7 @@ from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.ambience_choice import ambience_of
 from pipeline.production.sound.listener import Listener
 from pipeline.production.sound.scene_course import scene_course
-from pipeline.production.sound.struck_bodies import StruckBodies
+from pipeline.production.sound.struck_bodies import StruckBodies, hollow_walls
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
 from pipeline.spec.dance import Dance
@@ -43,7 +43,7 @@ def build_score(
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
-    bodies = StruckBodies(take)
+    bodies = StruckBodies(take, hollow_walls(scene.cast))
     audible = [event for event in take.events if event.frame <= header.frames]
     score = Score(
         rate=header.rate,

@@ -133,5 +133,8 @@ def loudness_summary(wav: WavReport, asked: float) -> str:
         return peak
     if not wav.events and not wav.music:
         return f"ambience alone, {wav.lufs:.1f} LUFS"
-    low = f" instead of {asked:.1f}, to keep its peaks" if asked - wav.lufs > TOLD_LU else ""
+    low = ""
+    if asked - wav.lufs > TOLD_LU:
+        reason = "to keep its peaks" if wav.limited_db > 0 else "with the greatest gain"
+        low = f" instead of {asked:.1f}, {reason}"
     return f"loud {wav.lufs:.1f} LUFS{low}, {peak}"

@@ -29,7 +29,7 @@ class GuideState(Enum):
     FREE = "physics"
     ON_PATH = "its path, relative to its parent or the world"
     PUT_DOWN = "its parent or the world, relative to which it stays"
-    HELD = "the first of the hands that hold it"
+    HELD = "the first of the hands that hold it, or the two people that do with both hands"
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ class BodyGuide:
         fall: when it leaves its path; None for never.
         state: what moves it now.
         holds: nodes of each hand that holds it, or of both hands of a person; the first moves it.
-        X_HB: (4, 4) pose in the first hand, or between the first two.
+        X_HB: (4, 4) pose in the first hand, between the first two, or between two people.
         X_PB: (4, 4) pose relative to the parent where it was put down.
         flight: its free fall in the row in which it leaves its path.
     """
@@ -126,7 +126,7 @@ class BodyGuide:
             nodes: all nodes in that row.
         """
         if self.X_HB is not None:
-            return pose_of_hands(nodes, self.holds[0]) @ self.X_HB
+            return pose_of_holds(nodes, self.holds) @ self.X_HB
         X_WP = np.eye(4) if self.parent < 0 else node_pose(nodes, self.parent)
         if self.X_PB is not None:
             return X_WP @ self.X_PB
@@ -184,7 +184,7 @@ class BodyGuide:
 
     def _hold(self, X_WB: Array, nodes: Poses) -> None:
         self.state = GuideState.HELD
-        self.X_HB = np.linalg.inv(pose_of_hands(nodes, self.holds[0])) @ X_WB
+        self.X_HB = np.linalg.inv(pose_of_holds(nodes, self.holds)) @ X_WB
 
 
 def pose_matrix(p: Array, R: Array) -> Array:
@@ -203,7 +203,18 @@ def pose_of_hands(nodes: Poses, hands: Sequence[int]) -> Array:
     """Returns the pose (4, 4) of a hand, or the upright one in the middle between two hands."""
     if len(hands) == 1:
         return node_pose(nodes, hands[0])
-    left, right = nodes.p[list(hands)]
+    return _pose_between(*nodes.p[list(hands)])
+
+
+def pose_of_holds(nodes: Poses, holds: Sequence[tuple[int, ...]]) -> Array:
+    """Returns the pose (4, 4) of what moves a body: two people, or the first that holds it."""
+    if len(holds) == 2 and all(len(hands) == 2 for hands in holds):
+        return _pose_between(*(nodes.p[list(hands)].mean(axis=0) for hands in holds))
+    return pose_of_hands(nodes, holds[0])
+
+
+def _pose_between(left: Array, right: Array) -> Array:
+    """Returns the upright pose (4, 4) in the middle between two places (3,) [m]."""
     across = normalized(right - left)
     up = normalized(UP - (UP @ across) * across)
     return pose_matrix(0.5 * (left + right), np.stack([across, up, cross(across, up)], axis=1))

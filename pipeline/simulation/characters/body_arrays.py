@@ -169,6 +169,8 @@ LIMB = np.dtype(
         # Direction of the joint for a limb along the axis; cosine and sine of its spread.
         ("bend", "f8", 3),
         ("spread", "f8", 2),
+        # How far it may still come back from beyond its limits in this sub-step [m].
+        ("slack", "f8"),
     ],
     align=True,
 )

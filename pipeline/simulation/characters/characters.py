@@ -21,8 +21,10 @@ from pipeline.simulation.characters.character_plans import (
     start_nodes,
 )
 from pipeline.simulation.characters.contact_response import new_touch_log
+from pipeline.simulation.characters.face_tracker import FaceInputs, FaceTracker
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
+from pipeline.simulation.characters.pain_reflex import PainReflexes
 from pipeline.simulation.characters.person_controller import CharacterView
 from pipeline.simulation.characters.person_record import persons_of
 from pipeline.simulation.characters.pose_output import BallRotations, frame_poser
@@ -40,8 +42,10 @@ from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Face
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.character import Character
+from pipeline.spec.expression import EMOTIONS
 
 SUB_STEP_RATE = 240.0
 """Least number of sub-steps per second."""
@@ -70,16 +74,26 @@ class Characters(Troupe):
         poses = {member.name: member.pose for member in cast}
         self.dispatcher = TaskDispatcher(view, self.persons, dt, poses)
         self.signals = SignalDetector(self.dispatcher)
+        owners = [int(owner) for owner in self.persons["owner"]]
+        obediences = [cast[owner].obedience for owner in owners]
+        self.reflexes = PainReflexes(self.dispatcher, obediences)
         self.minds = self._start_minds(view)
         channels = self.minds.channels if self.minds is not None else ()
-        self.inventory = replace(self._poser.inventory, channels=channels)
+        faces = tuple(Face(cast[int(owner)].name) for owner in self.persons["owner"])
+        self.inventory = replace(self._poser.inventory, channels=channels, faces=faces)
         balls = [thing.nodes[0] for thing in self._poser.things if thing.axes is None]
         self._balls = np.array(balls, dtype=np.int64)
         self.ball_rotations = BallRotations(self.arrays.nodes["radius"][self._balls])
-        owners = [int(owner) for owner in self.persons["owner"]]
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
+        row_time = dt * world.clock.steps / world.clock.samples
+        self._faces = FaceTracker(self._names, world.seed, row_time)
+        self._face_inputs: list[FaceInputs] = []
+        self._owners, self._unfelt = (
+            np.array(owners, dtype=np.int64),
+            np.zeros((len(owners), len(EMOTIONS))),
+        )
         # Rows to write: nodes, rotations of balls, records of acting people.
         self._rows: list[tuple[Array, Array, Records]] = []
         self._values: list[Array] = []
@@ -182,6 +196,7 @@ class Characters(Troupe):
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.dispatcher.command()
+        self.reflexes.react(step * self.world.clock.dt)
         for controller in self.dispatcher.controllers:
             for name, v in controller.kicked_bodies:
                 self.solid_tracker.set_velocity(name, v)
@@ -190,13 +205,13 @@ class Characters(Troupe):
         self._roll_balls(before)
         world, people = self.world, (self._names, self._masses)
         steps = footfalls(self.persons, *people, world.ground, world.clock, step)
-        cries = self.minds.cries if self.minds is not None else ()
+        voices = self.minds.voices if self.minds is not None else ()
         done = self.dispatcher.facts()
         self._facts = replace(
             done,
             contacts=self.contact_reporter.contacts(self.log, step) + steps,
             touched=self.contact_reporter.touched(self.log) + done.touched,
-            signals=self.signals.signals(cries),
+            signals=self.signals.signals(voices),
         )
 
     def move(self) -> None:
@@ -221,6 +236,13 @@ class Characters(Troupe):
         self._rows.append((self.arrays.p.copy(), turned, self.persons.copy()))
         if self.minds is not None:
             self._values.append(self.minds.values())
+        self._face_inputs.append(self._face_input())
+
+    def _face_input(self) -> FaceInputs:
+        """Return what moves faces now."""
+        pain = self.arrays.owners["pain"][self._owners]
+        felt = self._unfelt if self.minds is None else self.minds.felt.copy()
+        return FaceInputs(felt, self.dispatcher.expressions, pain)
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept, at once because the calls dominate the cost."""
@@ -231,6 +253,8 @@ class Characters(Troupe):
         posed = self._poser.pose(np.array(nodes), np.array(turned), persons, self.world.ground)
         rows.rotations[:], rows.positions[:] = posed
         rows.alive[:] = True
+        rows.expressions[:] = self._faces.faces(self._face_inputs, persons)
+        self._face_inputs.clear()
         if self._values:
             rows.values[:] = self._values
             self._values.clear()

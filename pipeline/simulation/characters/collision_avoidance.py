@@ -1,28 +1,17 @@
-"""Collision avoidance: walkers step aside for people, and stop before solids.
-
-Each walker predicts the closest approach to others if both go on as they do, and turns away from
-it: the sooner the approach, the more, and to the right of people straight ahead. A person too near
-is kept off at once. Others are visited in order along x, so that a crowd costs little more than
-a few.
+"""Collision avoidance: walkers stop before solids, and feet stay outside them.
 
 Near a solid of another room the speed of a person towards it is at most that of the solid; the
 speed past it is unchanged. Light solids are walked into and pushed; the heavier they are, the more
 slowly. Feet inside a solid are moved out of it, and slide where something presses the leg.
 Solids below the ankle or above the head are ignored.
-
-Source: Horswill 2008, "Object approach" (repulsion with a curl, so that nobody is stuck head on;
-d_min there is compared with a squared distance); Reynolds 1999, unaligned collision avoidance.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from pipeline.simulation.characters.gait_timing import ground_speed, leg_length
 from pipeline.simulation.characters.person_record import FOOT as FEET
-from pipeline.simulation.characters.person_record import SITTING, STANCE
+from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.solid_kinematics import (
     OUT_OF_REACH,
@@ -30,90 +19,7 @@ from pipeline.simulation.characters.solid_kinematics import (
     velocity_at,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
-
-# Between people.
-PREDICTION_TIME = 2.2  # [s]
-SIGHT_RANGE = 4.5  # [m]
-PERSONAL_SPACE = 0.36  # to both sides, in heights
-PUSH_RANGE = 1.25  # within which others push, in personal space
-SMOOTHING = 0.08  # share of the wanted sidestep taken over in a step
-
-
-@compiled
-def avoid_people(persons: Records) -> None:
-    """Choose the sidestep of every person, once a step."""
-    order = np.zeros(len(persons), dtype=np.int64)
-    for i in range(len(persons)):
-        n = i
-        while n > 0 and persons[order[n - 1]].at[0] > persons[i].at[0]:
-            order[n] = order[n - 1]
-            n -= 1
-        order[n] = i
-    for n in range(len(order)):
-        person = persons[order[n]]
-        if not person.has_goal:
-            person.sidestep[0], person.sidestep[1] = 0.0, 0.0
-            continue
-        x = z = 0.0
-        for direction in (-1, 1):
-            m = n + direction
-            while 0 <= m < len(order):
-                other = persons[order[m]]
-                if abs(other.at[0] - person.at[0]) > SIGHT_RANGE:
-                    break
-                if other.owner != person.partner:
-                    push_x, push_z = _repulsion(person, other)
-                    x, z = x + push_x, z + push_z
-                m += direction
-        _blend_sidestep(person, x, z)
-
-
-@compiled
-def _blend_sidestep(person: Record, x: float, z: float) -> None:
-    size = math.hypot(x, z)
-    limit = 0.8 * person.pace
-    if size > limit:
-        x, z = x * limit / size, z * limit / size
-    person.sidestep[0] += SMOOTHING * (x - person.sidestep[0])
-    person.sidestep[1] += SMOOTHING * (z - person.sidestep[1])
-
-
-@compiled
-def _repulsion(one: Record, other: Record) -> tuple[float, float]:
-    """Return the velocity with which one person keeps off another [m/s]."""
-    x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
-    distance = math.hypot(x, z)
-    if distance > SIGHT_RANGE or distance < 1e-9:
-        return 0.0, 0.0
-    space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
-    if other.posture == SITTING:
-        space *= 1.4
-    space = min(space, one.neighbour_distance / PUSH_RANGE)
-    rel_x, rel_z = other.velocity[0] - one.velocity[0], other.velocity[1] - one.velocity[1]
-    speed_squared = rel_x * rel_x + rel_z * rel_z
-    time = (
-        0.0
-        if speed_squared < 1e-6
-        else min(max(-(x * rel_x + z * rel_z) / speed_squared, 0.0), PREDICTION_TIME)
-    )
-    near_x, near_z = x + rel_x * time, z + rel_z * time
-    closest = math.hypot(near_x, near_z)
-    push_x = push_z = 0.0
-    if time > 0.0 and closest < 1.5 * space:
-        # Across the own way, to the side on which the other will not be.
-        speed = max(ground_speed(one), 1e-6)
-        right_x, right_z = -one.velocity[1] / speed, one.velocity[0] / speed
-        turn = -1.0 if (near_x * right_x + near_z * right_z) > 0.15 * space else 1.0
-        amount = one.pace * (1.0 - time / PREDICTION_TIME) * (1.0 - closest / (1.5 * space)) * 1.6
-        push_x, push_z = turn * amount * right_x, turn * amount * right_z
-    if distance < PUSH_RANGE * space:
-        depth = (PUSH_RANGE * space - distance) / space
-        amount = math.sqrt(GRAVITY * leg_length(one)) * 0.5 * depth
-        push_x, push_z = push_x - amount * x / distance, push_z - amount * z / distance
-    return push_x, push_z
-
 
 # Before solids of other rooms. Distances in heights, masses in those of the person.
 PROBE_LEVELS = (0.07, 0.28, 0.53, 0.8)  # ankle, knee, pelvis, chest

@@ -11,18 +11,27 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.characters.person_controller import PersonController
-from pipeline.simulation.characters.person_record import PELVIS, REACHING, SHOULDERS, SPINE
-from pipeline.simulation.characters.person_tasks import Task, place_text, walking_failure
+from pipeline.simulation.characters.person_record import (
+    PELVIS,
+    REACHING,
+    SHOULDERS,
+    SPINE,
+    SWINGING,
+)
+from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.spatial import Array
 
-GRAB_PATIENCE = 3.5  # without coming nearer [s]
+GRAB_PATIENCE = 2.5  # without coming nearer [s]
 PATIENCE = 1.6
 """Time after which a hand is near enough to a place that it cannot quite reach [s]."""
 
 HAND_BREADTH = 0.06  # within which a hand counts as there in the end, in heights
+BEYOND_REACH = 0.4  # from its place at which a hand that was there sinks again, in arm lengths
 PALM_OFFSET = 0.045  # of the wrist from a surface that the hand touches, in heights
+CHEST_DEPTH = 0.06  # of a chest before its middle, in heights
 HAND_AT_PLACE = 0.04  # distance at which a hand has reached a place, in heights
+HANDED_MASS = 0.1  # below which a thing goes from hand to hand, in the person's mass
 GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
 
 
@@ -49,8 +58,11 @@ class HugShape:
 
 HUG = HugShape()
 
+SHOVE_RANGE = 0.5  # of who shoves from the middle of the other, in arm lengths
+STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
 HUG_REACHED = 0.06  # from touching, within which arms close [m]
+LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
 HUG_DEPTH = 0.02  # by which two press against each other [m]
 COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
 LEAST_APPROACH = 0.3  # of both together, below which one walks the whole way [m/s]
@@ -69,6 +81,7 @@ class Reach(Task):
         time: since the start [s].
         progress: of the hand that is farthest off.
         has_reached: whether all hands were near enough.
+        beyond: time for which a hand has been far off [s].
     """
 
     hands: tuple[int, ...]
@@ -78,6 +91,7 @@ class Reach(Task):
     time: float = 0.0
     progress: TaskProgress = field(default_factory=TaskProgress)
     has_reached: bool = False
+    beyond: float = 0.0
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -96,19 +110,24 @@ class Reach(Task):
         self.has_reached |= is_late or farthest < HAND_AT_PLACE * height
         if not self.has_reached and self.progress.update(farthest, dt) > PATIENCE:
             self.failure = f"{farthest:.2f} m out of reach at {place_text(controller)}"
+        self.beyond = self.beyond + dt if farthest > BEYOND_REACH * controller.arm else 0.0
+        self.is_lost = self.has_reached and self.beyond > PATIENCE
         return self.has_reached
 
     def _place(self, controller: PersonController, k: int) -> Array:
         """Return (3,) where a hand goes [m]."""
         if self.place is not None:
             return self.place
-        if not self.target:
-            return controller.view.middle(self.owner)
         # The palm touches the surface, not the wrist.
-        shoulder = controller.shoulder(k)
-        place = controller.view.state(self.target).nearest(shoulder)
+        shoulder, off = controller.shoulder(k), PALM_OFFSET * float(controller.record.height)
+        if self.target:
+            place = controller.view.state(self.target).nearest(shoulder)
+        else:
+            place = controller.view.middle(self.owner)
+            if self.owner in controller.view.people:
+                off += CHEST_DEPTH * controller.view.size(self.owner)
         size = max(math.dist(shoulder, place), 1e-9)
-        share = min(PALM_OFFSET * float(controller.record.height) / size, 1.0)
+        share = min(off / size, 1.0)
         surface: Array = place + share * (shoulder - place)
         return surface
 
@@ -123,7 +142,8 @@ class Grab(Task):
         part: the joint to take, None for the nearest node.
         nodes: node of each hand that is on its way or grips.
         time: since it is near [s].
-        progress: of the walk, and then of the hands.
+        approach: to it.
+        progress: of the hands.
     """
 
     hands: tuple[int, ...]
@@ -131,7 +151,16 @@ class Grab(Task):
     part: str | None = None
     nodes: dict[int, int] = field(default_factory=dict)
     time: float = 0.0
+    approach: Approach = field(default_factory=Approach)
     progress: TaskProgress = field(default_factory=TaskProgress)
+
+    def asks_for(self, controller: PersonController) -> str:
+        """See `Task`; what is light is handed over, heavy things are held by several."""
+        owners = controller.view.arrays.owners
+        is_light = (
+            owners["mass"][self.owner] < HANDED_MASS * owners["mass"][controller.record.owner]
+        )
+        return controller.view.names[self.owner] if is_light and self.part is None else ""
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -146,10 +175,10 @@ class Grab(Task):
         radius = controller.ball_radius(self.owner)
         near += radius
         if controller.ground_distance(first) > near + 0.12 * controller.arm:
-            controller.go(first[0], first[2], near, self.owner)
             if self.part is None:
                 self.nodes.clear()
-            self._check_progress(controller, controller.ground_distance(first), dt)
+            reason = self.approach.walk_to(controller, first, near, self.owner, dt)
+            self.stick(reason, self.approach)
             return False
         if person.has_goal:
             self.progress = TaskProgress()
@@ -173,14 +202,13 @@ class Grab(Task):
 
     def _check_progress(self, controller: PersonController, distance: float, dt: float) -> None:
         """Give up what comes no nearer."""
-        at = controller.record.at if controller.record.has_goal else None
-        if self.progress.update(distance, dt, at) <= GRAB_PATIENCE:
+        if self.progress.update(distance, dt) <= GRAB_PATIENCE:
             return
         held = [k for k in self.hands if controller.is_holding(k)]
         for k in held:
             controller.let_go(k)
         only = "lets go again: the other hand " if held else ""
-        self.failure = f"{only}stays {distance:.2f} m out of reach at {place_text(controller)}"
+        self.stick(f"{only}stays {distance:.2f} m out of reach at {place_text(controller)}")
 
 
 @dataclass
@@ -193,7 +221,7 @@ class Hug(Task):
         touched: time since the two touch [s], 0 before.
         coming: speed at which the partner comes nearer [m/s].
         seen: place of the partner (3,) at the step before [m].
-        progress: of the walk.
+        approach: to the partner.
     """
 
     owner: int
@@ -201,7 +229,7 @@ class Hug(Task):
     touched: float = 0.0
     coming: float = 0.0
     seen: Array | None = None
-    progress: TaskProgress = field(default_factory=TaskProgress)
+    approach: Approach = field(default_factory=Approach)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -211,8 +239,9 @@ class Hug(Task):
         distance = controller.ground_distance(partner)
         if self.touched == 0.0 and distance > closeness + HUG_REACHED:
             share = self._share_of_way(controller, partner, closeness, dt)
-            controller.go(partner[0], partner[2], closeness - HUG_DEPTH + share, self.owner)
-            self.failure = walking_failure(controller, self.progress, distance, dt)
+            stop = closeness - HUG_DEPTH + share
+            reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
+            self.stick(reason, self.approach)
             if distance < closeness + 1.1 * controller.arm:
                 # Bowing only once the partner is there would knock heads.
                 self._bow(controller)
@@ -220,6 +249,11 @@ class Hug(Task):
             return False
         if self.touched == 0.0:
             controller.face_to(partner)
+        elif distance > closeness + LOST_HUG * controller.arm:
+            # One who hugs lets the partner go, and does not reach after it.
+            self.is_lost, self.touched = self.touched > PATIENCE, 0.0
+            controller.part_hands()
+            return self.is_lost
         self.touched += dt
         self._bow(controller)
         self._close_arms(controller, partner)
@@ -330,16 +364,24 @@ class LoosenHug(Task):
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        if self.hug.loosen(controller, dt):
-            if self.time == 0.0 and self.back > 0.0:
-                person = controller.record
-                partner = controller.view.pelvis(self.hug.owner)
-                x, z = person.at[0] - partner[0], person.at[1] - partner[2]
-                share = self.back / max(math.hypot(x, z), 0.1)
-                controller.go(person.at[0] + share * x, person.at[1] + share * z)
-                person.has_facing, person.facing = True, math.atan2(z, -x)
+        if self.time > 0.0 or self.hug.loosen(controller, dt):
+            if self.time == 0.0:
+                self._step_back(controller)
             self.time += dt
-        return self.time > OPEN_TIME
+        self.is_lost = self.time > OPEN_TIME
+        return self.is_lost
+
+    def _step_back(self, controller: PersonController) -> None:
+        """Let the arms sink, and step back facing the partner."""
+        person = controller.record
+        partner = controller.view.pelvis(self.hug.owner)
+        x, z = person.at[0] - partner[0], person.at[1] - partner[2]
+        share = self.back / max(math.hypot(x, z), 0.1)
+        controller.go(person.at[0] + share * x, person.at[1] + share * z)
+        person.has_facing, person.facing = True, math.atan2(z, -x)
+        for k in range(2):
+            if not controller.is_holding(k):
+                person.arm_mode[k] = SWINGING
 
 
 @dataclass
@@ -388,25 +430,30 @@ class Grapple(Task):
     Attributes:
         owner: number of the character.
         time: since the arms came up [s].
-        progress: of the walk.
+        approach: to it.
     """
 
     owner: int
     time: float = 0.0
-    progress: TaskProgress = field(default_factory=TaskProgress)
+    approach: Approach = field(default_factory=Approach)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        partner = controller.view.pelvis(self.owner)
-        controller.go(partner[0], partner[2], 0.25 * controller.arm, self.owner)
-        if controller.ground_distance(partner) < 1.3 * controller.arm:
-            for k in range(2):
-                controller.record.arm_mode[k] = REACHING
+        if self.time > PATIENCE:
+            return True
+        partner, stop = controller.view.pelvis(self.owner), SHOVE_RANGE * controller.arm
+        reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
+        is_near = controller.ground_distance(partner) < 1.3 * controller.arm
+        for k in range(2):
+            if not controller.is_holding(k):
+                controller.record.arm_mode[k] = REACHING if is_near else SWINGING
+        if is_near:
             self.time += dt
         else:
-            distance = controller.ground_distance(partner)
-            self.failure = walking_failure(controller, self.progress, distance, dt)
-        is_done = self.time > PATIENCE
-        if is_done:
+            self.stick(reason, self.approach)
+        if self.time > PATIENCE:
             controller.stop()
-        return is_done
+            for k in range(2):
+                if not controller.is_holding(k):
+                    controller.record.arm_mode[k] = SWINGING
+        return self.time > PATIENCE

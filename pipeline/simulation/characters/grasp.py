@@ -44,22 +44,28 @@ def hands_needed(controller: PersonController, name: str) -> tuple[int, ...]:
     return (1,) if not grasp_failure(controller, name, (1,)) else (0, 1)
 
 
-def grasp_failure(controller: PersonController, name: str, hands: tuple[int, ...]) -> str:
-    """Return why hands cannot hold a member, "" if they can."""
+def grasp_failure(
+    controller: PersonController, name: str, hands: tuple[int, ...], share: float = 1.0
+) -> str:
+    """Return why hands cannot hold a member, "" if they can.
+
+    Args:
+        controller: of the person.
+        name: of the member.
+        hands: numbers of the hands.
+        share: of the weight that they bear; several take a thing by its edges, however wide.
+    """
     person, state = controller.record, controller.view.state(name)
-    holder = controller.view.holders.get(name, controller.name)
     if not state.is_present:
         return f"'{name}' is not there"
-    if holder != controller.name:
-        return f"{holder} holds it"
     own = float(controller.view.arrays.owners["mass"][person.owner])
     if len(hands) == 2:
         text, widest = "both hands", 2.0 * float(person.shoulders) + EMBRACE_WIDTH * person.height
         heaviest = TWO_HAND_MASS * own
     else:
         text, widest, heaviest = "a hand", HAND_SPAN * person.height, ONE_HAND_MASS * own
-    width, mass = width_of(state), mass_of(controller, name)
-    if width > widest:
+    width, mass = width_of(state), share * mass_of(controller, name)
+    if share == 1.0 and width > widest:
         return f"wider than {text} ({width:.2f} m, can hold {widest:.2f} m)"
     if mass > heaviest:
         return f"too heavy for {text} ({mass:.1f} kg, can carry {heaviest:.1f} kg)"

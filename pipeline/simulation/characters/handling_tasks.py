@@ -59,6 +59,7 @@ class GrabMember(TargetTask):
         hands: numbers of the hands.
         time: since it is within reach [s].
         is_walking: whether the person goes up to it.
+        progress: of the hands.
         pursuit: the distance to it, from the start.
         standoff: from low things.
     """
@@ -66,8 +67,13 @@ class GrabMember(TargetTask):
     hands: tuple[int, ...] = (1,)
     time: float = 0.0
     is_walking: bool = True
+    progress: TaskProgress = field(default_factory=TaskProgress)
     pursuit: TaskProgress = field(default_factory=TaskProgress)
     standoff: Standoff = field(default_factory=Standoff)
+
+    def asks_for(self, controller: PersonController) -> str:
+        """See `Task`."""
+        return self.target
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -75,8 +81,8 @@ class GrabMember(TargetTask):
         self.leads_hands = bool(held) and held != self.hands
         if held == self.hands:
             return True
-        self.failure = grasp_failure(controller, self.target, self.hands)
-        if self.failure:
+        if reason := grasp_failure(controller, self.target, self.hands):
+            self.failure = reason
             return False
         state, person = controller.view.state(self.target), controller.record
         if held:
@@ -97,23 +103,46 @@ class GrabMember(TargetTask):
             return False
         if distance > near + (0.2 if is_stopped else 0.12) * controller.arm:
             self.standoff.is_stepping, self.is_walking = False, True
-            self.walk_to(controller, soon, near)
-            self._check_progress(controller, distance, dt, "does not come near it")
+            self.stick(self.walk_to(controller, soon, near, dt), self.approach)
             return False
         if self.is_walking:
             self.is_walking, self.pace, self.progress = False, 0.0, TaskProgress()
             controller.stop()
+        if self.asked > 0.0:
+            controller.face_to(state.centre)
+        else:
+            self._take(controller, state, place, soon, dt)
+        return False
+
+    def _take(
+        self,
+        controller: PersonController,
+        state: MemberState,
+        place: Array,
+        soon: Array,
+        dt: float,
+    ) -> None:
+        """Turn to the thing, bow if it is low, and close the hands around it.
+
+        Args:
+            controller: of the person.
+            state: of the thing.
+            place: (3,) where it is taken [m].
+            soon: (3,) where that will be once the person is down [m].
+            dt: the step [s].
+        """
+        person = controller.record
+        is_high = place[1] - person.floor > 0.4 * person.height
         is_stuck = self.progress.time > STUCK_TIME and self.standoff.tries < 2
         if not is_high and not self.standoff.is_kept(controller, place, soon, dt, is_stuck):
             self.progress, self.time = TaskProgress(), 0.0
-            return False
+            return
         controller.face_to(state.centre)
         if not is_high and not controller.is_facing(BOWING_TOLERANCE):
             # One who bows first would stir the feet under bent knees.
             self._check_progress(controller, controller.turn_left, dt, "cannot turn to it")
-            return False
-        self._close_hands(controller, state, both, dt)
-        return False
+            return
+        self._close_hands(controller, state, len(self.hands) == 2, dt)
 
     def _rolls_away(self, controller: PersonController, state: MemberState, dt: float) -> bool:
         """Hurry after what rolls away; give up what comes no nearer, however far one gets."""
@@ -186,9 +215,8 @@ class GrabMember(TargetTask):
         self, controller: PersonController, distance: float, dt: float, reason: str
     ) -> None:
         """Give up what comes no nearer."""
-        at = controller.record.at if controller.record.has_goal else None
-        if self.progress.update(distance, dt, at) > GRAB_PATIENCE:
-            self.failure = f"{reason} at {place_text(controller)}"
+        if self.progress.update(distance, dt) > GRAB_PATIENCE:
+            self.stick(f"{reason} at {place_text(controller)}")
 
 
 @dataclass
@@ -214,14 +242,21 @@ class CarryTo(Task):
         """See `Task`."""
         return (self.thing, self.walk.target)
 
+    def asks_for(self, controller: PersonController) -> str:
+        """See `Task`."""
+        return "" if self.is_down else self.grab.asks_for(controller)
+
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         if self.is_down:
             self.time += dt
             return self.time > OPENING_TIME
         if len(controller.hands_holding(self.thing)) < len(self.grab.hands):
+            self.grab.asked = self.asked
             self.grab.advance(controller, dt)
-            self.failure, self.pace = self.grab.failure, self.grab.pace
+            self.failure = self.grab.failure or self.failure
+            self.is_stuck = self.grab.is_stuck
+            self.pace = self.grab.pace
             self.leads_hands = self.grab.leads_hands
             return False
         self.leads_hands, self.pace = False, 0.0
@@ -232,7 +267,7 @@ class CarryTo(Task):
             self.walk.gap = BOWED_RANGE * controller.arm
         if not self.walk.advance(controller, dt):
             if self.walk.failure:
-                self.failure = f"{self.walk.failure}; still holds '{self.thing}'"
+                self.stick(f"{self.walk.failure}; still holds '{self.thing}'", self.walk.approach)
             return False
         self._put_down(controller, thing, goal, surface, dt)
         return False

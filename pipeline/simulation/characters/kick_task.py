@@ -43,7 +43,7 @@ STEEPEST_KICK = 0.6  # tangent of the elevation of a kick that flies
 HIGHEST_KICK = 0.4  # of what is kicked above the ground, in leg lengths
 BACKSWING_TIME, RECOVERY_TIME = 0.2, 0.16  # [s]
 SLOWEST_FOOT, FASTEST_FOOT = 2.5, 12.0  # of the visible swing [m/s]
-KICK_PATIENCE = 15.0  # of all [s]
+KICK_PATIENCE = 8.0  # of all [s]
 BACK, FORWARD = (-0.45, 0.28), (0.45, 0.35)
 """Ends of the swing, ahead of the hip and of the impact, and above the ground, in leg lengths."""
 
@@ -98,7 +98,7 @@ class KickThing(Task):
             return False
         self._run_up(controller, thing, dt)
         if not self.failure and self.time > KICK_PATIENCE:
-            self.failure = f"does not get behind it at {place_text(controller)}"
+            self.stick(f"does not get behind it at {place_text(controller)}")
         return False
 
     def _run_up(self, controller: PersonController, thing: MemberState, dt: float) -> None:
@@ -125,7 +125,7 @@ class KickThing(Task):
             start = spot - RUN_UP * person.height * along
             self._go(controller, start, (middle, WALK_ROUND * person.height + depth))
             left = math.dist(at, start)
-            self.failure = walking_failure(controller, self.progress, left, dt)
+            self.stick(walking_failure(controller, self.progress, left, dt))
             near = left < 0.25 or not person.has_goal
             ready = angle < MISALIGNMENT and math.dist(at, spot) < 1.5 * RUN_UP * person.height
             if near or ready:
@@ -139,7 +139,7 @@ class KickThing(Task):
         # Feet step aside on the way, so that the body is aimed as the kick is.
         person.has_facing, person.facing = True, facing
         turn = math.remainder(facing - float(person.heading), 2.0 * math.pi)
-        self.failure = walking_failure(controller, self.progress, abs(left), dt)
+        self.stick(walking_failure(controller, self.progress, abs(left), dt))
         if left < START_RANGE * leg and abs(turn) < MISALIGNMENT:
             swinging = [k for k in range(2) if person.foot_state[k] == SWING]
             if len(swinging) < 2 and swinging in ([], [self.foot]):
@@ -229,7 +229,7 @@ class KickThing(Task):
         foot = view.p[int(person.node) + FOOT + self.foot]
         gap = float(np.linalg.norm(thing.nearest(foot) - foot))
         if gap > reach:
-            self.failure = f"misses it by {gap:.2f} m at {place_text(controller)}"
+            self.stick(f"misses it by {gap:.2f} m at {place_text(controller)}")
             self.put_foot_down(controller)
             return
         v = self._launch(controller, thing)

@@ -4,8 +4,12 @@ A limb of two links with known root and tip leaves its joint a circle. The direc
 joint points is known for a limb in the middle of its cone of reach; it goes along with the limb
 by the shortest turn. So it is undefined only opposite to the middle, out of reach.
 
-While links are projected the limb is turned back with moves that leave its momentum alone; at
-the end of a sub-step the joint is put where it belongs.
+Limits are solved like contacts. What a limb went beyond its limit in the sub-step is taken out of
+the positions alone, and so out of the velocities; what it was beyond it before is taken out of
+both the present and the previous positions, at a limited speed. The trunk takes the reaction, so
+both momenta are kept: limits without one would feed a swinging body with energy.
+
+At the end of a sub-step the joint is put where both links have their lengths.
 
 Source: Horswill 2008, "Gait control" and "Failure modes" (knees that bend neither back nor
     sideways; that elbows need their own limits).
@@ -14,9 +18,10 @@ Source: Horswill 2008, "Gait control" and "Failure modes" (knees that bend neith
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from pipeline.simulation.characters.contact_response import SUPPORTED_MOBILITY
-from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -31,131 +36,169 @@ from pipeline.simulation.dynamics.vectors import (
 
 TINY = 1e-9  # [m]
 MIN_LINK_FRACTION = 0.996  # of its length that a link may be pressed to
-MAX_LIFT = 1.5e-3  # by which a joint pressed into the ground lifts its limb, each time [m]
 MIN_TURN_COSINE = 0.05  # below which a turn has no shortest way
+MAX_TURN = 0.2  # of a limb towards its cone in one projection [rad]
+RECOVERY_SPEED = 1.5  # at which a resting limb comes back from beyond a limit [m/s]
+
+
+class Posture(NamedTuple):
+    """A limb and the trunk that it hangs on.
+
+    Attributes:
+        x: unit vector forward of the trunk.
+        y: unit vector up the trunk.
+        z: unit vector to the right of the trunk.
+        height: length of the trunk's axis [m].
+        width: distance of the trunk's sides [m].
+        d: unit vector from root to tip.
+        distance: from root to tip [m].
+        e: unit vector across d towards the joint, zero for a straight limb.
+        size: distance of the joint from the line between root and tip [m].
+        along: distance of the joint from the root along this line [m].
+    """
+
+    x: Vector
+    y: Vector
+    z: Vector
+    height: float
+    width: float
+    d: Vector
+    distance: float
+    e: Vector
+    size: float
+    along: float
+
+
+class Pulls(NamedTuple):
+    """Impulses on the nodes of a limb and its trunk, or the moves by these."""
+
+    tip: Vector
+    joint: Vector
+    left: Vector
+    right: Vector
+    low: Vector
+    high: Vector
 
 
 @inlined
+def begin_recovery(nodes: Records, limbs: Records, h: float) -> None:
+    """Let limbs come back from beyond their limits in a sub-step of `h` [s].
+
+    What moves may come back as fast as it moves, which is not seen.
+    """
+    for n in range(len(limbs)):
+        limb = limbs[n]
+        root = _move_of(nodes[limb.root])
+        joint, tip = (
+            minus(_move_of(nodes[limb.joint]), root),
+            minus(_move_of(nodes[limb.tip]), root),
+        )
+        limb.slack = RECOVERY_SPEED * h + length(joint) + length(tip)
+
+
+@inlined
+def _move_of(node: Record) -> Vector:
+    """Return the motion of a node in this sub-step [m]."""
+    return minus(triple(node.p), triple(node.previous))
+
+
+@compiled
 def limit_limb(nodes: Records, limb: Record) -> None:
-    """Turn a limb back into its cone, and its joint back to where it may point."""
-    x, y, z = trunk_axes(nodes, limb)
-    root, tip = triple(nodes[limb.root].p), triple(nodes[limb.tip].p)
-    along = minus(tip, root)
-    distance = length(along)
-    if distance < TINY:
+    """Turn a limb back into its cone, or its joint back to where it may point."""
+    now = _posture(nodes, limb)
+    if now.distance < TINY:
         return
-    d = times(1.0 / distance, along)
-    m = _in_world(limb.middle, x, y, z)
-    if dot(d, m) < limb.cone:
-        # The nearest direction in the cone; tip and joint go there, root and trunk push back.
-        aside = minus(m, times(dot(m, d), d))
-        size = length(aside)
-        if size > TINY:
-            angle = math.acos(max(dot(d, m), -1.0)) - math.acos(limb.cone)
-            _close_limb(nodes, limb, times(distance * min(angle, 0.2) / size, aside))
-            return
-    e, size, _ = _joint_direction(nodes, limb, d)
-    allowed = _allowed_direction(limb, e, d, m, x, y, z)
-    if dot(allowed, e) < 1.0 - 1e-12:
-        _swing_joint(nodes, limb, times(size, minus(allowed, e)))
+    excess = _cone_excess(limb, now)
+    if excess > 0.0:
+        _close_limb(nodes, limb, now, excess)
+        return
+    chord = _joint_chord(limb, now)
+    if dot(chord, chord) > TINY * TINY:
+        _swing_joint(nodes, limb, now, chord)
 
 
-@inlined
+@compiled
 def place_joint(nodes: Records, limb: Record) -> None:
     """Put a joint where both links have their lengths and it points where it may."""
-    if nodes[limb.joint].mobility == 0.0:
+    joint = nodes[limb.joint]
+    now = _posture(nodes, limb)
+    if joint.mobility == 0.0 or now.distance < TINY:
         return
-    x, y, z = trunk_axes(nodes, limb)
-    root, along = (
-        triple(nodes[limb.root].p),
-        minus(triple(nodes[limb.tip].p), triple(nodes[limb.root].p)),
-    )
-    distance = length(along)
-    if distance < TINY:
-        return
-    d = times(1.0 / distance, along)
-    e, _, _ = _joint_direction(nodes, limb, d)
-    allowed = _allowed_direction(limb, e, d, _in_world(limb.middle, x, y, z), x, y, z)
-    upper, lower = limb.upper, limb.lower
-    if distance >= upper + lower:
+    root, upper, lower = triple(nodes[limb.root].p), limb.upper, limb.lower
+    if now.distance >= upper + lower:
         # It is stretched: both links have their share of it.
-        _move_to(nodes[limb.joint], plus(root, times(upper / (upper + lower), along)))
+        share = upper / (upper + lower) * now.distance
+        _move_to(joint, plus(root, times(share, now.d)))
         return
-    a = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
+    e = _recovered_direction(limb, now)
+    a = (upper * upper - lower * lower + now.distance**2) / (2.0 * now.distance)
     height = math.sqrt(max(upper * upper - a * a, 0.0))
     # What presses on a joint may press it nearer to straight, and so root and tip apart.
     lowest = math.sqrt(max((MIN_LINK_FRACTION * upper) ** 2 - a * a, 0.0))
-    height = min(max(dot(minus(triple(nodes[limb.joint].p), root), allowed), lowest), height)
-    _move_to(nodes[limb.joint], plus(root, plus(times(a, d), times(height, allowed))))
+    height = min(max(dot(minus(triple(joint.p), root), e), lowest), height)
+    _move_to(joint, plus(root, plus(times(a, now.d), times(height, e))))
 
 
 @inlined
-def joint_angle(nodes: Records, limb: Record) -> float:
-    """Return the bend of a joint [rad], negative if it points where it may not."""
-    x, y, z = trunk_axes(nodes, limb)
-    root, joint, tip = (
-        triple(nodes[limb.root].p),
-        triple(nodes[limb.joint].p),
-        triple(nodes[limb.tip].p),
-    )
-    upper, lower = minus(joint, root), minus(tip, joint)
-    angle = math.atan2(length(cross(upper, lower)), dot(upper, lower))
-    along = minus(tip, root)
-    d = times(1.0 / max(length(along), TINY), along)
-    e, _, _ = _joint_direction(nodes, limb, d)
-    allowed = _allowed_direction(limb, e, d, _in_world(limb.middle, x, y, z), x, y, z)
-    return angle if dot(allowed, e) > 1.0 - 1e-6 else -angle
+def joint_excess(nodes: Records, limb: Record) -> float:
+    """Return the distance of a joint from where it may point, in lengths of the upper link."""
+    return length(_joint_chord(limb, _posture(nodes, limb))) / limb.upper
 
 
 @inlined
-def trunk_axes(nodes: Records, limb: Record) -> tuple[Vector, Vector, Vector]:
-    """Return the axes of the trunk that a limb hangs on: forward, up, right."""
+def _posture(nodes: Records, limb: Record) -> Posture:
+    """Return a limb and its trunk."""
     right = minus(triple(nodes[limb.right].p), triple(nodes[limb.left].p))
     up = minus(triple(nodes[limb.high].p), triple(nodes[limb.low].p))
     forward = cross(up, right)
-    size = length(forward)
-    if size < TINY:
-        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    x = times(1.0 / size, forward)
-    y = times(1.0 / max(length(up), TINY), up)
-    return x, y, cross(x, y)
-
-
-@inlined
-def _in_world(a: Vector, x: Vector, y: Vector, z: Vector) -> Vector:
-    return plus(plus(times(a[0], x), times(a[1], y)), times(a[2], z))
-
-
-@inlined
-def _joint_direction(nodes: Records, limb: Record, d: Vector) -> tuple[Vector, float, float]:
-    """Return the direction of the joint across a unit vector d from root to tip.
-
-    Returns:
-        The direction, zero for a straight limb; the distance from the line [m]; the distance along
-        the line [m].
-    """
-    offset = minus(triple(nodes[limb.joint].p), triple(nodes[limb.root].p))
+    size, height, width = length(forward), max(length(up), TINY), max(length(right), TINY)
+    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    if size >= TINY:
+        x, y = times(1.0 / size, forward), times(1.0 / height, up)
+        z = cross(x, y)
+    root = triple(nodes[limb.root].p)
+    way = minus(triple(nodes[limb.tip].p), root)
+    distance = length(way)
+    d = times(1.0 / max(distance, TINY), way)
+    offset = minus(triple(nodes[limb.joint].p), root)
     along = dot(offset, d)
     radial = minus(offset, times(along, d))
-    size = length(radial)
-    if size < TINY:
-        return (0.0, 0.0, 0.0), 0.0, along
-    return times(1.0 / size, radial), size, along
+    across = length(radial)
+    if across < TINY:
+        return Posture(x, y, z, height, width, d, distance, (0.0, 0.0, 0.0), 0.0, along)
+    e = times(1.0 / across, radial)
+    return Posture(x, y, z, height, width, d, distance, e, across, along)
 
 
 @inlined
-def _allowed_direction(
-    limb: Record, e: Vector, d: Vector, m: Vector, x: Vector, y: Vector, z: Vector
-) -> Vector:
+def _in_world(a: Vector, now: Posture) -> Vector:
+    return plus(plus(times(a[0], now.x), times(a[1], now.y)), times(a[2], now.z))
+
+
+@inlined
+def _cone_excess(limb: Record, now: Posture) -> float:
+    """Return the angle by which a limb is out of its cone, less than 0 within it [rad]."""
+    cosine = dot(now.d, _in_world(limb.middle, now))
+    return math.acos(min(max(cosine, -1.0), 1.0)) - math.acos(limb.cone)
+
+
+@inlined
+def _allowed_direction(limb: Record, now: Posture) -> Vector:
     """Return the direction nearest to e, across d, in which the joint may point."""
-    c = _turned_with(_in_world(limb.bend, x, y, z), m, d)
-    if dot(e, e) == 0.0:
+    c = _turned_with(_in_world(limb.bend, now), _in_world(limb.middle, now), now.d)
+    if now.size == 0.0:
         return c
-    if dot(e, c) >= limb.spread[0]:
-        return e
-    side = cross(d, c)
-    sine = limb.spread[1] if dot(e, side) >= 0.0 else -limb.spread[1]
+    if dot(now.e, c) >= limb.spread[0]:
+        return now.e
+    side = cross(now.d, c)
+    sine = limb.spread[1] if dot(now.e, side) >= 0.0 else -limb.spread[1]
     return plus(times(limb.spread[0], c), times(sine, side))
+
+
+@inlined
+def _joint_chord(limb: Record, now: Posture) -> Vector:
+    """Return the way of a joint across d to where it may point [m]."""
+    return times(now.size, minus(_allowed_direction(limb, now), now.e))
 
 
 @inlined
@@ -172,48 +215,153 @@ def _turned_with(c: Vector, m: Vector, d: Vector) -> Vector:
 
 
 @inlined
-def _move_to(node: Record, place: Vector) -> None:
-    _displace(node, minus(place, triple(node.p)))
+def _recovered_direction(limb: Record, now: Posture) -> Vector:
+    """Return the unit vector across d in which a joint is put."""
+    chord = _joint_chord(limb, now)
+    size = length(chord)
+    if size <= TINY:
+        return _allowed_direction(limb, now)
+    parted = _recovered(limb, size)
+    e = plus(times(now.size, now.e), times(parted / size, chord))
+    across = length(e)
+    return times(1.0 / across, e) if across > TINY else _allowed_direction(limb, now)
 
 
 @inlined
-def _close_limb(nodes: Records, limb: Record, move: Vector) -> None:
-    """Move tip and joint against the root, so that they come nearer to one another."""
-    root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
-    # Half of the move for the joint, about half as far out; the root takes the reaction.
-    mobility = tip.mobility + 0.25 * joint.mobility + 2.25 * root.mobility
-    if mobility == 0.0:
+def _recovered(limb: Record, way: float) -> float:
+    """Return the part of a way back to a limit that a limb may go in this sub-step [m]."""
+    parted: float = min(way, limb.slack)
+    limb.slack -= parted
+    return parted
+
+
+@compiled
+def _close_limb(nodes: Records, limb: Record, now: Posture, excess: float) -> None:
+    """Turn tip and joint about the root towards the cone."""
+    axis = cross(now.d, _in_world(limb.middle, now))
+    size = length(axis)
+    if size < TINY:
         return
-    share = 1.0 / mobility
-    _displace(tip, times(share * tip.mobility, move))
-    _displace(joint, times(0.5 * share * joint.mobility, move))
-    _displace(root, times(-1.5 * share * root.mobility, move))
+    axis = times(1.0 / size, axis)
+    towards = cross(axis, now.d)
+    arm = plus(times(now.along, now.d), times(now.size, now.e))
+    joint = times(1.0 / now.distance, cross(axis, arm))
+    torque = plus(times(now.distance, axis), cross(arm, joint))
+    root = times(-1.0, plus(towards, joint))
+    pulls = _pulls(limb, now, (towards, joint, root), torque)
+    moves = _moves(nodes, limb, pulls, 1.0)
+    turned = dot(minus(moves.tip, _root_move(limb, moves)), towards)
+    turned -= now.distance * dot(axis, _trunk_turn(now, moves))
+    _displace(nodes, limb, pulls, moves, now.distance * min(excess, MAX_TURN), turned)
+
+
+@compiled
+def _swing_joint(nodes: Records, limb: Record, now: Posture, chord: Vector) -> None:
+    """Move the joint against root and tip to where it may point."""
+    size = length(chord)
+    w = times(1.0 / size, chord)
+    share = min(max(now.along / now.distance, 0.0), 1.0)
+    tip, root = times(-share, w), times(share - 1.0, w)
+    torque = times(now.size, cross(now.e, w))
+    # What lies on the ground is borne by it: root and tip rise instead.
+    is_supported = w[1] < 0.0 and nodes[limb.joint].ground_damping > 0.0
+    kept = SUPPORTED_MOBILITY if is_supported else 1.0
+    pulls = _pulls(limb, now, (tip, w, root), torque)
+    moves = _moves(nodes, limb, pulls, kept)
+    base = plus(times(share, moves.tip), times(1.0 - share, _root_move(limb, moves)))
+    swung = dot(minus(moves.joint, base), w)
+    goal = plus(times(now.size, now.e), chord)
+    swung -= dot(_trunk_turn(now, moves), now.d) * dot(cross(now.d, goal), w)
+    _displace(nodes, limb, pulls, moves, size, swung)
 
 
 @inlined
-def _swing_joint(nodes: Records, limb: Record, move: Vector) -> None:
-    """Move the joint against root and tip, which take half each."""
-    root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
-    size = length(move)
-    lift_share = min(MAX_LIFT / size, 1.0) if move[1] < 0.0 and joint.ground_damping > 0.0 else 0.0
-    for k in range(2):
-        # What lies on the ground is borne by it: root and tip rise instead, but not at a jerk.
-        joint_mobility = joint.mobility * (SUPPORTED_MOBILITY if k == 1 else 1.0)
-        mobility = joint_mobility + 0.25 * (root.mobility + tip.mobility)
-        share = (lift_share if k == 1 else 1.0 - lift_share) / mobility if mobility > 0.0 else 0.0
-        if share > 0.0:
-            _displace(joint, times(share * joint_mobility, move))
-            _displace(root, times(-0.5 * share * root.mobility, move))
-            _displace(tip, times(-0.5 * share * tip.mobility, move))
+def _pulls(
+    limb: Record, now: Posture, limb_pulls: tuple[Vector, Vector, Vector], torque: Vector
+) -> Pulls:
+    """Return pulls without force and torque in all.
+
+    Args:
+        limb: whose root is the left or the right of its trunk.
+        now: its posture.
+        limb_pulls: on tip, joint and root, without force in all.
+        torque: of these about the root.
+    """
+    tip, joint, root = limb_pulls
+    high = times(-1.0 / now.height, cross(torque, now.y))
+    right = times(-dot(torque, now.y) / now.width, now.x)
+    left, low = times(-1.0, right), times(-1.0, high)
+    if limb.root == limb.left:
+        left = plus(left, root)
+    else:
+        right = plus(right, root)
+    return Pulls(tip, joint, left, right, low, high)
 
 
 @inlined
-def _displace(node: Record, move: Vector) -> None:
+def _moves(nodes: Records, limb: Record, pulls: Pulls, kept: float) -> Pulls:
+    """Return the moves by pulls, of a joint that keeps a part of its mobility."""
+    return Pulls(
+        times(nodes[limb.tip].mobility, pulls.tip),
+        times(kept * nodes[limb.joint].mobility, pulls.joint),
+        times(nodes[limb.left].mobility, pulls.left),
+        times(nodes[limb.right].mobility, pulls.right),
+        times(nodes[limb.low].mobility, pulls.low),
+        times(nodes[limb.high].mobility, pulls.high),
+    )
+
+
+@inlined
+def _root_move(limb: Record, moves: Pulls) -> Vector:
+    return moves.left if limb.root == limb.left else moves.right
+
+
+@inlined
+def _trunk_turn(now: Posture, moves: Pulls) -> Vector:
+    """Return the turn of the trunk by moves of its nodes [rad]."""
+    bowed = times(1.0 / now.height, cross(now.y, minus(moves.high, moves.low)))
+    twisted = dot(minus(moves.right, moves.left), now.x) / now.width
+    return plus(minus(bowed, times(dot(bowed, now.y), now.y)), times(twisted, now.y))
+
+
+@compiled
+def _displace(
+    nodes: Records, limb: Record, pulls: Pulls, moves: Pulls, way: float, gain: float
+) -> None:
+    """Move a limb and its trunk back to a limit.
+
+    Args:
+        nodes: of all characters; changed.
+        limb: changed.
+        pulls: on the nodes.
+        moves: by these pulls.
+        way: to the limit [m].
+        gain: part of the way by these moves.
+    """
+    if gain <= 0.0:
+        return
+    ends = (limb.tip, limb.joint, limb.left, limb.right, limb.low, limb.high)
+    against, weight = 0.0, 0.0
+    for k in range(len(ends)):
+        against -= dot(pulls[k], _move_of(nodes[ends[k]]))
+        weight += dot(pulls[k], moves[k])
+    # As far as the impulses take up motion: any farther they would add to it.
+    stopped = min(max(against / weight, 0.0), way / gain)
+    parted = _recovered(limb, way - stopped * gain) / gain
+    for k in range(len(ends)):
+        node = nodes[ends[k]]
+        set_triple(node.p, plus(triple(node.p), times(stopped + parted, moves[k])))
+        set_triple(node.previous, plus(triple(node.previous), times(parted, moves[k])))
+
+
+@inlined
+def _move_to(node: Record, place: Vector) -> None:
     """Move a node so that the move stops its motion against it and gives it no speed."""
+    move = minus(place, triple(node.p))
     moved = minus(triple(node.p), triple(node.previous))
     against, squared = -dot(moved, move), dot(move, move)
     if squared == 0.0:
         return
     stopped = min(max(against / squared, 0.0), 1.0)
-    set_triple(node.p, plus(triple(node.p), move))
+    set_triple(node.p, place)
     set_triple(node.previous, plus(triple(node.previous), times(1.0 - stopped, move)))

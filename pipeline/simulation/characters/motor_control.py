@@ -16,11 +16,8 @@ import math
 
 from pipeline.simulation.characters.biped_gait import advance_feet
 from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, CharacterArrays
-from pipeline.simulation.characters.collision_avoidance import (
-    avoid_people,
-    slide_feet,
-    stop_before_solids,
-)
+from pipeline.simulation.characters.collision_avoidance import slide_feet, stop_before_solids
+from pipeline.simulation.characters.crowd_avoidance import avoid_people
 from pipeline.simulation.characters.gait_timing import (
     froude,
     ground_speed,

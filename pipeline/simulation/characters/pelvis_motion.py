@@ -20,7 +20,7 @@ from pipeline.simulation.characters.gait_timing import (
     wrap_angle,
 )
 from pipeline.simulation.characters.person_record import FOOT, PELVIS, SITTING
-from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import Grid, surface_at
 
@@ -63,23 +63,35 @@ def halt(person: Record) -> None:
 
 
 @compiled
+def goal_velocity(person: Record) -> tuple[float, float]:
+    """Return the velocity along x and z at which a person walks to its goal, if alone [m/s]."""
+    x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
+    distance = math.hypot(x, z)
+    if not person.has_goal or distance <= 1e-9:
+        return 0.0, 0.0
+    left = _way_left(person)
+    # Slow down so that braking gently ends at the goal.
+    speed = min(
+        person.pace,
+        math.sqrt(2.0 * BRAKING_ACCELERATION * GRAVITY * left),
+        0.5 * VELOCITY_GAIN * left,
+    )
+    return speed * x / distance, speed * z / distance
+
+
+@inlined
+def _way_left(person: Record) -> float:
+    """Return the distance to where the goal of a person is reached [m]."""
+    distance = math.hypot(person.goal[0] - person.at[0], person.goal[1] - person.at[1])
+    return max(distance - person.stop_distance, 0.0)
+
+
+@compiled
 def _walk_vector(person: Record) -> tuple[float, float]:
     """Return the wanted velocity along x and z [m/s]."""
-    wx, wz = 0.0, 0.0
-    if person.has_goal:
-        x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
-        distance = math.hypot(x, z)
-        left = max(distance - person.stop_distance, 0.0)
-        # Slow down so that braking gently ends at the goal.
-        speed = min(
-            person.pace,
-            math.sqrt(2.0 * BRAKING_ACCELERATION * GRAVITY * left),
-            0.5 * VELOCITY_GAIN * left,
-        )
-        if left < ARRIVAL_DISTANCE * leg_length(person):
-            person.has_goal = False
-        if distance > 1e-9:
-            wx, wz = speed * x / distance, speed * z / distance
+    wx, wz = goal_velocity(person)
+    if _way_left(person) < ARRIVAL_DISTANCE * leg_length(person):
+        person.has_goal = False
     wx, wz = wx + person.sidestep[0], wz + person.sidestep[1]
     if person.evasion[0] != 0.0 or person.evasion[1] != 0.0:
         wx, wz = wx + person.evasion[0], wz + person.evasion[1]

@@ -399,7 +399,8 @@ class PersonController:
             for k in hands:
                 del self.held_members[k]
                 self.record.arm_mode[k] = SWINGING
-            del self.view.holders[name]
+            if self.view.holders.get(name) == self.name:
+                del self.view.holders[name]
             self.grip_changes.append(GripChange(self.name, self._hand_names(hands), name, False, v))
 
     def _hand_names(self, hands: Sequence[int]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.task_progress import TaskProgress
@@ -22,8 +23,8 @@ from pipeline.spec.character_kinds import HANDS
 from pipeline.spec.keyframes import Frame, PoseKey
 
 SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights
-BLOCKED_TIME = 4.0  # without getting on, after which a way is blocked [s]
-VAIN_TIME = 20.0  # without coming nearer, after which a walk is in vain [s]
+BLOCKED_TIME = 2.0  # without getting on, after which a way is blocked [s]
+VAIN_TIME = 8.0  # without coming nearer along the way, after which a walk is in vain [s]
 POSTURE_PATIENCE = 8.0  # to turn, to stand up or to come to stand [s]
 TURN_TOLERANCE = math.radians(3.0)
 
@@ -34,22 +35,48 @@ class Task:
 
     Attributes:
         failure: why it cannot be done, "" while it can; one whose order it is gives it up.
+        is_stuck: whether it fails because it gets no further, which may be mended from elsewhere.
+        is_lost: whether what it holds on to after it is done is gone.
         pace: least walking speed that it asks for [m/s].
         leads_hands: whether it leads hands that hold something.
+        asked: time for which it has asked in vain for what another holds [s].
     """
 
     failure: str = field(default="", init=False)
+    is_stuck: bool = field(default=False, init=False)
+    is_lost: bool = field(default=False, init=False)
     pace: float = field(default=0.0, init=False)
     leads_hands: bool = field(default=False, init=False)
+    asked: float = field(default=0.0, init=False)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """Command the person for the coming step of `dt` [s]; tell whether the task is done."""
         raise NotImplementedError
 
+    def stick(self, reason: str, approach: Approach | None = None) -> None:
+        """Fail for a reason that another try from elsewhere may mend; "" is none.
+
+        A search that finds no way at all finds none from elsewhere either.
+        """
+        if reason:
+            self.failure = reason
+            self.is_stuck = approach is None or approach.route.vain_from is None
+
+    def subject(self, controller: PersonController) -> Array | None:
+        """Return (3,) the place that it is about and that the person looks at [m]."""
+        owner = getattr(self, "owner", NOBODY)
+        if owner >= 0:
+            return controller.view.face(owner)
+        return controller.view.state(self.members[0]).face if self.members else None
+
     @property
     def members(self) -> tuple[str, ...]:
         """Names of members whose states it needs."""
         return ()
+
+    def asks_for(self, controller: PersonController) -> str:
+        """Return the name of what it takes from another's hand, "" for nothing."""
+        return ""
 
     @property
     def wants_slot(self) -> bool:
@@ -71,22 +98,64 @@ class Walk(Task):
 
     Attributes:
         goal: (2,) [m]; None goes as commanded before.
-        route: the way around obstacles.
-        progress: of the walk.
+        approach: to the goal.
     """
 
     goal: Array | None = None
-    route: Route = field(default_factory=Route)
-    progress: TaskProgress = field(default_factory=TaskProgress)
+    approach: Approach = field(default_factory=lambda: Approach())
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         person = controller.record
         if self.goal is not None and person.has_goal:
-            take_route(controller, self.route, self.goal)
-            left = math.dist(person.at, self.goal)
-            self.failure = walking_failure(controller, self.progress, left, dt)
+            self.stick(self.approach.advance(controller, self.goal, dt), self.approach)
         return not person.has_goal and controller.is_standing
+
+
+@dataclass
+class Approach:
+    """The way of a person around obstacles, and how it gets on.
+
+    Attributes:
+        route: around obstacles.
+        progress: of the walk.
+    """
+
+    route: Route = field(default_factory=Route)
+    progress: TaskProgress = field(default_factory=TaskProgress)
+
+    def advance(
+        self,
+        controller: PersonController,
+        goal: Array,
+        dt: float,
+        circle: tuple[Array, float] | None = None,
+    ) -> str:
+        """Head for the goal (2,) of a person that goes there [m]; return why it gets no nearer."""
+        left = take_route(controller, self.route, goal, circle)
+        return walking_failure(controller, self.progress, left, dt)
+
+    def walk_to(
+        self,
+        controller: PersonController,
+        place: Array,
+        stop: float,
+        partner: int,
+        dt: float,
+        circle: tuple[Array, float] | None = None,
+    ) -> str:
+        """Go up to a place, and return why that gets no nearer, "" if it does.
+
+        Args:
+            controller: of the person.
+            place: (3,) where to [m].
+            stop: distance from it at which the person stops [m].
+            partner: number of the character there, which is not stepped aside for.
+            dt: the step [s].
+            circle: middle (2,) and radius of a further obstacle [m].
+        """
+        controller.go(place[0], place[2], stop, partner)
+        return self.advance(controller, np.array([place[0], place[2]]), dt, circle)
 
 
 def take_route(
@@ -94,7 +163,7 @@ def take_route(
     route: Route,
     goal: Array,
     circle: tuple[Array, float] | None = None,
-) -> None:
+) -> float:
     """Head for the next place on the way around obstacles to where a person goes.
 
     Args:
@@ -102,6 +171,9 @@ def take_route(
         route: of the walk; changed.
         goal: (2,) where to [m].
         circle: middle (2,) and radius of a further obstacle [m].
+
+    Returns:
+        The length of the way [m].
     """
     person = controller.record
     middles, radii = controller.obstacles()
@@ -109,7 +181,7 @@ def take_route(
         middles = np.concatenate([middles, circle[0][None]])
         radii = np.append(radii, circle[1])
     if not len(radii):
-        return
+        return math.dist(person.at, goal)
     reaches = radii + controller.body_radius
     bounds, at = np.stack(controller.view.edges), np.array(person.at)
     # An author's straight ways are kept wherever they can be walked.
@@ -119,6 +191,7 @@ def take_route(
     is_straight = len(route.places) == 1
     ahead = at + offset * (length / max(math.hypot(*offset), 1e-9))
     person.goal[:] = goal if is_straight else ahead
+    return length
 
 
 def walking_failure(

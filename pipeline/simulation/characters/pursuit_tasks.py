@@ -13,14 +13,12 @@ import numpy as np
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_tasks import (
     BLOCKED_TIME,
+    Approach,
     Task,
     place_text,
-    take_route,
-    walking_failure,
 )
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.terrain_edge import refuge
-from pipeline.simulation.characters.visibility_route import Route
 
 ARRIVAL_TOLERANCE = 0.06  # of the distance to a surface [m]
 EASING = 0.2  # distance too much below which a follower slows down to the target's speed [m]
@@ -39,23 +37,23 @@ class TargetTask(Task):
 
     Attributes:
         target: name of the target.
-        route: the way around obstacles.
-        progress: of the walk.
+        approach: to it.
     """
 
     target: str
-    route: Route = field(default_factory=Route, init=False)
-    progress: TaskProgress = field(default_factory=TaskProgress, init=False)
+    approach: Approach = field(default_factory=Approach, init=False)
 
     @property
     def members(self) -> tuple[str, ...]:
         """See `Task`."""
         return (self.target,)
 
-    def walk_to(self, controller: PersonController, place: np.ndarray, stop: float) -> None:
-        """Walk around obstacles to a place (3,), up to a distance [m]."""
-        controller.go(place[0], place[2], stop, controller.view.owner(self.target))
-        take_route(controller, self.route, np.array([place[0], place[2]]))
+    def walk_to(
+        self, controller: PersonController, place: np.ndarray, stop: float, dt: float
+    ) -> str:
+        """Walk to a place (3,), up to a distance [m]; return why that gets no nearer."""
+        partner = controller.view.owner(self.target)
+        return self.approach.walk_to(controller, place, stop, partner, dt)
 
     def is_missing(self, controller: PersonController) -> bool:
         """Tell whether the target does not exist now, which ends the task."""
@@ -90,8 +88,7 @@ class WalkUp(TargetTask):
             controller.stop()
             self.is_there = controller.is_standing
             return self.is_there
-        self.walk_to(controller, place, stop)
-        self.failure = walking_failure(controller, self.progress, left, dt)
+        self.stick(self.walk_to(controller, place, stop, dt), self.approach)
         return False
 
 
@@ -118,7 +115,7 @@ class FollowTarget(TargetTask):
         if left > (ARRIVAL_TOLERANCE if controller.record.has_goal else SETTING_OUT):
             # Where it will be: one who heads for where it is slows down behind it.
             lead = LEAD_TIME * min(max(left / EASING, 0.0), 1.0)
-            self.walk_to(controller, place + lead * state.v, stop)
+            self.walk_to(controller, place + lead * state.v, stop, dt)
         elif controller.is_standing:
             controller.face_to(state.centre)
         else:
@@ -132,9 +129,11 @@ class ChaseTarget(TargetTask):
 
     Attributes:
         has_touched: whether it has.
+        pursuit: the distance to the target.
     """
 
     has_touched: bool = False
+    pursuit: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -160,12 +159,12 @@ class ChaseTarget(TargetTask):
                 controller.let_go(1)
             return True
         lead = min(distance / self.pace, LEAD_TIME)
-        self.walk_to(controller, place + lead * state.v, 0.0)
+        self.walk_to(controller, place + lead * state.v, 0.0, dt)
         if person.frozen:
             return False
-        if self.progress.update(distance, dt, person.at) > BLOCKED_TIME:
-            self.failure = f"the way is blocked at {place_text(controller)}"
-        elif self.progress.idle_time > CHASE_PATIENCE:
+        if self.pursuit.update(distance, dt, person.at) > BLOCKED_TIME:
+            self.stick(f"the way is blocked at {place_text(controller)}", self.approach)
+        elif self.pursuit.idle_time > CHASE_PATIENCE:
             self.failure = f"is not fast enough; still {distance:.2g} m off"
         return False
 
@@ -177,10 +176,12 @@ class FleeTarget(TargetTask):
     Attributes:
         distance: far enough [m].
         is_safe: whether it is.
+        flight: the distance from the target.
     """
 
     distance: float = 5.0
     is_safe: bool = False
+    flight: TaskProgress = field(default_factory=TaskProgress)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
@@ -198,8 +199,8 @@ class FleeTarget(TargetTask):
         low, high = controller.view.edges
         away = at - place[[0, 2]] - 0.4 * state.v[[0, 2]]
         goal = refuge(at, low, high, away, FLIGHT_DISTANCE)
-        self.walk_to(controller, np.array([goal[0], 0.0, goal[1]]), 0.0)
-        if self.progress.update(-gap, dt, at) > BLOCKED_TIME and not person.frozen:
+        self.walk_to(controller, np.array([goal[0], 0.0, goal[1]]), 0.0, dt)
+        if self.flight.update(-gap, dt, at) > BLOCKED_TIME and not person.frozen:
             self.failure = f"is cornered at {place_text(controller)}, {gap:.1f} m from it"
         return False
 

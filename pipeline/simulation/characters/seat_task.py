@@ -216,7 +216,7 @@ class SitOn(Task):
         if self.owner < 0 and corner is None:
             take_route(controller, self.route, spot[[0, 2]])
         left = controller.ground_distance(place) + math.dist(place, spot)
-        self.failure = self.failure or walking_failure(controller, self.progress, left, dt)
+        self.stick(walking_failure(controller, self.progress, left, dt))
 
     def _corner(
         self, controller: PersonController, bench: Bench, offset: float, distance: float
@@ -244,7 +244,7 @@ class SitOn(Task):
         if person.sit_blend == 0.0:
             self.time += dt
             if self.time > POSTURE_PATIENCE:
-                self.failure = f"cannot turn round before it at {place_text(controller)}"
+                self.stick(f"cannot turn round before it at {place_text(controller)}")
 
 
 def _seat_failure(top: float, controller: PersonController) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -218,8 +219,24 @@ def _footfall(
     )
 
 
+class Voice(NamedTuple):
+    """A sound that a person with a mind makes.
+
+    Attributes:
+        kind: of the signal.
+        k: index of the controller.
+        cause: number of the character that caused it, -1 for none.
+        strength: [m/s].
+    """
+
+    kind: str
+    k: int
+    cause: int
+    strength: float
+
+
 class SignalDetector:
-    """The onsets of pains, cries and hugs of all acting people of a troupe."""
+    """The onsets of pains, voices and hugs of all acting people of a troupe."""
 
     def __init__(self, dispatcher: TaskDispatcher) -> None:
         self._dispatcher = dispatcher
@@ -228,14 +245,13 @@ class SignalDetector:
         self._pains_now = dispatcher.view.arrays.owners["pain"]
         self._hugged: list[Hug | None] = [None for _ in self._owners]
 
-    def signals(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Signal, ...]:
+    def signals(self, voices: Sequence[Voice] = ()) -> tuple[Signal, ...]:
         """Return the signals that began in the last step.
 
         Args:
-            cries: of people with a mind: index of the controller, number of the character that
-                caused it or -1, strength [m/s].
+            voices: of people with a mind.
         """
-        return (*self._pains(), *(self._cry(*cry) for cry in cries), *self._hugs())
+        return (*self._pains(), *(self._voiced(voice) for voice in voices), *self._hugs())
 
     def _pains(self) -> Iterator[Signal]:
         view = self._dispatcher.view
@@ -249,10 +265,10 @@ class SignalDetector:
             pain = float(added[k])
             yield Signal("pain", self._dispatcher.controllers[k].name, name)
             if pain > CRY.cry and k not in self._dispatcher.minded:
-                yield self._cry(k, cause, loudness(pain))
+                yield self._voiced(Voice("cry", k, cause, loudness(pain)))
 
-    def _cry(self, k: int, cause: int, strength: float) -> Signal:
-        return self._sounding("cry", k, cause, "head", strength, CRY.throat)
+    def _voiced(self, voice: Voice) -> Signal:
+        return self._sounding(*voice[:3], "head", voice.strength, CRY.throat)
 
     def _hugs(self) -> Iterator[Signal]:
         for k in range(len(self._owners)):

@@ -11,9 +11,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
-from pipeline.simulation.characters.contact_tasks import Grab, Grapple, Hug, Reach
+from pipeline.simulation.characters.contact_tasks import (
+    STEP_BACK,
+    Grab,
+    Grapple,
+    Hug,
+    LoosenHug,
+    Reach,
+)
+from pipeline.simulation.characters.crew import CarryEnd, crew_of
 from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
+from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
 from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
@@ -36,11 +45,13 @@ from pipeline.simulation.characters.pursuit_tasks import (
     evade,
 )
 from pipeline.simulation.characters.seat_task import SitOn
+from pipeline.simulation.characters.second_try import Regret, StepAside, place_aside
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
@@ -48,11 +59,18 @@ from pipeline.spec.script import Do
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""
 
-SIDE_ORDERS = (spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges)
+SIDE_ORDERS = (
+    *(spec.Avoid, spec.LookAt, spec.LookAhead, spec.SetSpeed, spec.LetGo, spec.SetUrges),
+    spec.Express,
+)
 """Orders that leave the task as it is."""
 
 ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 """Tasks that leave empty hands in the air when they are broken off."""
+
+
+LONGEST_FIRST_TRY = 4.0
+"""Time at the place of an act after which there is no second try, for it has taken long [s]."""
 
 
 class TaskDispatcher:
@@ -68,6 +86,9 @@ class TaskDispatcher:
         view: all characters.
         controllers: of the people, in the order of their records.
         minded: indices of people with a mind.
+        expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
+            changed.
+        suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
     """
 
     def __init__(
@@ -79,9 +100,11 @@ class TaskDispatcher:
     ) -> None:
         self.view = view
         self.minded: frozenset[int] = frozenset()
+        self.suspended = set[int]()
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
         ]
+        self.expressions = np.full((len(self.controllers), len(EMOTIONS)), np.nan)
         self._dt, self._steps = dt, 0
         self._by_name = {person.name: k for k, person in enumerate(self.controllers)}
         count = len(self.controllers)
@@ -96,6 +119,8 @@ class TaskDispatcher:
         self._arrived: list[str] = []
         self._outcomes: list[Outcome] = []
         self._orders: list[Do | None] = [None] * count
+        self._tries, self._asked, self._stood = [0] * count, [0.0] * count, [0.0] * count
+        self._regrets: list[Regret | None] = [None] * count
         self._usual_paces: list[float | None] = [None] * count
         self._waits = [False] * count
         self._posed_hands = {name: PosedHands(keys) for name, keys in (poses or {}).items() if keys}
@@ -110,6 +135,8 @@ class TaskDispatcher:
             task, look = self._tasks[k], self._look_targets[k]
             if task is not None:
                 found.update(task.members)
+            if isinstance(task, StepAside) and (again := self._orders[k]) is not None:
+                found |= members_named(again, view)
             if isinstance(look, str) and view.owner(look) < 0:
                 found.add(look)
             if controller.avoided or controller.held_members:
@@ -166,6 +193,8 @@ class TaskDispatcher:
         time = self._steps * self._dt
         self._steps += 1
         self._share_slots()
+        self._form_crews()
+        givings = self._ask_holders()
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
         for k, controller in enumerate(self.controllers):
@@ -174,27 +203,98 @@ class TaskDispatcher:
             controller.kicked_bodies.clear()
             if embraces[k] >= 0:
                 controller.end_distant_embrace()
+            may_grip = holds[k] or self._tasks[k] is not None
+            if self._tasks[k] is not None and not self._waits[k] and k not in self.suspended:
+                self._advance(k, controller)
             task = self._tasks[k]
-            if task is not None and not self._waits[k]:
-                is_done = task.advance(controller, self._dt)
-                if is_done and not self._done[k]:
-                    self._arrived.append(controller.name)
-                self._done[k] = is_done or self._done[k]
-                self._ordered[k] = self._ordered[k] and (not is_done or self._persists(k))
-                self._set_pace(k, 0.0 if is_done else task.pace)
-                if task.failure and self._ordered[k] and not self._done[k]:
-                    self._give_up(k, task.failure)
             if task is None or not task.leads_hands:
-                _hold(controller, task is not None or holds[k])
+                _hold(controller, may_grip)
+            if k in givings:
+                givings[k].hold_out()
             if controller.avoided:
                 evade(controller)
             if controller.name in self._posed_hands:
                 self._posed_hands[controller.name].advance(controller, time)
-            self._looked_at[k] = self._look(k, controller)
+            self._looked_at[k] = self._look(k, controller, time)
         look_at_characters(
             *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
             *(self._people, self._looked_at),
         )
+        for k, giving in givings.items():
+            if giving.is_taken:
+                giving.giver.release(giving.thing)
+                self.end(k)
+
+    def _form_crews(self) -> None:
+        """Let two who are told to carry the same thing to the same place do that together."""
+        loads = dict[tuple[str, str], list[int]]()
+        for k, task in enumerate(self._tasks):
+            if isinstance(task, CarryTo) and self._ordered[k] and not task.is_down:
+                if not self.controllers[k].hands_holding(task.thing):
+                    loads.setdefault((task.thing, task.walk.target), []).append(k)
+        for (thing, target), carriers in loads.items():
+            if len(carriers) < 2:
+                continue
+            pair = sorted(carriers, key=lambda k: self.controllers[k].name)[:2]
+            crew = crew_of(thing, target, [self.controllers[k] for k in pair])
+            for number, k in enumerate(pair):
+                self._begin(k, CarryEnd(crew, number))
+
+    def _ask_holders(self) -> dict[int, HandOver]:
+        """Return what is handed over, by the giver; those who ask a busy holder wait."""
+        givings = dict[int, HandOver]()
+        for k, (task, taker) in enumerate(zip(self._tasks, self.controllers, strict=True)):
+            if task is None or not self._ordered[k] or not (thing := task.asks_for(taker)):
+                continue
+            giver = None
+            if not taker.hands_holding(thing):
+                giver = holder_of(thing, taker, self.controllers)
+            if giver is None:
+                task.asked = 0.0
+                continue
+            number = self._by_name[giver.name]
+            is_asked_already = number in givings
+            if self._ordered[number] or number in self.minded or is_asked_already:
+                task.asked = self._asked[k] = self._asked[k] + self._dt
+                if task.asked > ASKING_TIME:
+                    task.failure = f"{giver.name} holds it"
+            else:
+                task.asked = 0.0
+                givings[number] = HandOver(giver, taker, thing)
+        return givings
+
+    def _advance(self, k: int, controller: PersonController) -> None:
+        """Advance the task of a person, and see to what becomes of it."""
+        task = self._tasks[k]
+        assert task is not None
+        is_done = task.advance(controller, self._dt)
+        self._stood[k] += 0.0 if controller.record.has_goal else self._dt
+        if isinstance(task, StepAside):
+            if is_done:
+                self._begin_order(k, self._orders[k])
+            return
+        if is_done and not self._done[k]:
+            self._arrived.append(controller.name)
+        self._done[k] = is_done or self._done[k]
+        self._ordered[k] = self._ordered[k] and (not is_done or self._persists(k))
+        self._set_pace(k, 0.0 if is_done else task.pace)
+        if self._done[k] and task.failure:
+            self._give_up(k, task.failure)
+        elif self._done[k] and task.is_lost:
+            self.end(k)
+        elif task.failure and self._ordered[k]:
+            self._mend(k, task)
+
+    def _mend(self, k: int, task: Task) -> None:
+        """Try an order that is stuck once more from elsewhere, or give it up."""
+        controller = self.controllers[k]
+        subject = task.subject(controller)
+        if not task.is_stuck or self._tries[k] > 0 or self._stood[k] > LONGEST_FIRST_TRY:
+            self._regrets[k] = Regret(subject, self._steps * self._dt)
+            self._give_up(k, task.failure)
+            return
+        self._tries[k] += 1
+        self._begin(k, StepAside(place_aside(controller, subject)))
 
     def _share_slots(self) -> None:
         """Let those who need slots take them, the nearest first, whatever the order of the cast."""
@@ -227,19 +327,26 @@ class TaskDispatcher:
 
     def facts(self) -> Facts:
         """Return what people did in the last step: orders ended, touches of hands, and grips."""
+        changes = (change for one in self.controllers for change in one.grip_changes)
         return Facts(
             arrived=tuple(self._arrived),
             touched=tuple((one.name, name) for one in self.controllers for name in one.touched),
             outcomes=tuple(self._outcomes),
-            grips=tuple(change for one in self.controllers for change in one.grip_changes),
+            # What goes from hand to hand is taken before it is let go of.
+            grips=tuple(sorted(changes, key=lambda change: not change.taken)),
         )
 
     def _persists(self, k: int) -> bool:
         frozen = bool(self.controllers[k].record.frozen)
         return frozen or isinstance(self._tasks[k], SitDown | SitOn)
 
-    def _look(self, k: int, controller: PersonController) -> int:
+    def _look(self, k: int, controller: PersonController, time: float) -> int:
         """Return the character to look at, NOBODY, or ELSEWHERE for a place that this sets."""
+        regret = self._regrets[k]
+        if regret is not None:
+            if regret.look(controller, time):
+                return ELSEWHERE
+            self._regrets[k] = None
         target, task = self._look_targets[k], self._tasks[k]
         if isinstance(target, str):
             owner = self.view.owner(target)
@@ -252,9 +359,10 @@ class TaskDispatcher:
             owner = self._glances[k]
             if owner < 0 and task is not None:
                 owner = getattr(task, "owner", NOBODY)
-            if owner >= 0 or task is None or not task.members:
+            subject = task.subject(controller) if task is not None and owner < 0 else None
+            if subject is None:
                 return owner
-            controller.look_at(self.view.state(task.members[0]).face)
+            controller.look_at(subject)
         return ELSEWHERE
 
     # --- orders ---------------------------------------------------------------------------
@@ -270,6 +378,8 @@ class TaskDispatcher:
         resumes = order == "walk" and self._tasks[k] is not None and not self._done[k]
         if not (resumes or self._waits[k]):
             self._orders[k] = order
+            self._tries[k], self._asked[k], self._stood[k] = 0, 0.0, 0.0
+        self._regrets[k] = None
         if order == "walk" and k in self.minded:
             # The person's own mind says where to.
             self._ordered[k] = False
@@ -279,10 +389,14 @@ class TaskDispatcher:
         elif self._waits[k]:
             controller.stop()
         else:
-            controller.record.posture = STANDING
-            keeps_arms = not isinstance(order, spec.Hug | spec.Grapple | spec.SitOn)
-            if (task := task_of_order(controller, order)) is not None:
-                self._begin(k, task, keeps_arms)
+            self._begin_order(k, order)
+
+    def _begin_order(self, k: int, order: Do | None) -> None:
+        """Start the task for an order."""
+        controller = self.controllers[k]
+        controller.record.posture = STANDING
+        if order is not None and (task := task_of_order(controller, order)) is not None:
+            self._begin(k, task)
 
     def _accept_aside(self, k: int, controller: PersonController, order: Do) -> None:
         """Accept an order that leaves the task as it is."""
@@ -299,6 +413,9 @@ class TaskDispatcher:
             controller.avoided[self.view.target_name(order.avoid)] = order.distance
         elif isinstance(order, spec.LetGo):
             self._let_go(k, HANDS[order.let_go])
+        elif isinstance(order, spec.Express):
+            self.expressions = self.expressions.copy()
+            self.expressions[k] = _told(order)
 
     def _accept_word(self, k: int, controller: PersonController, word: str) -> None:
         if word == "stop":
@@ -344,7 +461,12 @@ class TaskDispatcher:
                 controller.record.arm_mode[hand] = SWINGING
 
     def _let_go(self, k: int, hands: Sequence[int]) -> None:
-        controller = self.controllers[k]
+        controller, task = self.controllers[k], self._tasks[k]
+        if isinstance(task, Hug) and task.touched > 0.0:
+            # Arms that are just dropped are torn out, or caught between the two.
+            self._begin(k, LoosenHug(task, STEP_BACK), keeps_arms=True)
+            self._done[k], self._ordered[k] = True, False
+            return
         controller.part_hands()
         for hand in hands:
             controller.let_go(hand)
@@ -360,3 +482,10 @@ def _hold(controller: PersonController, may_grip: bool) -> None:
         controller.hold_gripped_things()
     if controller.held_members:
         hold_members(controller)
+
+
+def _told(order: spec.Express) -> list[float]:
+    """Return the emotions (6,) that an order asks to show, NaN for those that are felt."""
+    if order.express == "own":
+        return [math.nan] * len(EMOTIONS)
+    return [order.strength if emotion == order.express else 0.0 for emotion in EMOTIONS]

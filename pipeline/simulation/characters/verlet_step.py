@@ -28,6 +28,7 @@ from pipeline.simulation.characters.contact_response import (
     TouchLog,
     age_touches,
 )
+from pipeline.simulation.characters.limb_limits import begin_recovery
 from pipeline.simulation.characters.link_contacts import may_touch, separate_links
 from pipeline.simulation.characters.motor_control import control_people
 from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
@@ -158,6 +159,7 @@ def _sub_step(
     damp_links(nodes, links, h)
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
+    begin_recovery(nodes, limbs, h)
     age_touches(links, h)
     update_bounds(nodes, owners)
     near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]

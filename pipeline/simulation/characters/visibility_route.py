@@ -128,6 +128,7 @@ RING = np.stack([np.cos(RING_ANGLES), np.sin(RING_ANGLES)], axis=1) / math.cos(
 SHRINK_FACTOR = 0.98  # of the distance to which circles around start or goal shrink
 REACHED_DISTANCE = 0.25  # to a place on the way before the next one is headed for [m]
 REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
+VAIN_DISTANCE = 0.3  # from where no way was found, within which none is searched again [m]
 
 
 @entry
@@ -186,11 +187,11 @@ def straight_way(
 def is_way_barred(
     at: Array, places: Array, known: Array, middles: Array, reaches: Array, limits: Array
 ) -> bool:
-    """Tell whether a circle has moved, or bars the way to the first place.
+    """Tell whether a circle has moved, or bars the straight way to a place.
 
     Args:
         at: (2,) start [m].
-        places: (m, 2) on the way [m].
+        places: (m, 2) [m].
         known: (n, 2) middles of the circles when the way was found [m].
         middles: (n, 2) of the circles now [m].
         reaches: (n,) radii [m].
@@ -202,7 +203,7 @@ def is_way_barred(
         if x * x + z * z > REPLAN_DISTANCE**2:
             return True
         radii[n] = min(reaches[n], limits[n])
-    return not are_free(at, places[:1], middles, radii)[0]
+    return not are_free(at, places, middles, radii).all()
 
 
 @entry
@@ -262,11 +263,13 @@ class Route:
         places: (m, 2) still to come, the goal last [m].
         goal: (2,) of the search [m].
         middles: (n, 2) of the things in the search [m].
+        vain_from: (2,) where the last search found no way; None if it found one [m].
     """
 
     places: Array = field(default_factory=lambda: np.zeros((0, 2)))
     goal: Array = field(default_factory=lambda: np.full(2, np.inf))
     middles: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    vain_from: Array | None = None
 
     def next(
         self,
@@ -299,24 +302,28 @@ class Route:
 
     def go_straight(self, goal: Array) -> None:
         """Take the straight way to a goal (2,) [m]."""
-        self.places = goal[None]
+        self.places, self.vain_from = goal[None], None
 
     def _needs_search(
         self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array
     ) -> bool:
-        if len(self.places) < 2 or math.dist(goal, self.goal) > REPLAN_DISTANCE:
+        is_vain = self.vain_from is not None and math.dist(at, self.vain_from) < VAIN_DISTANCE
+        if len(self.places) < 2 and not is_vain:
+            return True
+        if math.dist(goal, self.goal) > REPLAN_DISTANCE:
             return True
         if len(middles) != len(self.middles):
             return True
-        return is_way_barred(at, self.places, self.middles, middles, reaches, limits)
+        ahead = self.places[: 0 if is_vain else 1]
+        return is_way_barred(at, ahead, self.middles, middles, reaches, limits)
 
     def _search(
         self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array, bounds: Array
     ) -> None:
-        self.goal, self.middles = goal.copy(), middles.copy()
+        self.goal, self.middles, self.vain_from = goal.copy(), middles.copy(), None
         for clearance in CLEARANCES:
             radii = np.minimum(reaches + clearance, limits)
             self.places = shortest_way(at, goal, middles, radii, bounds)
             if len(self.places):
                 return
-        self.places = goal[None].copy()
+        self.places, self.vain_from = goal[None].copy(), at.copy()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,6 +15,7 @@ from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import Figure as FigureConfig
 from pipeline.spec.skin import Skin as SkinConfig
+from pipeline.spec.suggestions import hint
 
 DEFAULT_FEET = {"insect": "claws", "mammal": "plain"}
 """What legs end in by default, by style."""
@@ -37,6 +39,7 @@ class Figure:
         eyes: whether it has eyes.
         skeleton: joints and links, scaled.
         skin: words for its rendered surface alone.
+        masses: of limbs and the body whose density is another, at the drawing's size [kg].
     """
 
     name: str
@@ -52,6 +55,7 @@ class Figure:
     eyes: bool
     skeleton: Skeleton
     skin: SkinConfig = field(default_factory=SkinConfig)
+    masses: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def body(self) -> Solid:
@@ -95,6 +99,7 @@ def build_figure(name: str, config: FigureConfig, scale: float) -> Figure:
         anatomy = analyse(drawing, config.parts, config.style, config.pitch_deg)
         points = lay_out_nodes(config, drawing, anatomy, scale)
         skeleton = build_skeleton(config, drawing, anatomy, points, scale)
+        _check_masses(config.masses, skeleton)
     except SceneError as error:
         raise SceneError(
             [Problem(f"figures.{name}.{p.path}", p.message) for p in error.problems]
@@ -114,4 +119,17 @@ def build_figure(name: str, config: FigureConfig, scale: float) -> Figure:
         config.eyes,
         skeleton,
         config.skin or SkinConfig(),
+        config.masses,
     )
+
+
+def _check_masses(masses: Mapping[str, float], skeleton: Skeleton) -> None:
+    """Refuse masses of limbs that a figure lacks."""
+    names = {link.limb: None for link in skeleton.links}
+    problems = [
+        Problem(f"masses.{name}", f"the figure has no such part, {hint(name, names)}")
+        for name in masses
+        if name not in names
+    ]
+    if problems:
+        raise SceneError(problems)

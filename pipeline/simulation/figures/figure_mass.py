@@ -9,7 +9,7 @@ Source: Sims 1987, 7.1.1; 9.4 for falling.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -48,13 +48,29 @@ class FigureMass:
 
     def of_link(self, number: int) -> MassProperties:
         """Return the mass properties of one link, in the creation frame."""
+        density = self.density_of(self.figure.skeleton.links[number].limb)
         solids = [piece.solid for piece in self.figure.pieces if piece.link == number]
-        return joined(mass_of_solid(s.vertices, s.faces, self.figure.density) for s in solids)
+        return joined(mass_of_solid(s.vertices, s.faces, density) for s in solids)
 
     def mass_of(self, links: Sequence[int]) -> float:
         """Return the total mass of some links [kg]."""
+        if not self.figure.masses:
+            return self.figure.density * self._volume(links)
+        return sum(self.of_link(number).mass for number in links)
+
+    def density_of(self, limb: str) -> float:
+        """Return the density of a limb, or of the body [kg/m³]."""
+        mass = self.figure.masses.get(limb)
+        if mass is None:
+            return self.figure.density
+        links = [i for i, link in enumerate(self.figure.skeleton.links) if link.limb == limb]
+        # As drawn: a figure that is twice as large weighs eight times as much.
+        return mass * self.figure.scale**3 / self._volume(links)
+
+    def _volume(self, links: Container[int]) -> float:
+        """Return the volume of some links [m³]."""
         solids = (piece.solid for piece in self.figure.pieces if piece.link in links)
-        return self.figure.density * sum(volume_of_solid(s.vertices, s.faces) for s in solids)
+        return sum(volume_of_solid(s.vertices, s.faces) for s in solids)
 
     def at(self, q: Array) -> MassProperties:
         """Return the mass properties of the whole figure as one rigid body, in the body's frame.

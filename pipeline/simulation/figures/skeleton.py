@@ -143,6 +143,11 @@ class Link:
     shape: LinkShape = "round"
     normal: Array = field(default_factory=UP.copy)
 
+    @property
+    def limb(self) -> str:
+        """Name of the limb that it belongs to, or "body"."""
+        return self.name.rpartition(".")[0] or self.name
+
 
 @dataclass(frozen=True, eq=False)
 class Limb:

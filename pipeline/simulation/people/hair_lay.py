@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.simulation.combed_hair import combed
 from pipeline.simulation.figures.solids import vertex_normals
 from pipeline.simulation.people.head_mesh import Head
-from pipeline.simulation.people.skinned_surface import SkinnedPatch
+from pipeline.simulation.people.skinned_surface import SkinnedPatch, ramp
 from pipeline.simulation.spatial import UP, Array
 
 LENGTHS: Mapping[str, float] = {"short": 0.17, "bob": 0.34, "long": 0.42, "bun": 0.26}
@@ -21,7 +21,10 @@ LIFTS_DEG: Mapping[str, float] = {"short": 22.0, "bob": 9.0, "long": 9.0, "bun":
 CROWN, BUN = (-0.12, 0.50, 0.0), (-0.50, 0.24, 0.0)
 """Whorl from which hair goes out, and the knot to which it is drawn."""
 
-BROW_LENGTH = 0.05
+BROW_LENGTH = 0.028
+
+FRINGE, FRINGE_SPAN = 0.42, (0.02, 0.24)
+"""Share of its length to which hair is cut over the face, and where along X that comes about."""
 
 
 def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
@@ -36,10 +39,12 @@ def head_hair(head: Head, style: str, patch: SkinnedPatch) -> Array:
     else:
         flow = seen - np.array(CROWN) - (0.2 if style == "short" else 0.9) * UP
         # Parted over the face.
-        aside = 0.0 if style == "short" else 2.5
+        aside = 0.0 if style == "short" else 3.5
         side = np.where(seen[:, 2] < 0.0, -1.0, 1.0) * np.maximum(seen[:, 0], 0.0)
         flow[:, 2] += aside * side
-    return combed(flow, normals, LENGTHS[style] * head.size, np.radians(LIFTS_DEG[style]))
+    cut = 1.0 - (1.0 - FRINGE) * ramp(seen[:, 0], *FRINGE_SPAN)
+    length = LENGTHS[style] * head.size * cut
+    return combed(flow, normals, length, np.radians(LIFTS_DEG[style]))
 
 
 def brow_hair(head: Head, patch: SkinnedPatch) -> Array:

@@ -1,4 +1,4 @@
-"""Head mesh: skin of head and neck, eyes under lids, brows, lips and hair.
+"""Head mesh: a face that moves, neck, ears, eyes, teeth, brows and hair.
 
 Lengths are in heads, from the middle of the head: X forward, Y up, Z to the right. A child's eyes
 are larger and lower, its jaw and nose smaller.
@@ -7,11 +7,21 @@ are larger and lower, its jaw and nose smaller.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from pipeline.simulation.face_units import EYE_TURN
 from pipeline.simulation.figures.solids import loft
+from pipeline.simulation.people.face_mesh import (
+    ORIGIN,
+    FaceGrid,
+    cast_rays,
+    face_grid,
+)
+from pipeline.simulation.people.face_morphs import FaceSkin, unit_offsets
+from pipeline.simulation.people.face_shape import FaceShape, face_field
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
     Field,
@@ -26,7 +36,6 @@ from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
     Surface,
     cached_part,
-    ellipsoid_surface,
     merge_patches,
     polygonise,
     ramp,
@@ -35,8 +44,11 @@ from pipeline.simulation.people.skinned_surface import (
 )
 from pipeline.simulation.spatial import Array, normalized
 
-EYE_DIRECTION = np.array([1.0, -0.01, 0.10])
-"""Of the right eye."""
+LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH = range(1, 8)
+"""Tints of vertices; 0 is the colour of the material."""
+
+LEAST_MOVE = 4e-4
+"""Least move of a vertex by a unit that is kept [heads]."""
 
 
 @dataclass(frozen=True)
@@ -64,189 +76,173 @@ class Head:
         """Return a place (3,) in the head [m]."""
         return self.centre + self.size * np.array([x, y, z])
 
-    @property
-    def eye(self) -> tuple[Array, float]:
-        """Middle (3,) and radius of the right eye [m]."""
-        child = self.build.childish
-        radius = 0.070 + 0.014 * child
-        return self.at(0.312 - 0.014 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
+    @cached_property
+    def face(self) -> FaceShape:
+        """Shape of the face, in heads."""
+        g = self.build.girth
+        base = np.array([-0.010 * g, self.build.level(0.838), 0.0])
+        low = (base - self.centre) / self.size
+        return FaceShape(
+            self.build.childish, 0.0290 * g / self.size, (float(low[0]), float(low[1]))
+        )
+
+    def on_body(self, places: Array) -> Array:
+        """Return places (n, 3) in heads in the frame of the body [m]."""
+        return self.centre + self.size * places
 
 
 @cached_part
 def head_skin(head: Head) -> SkinnedPatch:
-    """Return head, neck and ears, which turn between chest and head along the neck."""
-    s, build = head.size, head.build
-    centre = head.centre
-    base = build.level(0.826)
-    low = (centre[0] - 0.55 * s, base - 0.20 * s, -0.52 * s)
-    high = (centre[0] + 0.66 * s, centre[1] + 0.56 * s, 0.52 * s)
-    net = polygonise(_head_field(head), low, high, 0.063 * s, symmetric=True)
-    y = net.vertices[:, 1]
+    """Return the skin of the head down to the neck, which the face moves."""
+    grid = face_grid(head.face)
+    places = head.on_body(grid.vertices)
+    base, chin = head.build.level(0.826), float(head.at(0.0, -0.42, 0.0)[1])
+    share = ramp(places[:, 1], base + 0.15 * (chin - base), chin)
+    # The head first: what follows it alone is quick to pose.
+    patch = Surface(places, grid.faces).follow("head", "chest", 1.0 - share)
+    skin = FaceSkin(grid.vertices, grid.jaw, grid.closing, grid.lid, grid.upper)
+    return replace(_with_units(head, patch, skin), tint=_skin_tint(head.face, grid))
+
+
+def _with_units(head: Head, patch: SkinnedPatch, skin: FaceSkin) -> SkinnedPatch:
+    """Return a patch that the units of the face move."""
+    moves = unit_offsets(head.face, skin)
+    units, vertices = np.nonzero(np.linalg.norm(moves, axis=-1) > LEAST_MOVE)
+    return replace(
+        patch,
+        targets=np.stack([vertices, units], axis=-1),
+        offsets=head.size * moves[units, vertices],
+    )
+
+
+def _skin_tint(face: FaceShape, grid: FaceGrid) -> Array:
+    """Return the number and share (V, 2) of the tint of the skin of a head."""
+    p, c = grid.vertices, face.child
+    aside = np.abs(p[:, 2])
+    drop = -face.drop
+
+    def spot(x: float, y: float, z: float, wide: float, high: float) -> Array:
+        return np.exp(-(((aside - z) / wide) ** 2) - ((p[:, 1] - y) / high) ** 2) * (p[:, 0] > x)
+
+    cheeks = 0.6 * spot(0.1, -0.10 + drop, 0.17, 0.085, 0.075)
+    blush = np.maximum(cheeks, 0.55 * spot(0.37, -0.135, 0.0, 0.055, 0.05))
+    nostril = spot(0.34, -0.176, 0.030 - 0.006 * c, 0.016, 0.013)
+    hollow = np.maximum(grid.hollow, 0.8 * nostril)
+    tint = np.stack([np.full(len(p), float(BLUSH)), blush], axis=-1)
+    for number, share in ((LIP, grid.lips), (HOLLOW, hollow)):
+        tint[share > 0.04] = np.stack([np.full(len(p), number), share], axis=-1)[share > 0.04]
+    return tint
+
+
+@cached_part
+def neck_skin(head: Head) -> SkinnedPatch:
+    """Return the neck, which turns between chest and head, up into the head."""
+    s, centre = head.size, head.centre
+    base = head.build.level(0.826)
+    top = centre[1] - 0.50 * s
+    low = (centre[0] - 0.55 * s, base - 0.20 * s, -0.40 * s)
+    high = (centre[0] + 0.40 * s, top + 0.10 * s, 0.40 * s)
+    net = polygonise(_neck_field(head, top), low, high, 0.063 * s, symmetric=True)
     chin = float(head.at(0.0, -0.42, 0.0)[1])
-    return net.follow("chest", "head", ramp(y, base + 0.15 * (chin - base), chin))
+    share = ramp(net.vertices[:, 1], base + 0.15 * (chin - base), chin)
+    return net.follow("chest", "head", share)
 
 
-def _head_field(head: Head) -> Field:
-    s, child = head.size, head.build.childish
-    at, pair = head.at, _both_sides
-    jaw = 1.0 - 0.10 * child
-    solids = [
-        ellipsoid(at(-0.045, 0.115, 0.0), s * np.array([0.430, 0.385, 0.345])),
-        ellipsoid(
-            at(0.090, -0.130 - 0.02 * child, 0.0),
-            s * np.array([0.285, 0.330, 0.262 + 0.02 * child]),
-        ),
-        round_cone(
-            at(0.215, -0.385, -0.035), at(0.215, -0.385, 0.035), 0.105 * s * jaw, 0.105 * s * jaw
-        ),
-        *pair(lambda m: ellipsoid(at(0.175, -0.150, 0.130 * m), (0.135 + 0.02 * child) * s)),
-        *pair(
-            lambda m: round_cone(
-                at(0.330, 0.135, 0.05 * m), at(0.245, 0.125, 0.215 * m), 0.058 * s, 0.05 * s
-            )
-        ),
-    ]
-    skull = smooth_union(solids, 0.11 * s)
-    sockets = smooth_union(
-        pair(
-            lambda m: ellipsoid(
-                at(0.425, 0.020 - 0.05 * child, 0.150 * m), s * np.array([0.10, 0.075, 0.095])
-            )
-        ),
-        0.02 * s,
-    )
-    skull = smooth_difference(skull, sockets, 0.09 * s)
-    nose = 1.0 - 0.28 * child
-    features = [
-        skull,
-        round_cone(
-            at(0.345, 0.06, 0.0), at(0.375 + 0.075 * nose, -0.125, 0.0), 0.030 * s, 0.052 * s * nose
-        ),
-        *pair(lambda m: ellipsoid(at(0.375, -0.150, 0.048 * m * nose), 0.038 * s)),
-        *pair(
-            lambda m: round_cone(
-                at(0.375, -0.252, 0.0),
-                at(0.335, -0.262, 0.080 * m),
-                0.026 * s,
-                0.014 * s,
-                (1.0, 0.8, 1.0),
-            )
-        ),
-        round_cone(at(0.362, -0.292, -0.035), at(0.362, -0.292, 0.035), 0.030 * s, 0.030 * s),
-        *pair(
-            lambda m: ellipsoid(at(-0.035, -0.035, 0.335 * m), s * np.array([0.085, 0.135, 0.048]))
-        ),
-        _neck_field(head),
-    ]
-    return smooth_union(features, 0.045 * s)
+def _neck_field(head: Head, top: float) -> Field:
+    g = head.build.girth
+    base = (-0.010 * g, head.build.level(0.838), 0.0)
+    neck = round_cone(base, head.at(-0.115, -0.22, 0.0), 0.0340 * g, 0.0315 * g)
+    return smooth_intersection(neck, half_space((0.0, top, 0.0), (0.0, 1.0, 0.0)), 0.02 * head.size)
 
 
-def _neck_field(head: Head) -> Field:
-    build = head.build
-    g = build.girth
-    base = (-0.010 * g, build.level(0.838), 0.0)
-    return round_cone(base, head.at(-0.115, -0.22, 0.0), 0.0340 * g, 0.0315 * g)
-
-
-def _both_sides(make: Callable[[float], Field]) -> list[Field]:
-    return [make(1.0), make(-1.0)]
-
-
-def eyeballs(head: Head) -> SkinnedPatch:
-    """Return both eyeballs."""
-    centre, radius = head.eye
-    return with_mirror(ellipsoid_surface(centre, np.full(3, radius), 7, 10).follow("head"))
-
-
-def irises(head: Head) -> SkinnedPatch:
-    """Return both irises: lenses on the eyeballs."""
-    return _on_eyes(head, 0.50, 0.63)
-
-
-def pupils(head: Head) -> SkinnedPatch:
-    """Return both pupils: smaller lenses on the irises."""
-    return _on_eyes(head, 0.76, 0.33)
-
-
-def _on_eyes(head: Head, ahead: float, size: float) -> SkinnedPatch:
-    """Return a lens before each eye, by its place ahead and its radius in the eyeball's."""
-    centre, radius = head.eye
-    along = normalized(EYE_DIRECTION)
-    lens = _lens(centre + ahead * radius * along, along, size * radius)
-    return with_mirror(lens.follow("head"))
-
-
-def _lens(centre: Array, along: Array, radius: float) -> Surface:
-    surface = ellipsoid_surface(np.zeros(3), np.array([radius, 0.86 * radius, radius]), 5, 10)
-    x = normalized(np.cross(along, [0.0, 0.0, 1.0]))
-    R = np.stack([x, along, np.cross(x, along)], axis=-1)
-    return Surface((surface.vertices[:, None, :] * R).sum(axis=-1) + centre, surface.faces)
-
-
-def lids(head: Head) -> SkinnedPatch:
-    """Return both upper and lower lids: caps over the eyes, for a calm look."""
-    centre, radius = head.eye
-    upper = _ball_cap(centre, 1.09 * radius, tilt=0.12, edge=0.30)
-    lower = _ball_cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.52)
-    return with_mirror(merge_patches([upper.follow("head"), lower.follow("head")]))
-
-
-def _ball_cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
-    """Return the cap of a ball above a plane that is tipped forward.
-
-    Args:
-        centre: (3,) of the ball [m].
-        radius: of the ball [m].
-        tilt: lean of the pole forward [rad].
-        edge: height of the plane above the centre, in radii.
-    """
-    angle = np.linspace(np.arcsin(edge), np.pi / 2, 5)[:-1]
-    turn = np.arange(10) * (2.0 * np.pi / 10)
-    sizes, rises = np.cos(angle), np.sin(angle)
-    # The rim has a thickness, closed inside of the ball.
-    sizes, rises = np.concatenate([[0.90 * sizes[0]], sizes]), np.concatenate([[edge], rises])
-    ring = np.stack(
+@cached_part
+def ears(head: Head) -> SkinnedPatch:
+    """Return both ears: a bowl with a rim, and a lobe."""
+    solids = smooth_union(
         [
-            sizes[:, None] * np.sin(turn),
-            np.repeat(rises[:, None], 10, axis=1),
-            sizes[:, None] * np.cos(turn),
+            ellipsoid((-0.045, -0.012, 0.338), (0.072, 0.098, 0.042)),
+            ellipsoid((-0.022, -0.105, 0.322), (0.040, 0.050, 0.030)),
         ],
-        axis=-1,
+        0.05,
     )
-    solid = loft(ring, np.array([[0.0, edge, 0.0], [0.0, 1.0, 0.0]]))
-    c, s = np.cos(tilt), np.sin(tilt)
-    x, y, z = solid.vertices.T
-    return Surface(
-        centre + radius * np.stack([c * x + s * y, c * y - s * x, z], axis=-1), solid.faces
-    )
+    bowl = ellipsoid((-0.026, -0.006, 0.392), (0.046, 0.066, 0.040))
+    shape = smooth_difference(solids, bowl, 0.018)
+    net = polygonise(shape, (-0.15, -0.20, 0.24), (0.06, 0.13, 0.42), 0.026)
+    patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
+    red = np.stack([np.full(len(net.vertices), float(BLUSH)), np.full(len(net.vertices), 0.35)], -1)
+    return with_mirror(replace(patch, tint=red))
 
 
+EYE_RINGS_DEG = np.array([7.0, 12.5, 13.0, 20.0, 26.5, 29.0, 31.0, 45.0, 65.0, 90.0, 130.0])
+"""Rings of an eyeball around its axis, denser where its colour changes."""
+
+EYE_TINTS = ((13.0, 1.0), (26.6, 1.0), (30.0, 1.0))
+"""Ends of pupil, iris and the dark edge of the iris, and their shares."""
+
+EYE_SEGMENTS = 14
+
+
+@cached_part
+def eyeballs(head: Head) -> SkinnedPatch:
+    """Return both eyeballs, coloured, which turn with the gaze, and the teeth."""
+    middle, radius = head.face.eye
+    angle = np.radians(EYE_RINGS_DEG)
+    turn = np.arange(EYE_SEGMENTS) * (2.0 * np.pi / EYE_SEGMENTS)
+    x = np.repeat(np.cos(angle)[:, None], EYE_SEGMENTS, axis=1)
+    ring = np.sin(angle)[:, None] * np.stack([np.cos(turn), np.sin(turn)])[:, None]
+    # Along X from behind.
+    rings = np.stack([x, ring[0], ring[1]], axis=-1)[::-1]
+    solid = loft(rings, np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
+    own = np.degrees(np.arccos(np.clip(solid.vertices[:, 0], -1.0, 1.0)))
+    kind = np.select([own < 12.7, own < 26.6, own < 30.0], [PUPIL, IRIS, LIMBUS], 0)
+    tint = np.stack([kind, kind > 0], axis=-1).astype(float)
+    places = head.on_body(middle + radius * solid.vertices)
+    patch = Surface(places, solid.faces).follow("head")
+    count = len(places)
+    turned = np.stack([np.arange(count), np.full(count, EYE_TURN)], axis=-1)
+    spokes = head.size * radius * solid.vertices
+    eye = replace(patch, targets=turned, offsets=spokes, tint=tint)
+    return with_mirror(eye)
+
+
+@cached_part
+def teeth(head: Head) -> SkinnedPatch:
+    """Return the upper teeth, and the lower ones, which go with the jaw."""
+    mouth, wide = head.face.mouth
+    rows = []
+    for low, high, back, jaw in ((-0.022, 0.035, 0.020, 0.0), (-0.060, -0.024, 0.028, 1.0)):
+        z = np.linspace(-0.82, 0.82, 9) * wide
+        x = mouth[0] - back - 5.0 * z * z
+        y = mouth[1] + np.array([low, high, high, low])
+        depth = np.array([0.0, 0.0, -0.03, -0.03])
+        rings = np.stack(np.broadcast_arrays(x[:, None] + depth, y, z[:, None]), axis=-1)
+        solid = loft(rings, rings[[0, -1]].mean(axis=1))
+        patch = Surface(head.on_body(solid.vertices), solid.faces).follow("head")
+        patch = replace(patch, tint=np.tile([float(TOOTH), 1.0], (len(z) * 4 + 2, 1)))
+        rows.append(_with_units(head, patch, FaceSkin.free(solid.vertices, jaw)))
+    return merge_patches(rows)
+
+
+BROW_LINE = ((0.050, 0.127), (0.09, 0.138), (0.145, 0.146), (0.20, 0.137), (0.245, 0.110))
+"""Places of a brow, out and up."""
+
+BROW_RADII = np.array([0.011, 0.0135, 0.0125, 0.010, 0.006])
+
+
+@cached_part
 def brows(head: Head) -> SkinnedPatch:
-    """Return both brows."""
-    s, child = head.size, head.build.childish
-    lower = 0.03 * child
-    line = [
-        (0.394, 0.136 - lower, 0.066),
-        (0.364, 0.150 - lower, 0.140),
-        (0.288, 0.118 - lower, 0.225),
-    ]
-    points = np.array([head.at(*p) for p in line])
-    return with_mirror(tube(points, s * np.array([0.016, 0.018, 0.010]), 6).follow("head"))
-
-
-def lips(head: Head) -> SkinnedPatch:
-    """Return both lips."""
-    s, child = head.size, head.build.childish
-    wide, up = 0.088 - 0.012 * child, 0.01 * child
-    upper = [(0.346, -0.268, wide), (0.391, -0.256, 0.4 * wide), (0.400, -0.262, 0.0)]
-    lower = [(0.346, -0.272, wide), (0.381, -0.293, 0.4 * wide), (0.389, -0.297, 0.0)]
-    patches = []
-    for half, thick in ((upper, 0.019), (lower, 0.023)):
-        line = half + [(x, y, -z) for x, y, z in half[-2::-1]]
-        points = np.array([head.at(x, y + up, z) for x, y, z in line])
-        radii = s * thick * np.array([0.4, 0.95, 1.0, 0.95, 0.4])
-        patches.append(tube(points, radii, 6).follow("head"))
-    return merge_patches(patches)
+    """Return both brows, on the skin."""
+    face = head.face
+    field, drop = face_field(face, with_lids=False), -face.drop
+    wanted = np.array([(0.33, y + drop, z) for z, y in BROW_LINE])
+    aims = wanted.copy()
+    for _ in range(4):
+        found = cast_rays(field, normalized(aims - ORIGIN))
+        aims = aims + (wanted - found) * [0.0, 1.0, 1.0]
+    radii = BROW_RADII * (1.0 - 0.15 * face.child)
+    net = tube(found + np.array([0.003, 0.0, 0.0]), radii, 6)
+    patch = Surface(head.on_body(net.vertices), net.faces).follow("head")
+    return with_mirror(_with_units(head, patch, FaceSkin.free(net.vertices)))
 
 
 Style = Callable[[Head], Field]
@@ -310,4 +306,4 @@ def hair_patch(head: Head, style: str) -> SkinnedPatch:
     high = (c[0] + 0.50 * s, c[1] + 0.62 * s, 0.54 * s)
     net = polygonise(HAIR_STYLES[style](head), low, high, 0.084 * s, symmetric=True)
     share = ramp(net.vertices[:, 1], float(c[1] - 0.85 * s), float(c[1] - 0.30 * s))
-    return net.follow("chest", "head", share)
+    return net.follow("head", "chest", 1.0 - share)

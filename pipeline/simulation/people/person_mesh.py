@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 
 import numpy as np
@@ -29,21 +29,20 @@ from pipeline.simulation.people.hair_lay import brow_hair, head_hair
 from pipeline.simulation.people.head_mesh import (
     Head,
     brows,
+    ears,
     eyeballs,
     hair_patch,
     head_skin,
-    irises,
-    lids,
-    lips,
-    pupils,
+    neck_skin,
+    teeth,
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
-from pipeline.simulation.people.wardrobe import LIPS, Clothes, Garment, Hair, Stature
+from pipeline.simulation.people.wardrobe import Clothes, Garment, Hair, Stature, tint_colors
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
 
-EYEBALL_MATERIAL, PUPIL_MATERIAL = "eye white", "eye"
+EYEBALL_MATERIAL = "eye white"
 
 MESH_CACHE_SIZE = 64
 """Number of persons whose meshes are kept for others like them."""
@@ -71,22 +70,20 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
     """
     materials = {
         "skin": clothes.skin,
-        "lips": LIPS.get(clothes.skin, "lips"),
         "hair": clothes.hair,
         "shirt": clothes.shirt,
         "trousers": clothes.trousers,
         "shoes": clothes.shoes,
         "accent": clothes.accent,
         "front": "white cloth",
-        "whites": EYEBALL_MATERIAL,
-        "irises": clothes.iris,
-        "pupils": PUPIL_MATERIAL,
+        "eyes": EYEBALL_MATERIAL,
     }
     sleeves_and_legs = (clothes.short_sleeves, clothes.shorts)
     shape = (clothes.style, *sleeves_and_legs, clothes.build, clothes.garments)
+    face = clothes.skin, clothes.iris
     return tuple(
         MaterialLayer(name, mesh, materials[name])
-        for name, mesh in _cached_meshes(proportions, *shape)
+        for name, mesh in _cached_meshes(proportions, *shape, *face)
     )
 
 
@@ -121,16 +118,19 @@ def _cached_meshes(
     shorts: bool,
     stature: Stature,
     garments: tuple[Garment, ...],
+    skin: str,
+    iris: str,
 ) -> tuple[tuple[str, Mesh], ...]:
+    tints = tint_colors(skin, iris)
     build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
     head = Head(build)
     layers = [
-        (name, _mesh(merge_patches(patches)))
+        (name, _mesh(merge_patches(patches), tints))
         for name, patches in _layers(build, head, short_sleeves, shorts, garments)
     ]
     locks = [] if style == "none" else [hair_patch(head, style)]
     hair = [*(head_hair(head, style, patch) for patch in locks), brow_hair(head, brows(head))]
-    combed = _mesh(merge_patches([*locks, brows(head)]), np.concatenate(hair))
+    combed = _mesh(merge_patches([*locks, brows(head)]), tints, np.concatenate(hair))
     return (*layers, ("hair", combed))
 
 
@@ -142,8 +142,8 @@ def _layers(
     garments: tuple[Garment, ...],
 ) -> Iterator[tuple[str, list[SkinnedPatch]]]:
     bare = [bare_shins(build)] if shorts or "skirt" in garments else []
-    yield "skin", [head_skin(head), lids(head), bare_arms(build, short_sleeves), *bare]
-    yield "lips", [lips(head)]
+    face = [head_skin(head), neck_skin(head), ears(head)]
+    yield "skin", [*face, bare_arms(build, short_sleeves), *bare]
     tucked = not {"skirt", "coat", "tucked"}.isdisjoint(garments)
     over = {"coat": coat_skirt, "hood": hood}
     worn = [over[word](build) for word in garments if word in over]
@@ -156,21 +156,28 @@ def _layers(
     if "stripes" in garments:
         yield "accent", [stripes(build)]
     yield "shoes", [shoes(build)]
-    yield "whites", [eyeballs(head)]
-    yield "irises", [irises(head)]
-    yield "pupils", [pupils(head)]
+    yield "eyes", [eyeballs(head), teeth(head)]
 
 
-def _mesh(patch: SkinnedPatch, hair: Array | None = None) -> Mesh:
+def _mesh(patch: SkinnedPatch, tints: Array, hair: Array | None = None) -> Mesh:
     share = patch.share.astype(np.float32)
+    extra = dict[str, Array]()
+    if len(patch.tint):
+        number, part = patch.tint[:, 0].astype(int), patch.tint[:, 1:]
+        extra["paint"] = np.concatenate([tints[number], part], axis=-1)
+    if hair is not None:
+        extra["hair"] = hair
+    if len(patch.targets):
+        extra["offsets"] = patch.offsets
     mesh = Mesh(
         patch.vertices.astype(np.float32),
         np.ascontiguousarray(patch.faces, dtype=np.uint32),
         patch.frames.astype(np.int32),
         np.stack([np.float32(1.0) - share, share], axis=-1),
-        **({} if hair is None else {"hair": hair.astype(np.float32)}),
+        targets=patch.targets.astype(np.int32),
+        **{name: values.astype(np.float32) for name, values in extra.items()},
     )
     # The cache shares them.
-    for array in (mesh.vertices, mesh.faces, mesh.nodes, mesh.weights, mesh.hair):
-        array.setflags(write=False)
+    for name in (f.name for f in fields(Mesh)):
+        getattr(mesh, name).setflags(write=False)
     return mesh

@@ -18,7 +18,7 @@ Field = Callable[[Array], Array]
 """From places (n, 3) to (n,) approximate distances to the surface, negative inside [m]."""
 
 
-def ellipsoid(centre: Sequence[float] | Array, radii: float | Array) -> Field:
+def ellipsoid(centre: Sequence[float] | Array, radii: float | Sequence[float] | Array) -> Field:
     """Return an ellipsoid of `radii` along the axes around `centre` (3,) [m]."""
     origin, scale = np.asarray(centre, dtype=float), np.broadcast_to(radii, 3).astype(float)
     least = float(scale.min())

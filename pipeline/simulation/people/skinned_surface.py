@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -64,17 +64,34 @@ class SkinnedPatch:
         faces: (F, 3), counter-clockwise from outside.
         frames: (V, 2) numbers in `FRAMES`.
         share: (V,) of the second frame; the first has the rest.
+        targets: (n, 2) vertex, and the unit of the face that moves it.
+        offsets: (n, 3) by which it moves at the unit's full action [m].
+        tint: (V, 2) number of another colour than the material's, and its share; (0, 2) for none.
     """
 
     vertices: Array
     faces: NDArray[np.uint32]
     frames: NDArray[np.int64]
     share: Array
+    targets: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    offsets: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    tint: Array = field(default_factory=lambda: np.zeros((0, 2)))
+
+    @property
+    def tints(self) -> Array:
+        """Numbers and shares (V, 2) of other colours, with none written out."""
+        return self.tint if len(self.tint) else np.zeros((len(self.vertices), 2))
 
     def mirrored(self) -> SkinnedPatch:
         """Return the patch mirrored to the other side of the body, with its frames."""
         return SkinnedPatch(
-            self.vertices * MIRROR, self.faces[:, ::-1], MIRRORED_FRAMES[self.frames], self.share
+            self.vertices * MIRROR,
+            self.faces[:, ::-1],
+            MIRRORED_FRAMES[self.frames],
+            self.share,
+            self.targets,
+            self.offsets * MIRROR,
+            self.tint,
         )
 
 
@@ -91,11 +108,17 @@ def merge_patches(patches: Sequence[SkinnedPatch]) -> SkinnedPatch:
     """Return several patches as one."""
     starts = np.cumsum([0, *(len(p.vertices) for p in patches)])
     faces = [p.faces + np.uint32(start) for p, start in zip(patches, starts, strict=False)]
+    targets = [p.targets + np.array([start, 0]) for p, start in zip(patches, starts, strict=False)]
     return SkinnedPatch(
         np.concatenate([p.vertices for p in patches]),
         np.concatenate(faces),
         np.concatenate([p.frames for p in patches]),
         np.concatenate([p.share for p in patches]),
+        np.concatenate(targets),
+        np.concatenate([p.offsets for p in patches]),
+        np.concatenate([p.tints for p in patches])
+        if any(len(p.tint) for p in patches)
+        else np.zeros((0, 2)),
     )
 
 
@@ -125,7 +148,7 @@ def polygonise(
         hem: height of an edge, placed in the middle between samples so that it is even [m].
     """
     if symmetric:
-        field = _symmetric(field)
+        field = symmetric_field(field)
     steps = cell * np.array([1.0, stretch, 1.0])
     axes = [
         _samples(*ends, symmetric and k == 2)
@@ -141,7 +164,7 @@ def polygonise(
     return Surface(_project_to_surface(field, places, 0.25 * cell), faces)
 
 
-def _symmetric(field: Field) -> Field:
+def symmetric_field(field: Field) -> Field:
     """Return a field whose left equals its right to the last bit."""
 
     def distance(places: Array) -> Array:

@@ -78,6 +78,8 @@ class SoundSources:
         channels: of all performers.
         figures: of the creatures, by name.
         groups: names of groups.
+        moods: of creatures, each with the time from which it holds [s], in the order of time.
+        seed: of the scene.
     """
 
     clock: Clock
@@ -86,6 +88,8 @@ class SoundSources:
     channels: Sequence[Channel]
     figures: Mapping[str, Figure]
     groups: frozenset[str]
+    moods: Mapping[str, Sequence[tuple[float, str]]] = field(default_factory=dict)
+    seed: int = 0
 
     @property
     def dt(self) -> float:

@@ -129,6 +129,24 @@ def test_soil_creeps_over_the_border_but_never_under_the_cast_or_above_the_land_
     assert not is_floor[out > 0.1].any()
 
 
+@pytest.mark.parametrize(
+    ("light", "lit"),
+    [
+        ({"sun": {"hour": 12.0}}, False),
+        ({"sun": {"hour": 12.0}, "weather": "rain"}, False),
+        ({"sun": {"hour": 18.0, "day": 150, "clouds": "clear"}}, False),
+        ({"sun": {"hour": 18.0, "day": 150, "clouds": "clear"}, "weather": "rain"}, True),
+        ({"sun": {"hour": 18.0, "day": 150, "clouds": "overcast"}}, True),
+        ({"sun": {"hour": 21.5, "day": 150, "clouds": "clear"}}, True),
+        ("night", True),
+        ("studio", False),
+    ],
+)
+def test_lamps_are_lit_in_the_dark_and_in_gloom(light: object, lit: bool) -> None:
+    glass = edging_materials(Light.model_validate(light))["edging lantern glass"]
+    assert (glass.glow > 0.0) == lit
+
+
 @pytest.mark.sample(8)
 @pytest.mark.parametrize("word", WORDS)
 @pytest.mark.parametrize("floor", ["paving", "deck"])

@@ -26,7 +26,7 @@ cast:
 def test_a_plank_that_falls_tilted_is_struck_at_its_lower_end(tilt: float) -> None:
     take = simulate(read_scene(PLANK.format(tilt=tilt)))
     first = next(event for event in take.events if event.cause == "collision")
-    spot = StruckBodies(take).body(first).spot
+    spot = StruckBodies(take, {}).body(first).spot
     assert spot is not None
     # The first end is at -x of the plank, which a rotation about +z lowers.
     assert spot == pytest.approx(0.0 if tilt > 0 else 1.0, abs=0.02)
@@ -34,7 +34,7 @@ def test_a_plank_that_falls_tilted_is_struck_at_its_lower_end(tilt: float) -> No
 
 def test_feet_are_struck_at_the_tips_of_their_last_links() -> None:
     take = simulate(load_scene(library() / f"first_steps{SUFFIX}"))
-    bodies = StruckBodies(take)
+    bodies = StruckBodies(take, {})
     spots = [bodies.body(e).spot for e in take.events if e.cause == "footfall"]
     assert len(spots) > 20
     assert all(spot is not None and min(spot, 1 - spot) < 0.1 for spot in spots)

@@ -13,7 +13,7 @@ from pipeline.simulation.characters.body_plan import BodyPlan, character_arrays
 from pipeline.simulation.characters.broad_phase import Workspace, workspace_for
 from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
 from pipeline.simulation.characters.contact_response import TouchLog, new_touch_log
-from pipeline.simulation.characters.limb_limits import joint_angle
+from pipeline.simulation.characters.limb_limits import joint_excess
 from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.playthings import ball_plan, box_plan
@@ -154,12 +154,12 @@ def link_length_error(arrays: CharacterArrays) -> float:
 
 
 @entry
-def smallest_bend(nodes: Records, limbs: Records) -> float:
-    """Return the least bend of all joints, negative where one is reversed [rad]."""
-    least = 9.0
+def largest_joint_excess(nodes: Records, limbs: Records) -> float:
+    """Return the largest distance of a joint from where it may point, in upper lengths."""
+    largest = 0.0
     for n in range(len(limbs)):
-        least = min(least, joint_angle(nodes, limbs[n]))
-    return least
+        largest = max(largest, joint_excess(nodes, limbs[n]))
+    return largest
 
 
 @entry

@@ -19,7 +19,11 @@ from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 from pipeline.spec.character_kinds import KIND_TEXTS
-from tests.simulation.characters.character_yard import build_yard, random_rotation, smallest_bend
+from tests.simulation.characters.character_yard import (
+    build_yard,
+    largest_joint_excess,
+    random_rotation,
+)
 from tests.simulation.characters.scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
@@ -55,9 +59,10 @@ def test_reversed_knees_and_elbows_recover(body: Proportions, seed: int) -> None
         for side in "lr":
             rest[JOINTS.index(f"{name}_{side}"), 0] += way
     yard = build_yard([plan], [rest @ turn.T + [0.0, 20.0, 0.0]], gravity=0.0)
-    assert smallest_bend(yard.arrays.nodes, yard.arrays.limbs) < np.radians(-5.0)
-    yard.step()
-    assert smallest_bend(yard.arrays.nodes, yard.arrays.limbs) > np.radians(-0.1)
+    assert largest_joint_excess(yard.arrays.nodes, yard.arrays.limbs) > 0.1
+    # They come back at a limited speed.
+    yard.step(20)
+    assert largest_joint_excess(yard.arrays.nodes, yard.arrays.limbs) < 1e-6
     # In the present axes of the trunk the knee lies in front of hip and foot.
     p = {name: yard.arrays.p[k] for k, name in enumerate(JOINTS)}
     forward = np.cross(p["spine"] - p["pelvis"], p["hip_r"] - p["hip_l"])
@@ -74,11 +79,11 @@ def test_node_and_link_numbers_are_offset_by_each_characters_first() -> None:
     for k, owner in enumerate(arrays.owners):
         first, count = owner.links
         links = arrays.links[first : first + count]
-        assert (links.owner == k).all()
-        assert (arrays.nodes.owner[links.ends] == k).all()
+        assert (links["owner"] == k).all()
+        assert (arrays.nodes["owner"][links["ends"]] == k).all()
         first, count = owner.pairs
-        assert (arrays.links.owner[arrays.pairs[first : first + count]] == k).all()
-    assert (arrays.links.owner[arrays.nodes.ground_link] == arrays.nodes.owner).all()
+        assert (arrays.links["owner"][arrays.pairs[first : first + count]] == k).all()
+    assert (arrays.links["owner"][arrays.nodes["ground_link"]] == arrays.nodes["owner"]).all()
 
 
 def test_a_merry_go_round_rests_on_its_base_and_keeps_turning() -> None:

@@ -162,3 +162,40 @@ def test_a_distressed_child_cries_on_the_way_back_and_not_in_arms() -> None:
     assert all(levels[event.step - 1] >= DISTRESS_ANXIETY for event in cries)
     # Anxiety in arms decays to this level.
     assert min(levels[hugging.index(True) :]) < 0.2
+
+
+PLAY = """pronk: 1
+duration: 12
+terrain: {kind: flat, size: [30, 30]}
+cast:
+- {name: kid, character: child, at: [0, 0], traits: {}, behaviours: [{play: ball}]}
+- {name: ball, character: ball, at: [1.5, 0.5]}
+"""
+
+CHASE = """pronk: 1
+duration: 4
+terrain: {kind: flat, size: [30, 30]}
+cast:
+- {name: hare, character: child, at: [0, 0], traits: {}, behaviours: [{flee: hound}]}
+- {name: hound, character: adult, at: [2, 0], traits: {}, behaviours: [{approach: hare}]}
+"""
+
+
+def test_a_child_at_play_laughs_now_and_then() -> None:
+    _, take, happened = run_scene(PLAY)
+    laughs = events_of(take, "laugh")
+    assert 1 <= len(laughs) <= 4
+    assert {event.who for event in laughs} == {"kid"}
+    assert [event.step for event in laughs] == [s for s, kind, *_ in happened if kind == "laugh"]
+    steps = take.header.steps * float(take.header.rate)
+    assert (np.diff([event.step / steps for event in laughs]) >= 3.0).all()
+    assert not events_of(take, "gasp")
+
+
+def test_who_takes_to_flight_gasps_once() -> None:
+    _, take, _ = run_scene(CHASE)
+    gasp, *others = events_of(take, "gasp")
+    assert (gasp.who, gasp.other, gasp.part) == ("hare", "hound", "hare.head")
+    assert gasp.frame == 1 + math.ceil(gasp.step / take.header.steps)
+    assert not others
+    assert not events_of(take, "laugh")

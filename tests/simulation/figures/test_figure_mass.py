@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from pipeline.errors import SceneError
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
@@ -93,6 +94,23 @@ def test_density_is_that_of_water_by_default(figure: Build) -> None:
         assert other.mass == pytest.approx(11.34 * one.mass)
         assert np.allclose(other.inertia, 11.34 * one.inertia)
         assert np.allclose(other.centre, one.centre)
+
+
+def test_a_mass_that_is_given_is_that_of_its_limb_at_any_scale(figure: Build) -> None:
+    plain, heavy = (
+        FigureMass(figure(WORM % words, scale=2.0)) for words in ("", ", masses: {body: 7}")
+    )
+    assert heavy.of_link(0).mass == pytest.approx(8 * 7)
+    assert heavy.of_link(0).centre == pytest.approx(plain.of_link(0).centre)
+    for one, other in zip(heavy.links[1:], plain.links[1:], strict=True):
+        assert one.mass == other.mass
+    everything = range(len(heavy.links))
+    assert heavy.mass_of(everything) == pytest.approx(sum(mass.mass for mass in heavy.links))
+
+
+def test_a_mass_of_no_limb_is_refused(figure: Build) -> None:
+    with pytest.raises(SceneError, match=r"masses\.bod.*no such part.*did you mean 'body'"):
+        figure(WORM % ", masses: {bod: 3}")
 
 
 def test_mass_properties_of_legs_are_symmetric(beetle: Figure) -> None:

@@ -321,6 +321,36 @@ def test_breathing_is_optional_and_follows_the_gait() -> None:
     np.testing.assert_allclose(times, [10, 20], atol=1e-6)
 
 
+def test_creatures_call_on_request_in_the_voice_of_their_mood() -> None:
+    creatures = (
+        "{name: bob, figure: person, mood: sad, walk: {}}",
+        "{name: bug, figure: beetle, at: [3, 3]}",
+    )
+    ask = "sound: {detect: {call: {heard: true, every: 0.5, who: 'b*'}}}\n"
+    mood = "script:\n  - {at: 1.5, who: bob, do: {mood: angry}}\n"
+    third = "{name: calf, figure: person, at: [-3, 3]}"
+    take = simulate(scene_of(*creatures, third, duration=3, more=ask + mood))
+    calls = [event for event in take.events if event.cause in ("call", "growl", "whine")]
+    for event in calls:
+        expected = (
+            "call" if event.who == "bug" else "whine" if time_of(take, event) < 1.5 else "growl"
+        )
+        assert event.cause == expected
+        row = event.track[0]
+        assert event.frame == 1 + math.ceil(row / take.header.samples)
+        head = [node.name for node in take.nodes].index(event.part)
+        assert math.dist(event.place, take.positions[row, head]) < 1e-5
+    assert {event.cause for event in calls} == {"call", "growl", "whine"}
+    times = {who: [time_of(take, e) for e in calls if e.who == who] for who in ("bob", "bug")}
+    assert all(0.15 <= gap <= 0.87 for found in times.values() for gap in np.diff(found))
+    assert times["bob"][0] != times["bug"][0]
+    sizes = {event.who: event.size for event in calls}
+    # Cubes of water as heavy as they are.
+    assert 0.3 < sizes["bob"] < 0.5
+    assert sizes["bug"] > 2 * sizes["bob"]  # this beetle weighs over a ton
+    assert not Detect().call.heard
+
+
 def test_a_rolling_ball_has_a_course() -> None:
     shape = "shape: sphere, collide: terrain, rolling: 0.05"
     ball = f"{{name: b, body: {{{shape}}}, at: [0, 0], velocity: [2, 0, 0]}}"

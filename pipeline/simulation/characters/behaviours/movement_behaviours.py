@@ -21,6 +21,11 @@ from pipeline.simulation.characters.behaviours.registry import (
     implements,
 )
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.pain_reflex import (
+    WITHDRAWAL_FROUDE,
+    WITHDRAWAL_TIME,
+    step_back_goal,
+)
 from pipeline.simulation.characters.terrain_edge import refuge
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach, Flee, Freeze, Shyness, SitDown, Urge, Wander
@@ -34,13 +39,8 @@ FREEZE_RANGE = 0.6 * FEAR_RANGE
 FLIGHT_DISTANCE, SHY_DISTANCE = 4.0, 1.2  # to the place of refuge [m]
 SHY_URGENCY = 1.5  # added activation of a very anxious one that is quite close
 
-# Withdrawal: nothing else comes before it.
 WITHDRAWAL_ACTIVATION = 2.0
-WITHDRAWAL_TIME = 0.8  # [s]
-WITHDRAWAL_DISTANCE = 1.4  # [m]
-WITHDRAWAL_FROUDE = 0.55  # pace, in √(g l)
-WITHDRAWAL_TURNS = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
-"""Directions tried aside from straight away [rad]."""
+"""Nothing else comes before withdrawal."""
 
 # Wandering.
 STANDING_TIME = (0.8, 3.0)  # between strolls [s]
@@ -187,18 +187,8 @@ class Withdraw(ConfiguredBehaviour[Urge]):
         if math.hypot(offset[0], offset[1]) < 1e-6:
             offset = np.array([math.cos(heading), -math.sin(heading)])
         away = math.atan2(-offset[1], -offset[0])
-        low, high = mind.surroundings.low + 0.5, mind.surroundings.high - 0.5
-        goals = [
-            np.clip(
-                mind.at
-                + WITHDRAWAL_DISTANCE * np.array([math.cos(away + turn), math.sin(away + turn)]),
-                low,
-                high,
-            )
-            for turn in WITHDRAWAL_TURNS
-        ]
-        free = [goal for goal in goals if is_way_free(mind, goal)]
-        goal = free[0] if free else goals[0]
+        bounds = mind.surroundings.low, mind.surroundings.high
+        goal = step_back_goal(mind.at, away, bounds, lambda place: is_way_free(mind, place))
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),
             pace=WITHDRAWAL_FROUDE * mind.froude_speed,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -39,6 +40,31 @@ HYSTERESIS = 0.08
 
 STROLL_FROUDE, RUN_FROUDE = 0.36, 0.95
 """Usual speeds of the slowest and the fastest characters, in √(g l)."""
+
+
+@dataclass(frozen=True)
+class FaceRates:
+    """How feelings show in a face.
+
+    Attributes:
+        worry: anxiety from which it looks like fear, too.
+        anxious_fear: fear of full anxiety, by the anxiety beyond worry.
+        anxious_sadness: sadness of full anxiety.
+        hug_joy: joy in somebody's arms.
+        interest: curiosity by the salience of the focus.
+    """
+
+    worry: float = 0.5
+    anxious_fear: float = 0.8
+    anxious_sadness: float = 0.9
+    hug_joy: float = 0.9
+    interest: float = 1.3
+
+
+FACE = FaceRates()
+
+JOYS: Mapping[str, float] = {"play": 0.8, "comfort": 0.5, "carry": 0.35, "push": 0.7}
+"""Joy in a face by the present behaviour."""
 
 
 class Behaviour(Protocol):
@@ -83,6 +109,8 @@ class Mind:
         doing: name of the present behaviour, "" for none.
         command: of the present behaviour.
         cried: time of the last cry [s].
+        gasped: time of the last gasp [s].
+        next_laugh: time from which it laughs at play [s].
         froude_speed: √(g l) of its legs [m/s].
     """
 
@@ -116,7 +144,8 @@ class Mind:
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
         self.struck: tuple[float, int] = (-math.inf, -1)
-        self.cried = -math.inf
+        self.cried = self.gasped = -math.inf
+        self.next_laugh = 0.0
         self.behaviours: Mapping[str, Behaviour] = {}
         self.biases: dict[str, float] = {}
         self.doing, self.command = "", MotorCommand()
@@ -214,6 +243,19 @@ class Mind:
         p, first = self.surroundings.view.arrays.p, int(record.node) + HAND
         offset = p[first] - p[first + 1]
         return math.sqrt(float((offset * offset).sum()))
+
+    def emotions(self) -> list[float]:
+        """Return the emotions that its face shows, in the order of `EMOTIONS`, from 0 to 1."""
+        anxiety = self.anxiety
+        fear = self.attention.fright + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0)
+        fear = min(fear, 1.0)
+        worried = FACE.anxious_sadness * anxiety
+        calm = 1.0 - max(fear, worried, self.anger)
+        social = FACE.hug_joy if self.is_hugging else JOYS.get(self.doing, 0.0)
+        joy = social * (1.0 - anxiety) * (1.0 - max(fear, self.anger))
+        interest = FACE.interest * self.attention.focus_salience
+        curiosity = min(interest, 1.0) * calm * (1.0 - joy)
+        return [joy, min(worried, 1.0) * (1.0 - fear), self.anger, fear, 0.0, curiosity]
 
     # --- experience ---------------------------------------------------------------------
 

@@ -28,8 +28,11 @@ MIND = np.dtype(
         # Whether it returns to its caregiver, and has somebody in its arms.
         ("returns", "?"),
         ("hugs", "?"),
-        # The most salient character or NOBODY; the time of the last thought [s].
+        # The most salient character or NOBODY, its salience, and how much others frighten.
         ("focus", "i8"),
+        ("focus_salience", "f8"),
+        ("fright", "f8"),
+        # The time of the last thought [s].
         ("now", "f8"),
     ],
     align=True,

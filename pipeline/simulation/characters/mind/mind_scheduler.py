@@ -22,7 +22,7 @@ from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import Surroundings, notice
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
-from pipeline.simulation.characters.step_report import CRY, hardest_toucher, loudness
+from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
@@ -31,12 +31,17 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
 from pipeline.spec.character import Character
+from pipeline.spec.expression import EMOTIONS
 from pipeline.spec.script import SetUrges
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]
 DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
 DISTRESS_CRY_INTERVAL = 3.0  # [s]
 MIN_CRY_INTERVAL = 0.8  # [s]
+FEARFUL = ("withdrawal", "flee")  # behaviours that begin with a gasp
+GASP_INTERVAL = 3.0  # [s]
+MERRY_ANXIETY = 0.35  # below which a child at play laughs
+LAUGH_INTERVAL = 6.0  # on average, at play [s]
 STOPPING_ANXIETY = 0.2  # from which one stops to glance back
 GLANCING_BACK_ANGLE = 1.2  # from the way, beyond which one does [rad]
 MIN_PACE = 0.05  # [m/s]
@@ -55,8 +60,8 @@ class MindScheduler:
         sub_step: [s].
 
     Attributes:
-        cries: of the last step: index of the controller, number of the character that caused it
-            or -1, strength [m/s].
+        voices: of the last step.
+        felt: (P, 6) emotions of all acting people, zero for those without a mind.
     """
 
     def __init__(
@@ -69,7 +74,7 @@ class MindScheduler:
         dt: float,
         sub_step: float,
     ) -> None:
-        self.cries: list[tuple[int, int, float]] = []
+        self.voices: list[Voice] = []
         self._dispatcher, self._surroundings, self._persons = dispatcher, surroundings, persons
         self._sub_step, self._interval = sub_step, max(round(THINKING_INTERVAL / dt), 1)
         acting = np.array([member.acts for member in cast], dtype=bool)
@@ -95,7 +100,13 @@ class MindScheduler:
         ]
         for mind, urges in zip(self.minds, configs, strict=True):
             mind.behaviours = behaviours_of(urges, mind)
+        self._laughter = [
+            generator(seed, f"{mind.controller.name}.laughter") for mind in self.minds
+        ]
+        for k in self._indices:
+            self._put_off_laugh(k, 0.0)
         dispatcher.minded = frozenset(self._indices)
+        self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
         self._owners: IntArray = self._arrays.minds["owner"].copy()
         self._values = np.array([self._values_of(mind) for mind in self.minds])
         self._pain: Array = np.zeros(len(self._owners))
@@ -141,20 +152,23 @@ class MindScheduler:
             turns = sorted(hurt.union(turns))
         if turns:
             self._notice(turns, now)
-        free = [n for n in turns if not self._dispatcher.is_ordered(self._indices[n])]
+        ordered = self._dispatcher.is_ordered
+        before = {n: self.minds[n].doing for n in turns if not ordered(self._indices[n])}
         # All choose before any of them acts, so that their order has no effect.
-        for n in free:
+        for n in before:
             self.minds[n].choose()
         for n in turns:
             k, mind = self._indices[n], self.minds[n]
-            if n in free:
+            if n in before:
                 self._act(k, mind)
                 self._cry_in_distress(k, mind)
+                self._laugh_or_gasp(k, mind, before[n])
             else:
                 mind.end_behaviour()
             mind.look()
             self._dispatcher.glance(k, mind.glances.at)
             self._values[n] = self._values_of(mind)
+            self.felt[k] = mind.emotions()
 
     def _notice(self, turns: Sequence[int], now: float) -> None:
         """Let minds perceive, remember, feel and attend."""
@@ -181,11 +195,34 @@ class MindScheduler:
         is_due = mind.now - mind.cried >= DISTRESS_CRY_INTERVAL
         if mind.doing == "attachment" and not is_calm and is_due:
             mind.cried = mind.now
-            self.cries.append((k, NOBODY, CRY.faintest + mind.anxiety))
+            self.voices.append(Voice("cry", k, NOBODY, CRY.faintest + mind.anxiety))
+
+    def _laugh_or_gasp(self, k: int, mind: Mind, before: str) -> None:
+        """Let a calm child laugh at play, now and then, and who takes to flight gasp first.
+
+        Args:
+            k: index of the controller.
+            mind: the mind.
+            before: its behaviour until now.
+        """
+        doing, now = mind.doing.split(" ")[0], mind.now
+        takes_fright = doing in FEARFUL and doing != before.split(" ")[0]
+        has_cried = now - mind.cried < MIN_CRY_INTERVAL
+        if takes_fright and not has_cried and now - mind.gasped >= GASP_INTERVAL:
+            mind.gasped = now
+            self.voices.append(Voice("gasp", k, mind.attention.focus, CRY.faintest + mind.anxiety))
+        elif doing == "play" and mind.anxiety < MERRY_ANXIETY and now >= mind.next_laugh:
+            self._put_off_laugh(k, now)
+            self.voices.append(Voice("laugh", k, NOBODY, CRY.faintest))
+
+    def _put_off_laugh(self, k: int, now: float) -> None:
+        """Choose when a mind laughs next; children at play do not laugh in step."""
+        n = self._indices.index(k)
+        self.minds[n].next_laugh = now + LAUGH_INTERVAL * (0.5 + self._laughter[n].random())
 
     def _feel_blows(self, now: float) -> set[int]:
         """Let minds feel the blows of the last step; return the indices of those hurt."""
-        self.cries.clear()
+        self.voices.clear()
         pain = self._pains_now[self._owners]
         added = pain - self._pain
         self._pain = pain
@@ -199,7 +236,7 @@ class MindScheduler:
             is_shock = mind.feel_blow(blow, striker, now)
             if is_shock and blow > CRY.cry and now - mind.cried >= MIN_CRY_INTERVAL:
                 mind.cried = now
-                self.cries.append((self._indices[n], striker, loudness(blow)))
+                self.voices.append(Voice("cry", self._indices[n], striker, loudness(blow)))
         return set(hurt)
 
     def _act(self, k: int, mind: Mind) -> None:

@@ -270,6 +270,7 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
     """
     mind, salience, priority = arrays.minds[n], arrays.salience[n], arrays.priority[n]
     distances, fears = arrays.distances[n], arrays.fears[n]
+    mind.fright = 0.0
     for c in range(len(salience)):
         v = arrays.velocities[n, c]
         speed = math.sqrt(v[0] * v[0] + v[2] * v[2])
@@ -281,6 +282,8 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
         arrays.valence[n, c] = min(max(natural_valence[c] - 1.5 * fears[c], -1.0), 1.0)
         watched = 0.06 * near if interest > 0.2 else 0.0
         priority[c] = max(fears[c] * near, watched)
+        # Far-off threats frighten less.
+        mind.fright = max(mind.fright, fears[c] * near)
     if mind.caregiver >= 0:
         arrays.valence[n, mind.caregiver] = min(0.3 + mind.anxiety, 1.0)
         salience[mind.caregiver] += mind.anxiety
@@ -291,6 +294,7 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
         salience[mind.focus] += FOCUS_BONUS
     best = salience.argmax()
     mind.focus = best if salience[best] > 0.1 else NOBODY
+    mind.focus_salience = salience[best] if mind.focus >= 0 else 0.0
 
 
 @entry
@@ -334,6 +338,16 @@ class Attention:
     def focus(self) -> int:
         """Number of the most salient character, NOBODY if there is none."""
         return int(self._mind.focus)
+
+    @property
+    def focus_salience(self) -> float:
+        """How interesting the focus is, 0 without one."""
+        return float(self._mind.focus_salience)
+
+    @property
+    def fright(self) -> float:
+        """How much the most frightening character frightens from where it is, from 0 to 1."""
+        return float(self._mind.fright)
 
 
 class Glances:

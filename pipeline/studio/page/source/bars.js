@@ -9,7 +9,7 @@ const CURVE = 34; // pixels of a curve
 export class Bars {
   constructor(canvas, seek, pick) {
     this.canvas = canvas;
-    this.seconds = 1;
+    this.seconds = this.known = 1;
     this.gait = [];
     this.events = [];
     this.curves = [];
@@ -31,17 +31,18 @@ export class Bars {
       }
       canvas.setPointerCapture(event.pointerId);
       this.isHeld = true;
-      seek(Math.min(Math.max(at(event), 0), this.seconds));
+      seek(Math.min(Math.max(at(event), 0), this.known));
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (this.isHeld) seek(Math.min(Math.max(at(event), 0), this.seconds));
+      if (this.isHeld) seek(Math.min(Math.max(at(event), 0), this.known));
     });
     canvas.addEventListener("pointerup", () => (this.isHeld = false));
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  show({ seconds, gait = [], events = [] }) {
-    Object.assign(this, { seconds, gait, events });
+  // `known` is up to where there are frames yet.
+  show({ seconds, known = seconds, gait = [], events = [] }) {
+    Object.assign(this, { seconds, known, gait, events });
     this.#fit();
   }
 
@@ -92,6 +93,10 @@ export class Bars {
     }
     y = this.#drawStrips(context, x, y);
     this.#drawCurves(context, x, y, width);
+    if (this.known < this.seconds) {
+      context.fillStyle = "#d7d3c8a0";
+      context.fillRect(x(this.known), 0, x(this.seconds) - x(this.known), height);
+    }
     context.fillStyle = INK;
     context.fillRect(x(this.time), 0, 1.5, height);
   }

@@ -1,6 +1,6 @@
 // A figure's drawing: nodes and chains as they are written, and the operations of Sims 1987, A.1.
 
-export const empty = () => ({ nodes: {}, chains: [], is_mirrored: false, parts: {}, settings: {} });
+export const empty = () => ({ nodes: {}, chains: [], is_mirrored: false, parts: {}, settings: {}, joints: {}, masses: {} });
 
 export const copyOf = (drawing) => structuredClone(drawing);
 

@@ -3,6 +3,7 @@
 import { ask, askBytes, latest, Refusal } from "./api.js";
 import { Bars } from "./bars.js";
 import * as sheet from "./drawing.js";
+import { Posing } from "./posing.js";
 import { Viewer } from "./viewer.js";
 
 const STICKY = 8; // pixels within which a node snaps to an axis, to a line of the grid or is hit
@@ -49,6 +50,8 @@ export class Editor {
     this.sets = [];
     this.analysis = null;
     this.viewer ??= new Viewer(document.getElementById("creature"), { onTheSpot: true });
+    this.posing ??= new Posing(this.viewer, document.getElementById("part"), this);
+    this.posing.select(null);
     this.viewer.resize();
     this.fit();
     this.#changed();
@@ -78,10 +81,19 @@ export class Editor {
     this.#changed();
   }
 
+  // Ends a drag that changed the drawing: one step of undoing.
+  commit(before) {
+    this.undos.push(before);
+    if (this.undos.length > UNDO_STEPS) this.undos.shift();
+    this.redos = [];
+    this.#changed();
+  }
+
   #changed() {
     for (const name of this.selected) if (!(name in this.drawing.nodes)) this.selected.delete(name);
     this.#refreshTools();
     this.draw();
+    this.posing.refresh();
     this.analyse(this.#message());
     clearTimeout(this.walkTimer);
     this.walkTimer = setTimeout(() => this.walk(this.#message()), WALK_DELAY);
@@ -214,7 +226,9 @@ export class Editor {
   async #analyse(message) {
     try {
       const answer = await ask("analyse", message);
-      this.analysis = answer;
+      // In the middle of a drag there is no time for the joints.
+      const { links, masses } = this.analysis ?? {};
+      this.analysis = { links, masses, ...answer };
       this.problems = [];
       if (message.is_moving) this.metrics.analysis.push(performance.now() - message.asked);
     } catch (error) {
@@ -223,6 +237,7 @@ export class Editor {
       if (error.status !== 422) this.report(error.message, true);
     }
     this.#showAnalysis();
+    if (!message.is_moving) this.posing.refresh();
     this.draw();
   }
 
@@ -231,7 +246,9 @@ export class Editor {
     try {
       const { bytes, facts } = await askBytes("walk", message);
       this.walked = facts;
+      this.viewer.scale = facts.scale;
       await this.viewer.show(bytes);
+      this.posing.refresh();
       this.bars.show(facts);
       this.walks = (this.walks ?? 0) + 1;
       document.getElementById("walk-text").textContent = facts.text;
@@ -244,15 +261,16 @@ export class Editor {
   #tick(now) {
     const seconds = Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
-    if (!document.getElementById("figure").hidden && this.walked && this.playing && !this.drag) {
+    if (!document.getElementById("figure").hidden && this.walked && this.playing && !this.drag && !this.posing.isOn) {
       this.seek((this.viewer.time + seconds) % this.walked.seconds);
     }
     requestAnimationFrame((next) => this.#tick(next));
   }
 
   seek(time) {
+    if (this.posing.isOn) this.posing.select(null);
     this.viewer.seek(time);
-    this.viewer.draw();
+    this.viewer.draw(true);
     this.bars.time = time;
     this.bars.draw();
   }
@@ -263,7 +281,7 @@ export class Editor {
     const list = document.getElementById("warnings");
     const table = document.getElementById("limbs");
     const told = problems.length
-      ? problems.map((one) => ({ node: one.node, text: `${one.path}: ${one.message}` }))
+      ? problems.map((one) => ({ node: one.node, text: `${one.path.replace(/^figures\.it\./, "")}: ${one.message}` }))
       : (analysis?.warnings ?? []);
     head.textContent = problems.length || !analysis ? "" : `${analysis.headline}${analysis.mass ? `, ${Number(analysis.mass.toPrecision(3))} kg` : ""}`;
     list.replaceChildren(
@@ -668,9 +686,7 @@ export class Editor {
     this.drag = null;
     if (!drag) return;
     if (drag.before && drag.before !== JSON.stringify(this.drawing)) {
-      this.undos.push(drag.before);
-      this.redos = [];
-      this.#changed();
+      this.commit(drag.before);
     } else if (drag.kind === "area") {
       const [[ax, ay], last] = [drag.points[0], drag.points[drag.points.length - 1]];
       const [bx, by] = last;
@@ -706,10 +722,14 @@ export class Editor {
       "]": () => this.rotate(angle),
       "+": () => this.scale(1.1),
       "-": () => this.scale(1 / 1.1),
-      " ": () => (this.playing = !this.playing),
+      " ": () => (this.posing.isOn ? this.posing.select(null) : (this.playing = !this.playing)),
       Delete: () => this.deleteSelected(),
       Backspace: () => this.deleteSelected(),
-      Escape: () => (this.loose ? this.set("loose", null) : this.select([])),
+      Escape: () => {
+        if (this.loose) this.set("loose", null);
+        else if (this.posing.isOn) this.posing.select(null);
+        else this.select([]);
+      },
       ArrowLeft: () => this.translate(-step, 0, false),
       ArrowRight: () => this.translate(step, 0, false),
       ArrowUp: () => this.translate(0, -step, false),

@@ -2,6 +2,7 @@
 
 import { ask, Refusal } from "./api.js";
 import { Editor } from "./editor.js";
+import { Library } from "./library.js";
 import { Player } from "./player.js";
 import { Renders } from "./renders.js";
 
@@ -15,6 +16,7 @@ function report(text, isBad = false) {
 const editor = new Editor(report);
 const player = new Player(report);
 const renders = new Renders(report);
+const library = new Library(report, (name) => open(name));
 let shown = null;
 
 function show(pane) {
@@ -24,6 +26,7 @@ function show(pane) {
   for (const id of ["undo", "redo"]) $(id).hidden = pane !== "figure";
   if (pane === "figure" || pane === "scene") shown = pane === "figure" ? editor : player;
   if (pane !== "scene") player.pause();
+  if (pane !== "library") library.pause();
   refresh();
 }
 
@@ -87,12 +90,6 @@ const save = () =>
     refresh();
   });
 
-const newScene = () =>
-  guarded(async () => {
-    const name = prompt("Name of the scene", "hello");
-    if (name) await open((await ask("new-scene", { name })).name);
-  });
-
 const render = () =>
   guarded(async () => {
     if (player.isDirty || !player.document.name || player.document.is_shipped) {
@@ -103,37 +100,13 @@ const render = () =>
     await renders.refresh();
   });
 
-const library = () =>
+const showLibrary = () =>
   guarded(async () => {
-    const { documents } = await ask("library");
-    const section = (title, some, label) => {
-      const head = Object.assign(document.createElement("h2"), { textContent: title });
-      const cards = Object.assign(document.createElement("div"), { className: "cards" });
-      cards.append(
-        ...some.map(({ name }) => {
-          const button = Object.assign(document.createElement("button"), { textContent: label(name) });
-          button.dataset.name = name ?? "";
-          button.onclick = () => (name === "+scene" ? newScene() : open(name));
-          return button;
-        }),
-      );
-      return some.length ? [head, cards] : [];
-    };
-    const own = documents.filter(({ name }) => !name.startsWith("library:"));
-    const shipped = documents.filter(({ name }) => name.startsWith("library:"));
-    const short = (name) => name.replace(/^library:/, "").replace(/^figures\//, "").replace(/\.yaml$/, "");
-    const of = (some, kind) => some.filter((one) => one.kind === kind);
-    $("library").replaceChildren(
-      ...section("New", [{ name: null }, { name: "+scene" }], (name) => (name ? "new scene" : "new figure")),
-      ...section("Figures of this folder", of(own, "figure"), short),
-      ...section("Scenes of this folder", of(own, "scene"), short),
-      ...section("Figures of the library", of(shipped, "figure"), short),
-      ...section("Scenes of the library", of(shipped, "scene"), short),
-    );
     show("library");
+    await library.show();
   });
 
-$("tab-library").onclick = () => ($("library").hidden ? library() : show(shown === player ? "scene" : "figure"));
+$("tab-library").onclick = () => ($("library").hidden ? showLibrary() : show(shown === player ? "scene" : "figure"));
 $("tab-renders").onclick = () =>
   guarded(async () => {
     if (!$("renders").hidden) return show(shown === player ? "scene" : "figure");
@@ -153,7 +126,7 @@ window.addEventListener("keydown", (event) => {
 });
 window.addEventListener("beforeunload", (event) => shown?.isDirty && event.preventDefault());
 
-window.studio = { editor, player };
+window.studio = { editor, player, library };
 const { first } = await ask("library");
 await open(first);
 window.studio.isReady = true;

@@ -84,6 +84,7 @@ export class Player {
       await this.viewer.show(bytes);
       this.bars.show(facts);
       this.map.forbidden = facts.forbidden;
+      this.map.carriers = facts.carriers;
       this.map.draw();
       this.seek(time);
       await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
@@ -99,27 +100,43 @@ export class Player {
     }
   }
 
-  // What is simulated so far, while the rest is.
+  // What is simulated so far, more and more of it while the rest is.
   async #showFirst(request, started) {
+    this.beginnings = [];
     try {
-      const { bytes, facts } = await askBytes("first-frames", { request });
-      if (this.request !== request) return;
-      this.pause();
-      this.facts = null;
-      await this.viewer.show(bytes);
-      if (this.request !== request) return;
-      this.viewer.seek(Math.min(this.viewer.time, facts.seconds));
-      this.viewer.draw();
-      this.firstShown = performance.now() - started;
-      this.report(`simulating …; shown are the first ${facts.seconds.toFixed(1)} s`);
+      for (let after = 0; this.request === request; ) {
+        const { bytes, facts } = await askBytes("first-frames", { request, after });
+        if (this.request !== request) return;
+        if (!after) this.#begin();
+        this.facts = null;
+        await this.viewer.show(bytes);
+        if (this.request !== request) return;
+        this.facts = { ...facts, play: null, events: [], notes: [], performers: [], gait: [] };
+        this.bars.show({ seconds: facts.whole, known: facts.seconds });
+        this.seek(Math.min(this.viewer.time, facts.seconds));
+        this.firstShown ??= performance.now() - started;
+        this.beginnings.push(facts.frames);
+        this.report(`simulating …; the first ${facts.seconds.toFixed(1)} s of ${facts.whole.toFixed(1)} s are there`);
+        after = facts.frames;
+      }
     } catch (error) {
       // It has ended before, or another has begun.
       if (!(error instanceof Refusal)) throw error;
     }
   }
 
+  // The sound and the channels are those of the take before.
+  #begin() {
+    this.pause();
+    this.hasSound = false;
+    this.film = null;
+    this.firstShown = null;
+    this.bars.showChannels({ curves: [], strips: [] });
+  }
+
   async #showChannels(who) {
     this.who = who;
+    if (!this.facts?.play) return;
     this.#about(who);
     const { play } = this.facts;
     const channels = who ? await ask("channels", { play, who }) : { curves: [], strips: [] };
@@ -159,7 +176,8 @@ export class Player {
   #show(time) {
     this.viewer.seek(time);
     if (this.camera === "film" && this.film) this.viewer.lookAs(this.film[this.frame - 1]);
-    this.viewer.draw();
+    if (this.map?.isShown) this.map.draw(true);
+    else this.viewer.draw(true);
     this.bars.time = time;
     this.bars.draw();
     const clock = document.getElementById("clock");
@@ -198,9 +216,11 @@ export class Player {
   }
 
   #tick(now) {
-    const seconds = Math.min((now - this.last) / 1000, 0.1);
+    const before = this.last;
+    const seconds = Math.min((now - before) / 1000, 0.1);
     this.last = now;
     if (this.playing && this.facts && !document.getElementById("scene").hidden) {
+      this.viewer.tookFrame(now - before);
       // The sound keeps the time; without it the page does.
       let time = this.hasSound && !this.audio.paused ? this.audio.currentTime : this.time + seconds;
       if (time >= this.facts.seconds - 1e-3 || (this.hasSound && this.audio.ended)) {
@@ -214,7 +234,7 @@ export class Player {
   }
 
   async still() {
-    if (!this.facts) return;
+    if (!this.facts?.play) return this.report("a still needs the whole simulation");
     this.pause();
     this.report(`rendering frame ${this.frame} …`);
     try {

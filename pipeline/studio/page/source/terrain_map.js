@@ -1,12 +1,14 @@
 // The map: the scene seen from above, with the positions that its text gives, to be dragged.
 
+import { Vector3 } from "three";
 import { numberLists } from "./text_tree.js";
 
 const KEYS = new Set(["at", "path", "go_to", "to", "land_at", "reach", "flee", "position", "target"]);
 const NEAR = 10; // pixels within which a position is taken
 const LEAST = 3; // metres seen on both sides of the middle, at least
 
-// The positions on the ground that a text gives: lists [x, z] or [x, y, z] in metres.
+// The positions that a text gives: lists [x, z] or [x, y, z] in metres, those of what is carried
+// relative to `carrier`.
 export function positionsOf(text, plain) {
   return numberLists(text).flatMap((list) => {
     const { path, numbers } = list;
@@ -16,18 +18,32 @@ export function positionsOf(text, plain) {
     const isPlace = block === "places" && path.length === 2;
     if (!isPlace && !(KEYS.has(key) && ["cast", "script", "camera", "terrain"].includes(block))) return [];
     const owner = typeof k === "number" ? plain?.[block]?.[k] : plain?.[block];
-    // What is carried is placed relative to what carries it, and drums to their dancer.
-    if (owner?.parent || path.includes("drums") || path.includes("scatter")) return [];
+    // Drums are placed by their dance, and plants by their species.
+    if (path.includes("drums") || path.includes("scatter")) return [];
+    const carrier = block === "cast" ? (owner?.parent ?? null) : null;
     if (block === "terrain" && numbers.length !== 2) return [];
     const label = isPlace ? k : `${owner?.name ?? owner?.who ?? block} ${key}`;
     const line = typeof path.at(-1) === "number" ? path.slice(0, -1).join(".") : null;
-    return [{ ...list, label, line, x: numbers[0].value, z: numbers.at(-1).value }];
+    const height = numbers.length === 3 ? numbers[1].value : 0;
+    return [{ ...list, label, line, carrier, height, x: numbers[0].value, z: numbers.at(-1).value }];
   });
+}
+
+// The own x and z of a point that is seen at a place of the world, at the height that it has on what
+// carries it.
+function carried({ x, z, own, pose }, toX, toZ) {
+  const [a, , c] = pose.elements;
+  const [b, , d] = pose.elements.slice(8);
+  const turned = a * d - b * c;
+  // Seen along its plane there is nothing to choose from.
+  if (Math.abs(turned) < 0.05) return own;
+  const [dx, dz] = [toX - x, toZ - z];
+  return { x: own.x + (d * dx - b * dz) / turned, z: own.z + (a * dz - c * dx) / turned };
 }
 
 export class TerrainMap {
   constructor(canvas, viewer, editor) {
-    Object.assign(this, { canvas, viewer, editor, isShown: false, forbidden: null });
+    Object.assign(this, { canvas, viewer, editor, isShown: false, forbidden: null, carriers: null });
     canvas.addEventListener("pointerdown", (event) => this.#press(event));
     canvas.addEventListener("pointermove", (event) => this.#move(event));
     canvas.addEventListener("pointerup", () => this.#release());
@@ -43,8 +59,17 @@ export class TerrainMap {
     this.draw();
   }
 
+  // Where they are in the world at this moment; what nothing carries yet is left out.
   get points() {
-    return positionsOf(this.editor.viewText, this.editor.plain);
+    const text = this.editor.viewText;
+    if (text !== this.read?.text) this.read = { text, points: positionsOf(text, this.editor.plain) };
+    return this.read.points.flatMap((point) => {
+      if (!point.carrier) return [point];
+      const pose = this.viewer.poseOf(this.carriers?.[point.carrier]);
+      if (!pose) return [];
+      const { x, z } = new Vector3(point.x, point.height, point.z).applyMatrix4(pose);
+      return [{ ...point, x, z, own: { x: point.x, z: point.z }, pose: pose.clone() }];
+    });
   }
 
   #fit() {
@@ -101,7 +126,8 @@ export class TerrainMap {
       const { point, draft, text } = this.held;
       const [first, last] = [point.numbers[0], point.numbers.at(-1)];
       const written = (value) => String(Number(value.toFixed(2)));
-      draft.write(text.slice(point.from, first.from) + written(x) + text.slice(first.to, last.from) + written(z) + text.slice(last.to, point.to));
+      const own = point.pose ? carried(point, x, z) : { x, z };
+      draft.write(text.slice(point.from, first.from) + written(own.x) + text.slice(first.to, last.from) + written(own.z) + text.slice(last.to, point.to));
       this.draw();
     }
   }
@@ -120,9 +146,9 @@ export class TerrainMap {
     this.draw();
   }
 
-  draw() {
+  draw(isMoving = false) {
     if (!this.isShown) return;
-    this.viewer.seeFromAbove(this.view);
+    this.viewer.seeFromAbove(this.view, isMoving);
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     this.canvas.width = width * devicePixelRatio;
     this.canvas.height = height * devicePixelRatio;
@@ -134,7 +160,7 @@ export class TerrainMap {
       const [x, y] = this.toScreen(point.x, point.z);
       if (point.line) lines.set(point.line, [...(lines.get(point.line) ?? []), [x, y]]);
       context.fillStyle = "#fff";
-      context.strokeStyle = "#2d6fb4";
+      context.strokeStyle = point.carrier ? "#b8862b" : "#2d6fb4";
       context.lineWidth = 2.5;
       context.beginPath();
       context.arc(x, y, 6, 0, 2 * Math.PI);

@@ -3,28 +3,51 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { Detail, GPU_TRIANGLES, isSoftware, shareSkeletons, SOFTWARE_TRIANGLES } from "./detail.js";
+
+const REST = 180; // ms after which a view that moved no more is drawn in full
+const SLOW = 24; // ms of a frame of which there are too many triangles
+const FRAMES = 12; // that are looked at for that
+const AXIS = new THREE.Vector3();
+const PLACE = new THREE.Vector3();
+const TURN = new THREE.Quaternion();
+
+// A material that takes little to draw without a graphics processor.
+function plain({ color, opacity, transparent, emissive, vertexColors, side, name }) {
+  return new THREE.MeshLambertMaterial({ color, opacity, transparent, emissive, vertexColors, side, name });
+}
+
+function performerOf(object) {
+  for (; object; object = object.parent) if (object.userData.performer) return object.userData.performer;
+  return null;
+}
 
 export class Viewer {
   constructor(canvas, { onTheSpot = false } = {}) {
     this.canvas = canvas;
     this.onTheSpot = onTheSpot;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.isSoftware = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware });
+    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, 2));
+    this.budget = this.isSoftware ? SOFTWARE_TRIANGLES : GPU_TRIANGLES;
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(onTheSpot ? "#e9ecef" : "#c9d9e6");
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.02, 400);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => this.draw());
-    this.scene.add(new THREE.HemisphereLight("#ffffff", "#8a7f70", 1.6));
-    const sun = new THREE.DirectionalLight("#fff3df", 2.2);
-    sun.position.set(2, 5, 3);
-    this.scene.add(sun);
+    this.controls.addEventListener("change", () => this.draw(true));
+    this.sky = new THREE.HemisphereLight("#ffffff", "#8a7f70", 1.6);
+    this.sun = new THREE.DirectionalLight("#fff3df", 2.2);
+    this.sun.position.set(2, 5, 3);
+    this.scene.add(this.sky, this.sun);
     if (onTheSpot) {
       this.grid = new THREE.GridHelper(24, 24, "#b9b4a8", "#d7d3c8");
       this.scene.add(this.grid);
     }
     this.model = null;
     this.roots = new Map();
+    this.nodes = new Map();
+    this.scale = 1;
+    this.slow = 0;
     this.time = 0;
     this.filmCamera = null;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -43,6 +66,7 @@ export class Viewer {
   async show(bytes) {
     const gltf = await new GLTFLoader().parseAsync(bytes, "");
     const isFirst = this.model === null;
+    this.detail?.dispose();
     if (this.model) {
       this.scene.remove(this.model);
       this.model.traverse((object) => {
@@ -55,21 +79,56 @@ export class Viewer {
     this.model = gltf.scene;
     this.scene.add(this.model);
     this.roots = new Map();
+    this.nodes = new Map();
+    this.helpers = [];
     this.model.traverse((object) => {
       object.frustumCulled = false;
-      const who = object.userData.performer;
-      if (who && !object.isMesh && !this.roots.has(who)) this.roots.set(who, object);
+      const { performer: who, name } = object.userData;
+      if (who && !object.isMesh) {
+        if (!this.roots.has(who)) this.roots.set(who, object);
+        if (name && !object.userData.part) this.nodes.set(name, object);
+      } else if (name?.includes("~") && !name.endsWith("~shown")) {
+        const [first, second, share] = name.split("~");
+        if (share > 0) this.helpers.push({ object, first, second, share: Number(share) });
+      }
+      if (object.isMesh && this.isSoftware) {
+        if (performerOf(object)) object.material = plain(object.material);
+        else this.#light(object);
+      }
+      // Of the rest pose, which motion replaces.
+      object.userData.place = object.position.clone();
     });
+    const meshes = [];
+    this.model.traverse((object) => object.isMesh && meshes.push(object));
+    shareSkeletons(meshes);
+    this.detail = new Detail(this.model, this.roots, this.budget);
     this.mixer = new THREE.AnimationMixer(this.model);
     if (gltf.animations.length) {
-      const action = this.mixer.clipAction(gltf.animations[0]);
-      action.setLoop(THREE.LoopOnce);
-      action.clampWhenFinished = true;
-      action.play();
+      this.action = this.mixer.clipAction(gltf.animations[0]);
+      this.action.setLoop(THREE.LoopOnce);
+      this.action.clampWhenFinished = true;
+      this.action.play();
     }
     this.seek(this.time);
     if (isFirst || this.onTheSpot) this.fit(isFirst);
     this.draw();
+  }
+
+  // Gives a mesh that stands still the light at its vertices: it covers most of the picture, and
+  // without a graphics processor each pixel of it that is lit takes time.
+  #light(mesh) {
+    const { normal } = mesh.geometry.attributes;
+    const towards = this.sun.position.clone().normalize();
+    const [sum, own, turned] = [new THREE.Color(), new THREE.Color(), new THREE.Vector3()];
+    const colors = new Float32Array(3 * normal.count);
+    for (let v = 0; v < normal.count; v++) {
+      turned.fromBufferAttribute(normal, v);
+      sum.copy(this.sky.groundColor).lerp(this.sky.color, 0.5 * turned.y + 0.5).multiplyScalar(this.sky.intensity);
+      sum.add(own.copy(this.sun.color).multiplyScalar(this.sun.intensity * Math.max(turned.dot(towards), 0)));
+      sum.multiply(mesh.material.color).multiplyScalar(1 / Math.PI).toArray(colors, 3 * v);
+    }
+    mesh.geometry.setAttribute("color", new THREE.BufferAttribute(colors, 3));
+    mesh.material = new THREE.MeshBasicMaterial({ vertexColors: true });
   }
 
   // Creatures alone: the ground is far larger than what is watched.
@@ -105,10 +164,87 @@ export class Viewer {
       const [root] = this.roots.values();
       this.model.position.set(0, 0, 0);
       this.model.updateMatrixWorld(true);
-      const at = root ? root.getWorldPosition(new THREE.Vector3()) : new THREE.Vector3();
+      const at = root ? root.getWorldPosition(PLACE) : PLACE.set(0, 0, 0);
       this.model.position.set(-at.x, 0, -at.z);
       this.grid.position.set(-(at.x % 1), 0, -(at.z % 1));
     }
+  }
+
+  // The pose of a node in the world at this moment, null where it is not there.
+  poseOf(name) {
+    const node = this.nodes.get(name);
+    node?.updateWorldMatrix(true, false);
+    return node?.matrixWorld ?? null;
+  }
+
+  // The node of a link of the first performer.
+  nodeOf(link) {
+    const [who] = this.roots.keys();
+    return this.nodes.get(`${who}.${link}`);
+  }
+
+  // Poses the first performer where it is by values of its joints, links after their parents.
+  pose(links, valueOf) {
+    if (!this.model) return;
+    const turn = new THREE.Quaternion();
+    for (const link of links) {
+      const node = this.nodeOf(link.name);
+      if (!node) continue;
+      turn.identity();
+      node.position.copy(node.userData.place);
+      for (const joint of link.joints) {
+        const value = valueOf(link, joint);
+        const axis = AXIS.set(...joint.axis).normalize();
+        if (joint.slides) node.position.addScaledVector(axis, value * this.scale);
+        else turn.multiply(TURN.setFromAxisAngle(axis, (value * Math.PI) / 180));
+      }
+      node.quaternion.copy(turn);
+    }
+    this.model.updateMatrixWorld(true);
+    for (const { object, first, second, share } of this.helpers) {
+      const [a, b] = [this.nodes.get(first), this.nodes.get(second)];
+      if (!a || !b) continue;
+      // The second node's place as either node carries it.
+      const place = b.parent === a ? b.userData.place.clone() : a.worldToLocal(b.getWorldPosition(new THREE.Vector3()));
+      const [at, end] = [a.localToWorld(place), b.getWorldPosition(new THREE.Vector3())];
+      object.position.copy(object.parent.worldToLocal(at.lerp(end, share)));
+      const whole = object.parent.getWorldQuaternion(new THREE.Quaternion()).invert();
+      object.quaternion.copy(whole.multiply(a.getWorldQuaternion(turn).slerp(b.getWorldQuaternion(TURN), share)));
+    }
+  }
+
+  // Lets the creature move again.
+  release() {
+    if (!this.action) return;
+    // The mixer writes only what has changed since it wrote last.
+    this.action.stop();
+    this.action.play();
+    this.seek(this.time);
+  }
+
+  // The link at a place of the canvas, without its performer.
+  partAt(event) {
+    const hit = this.hitAt(event);
+    if (!hit) return null;
+    let { object } = hit;
+    if (object.isSkinnedMesh) {
+      const { skinIndex, skinWeight } = object.geometry.attributes;
+      const slot = skinWeight.getY(hit.face.a) > skinWeight.getX(hit.face.a) ? 1 : 0;
+      object = object.skeleton.bones[skinIndex.getComponent(hit.face.a, slot)];
+    }
+    for (; object; object = object.parent) {
+      const [first, second, share] = (object.userData.name ?? "").split("~");
+      const name = share >= 0.5 ? second : first;
+      const node = this.nodes.get(name);
+      if (node && !object.userData.part) return name.slice(node.userData.performer.length + 1);
+    }
+    return null;
+  }
+
+  onScreen(place) {
+    const box = this.canvas.getBoundingClientRect();
+    const { x, y } = place.clone().project(this.camera);
+    return [box.left + ((x + 1) / 2) * box.width, box.top + ((1 - y) / 2) * box.height];
   }
 
   // From the film's camera: origin, target and vertical field of view of a frame.
@@ -123,7 +259,7 @@ export class Viewer {
   }
 
   // From above: x to the right, z down, `half` metres up and down from the middle; null ends it.
-  seeFromAbove(view) {
+  seeFromAbove(view, isMoving = false) {
     this.above = null;
     if (view) {
       const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
@@ -133,30 +269,58 @@ export class Viewer {
       this.above.position.set(view.x, 2000, view.z);
       this.above.lookAt(view.x, 0, view.z);
     }
-    this.draw();
+    this.draw(isMoving);
   }
 
-  // The performer at a place of the canvas.
-  performerAt(event) {
-    if (!this.model) return null;
+  #casterAt(event) {
     const box = this.canvas.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * 2 - 1;
     const y = 1 - ((event.clientY - box.top) / box.height) * 2;
-    const ray = new THREE.Raycaster();
-    ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
-    for (const hit of ray.intersectObject(this.model, true)) {
-      for (let object = hit.object; object; object = object.parent) {
-        if (object.userData.performer) return object.userData.performer;
-      }
-    }
-    return null;
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    return caster;
+  }
+
+  rayAt(event) {
+    return this.#casterAt(event).ray;
+  }
+
+  // The first hit of a performer at a place of the canvas.
+  hitAt(event) {
+    if (!this.model) return null;
+    this.model.traverse((object) => {
+      // Their spheres are those of the moment at which they were asked for.
+      if (object.isSkinnedMesh) object.boundingSphere = object.boundingBox = null;
+    });
+    return this.#casterAt(event).intersectObject(this.model, true).find(({ object }) => performerOf(object)) ?? null;
+  }
+
+  performerAt(event) {
+    const hit = this.hitAt(event);
+    return hit && performerOf(hit.object);
   }
 
   get triangles() {
     return this.renderer.info.render.triangles;
   }
 
-  draw() {
+  // With fewer triangles while it moves, and in full soon after.
+  draw(isMoving = false) {
+    clearTimeout(this.resting);
+    if (isMoving) this.resting = setTimeout(() => this.draw(), REST);
+    // Edges are smoothed by more pixels where the context cannot, as soon as there is time.
+    const ratio = isMoving ? 1 : 2;
+    if (this.isSoftware && this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    this.detail?.choose(this.above ?? this.camera, isMoving);
     this.renderer.render(this.scene, this.above ?? this.camera);
+  }
+
+  // A frame of a motion that took so long [ms]: where all are slow there are too many triangles.
+  tookFrame(duration) {
+    this.slow = duration > SLOW ? this.slow + 1 : 0;
+    if (this.slow < FRAMES || this.budget <= SOFTWARE_TRIANGLES) return;
+    this.slow = 0;
+    this.budget = Math.max(this.budget / 2, SOFTWARE_TRIANGLES);
+    if (this.detail) this.detail.budget = this.budget;
   }
 }

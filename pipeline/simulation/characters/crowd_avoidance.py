@@ -1,0 +1,239 @@
+"""Crowd avoidance: walkers choose velocities at which they will not meet other people.
+
+Each person that another will meet within a few seconds forbids a half plane of velocities. Two that
+both walk share the way that is to be made; of a standing person a walker makes all of it. Within
+all half planes, the velocity nearest to the wanted one is taken; in a throng where there is none,
+the one that offends least. Others are visited in order along x, so that a crowd costs little more
+than a few.
+
+Source: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, 2011 (ORCA): half
+planes in section 4, linear programs in section 5.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.characters.pelvis_motion import goal_velocity
+from pipeline.simulation.characters.person_record import SITTING
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.spatial import Array
+
+Numbers = NDArray[np.int64]
+
+HORIZON = 3.0  # within which nobody is met [s]
+PARTING_TIME = 0.5  # within which two that are too near part [s]
+SIGHT_RANGE = 4.5  # [m]
+PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
+SITTING_SPACE = 1.4  # of a sitting person, relative to a standing one
+MOST_NEIGHBOURS = 10  # the nearest that are heeded
+QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
+HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
+SMOOTHING = 0.5  # share of the wanted sidestep taken over in a step
+
+PARALLEL = 1e-5  # sine of the angle of two lines that count as parallel
+
+
+@compiled
+def avoid_people(persons: Records) -> None:
+    """Choose the sidestep of every person, once a step."""
+    order = np.zeros(len(persons), dtype=np.int64)
+    for i in range(len(persons)):
+        n = i
+        while n > 0 and persons[order[n - 1]].at[0] > persons[i].at[0]:
+            order[n] = order[n - 1]
+            n -= 1
+        order[n] = i
+    nearest = np.zeros(MOST_NEIGHBOURS, dtype=np.int64)
+    # Lines of velocities, x and z of a point and of the direction, to whose left all are allowed.
+    lines = np.zeros((MOST_NEIGHBOURS, 4))
+    projected = np.zeros((MOST_NEIGHBOURS, 4))
+    for n in range(len(order)):
+        person = persons[order[n]]
+        if not person.has_goal:
+            person.sidestep[0], person.sidestep[1] = 0.0, 0.0
+            continue
+        count = _find_nearest(persons, order, n, nearest)
+        for k in range(count):
+            _forbid(person, persons[nearest[k]], lines[k])
+        wanted_x, wanted_z = goal_velocity(person)
+        x, z = wanted_x, wanted_z
+        if count > 0:
+            x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
+        person.sidestep[0] += SMOOTHING * (x - wanted_x - person.sidestep[0])
+        person.sidestep[1] += SMOOTHING * (z - wanted_z - person.sidestep[1])
+
+
+@compiled
+def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) -> int:
+    """Write the numbers of the nearest people whom the n-th in order sees; return how many."""
+    person = persons[order[n]]
+    squares = np.zeros(MOST_NEIGHBOURS)
+    count = 0
+    for direction in (-1, 1):
+        m = n + direction
+        while 0 <= m < len(order):
+            other = persons[order[m]]
+            x, z = other.at[0] - person.at[0], other.at[1] - person.at[1]
+            if abs(x) > SIGHT_RANGE:
+                break
+            square = x * x + z * z
+            if other.owner != person.partner and 1e-18 < square < SIGHT_RANGE**2:
+                k = min(count, MOST_NEIGHBOURS - 1)
+                if count < MOST_NEIGHBOURS or square < squares[k]:
+                    while k > 0 and squares[k - 1] > square:
+                        squares[k], nearest[k] = squares[k - 1], nearest[k - 1]
+                        k -= 1
+                    squares[k], nearest[k] = square, order[m]
+                    count = min(count + 1, MOST_NEIGHBOURS)
+            m += direction
+    return count
+
+
+@compiled
+def _forbid(one: Record, other: Record, line: Array) -> None:
+    """Write the line of velocities beyond which one person would meet another."""
+    space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
+    if other.posture == SITTING:
+        space *= SITTING_SPACE
+    space = min(space, one.neighbour_distance)
+    x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
+    square = x * x + z * z
+    # Velocity of one relative to the other, and that from the middle of the cut-off circle.
+    vx, vz = one.velocity[0] - other.velocity[0], one.velocity[1] - other.velocity[1]
+    is_apart = square > space * space
+    time = HORIZON if is_apart else PARTING_TIME
+    wx, wz = vx - x / time, vz - z / time
+    size, along = math.hypot(wx, wz), wx * x + wz * z
+    if is_apart and (along >= 0.0 or along * along <= space * space * size * size):
+        # A side of the cone of all velocities that meet: the nearer, if it is not about the same.
+        leg = math.sqrt(square - space * space)
+        if x * wz - z * wx > -HEAD_ON * size * math.sqrt(square):
+            dx, dz = (x * leg - z * space) / square, (x * space + z * leg) / square
+        else:
+            dx, dz = -(x * leg + z * space) / square, (x * space - z * leg) / square
+        part = vx * dx + vz * dz
+        ux, uz = part * dx - vx, part * dz - vz
+    else:
+        size = max(size, 1e-9)
+        wx, wz = wx / size, wz / size
+        dx, dz = wz, -wx
+        ux, uz = (space / time - size) * wx, (space / time - size) * wz
+    shares = other.has_goal and not other.frozen and other.partner != one.owner
+    share = 0.5 if shares else 1.0
+    line[0], line[1] = one.velocity[0] + share * ux, one.velocity[1] + share * uz
+    line[2], line[3] = dx, dz
+
+
+@inlined
+def _excess(line: Array, x: float, z: float) -> float:
+    """Return how far a velocity lies on the forbidden side of a line [m/s]."""
+    result: float = line[2] * (line[1] - z) - line[3] * (line[0] - x)
+    return result
+
+
+@compiled
+def _allowed(
+    lines: Array, projected: Array, count: int, limit: float, x: float, z: float
+) -> tuple[float, float]:
+    """Return the velocity nearest to a wanted one that all lines allow, or that offends least.
+
+    Args:
+        lines: of velocities, the first `count` rows.
+        projected: room for as many.
+        count: number of lines.
+        limit: greatest speed.
+        x: of the wanted velocity.
+        z: of the wanted velocity.
+    """
+    failed, x, z = _nearest_velocity(lines, count, limit, x, z, False)
+    worst = 0.0
+    for i in range(failed, count):
+        if _excess(lines[i], x, z) <= worst:
+            continue
+        # Among the velocities equally far beyond this line and each one before.
+        n = 0
+        for j in range(i):
+            sine = lines[i, 2] * lines[j, 3] - lines[i, 3] * lines[j, 2]
+            if abs(sine) <= PARALLEL:
+                if lines[i, 2] * lines[j, 2] + lines[i, 3] * lines[j, 3] > 0.0:
+                    continue
+                projected[n, 0] = 0.5 * (lines[i, 0] + lines[j, 0])
+                projected[n, 1] = 0.5 * (lines[i, 1] + lines[j, 1])
+            else:
+                t = -_excess(lines[j], lines[i, 0], lines[i, 1]) / sine
+                projected[n, 0] = lines[i, 0] + t * lines[i, 2]
+                projected[n, 1] = lines[i, 1] + t * lines[i, 3]
+            dx, dz = lines[j, 2] - lines[i, 2], lines[j, 3] - lines[i, 3]
+            size = max(math.hypot(dx, dz), 1e-12)
+            projected[n, 2], projected[n, 3] = dx / size, dz / size
+            n += 1
+        done, new_x, new_z = _nearest_velocity(projected, n, limit, -lines[i, 3], lines[i, 2], True)
+        if done == n:
+            x, z = new_x, new_z
+        worst = _excess(lines[i], x, z)
+    return x, z
+
+
+@compiled
+def _nearest_velocity(
+    lines: Array, count: int, limit: float, x: float, z: float, farthest: bool
+) -> tuple[int, float, float]:
+    """Return the first line that cannot be kept, or `count`, and the velocity found so far.
+
+    Args:
+        lines: of velocities, the first `count` rows.
+        count: number of lines.
+        limit: greatest speed.
+        x: of the wanted velocity, or of a direction.
+        z: of the same.
+        farthest: whether the velocity farthest in a direction is wanted.
+    """
+    goal_x, goal_z = x, z
+    size = math.hypot(x, z)
+    if farthest:
+        x, z = limit * x, limit * z
+    elif size > limit:
+        x, z = x * limit / size, z * limit / size
+    for i in range(count):
+        if _excess(lines[i], x, z) > 0.0:
+            found, new_x, new_z = _on_line(lines, i, limit, goal_x, goal_z, farthest)
+            if not found:
+                return i, x, z
+            x, z = new_x, new_z
+    return count, x, z
+
+
+@compiled
+def _on_line(
+    lines: Array, i: int, limit: float, x: float, z: float, farthest: bool
+) -> tuple[bool, float, float]:
+    """Return whether a velocity on a line keeps all lines before it, and the best of them."""
+    px, pz, dx, dz = lines[i, 0], lines[i, 1], lines[i, 2], lines[i, 3]
+    middle = px * dx + pz * dz
+    square = middle * middle + limit * limit - px * px - pz * pz
+    if square < 0.0:
+        return False, 0.0, 0.0
+    low, high = -middle - math.sqrt(square), -middle + math.sqrt(square)
+    for j in range(i):
+        sine = dx * lines[j, 3] - dz * lines[j, 2]
+        excess = _excess(lines[j], px, pz)
+        if abs(sine) <= PARALLEL:
+            if excess > 0.0:
+                return False, 0.0, 0.0
+            continue
+        t = -excess / sine
+        if sine >= 0.0:
+            high = min(high, t)
+        else:
+            low = max(low, t)
+        if low > high:
+            return False, 0.0, 0.0
+    if farthest:
+        t = high if x * dx + z * dz > 0.0 else low
+    else:
+        t = min(max(dx * (x - px) + dz * (z - pz), low), high)
+    return True, px + t * dx, pz + t * dz

@@ -1,0 +1,70 @@
+"""Hand-over: a person takes what another holds, who holds it out and lets go once it is taken.
+
+The holder is asked by one who is told to take the thing. A holder that is doing something else
+keeps it, and so does one with a mind of its own; who asks in vain gives up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.characters.person_controller import PersonController
+
+ASKING_RANGE = 3.0  # from which a thing is held out, in arm lengths of the holder
+ASKING_TIME = 5.0  # for which one asks whose partner is busy [s]
+FACING = math.radians(40.0)  # of the holder, within which it holds the thing out
+LEAST_OUT, HELD_OUT = 0.35, 0.7  # ahead of the shoulder, in arm lengths
+TAKER_ROOM = 0.6  # between the thing and the taker, in arm lengths of the taker
+HELD_OUT_HEIGHT = 0.62  # at most, in heights of the smaller of the two
+
+
+@dataclass(frozen=True, eq=False)
+class HandOver:
+    """A thing that goes from hand to hand.
+
+    Attributes:
+        giver: holds it.
+        taker: goes to it.
+        thing: its name.
+    """
+
+    giver: PersonController
+    taker: PersonController
+    thing: str
+
+    def hold_out(self) -> None:
+        """Turn the giver to the taker and hold the thing out, when the taker comes near."""
+        giver, taker = self.giver, self.taker
+        place = taker.waist()
+        if giver.ground_distance(place) > ASKING_RANGE * giver.arm:
+            return
+        if not giver.record.stepping and float(giver.record.sit_blend) == 0.0:
+            giver.face_to(place)
+        hands = giver.hands_holding(self.thing)
+        # Both hands have it before the chest; one would drag it through the body in turning.
+        if len(hands) == 2 or not giver.is_facing(FACING):
+            return
+        height = HELD_OUT_HEIGHT * min(float(giver.record.height), float(taker.record.height))
+        room = giver.ground_distance(place) - TAKER_ROOM * taker.arm
+        out = min(max(room, LEAST_OUT * giver.arm), HELD_OUT * giver.arm)
+        for k in hands:
+            shoulder, ahead = giver.shoulder(k), giver.direction_to(place)
+            goal = shoulder + out * ahead
+            goal[1] = min(float(shoulder[1]), float(giver.record.floor) + height)
+            giver.put_hand(k, np.asarray(goal))
+
+    @property
+    def is_taken(self) -> bool:
+        """Whether the taker has it."""
+        return bool(self.taker.hands_holding(self.thing))
+
+
+def holder_of(
+    thing: str, taker: PersonController, people: list[PersonController]
+) -> PersonController | None:
+    """Return another person that holds a thing, None without any."""
+    held = (one for one in people if one is not taker and one.hands_holding(thing))
+    return next(held, None)

@@ -1,0 +1,50 @@
+"""Coarse faces: small heads have fewer triangles, and keep their place and their moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.production.shots.coarse_faces import FINE_PIXEL, with_coarse_faces
+from pipeline.production.shots.skinning import Skin, visible_parts
+from pipeline.simulation.take import Take
+from tests.simulation.characters.scripted_people import run_scene
+
+CAST = "  - {name: ann, character: adult}\n  - {name: ben, character: child, at: [2, 0]}\n"
+
+
+@pytest.fixture(scope="module")
+def take() -> Take:
+    return run_scene(CAST, 0.5, "  - {at: 0, who: ann, do: {express: joy}}\n").take()
+
+
+def heads(take: Take) -> list[int]:
+    return [k for k, p in enumerate(visible_parts(take)) if len(take.meshes[p.seen].targets)]
+
+
+def test_heads_are_as_fine_as_their_pixels(take: Take) -> None:
+    count = len(visible_parts(take))
+    fine = with_coarse_faces(take, np.full(count, FINE_PIXEL))
+    assert all(a is b for a, b in zip(fine.meshes, take.meshes, strict=True))
+    sizes = [
+        sum(len(mesh.faces) for mesh in with_coarse_faces(take, np.full(count, pixel)).meshes)
+        for pixel in (0.003, 0.005, 0.008, np.inf)
+    ]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[-1] < 0.75 * sizes[0]
+
+
+def test_coarse_heads_stand_and_act_as_fine_ones(take: Take) -> None:
+    pixel = 0.006
+    coarse = with_coarse_faces(take, np.full(len(visible_parts(take)), pixel))
+    row = len(take.positions) - 1
+    fine_skin, skin = Skin.of(take), Skin.of(coarse)
+    before, after = fine_skin.posed(take, row), skin.posed(coarse, row)
+    for k in heads(take):
+        a = before[fine_skin.starts[k] : fine_skin.starts[k + 1]]
+        b = after[skin.starts[k] : skin.starts[k + 1]]
+        assert len(b) <= len(a)
+        # All that is left are vertices of the fine head, in the same place.
+        nearest = np.linalg.norm(a[:, None] - b[None], axis=-1).min(axis=0)
+        assert nearest.max() < 1e-6
+        np.testing.assert_allclose(np.ptp(a, axis=0), np.ptp(b, axis=0), atol=2.5 * pixel)

@@ -29,6 +29,7 @@ PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
 SITTING_SPACE = 1.4  # of a sitting person, relative to a standing one
+BESIDE = 0.8  # of the distance that a person accepts where it goes
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
 QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
@@ -99,7 +100,7 @@ def _forbid(one: Record, other: Record, line: Array) -> None:
     space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE
-    space = min(space, one.neighbour_distance)
+    space = min(space, BESIDE * one.neighbour_distance)
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.

@@ -6,9 +6,9 @@ three sub-steps; what is timed is the whole step of machine code, control includ
 run MuJoCo steps three humanoids of 13 capsules that lie on a plane, the same time a step in two
 of its own, and the same step of ours is done once by the undecorated functions.
 
-Then a step of the shipped schoolyard, whose people have minds: physics, behaviour and what is
-told of it in Python. Then the cost of a character where 3 to 300 are spread out, and where they
-touch one another.
+Then a step of the shipped schoolyard and one of 100 people, who have minds: bodies, behaviour and
+what is told of it, beside the bodies alone in the same steps. Then the cost of a character where
+3 to 300 are spread out, and where they touch one another.
 Processor time, the least of many rounds.
 
     python benchmarks/characters.py
@@ -28,12 +28,10 @@ import mujoco
 import numpy as np
 
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.clock import Clock
 from pipeline.simulation.script import Orders
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import World
 from pipeline.spec import load_scene, read_scene
+from pipeline.spec.scene import Scene
 from pipeline.spec.scene_library import library
 
 ROUNDS, STEPS = 12, 48
@@ -61,13 +59,18 @@ print(time.process_time() - start)
 
 def troupe(cast: str) -> Characters:
     """Return the characters of a cast on level ground."""
-    scene = read_scene(f"pronk: 1\nduration: 10\ncast:\n{cast}")
-    clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
-    world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
-    made = Characters(scene.cast, world)  # type: ignore[arg-type]
-    orders: Orders = {}
-    made.read(orders)
-    return made
+    return characters_of(Simulation(scene_of(cast)))
+
+
+def scene_of(cast: str) -> Scene:
+    """Return a scene of a cast on level ground."""
+    head = "pronk: 1\nduration: 10\nterrain: {kind: flat, size: [200, 200]}"
+    return read_scene(f"{head}\ncast:\n{cast}")
+
+
+def characters_of(simulation: Simulation) -> Characters:
+    """Return the characters of a simulation."""
+    return next(one for one in simulation.troupes if isinstance(one, Characters))
 
 
 def least(step: Callable[[], object], steps: int = STEPS) -> float:
@@ -93,20 +96,50 @@ def falling() -> float:
     return best / 96 * 1e6
 
 
-def minded() -> float:
-    """Return the time of a step of the shipped schoolyard, the least of a few rounds [us]."""
-    simulation = Simulation(load_scene(library() / "schoolyard.yaml"))
-    (made,) = (one for one in simulation.troupes if isinstance(one, Characters))
-    orders: Orders = {}
-    best, step = np.inf, 0
-    for _ in range(ROUNDS):
+def minded(scene: Scene, steps: int) -> tuple[float, float]:
+    """Return the time of a step of people with minds, and that of their bodies alone in it [us].
+
+    Of a few rounds the one with the least total counts.
+    """
+    made = characters_of(Simulation(scene))
+    move, spent = made.move, [0.0]
+
+    def timed() -> None:
         start = time.process_time()
-        for _ in range(4 * STEPS):
+        move()
+        spent[0] += time.process_time() - start
+
+    made.move = timed  # type: ignore[method-assign]
+    orders: Orders = {}
+    rounds, step = list[tuple[float, float]](), 0
+    for _ in range(ROUNDS):
+        spent[0], start = 0.0, time.process_time()
+        for _ in range(steps):
             made.read(orders)
             made.advance(step)
             step += 1
-        best = min(best, time.process_time() - start)
-    return best / (4 * STEPS) * 1e6
+        total = time.process_time() - start
+        rounds.append((total / steps * 1e6, spent[0] / steps * 1e6))
+    return min(rounds[1:])
+
+
+def group_of_ten(n: int) -> str:
+    """Return a grown-up, nine children who play and come back to it, their ball and a bench."""
+    x, z = 8.0 * (n % 4), 8.0 * (n // 4)
+    minds = f"behaviours: [{{attachment: a{n}}}, {{play: b{n}}}, {{wander: 3}}]"
+    return "\n".join(
+        (
+            f"- {{name: a{n}, character: adult, at: [{x}, {z}], "
+            f"behaviours: [{{comfort: c{n}x0}}, {{wander: 2}}]}}",
+            *(
+                f"- {{name: c{n}x{k}, character: child, at: [{x + 1 + k % 3}, {z + 1 + k // 3}], "
+                f"traits: {{anxiety: {0.1 + 0.08 * k:.2f}}}, {minds}}}"
+                for k in range(9)
+            ),
+            f"- {{name: b{n}, character: ball, at: [{x + 5}, {z + 2}]}}",
+            f"- {{name: s{n}, character: bench, at: [{x + 4}, {z}]}}",
+        )
+    )
 
 
 def machine(made: Characters) -> Callable[[], object]:
@@ -170,7 +203,16 @@ def main() -> None:
     step()
     print(f"schoolyard, standing: {least(step):.0f} us a world step")
     print(f"schoolyard, falling: {falling():.0f} us a world step")
-    print(f"schoolyard, with minds: {minded():.0f} us a world step")
+    hundred = scene_of("\n".join(group_of_ten(n) for n in range(10)))
+    for name, scene, steps in (
+        ("schoolyard", load_scene(library() / "schoolyard.yaml"), 4 * STEPS),
+        ("100 people", hundred, STEPS),
+    ):
+        total, bodies = minded(scene, steps)
+        print(
+            f"{name}, with minds: {total:.0f} us a world step, of which bodies {bodies:.0f}; "
+            f"ratio {total / bodies:.2f}"
+        )
     print(f"three humanoids in MuJoCo: {least(humanoids()):.0f} us")
     plain = subprocess.run(
         [sys.executable, "-c", PLAIN],

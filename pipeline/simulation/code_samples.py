@@ -8,8 +8,10 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import read_scene
 
 SAMPLES = (
-    # People and what they hold, sit on and stumble over are one function.
-    "flat, cast: [{character: adult}, {character: ball, at: [2, 0]}]",
+    # People and what they hold, sit on and stumble over are one function; a mind and what stands
+    # in its way.
+    "flat, cast: [{character: child, behaviours: [{play: ball}]}, "
+    "{name: ball, character: ball, at: [3, 1]}, {character: bench, at: [1.5, 0.3]}]",
     # A body on its own, and bodies that meet one another on even and on uneven ground.
     "flat, cast: [{body: {shape: box}, at: [0, 0.6, 0]}]",
     "flat, cast: [{body: {shape: box, collide: all}, at: [0, 0.6, 0]}]",

@@ -17,6 +17,7 @@ from pipeline.simulation.characters.body_arrays import (
     IntArray,
     RecordArray,
 )
+from pipeline.simulation.dynamics.record_array import records_of_array, zero_records
 from pipeline.simulation.spatial import Array
 
 
@@ -91,7 +92,7 @@ def character_arrays(plans: Sequence[BodyPlan], places: Sequence[Array]) -> Char
         nodes=_nodes(plans, places, links),
         links=links,
         middles=_renumbered([plan.middles for plan in plans], node_starts, 3),
-        limbs=np.concatenate([np.zeros(0, LIMB), *limbs]).view(np.recarray),
+        limbs=records_of_array(np.concatenate([np.zeros(0, LIMB), *limbs])),
         pairs=_renumbered([plan.pairs for plan in plans], link_starts, 2),
         grips=np.full((sum(plan.grips for plan in plans), 2), NOBODY),
         owners=_owners(plans, node_starts, link_starts),
@@ -100,7 +101,7 @@ def character_arrays(plans: Sequence[BodyPlan], places: Sequence[Array]) -> Char
 
 def _nodes(plans: Sequence[BodyPlan], places: Sequence[Array], links: RecordArray) -> RecordArray:
     counts = [len(plan.rest) for plan in plans]
-    nodes = np.zeros(sum(counts), NODE).view(np.recarray)
+    nodes = zero_records(sum(counts), NODE)
     for name in ("p", "previous", "lock_place", "anchor"):
         nodes[name] = np.concatenate([np.zeros((0, 3)), *places])
     mass = np.concatenate([np.zeros(0), *(plan.mass for plan in plans)])
@@ -120,7 +121,7 @@ def _nodes(plans: Sequence[BodyPlan], places: Sequence[Array], links: RecordArra
 
 def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
     counts = [len(plan.links) for plan in plans]
-    links = np.zeros(sum(counts), LINK).view(np.recarray)
+    links = zero_records(sum(counts), LINK)
     planned = [(plan, link) for plan in plans for link in plan.links]
     ends = [[link.ends for link in plan.links] for plan in plans]
     links["ends"] = _renumbered(ends, node_starts, 2)
@@ -135,7 +136,7 @@ def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
 
 
 def _owners(plans: Sequence[BodyPlan], node_starts: IntArray, link_starts: IntArray) -> RecordArray:
-    owners = np.zeros(len(plans), OWNER).view(np.recarray)
+    owners = zero_records(len(plans), OWNER)
     spans = {
         "nodes": (node_starts, [len(plan.rest) for plan in plans]),
         "links": (link_starts, [len(plan.links) for plan in plans]),

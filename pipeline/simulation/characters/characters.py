@@ -96,7 +96,7 @@ class Characters(Troupe):
         )
         # Rows to write: nodes, rotations of balls, records of acting people.
         self._rows: list[tuple[Array, Array, Records]] = []
-        self._values: list[list[float]] = []
+        self._values: list[Array] = []
 
     def _start_arrays(self, h: float) -> CharacterArrays:
         """Return the characters as they start, for sub-steps of `h` [s]."""
@@ -127,7 +127,8 @@ class Characters(Troupe):
         surroundings = Surroundings(view, [member.character for member in self.cast], heights)
         dt = self.world.clock.dt
         return MindScheduler(
-            self.cast, self.dispatcher, surroundings, self.world.seed, dt, dt / self.count
+            *(self.cast, self.dispatcher, self.persons, surroundings),
+            *(self.world.seed, dt, dt / self.count),
         )
 
     def _start_persons(self) -> Records:
@@ -231,7 +232,8 @@ class Characters(Troupe):
 
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""
-        self._rows.append((self.arrays.p.copy(), self.ball_rotations.R, np.array(self.persons)))
+        turned = self.ball_rotations.R.copy()
+        self._rows.append((self.arrays.p.copy(), turned, self.persons.copy()))
         if self.minds is not None:
             self._values.append(self.minds.values())
         self._face_inputs.append(self._face_input())

@@ -22,8 +22,8 @@ from pipeline.simulation.characters.body_arrays import (
     IntArray,
     RecordArray,
 )
-from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     dot,

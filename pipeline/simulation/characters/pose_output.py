@@ -5,18 +5,19 @@ People and dolls have the frames of `people.body_frames`; a thing has one, which
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.body_plan import BodyPlan
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.playthings import axes_of, axis_nodes, thing_solids
-from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.vectors import cross, dot
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.people.body_frames import (
     FRAMES,
@@ -28,7 +29,7 @@ from pipeline.simulation.people.body_frames import (
 from pipeline.simulation.people.person_mesh import layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.people.wardrobe import Clothes
-from pipeline.simulation.spatial import Array, normalized, rotation, turn
+from pipeline.simulation.spatial import Array, normalized, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character
@@ -86,17 +87,37 @@ class BallRotations:
 
     def advance(self, moved: Array, height: Array) -> None:
         """Turn balls by a step in which they moved (B, 3) and came to heights (B,) [m]."""
-        # Up × moved, over the radius.
-        rolled = np.zeros_like(moved)
-        rolled[:, 0], rolled[:, 2] = moved[:, 2] / self.radius, -moved[:, 0] / self.radius
-        relative, absolute = ROLLING_HEIGHT
-        on_ground: NDArray[np.bool_] = height < self.radius * (1.0 + relative) + absolute
-        self._turn = np.where(on_ground[:, None], rolled, self._turn)
-        if not self._turn.any():
-            return
-        angle = np.sqrt((self._turn * self._turn).sum(axis=-1))
-        axis = self._turn / np.where(angle > 0.0, angle, 1.0)[:, None]
-        self.R = rotation(axis, angle) @ self.R
+        _roll(self.R, self._turn, moved, height, self.radius)
+
+
+@entry
+def _roll(R: Array, turn: Array, moved: Array, height: Array, radius: Array) -> None:
+    """Roll or turn balls by a step.
+
+    Args:
+        R: (B, 3, 3) rotations; changed.
+        turn: (B, 3) rotation vectors of the last step; changed [rad].
+        moved: (B, 3) in this step [m].
+        height: (B,) above the ground [m].
+        radius: (B,) [m].
+    """
+    relative, absolute = ROLLING_HEIGHT
+    for b in range(len(R)):
+        if height[b] < radius[b] * (1.0 + relative) + absolute:
+            # Up × moved, over the radius.
+            turn[b, 0], turn[b, 2] = moved[b, 2] / radius[b], -moved[b, 0] / radius[b]
+            turn[b, 1] = 0.0
+        angle = math.sqrt(turn[b, 0] ** 2 + turn[b, 1] ** 2 + turn[b, 2] ** 2)
+        if angle == 0.0:
+            continue
+        axis = (turn[b, 0] / angle, turn[b, 1] / angle, turn[b, 2] / angle)
+        s, c = math.sin(angle), math.cos(angle)
+        for k in range(3):
+            # Each column turns by Rodrigues' formula.
+            v = (R[b, 0, k], R[b, 1, k], R[b, 2, k])
+            across, along = cross(axis, v), (1.0 - c) * dot(axis, v)
+            for i in range(3):
+                R[b, i, k] = c * v[i] + s * across[i] + along * axis[i]
 
 
 @dataclass(frozen=True, eq=False)

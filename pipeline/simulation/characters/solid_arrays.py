@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from pipeline.errors import MassError
 from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
-from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.obstacles import Obstacle, SolidMotion, directions, outermost
 from pipeline.simulation.spatial import Array
 

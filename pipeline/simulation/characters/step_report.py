@@ -174,19 +174,32 @@ def footfalls(
         clock: of the scene.
         step: that was taken.
     """
+    touchdowns = persons["touchdowns"]
+    persons["report_time"] = 0.0
+    if not touchdowns.any():
+        return ()
+    people, feet = np.nonzero(touchdowns)
+    places = persons["stance_place"][people, feet]
+    normals = ground.field.normal(places[:, 0], places[:, 2]).tolist()
     found = tuple(
-        _footfall(persons[n], k, names[n], masses[n] * LEG_MASS, ground, clock, step)
-        for n, k in np.argwhere(persons["touchdowns"]).tolist()
+        _footfall(persons[n], k, names[n], masses[n] * LEG_MASS, normal, ground, clock, step)
+        for n, k, normal in zip(people.tolist(), feet.tolist(), normals, strict=True)
     )
-    persons["touchdowns"], persons["report_time"] = 0, 0.0
+    touchdowns[:] = 0
     return found
 
 
 def _footfall(
-    person: Record, k: int, name: str, mass: float, ground: Ground, clock: Clock, step: int
+    person: Record,
+    k: int,
+    name: str,
+    mass: float,
+    normal: tuple[float, float, float],
+    ground: Ground,
+    clock: Clock,
+    step: int,
 ) -> Contact:
     x, y, z = (float(c) for c in person.stance_place[k])
-    normal = ground.field.normal(np.asarray(x), np.asarray(z))
     speed = float(person.touchdown_speed[k])
     latest = float(np.nextafter(1.0, 0.0))
     return Contact(
@@ -196,7 +209,7 @@ def _footfall(
         part=f"{name}.foot_{'lr'[k]}",
         other="terrain",
         place=(x, y - float(person.ankle), z),
-        normal=(float(normal[0]), float(normal[1]), float(normal[2])),
+        normal=(normal[0], normal[1], normal[2]),
         speed=speed,
         energy=0.5 * mass * speed * speed,
         material=SHOES,

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.contact_tasks import (
     STEP_BACK,
     Grab,
@@ -20,6 +20,7 @@ from pipeline.simulation.characters.contact_tasks import (
     Reach,
 )
 from pipeline.simulation.characters.crew import CarryEnd, crew_of
+from pipeline.simulation.characters.gaze_targets import ELSEWHERE, look_at_characters
 from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
@@ -27,6 +28,7 @@ from pipeline.simulation.characters.kick_task import KickThing
 from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
 from pipeline.simulation.characters.person_controller import (
     HANDS,
+    JOINED_GRIP,
     CharacterView,
     PersonController,
 )
@@ -110,6 +112,10 @@ class TaskDispatcher:
         self._done, self._ordered = [True] * count, [False] * count
         self._look_targets: list[Target | None] = [None] * count
         self._glances = [NOBODY] * count
+        self._persons, self._owners = persons, persons["owner"].copy()
+        self._grips = persons["grip"][:, None] + np.arange(JOINED_GRIP)
+        self._people = np.array([k in view.people for k in range(len(view.names))], dtype=bool)
+        self._looked_at: IntArray = np.full(count, NOBODY)
         self._arrived: list[str] = []
         self._outcomes: list[Outcome] = []
         self._orders: list[Do | None] = [None] * count
@@ -133,7 +139,8 @@ class TaskDispatcher:
                 found |= members_named(again, view)
             if isinstance(look, str) and view.owner(look) < 0:
                 found.add(look)
-            found.update(controller.avoided, controller.held_members.values())
+            if controller.avoided or controller.held_members:
+                found.update(controller.avoided, controller.held_members.values())
         return found - view.places.keys()
 
     def read(self, orders: Orders) -> None:
@@ -188,24 +195,31 @@ class TaskDispatcher:
         self._share_slots()
         self._form_crews()
         givings = self._ask_holders()
+        embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
+        holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
         for k, controller in enumerate(self.controllers):
             controller.grip_changes.clear()
             controller.touched.clear()
             controller.kicked_bodies.clear()
-            controller.end_distant_embrace()
+            if embraces[k] >= 0:
+                controller.end_distant_embrace()
+            may_grip = holds[k] or self._tasks[k] is not None
             if self._tasks[k] is not None and not self._waits[k] and k not in self.suspended:
                 self._advance(k, controller)
             task = self._tasks[k]
             if task is None or not task.leads_hands:
-                controller.hold_gripped_things()
-                hold_members(controller)
+                _hold(controller, may_grip)
             if k in givings:
                 givings[k].hold_out()
             if controller.avoided:
                 evade(controller)
             if controller.name in self._posed_hands:
                 self._posed_hands[controller.name].advance(controller, time)
-            self._look(k, controller, time)
+            self._looked_at[k] = self._look(k, controller, time)
+        look_at_characters(
+            *(self._persons, self.view.arrays.nodes, self.view.arrays.owners),
+            *(self._people, self._looked_at),
+        )
         for k, giving in givings.items():
             if giving.is_taken:
                 giving.giver.release(giving.thing)
@@ -326,27 +340,30 @@ class TaskDispatcher:
         frozen = bool(self.controllers[k].record.frozen)
         return frozen or isinstance(self._tasks[k], SitDown | SitOn)
 
-    def _look(self, k: int, controller: PersonController, time: float) -> None:
+    def _look(self, k: int, controller: PersonController, time: float) -> int:
+        """Return the character to look at, NOBODY, or ELSEWHERE for a place that this sets."""
         regret = self._regrets[k]
         if regret is not None:
             if regret.look(controller, time):
-                return
+                return ELSEWHERE
             self._regrets[k] = None
-        target, owner = self._look_targets[k], self._glances[k]
-        task = self._tasks[k]
-        subject = task.subject(controller) if task is not None and owner < 0 else None
+        target, task = self._look_targets[k], self._tasks[k]
         if isinstance(target, str):
-            number = self.view.owner(target)
-            is_own = number >= 0
-            controller.look_at(self.view.face(number) if is_own else self.view.state(target).face)
+            owner = self.view.owner(target)
+            if owner >= 0:
+                return owner
+            controller.look_at(self.view.state(target).face)
         elif target is not None:
             controller.look_at(np.array(target))
-        elif owner >= 0:
-            controller.look_at(self.view.face(owner))
-        elif subject is not None:
-            controller.look_at(subject)
         else:
-            controller.record.has_look_target = False
+            owner = self._glances[k]
+            if owner < 0 and task is not None:
+                owner = getattr(task, "owner", NOBODY)
+            subject = task.subject(controller) if task is not None and owner < 0 else None
+            if subject is None:
+                return owner
+            controller.look_at(subject)
+        return ELSEWHERE
 
     # --- orders ---------------------------------------------------------------------------
 
@@ -457,6 +474,14 @@ class TaskDispatcher:
             controller.stop()
             controller.record.has_facing, controller.record.stoop_depth = False, 0.0
             self._tasks[k] = None
+
+
+def _hold(controller: PersonController, may_grip: bool) -> None:
+    """Hold what a person has in its hands; `may_grip` is false if no hand grips a node."""
+    if may_grip:
+        controller.hold_gripped_things()
+    if controller.held_members:
+        hold_members(controller)
 
 
 def _told(order: spec.Express) -> list[float]:

@@ -22,16 +22,20 @@ def refuge(at: Array, low: Array, high: Array, push: Array, distance: float) -> 
         push: (2,) the direction.
         distance: to the place [m].
     """
-    below = at - low - EDGE_MARGIN
-    above = high - EDGE_MARGIN - at
+    x, z = (float(c) for c in push)
+    size = max(math.hypot(x, z), 1e-6)
+    x, z = x / size, z / size
+    gaps = [(at[k] - low[k] - EDGE_MARGIN, high[k] - EDGE_MARGIN - at[k]) for k in range(2)]
     # As walls that push the more the nearer they are.
-    wall = 1.0 / np.maximum(below, 0.3) - 1.0 / np.maximum(above, 0.3)
-    walls = np.where(np.minimum(below, above) < EDGE_RANGE, 1.6 * wall, 0.0)
-    push = push / max(math.hypot(push[0], push[1]), 1e-6)
-    into_wall = float(push @ walls) < 0.0
-    if into_wall and bool((np.minimum(below, above) < 0.5 * EDGE_RANGE).any()):
+    wall_x, wall_z = (
+        1.6 * (1.0 / max(below, 0.3) - 1.0 / max(above, 0.3))
+        if min(below, above) < EDGE_RANGE
+        else 0.0
+        for below, above in gaps
+    )
+    if x * wall_x + z * wall_z < 0.0 and min(map(min, gaps)) < 0.5 * EDGE_RANGE:
         # Along the wall, not to and fro in front of it.
-        push = push + 0.8 * np.array([-push[1], push[0]])
-    way = push + walls
-    place: Array = at + distance * way / max(math.hypot(way[0], way[1]), 1e-6)
-    return place
+        x, z = x - 0.8 * z, z + 0.8 * x
+    x, z = x + wall_x, z + wall_z
+    share = distance / max(math.hypot(x, z), 1e-6)
+    return np.array([at[0] + share * x, at[1] + share * z])

@@ -17,9 +17,11 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
 from pipeline.simulation.characters.solid_arrays import SOLID
+from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -129,7 +131,8 @@ REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
 VAIN_DISTANCE = 0.3  # from where no way was found, within which none is searched again [m]
 
 
-def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> Array:
+@entry
+def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> NDArray[np.bool_]:
     """Return (m,) whether straight lines lead past all circles.
 
     Args:
@@ -138,13 +141,80 @@ def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> Array
         middles: (n, 2) of circles [m].
         reaches: (n,) radii [m].
     """
-    way = ends - start
-    squared = np.maximum((way * way).sum(axis=1), 1e-12)
-    offset = middles - start
-    along = np.clip((way @ offset.T) / squared[:, None], 0.0, 1.0)
-    x = along * way[:, :1] - offset[:, 0]
-    z = along * way[:, 1:] - offset[:, 1]
-    return (x * x + z * z >= (reaches - 1e-6) ** 2).all(axis=1)
+    found = np.ones(len(ends), dtype=np.bool_)
+    for m in range(len(ends)):
+        way_x, way_z = ends[m, 0] - start[0], ends[m, 1] - start[1]
+        squared = max(way_x * way_x + way_z * way_z, 1e-12)
+        for n in range(len(middles)):
+            x, z = middles[n, 0] - start[0], middles[n, 1] - start[1]
+            along = min(max((way_x * x + way_z * z) / squared, 0.0), 1.0)
+            x, z = along * way_x - x, along * way_z - z
+            if x * x + z * z < (reaches[n] - 1e-6) ** 2:
+                found[m] = False
+                break
+    return found
+
+
+@entry
+def straight_way(
+    at: Array, goal: Array, middles: Array, reaches: Array, clearance: float
+) -> tuple[bool, Array]:
+    """Tell whether the straight way to a goal is free.
+
+    Circles around start and goal shrink, so that these are outside.
+
+    Args:
+        at: (2,) start [m].
+        goal: (2,) [m].
+        middles: (n, 2) of circles [m].
+        reaches: (n,) radii [m].
+        clearance: from the circles [m].
+
+    Returns:
+        Whether it is free, and the (n,) greatest radii that do not contain start or goal [m].
+    """
+    limits, radii = np.empty(len(middles)), np.empty(len(middles))
+    for n in range(len(middles)):
+        x, z = middles[n, 0] - at[0], middles[n, 1] - at[1]
+        there_x, there_z = middles[n, 0] - goal[0], middles[n, 1] - goal[1]
+        here, there = math.sqrt(x * x + z * z), math.sqrt(there_x * there_x + there_z * there_z)
+        limits[n] = SHRINK_FACTOR * min(here, there)
+        radii[n] = min(reaches[n] + clearance, limits[n])
+    return are_free(at, goal.reshape(1, 2), middles, radii)[0], limits
+
+
+@entry
+def is_way_barred(
+    at: Array, places: Array, known: Array, middles: Array, reaches: Array, limits: Array
+) -> bool:
+    """Tell whether a circle has moved, or bars the straight way to a place.
+
+    Args:
+        at: (2,) start [m].
+        places: (m, 2) [m].
+        known: (n, 2) middles of the circles when the way was found [m].
+        middles: (n, 2) of the circles now [m].
+        reaches: (n,) radii [m].
+        limits: (n,) greatest radii [m].
+    """
+    radii = np.empty(len(middles))
+    for n in range(len(middles)):
+        x, z = middles[n, 0] - known[n, 0], middles[n, 1] - known[n, 1]
+        if x * x + z * z > REPLAN_DISTANCE**2:
+            return True
+        radii[n] = min(reaches[n], limits[n])
+    return not are_free(at, places, middles, radii).all()
+
+
+@entry
+def way_length(at: Array, places: Array) -> float:
+    """Return the length of the way from a place (2,) along places (m, 2) [m]."""
+    length, from_x, from_z = 0.0, at[0], at[1]
+    for m in range(len(places)):
+        x, z = places[m, 0] - from_x, places[m, 1] - from_z
+        length += math.sqrt(x * x + z * z)
+        from_x, from_z = places[m, 0], places[m, 1]
+    return length
 
 
 def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, bounds: Array) -> Array:
@@ -220,20 +290,23 @@ class Route:
             bounds: (2, 2) least and greatest x and z of places on the way [m].
             clearance: from things on a straight way [m].
         """
-        distances = np.sqrt(((middles - at) ** 2).sum(axis=1))
-        at_goal = np.sqrt(((middles - goal) ** 2).sum(axis=1))
-        limits = SHRINK_FACTOR * np.minimum(distances, at_goal)
-        if are_free(at, goal[None], middles, np.minimum(reaches + clearance, limits))[0]:
-            self.places = goal[None]
-        elif self._needs_search(at, goal, middles, np.minimum(reaches, limits)):
+        is_straight, limits = straight_way(at, goal, middles, reaches, clearance)
+        if is_straight:
+            self.go_straight(goal)
+        elif self._needs_search(at, goal, middles, reaches, limits):
             self._search(at, goal, middles, reaches, limits, bounds)
         elif len(self.places) > 1 and math.dist(self.places[0], at) < REACHED_DISTANCE:
             self.places = self.places[1:]
         self.places[-1] = goal
-        segments = np.diff(np.concatenate([at[None], self.places]), axis=0)
-        return self.places[0], float(np.sqrt((segments * segments).sum(axis=1)).sum())
+        return self.places[0], way_length(at, self.places)
 
-    def _needs_search(self, at: Array, goal: Array, middles: Array, reaches: Array) -> bool:
+    def go_straight(self, goal: Array) -> None:
+        """Take the straight way to a goal (2,) [m]."""
+        self.places, self.vain_from = goal[None], None
+
+    def _needs_search(
+        self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array
+    ) -> bool:
         is_vain = self.vain_from is not None and math.dist(at, self.vain_from) < VAIN_DISTANCE
         if len(self.places) < 2 and not is_vain:
             return True
@@ -241,10 +314,8 @@ class Route:
             return True
         if len(middles) != len(self.middles):
             return True
-        offset = middles - self.middles
-        if bool((offset * offset).sum(axis=1).max(initial=0.0) > REPLAN_DISTANCE**2):
-            return True
-        return not is_vain and not are_free(at, self.places[:1], middles, reaches)[0]
+        ahead = self.places[: 0 if is_vain else 1]
+        return is_way_barred(at, ahead, self.middles, middles, reaches, limits)
 
     def _search(
         self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array, bounds: Array

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.hull import Hull
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.rigid_body import Bodies, State
 from pipeline.simulation.dynamics.vectors import (
     Quaternion,
@@ -150,11 +151,6 @@ def _edges_with_facets(hull: Hull) -> NDArray[np.int64]:
         for edge in pairwise((*facet, facet[0])):
             beside[edge] = f
     return np.array([(a, b, beside[a, b], beside[b, a]) for a, b in hull.edges.tolist()])
-
-
-def zero_records(count: int, kind: np.dtype[np.void]) -> Records:
-    """Returns `count` records of zeros whose fields are attributes in plain Python too."""
-    return np.zeros(count, dtype=kind).view(np.recarray)
 
 
 @compiled

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_arrays import THING
@@ -18,6 +17,7 @@ from pipeline.simulation.dynamics.mujoco_model import (
     log_warnings,
     memory_for,
 )
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -56,13 +56,13 @@ def impact_things(builds: Sequence[BodyModel], pushers: int) -> Records:
     bodies = Bodies.of(builds)
     things = zero_records(1 + len(builds) + pushers, THING)
     # Ground and kinematic bodies have none of their own: the body's bounciness holds.
-    things.bounciness = np.inf
+    things["bounciness"] = np.inf
     own = things[1 : 1 + len(builds)]
-    own.bounciness = bodies.bounciness
-    own.inverse_mass, own.inverse_inertia = 1.0 / bodies.mass, bodies.inverse
+    own["bounciness"] = bodies.bounciness
+    own["inverse_mass"], own["inverse_inertia"] = 1.0 / bodies.mass, bodies.inverse
     turns = np.linalg.eigvalsh(bodies.inverse)[:, -1]
     # Contacts may lie a little outside the body.
-    own.gives = 1.0 / bodies.mass + (CONTACT_REACH * bodies.reach) ** 2 * turns
+    own["gives"] = 1.0 / bodies.mass + (CONTACT_REACH * bodies.reach) ** 2 * turns
     return things
 
 

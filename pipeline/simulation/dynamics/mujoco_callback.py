@@ -29,6 +29,7 @@ from pipeline.simulation.dynamics.impact_arrays import (
     ImpactLaw,
 )
 from pipeline.simulation.dynamics.impact_law import set_springs
+from pipeline.simulation.dynamics.record_array import records_of_array
 
 PAGE_BYTES = 4096
 """Bytes searched together."""
@@ -122,7 +123,7 @@ def array_at(address: int, count: int, kind: np.dtype[Any]) -> Records:
     """Returns a view of the array at an address."""
     room = (ctypes.c_byte * (int(count) * kind.itemsize)).from_address(int(address))
     values: NDArray[Any] = np.frombuffer(room, dtype=kind)  # type: ignore[call-overload]
-    return values.view(np.recarray) if kind.names else values
+    return records_of_array(values) if kind.names else values
 
 
 @intrinsic  # type: ignore[untyped-decorator]

@@ -182,8 +182,8 @@ class MujocoWorld:
 
     def set_present(self, body: int, is_present: bool) -> None:
         """Lets a body meet others and be moved by the solver, or neither."""
-        self.substeps.limits.gone[body] = not is_present
-        self._any_gone = bool(self.substeps.limits.gone.any())
+        self.substeps.limits["gone"][body] = not is_present
+        self._any_gone = bool(self.substeps.limits["gone"].any())
         self.masks.show_body(body, is_present)
 
     def put(self, which: NDArray[np.int64], state: State) -> None:
@@ -249,7 +249,7 @@ class MujocoWorld:
             self.model.opt.timestep = law.h[0] = self.step / n
         law.told[0] = 0
         if self._any_gone:
-            self._qvel[: self.count][self.substeps.limits.gone] = 0.0
+            self._qvel[: self.count][self.substeps.limits["gone"]] = 0.0
         speeds = self._qvel[: self.count, :3].copy() if self.ballistic.any() else None
         before = self._mujoco.get_mjcb_passive()
         self._mujoco.set_mjcb_passive(law.callback)

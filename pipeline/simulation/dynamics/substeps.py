@@ -16,12 +16,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import STIFFNESS
 from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies
 from pipeline.simulation.dynamics.mujoco_callback import array_at, native_callback
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel
 from pipeline.simulation.dynamics.terrain_grid import FRAME, frame_of, surface_at
 from pipeline.simulation.dynamics.vectors import length, minus, row

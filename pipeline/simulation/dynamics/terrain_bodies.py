@@ -18,11 +18,11 @@ from pipeline.simulation.dynamics.body_record import (
     MAX_CONTACTS,
     Workspace,
     records_of,
-    zero_records,
 )
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.contact_solver import SOLVER_CONTACT
 from pipeline.simulation.dynamics.free_motion import MAX_ORDER, SERIES_COLUMNS
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.rigid_body import Bodies, State, dot, rotate
 from pipeline.simulation.dynamics.rigid_step import (
     CONTACT_MARGIN,

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.record_array import records_of_array
 from pipeline.simulation.dynamics.vectors import Vector, row
 from pipeline.simulation.spatial import Array, cross
 from pipeline.simulation.terrain.heightfield import HeightField, QuadField
@@ -128,7 +129,7 @@ def frame_of(field: HeightField) -> Record:
     """Returns the placement of the grid of a height field."""
     turn = (math.cos(field.heading), math.sin(field.heading)) if field.heading else (1.0, 0.0)
     frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn)
-    return np.array([frame], dtype=FRAME).view(np.recarray)[0]
+    return records_of_array(np.array([frame], dtype=FRAME))[0]
 
 
 def _sort_by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:

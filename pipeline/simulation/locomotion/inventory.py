@@ -230,12 +230,17 @@ def _skin_meshes(figure: Figure) -> tuple[Mesh, ...]:
                 skin.faces,
                 skin.links.astype(np.int32),
                 np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
-                **({} if skin.paint is None else {"paint": skin.paint.astype(np.float32)}),
-                **({} if skin.hair is None else {"hair": skin.hair.astype(np.float32)}),
+                paint=_rows(skin.paint, 4),
+                hair=_rows(skin.hair, 3),
             )
             for skin in figure_skin(figure).skins.values()
         )
     return _SKIN_MESHES[figure]
+
+
+def _rows(values: Array | None, width: int) -> NDArray[np.float32]:
+    """Return values (V, width) in single precision, (0, width) for none."""
+    return np.zeros((0, width), np.float32) if values is None else values.astype(np.float32)
 
 
 # --- mechanisms and legs --------------------------------------------------------------

@@ -18,8 +18,8 @@ from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.playthings import ball_plan, box_plan
 from pipeline.simulation.characters.verlet_step import advance
-from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.terrain_grid import Grid, grid_of
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array, matrix

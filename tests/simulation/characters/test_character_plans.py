@@ -79,11 +79,11 @@ def test_node_and_link_numbers_are_offset_by_each_characters_first() -> None:
     for k, owner in enumerate(arrays.owners):
         first, count = owner.links
         links = arrays.links[first : first + count]
-        assert (links.owner == k).all()
-        assert (arrays.nodes.owner[links.ends] == k).all()
+        assert (links["owner"] == k).all()
+        assert (arrays.nodes["owner"][links["ends"]] == k).all()
         first, count = owner.pairs
-        assert (arrays.links.owner[arrays.pairs[first : first + count]] == k).all()
-    assert (arrays.links.owner[arrays.nodes.ground_link] == arrays.nodes.owner).all()
+        assert (arrays.links["owner"][arrays.pairs[first : first + count]] == k).all()
+    assert (arrays.links["owner"][arrays.nodes["ground_link"]] == arrays.nodes["owner"]).all()
 
 
 def test_a_merry_go_round_rests_on_its_base_and_keeps_turning() -> None:

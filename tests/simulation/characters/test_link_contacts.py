@@ -38,15 +38,15 @@ def test_a_link_senses_the_striker_and_the_energy() -> None:
     event = yard.log.events[0]
     struck, other = LINK_NAMES.index("shin_l"), len(plans[0].links)
     assert (event.link, event.other) == (struck, other)
-    assert links.touched[struck] == other
-    assert links.touched_owner[struck] == 1
+    assert links["touched"][struck] == other
+    assert links["touched_owner"][struck] == 1
     # Half of the reduced mass times the square of the speed along the normal.
     lighter = 1.0 / (plans[0].mass[12] + plans[0].mass[14]) + 1.0 / 0.4
     speed = -np.dot(event.normal, [6.0, 0.0, 0.0])
     assert abs(speed) == pytest.approx(6.0, rel=0.02)
-    assert links.energy[struck] == pytest.approx(0.5 * speed**2 / lighter, rel=0.02)
+    assert links["energy"][struck] == pytest.approx(0.5 * speed**2 / lighter, rel=0.02)
     yard.step(60)
-    assert links.touched[struck] == NOBODY
+    assert links["touched"][struck] == NOBODY
 
 
 def test_pain_decays_exponentially() -> None:
@@ -63,7 +63,7 @@ def test_a_fall_hurts_and_lying_does_not() -> None:
     yard.step(96)
     fallen = float(yard.arrays.owners["pain"][0])
     assert fallen > 0.2
-    assert (yard.arrays.links.touched == TERRAIN).any()
+    assert (yard.arrays.links["touched"] == TERRAIN).any()
     yard.step(300)
     lying = float(yard.arrays.owners["pain"][0])
     yard.step(300)

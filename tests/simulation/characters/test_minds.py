@@ -19,6 +19,7 @@ from pipeline.simulation.characters.mind.perception import (
     MEMORY_SPAN,
     Glances,
     exposure,
+    freshness,
     next_anxiety,
 )
 from pipeline.simulation.simulate import simulate
@@ -86,14 +87,17 @@ def test_characters_out_of_view_are_forgotten() -> None:
 - {name: one, character: child, at: [0, 0], traits: {}, behaviours: [{wander: 0}]}
 - {name: ball, character: ball, at: [-6, 0]}
 """
-    mind = troupe(simulation(cast, 1)).minds.minds[0]  # type: ignore[union-attr]
-    memory, surroundings = mind.memory, mind.surroundings
-    surroundings.now = 0.0
-    memory.look(surroundings, 0, 0.0)
+    made = simulation(cast, 1)
+    characters = troupe(made)
+    assert characters.minds is not None
+    memory = characters.minds.minds[0].memory
+    characters.minds.think(0, 0.0)
     assert not memory.in_view[1]
-    assert memory.freshness(MEMORY_SPAN / 2)[1] == pytest.approx(0.5)
-    assert memory.freshness(MEMORY_SPAN)[1] == 0.0
-    memory.look(surroundings, 0, math.pi)
+    seen = float(memory.seen[1])
+    assert freshness(seen, MEMORY_SPAN / 2) == pytest.approx(0.5)
+    assert freshness(seen, MEMORY_SPAN) == 0.0
+    characters.persons["gaze"][0, 0] = math.pi
+    characters.minds.think(0, 0.0)
     assert memory.in_view[1]
 
 

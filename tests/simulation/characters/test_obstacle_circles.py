@@ -14,7 +14,7 @@ from pipeline.simulation.characters.visibility_route import (
     STEP_OVER_HEIGHT,
     ObstacleCircles,
 )
-from pipeline.simulation.dynamics.body_record import zero_records
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact

@@ -20,6 +20,7 @@ from pipeline.simulation.characters.visibility_route import (
     are_free,
     shortest_way,
 )
+from pipeline.simulation.spatial import Array
 from tests.simulation.characters.mind_scenes import obstacle_course, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
@@ -27,26 +28,30 @@ pytestmark = pytest.mark.slow
 EMPTY = np.zeros((0, 2)), np.zeros(0), np.zeros(0)
 
 
+def velocity(to: list[float], away: Array, gaps: Array, senses: Array, pace: float) -> Array:
+    return np.array(walk_vector(to[0], to[1], away, gaps, senses, pace))
+
+
 def test_without_obstacles_a_walk_is_straight_and_limited_to_its_pace() -> None:
     for to in ([3.0, 4.0], [30.0, 40.0], [0.3, 0.4]):
-        w = walk_vector(np.array(to), *EMPTY, 1.5)
+        w = velocity(to, *EMPTY, 1.5)
         np.testing.assert_allclose(w, np.array([0.9, 1.2]), rtol=1e-12)
-    assert math.hypot(*walk_vector(np.array([0.03, 0.0]), *EMPTY, 1.5)) == pytest.approx(0.15)
-    assert not walk_vector(np.zeros(2), *EMPTY, 1.5).any()
+    assert math.hypot(*velocity([0.03, 0.0], *EMPTY, 1.5)) == pytest.approx(0.15)
+    assert not velocity([0.0, 0.0], *EMPTY, 1.5).any()
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_an_obstacle_ahead_pushes_back_and_aside(sense: float) -> None:
-    to, away = np.array([5.0, 0.0]), np.array([[-1.0, 0.0]])
+    away = np.array([[-1.0, 0.0]])
     for gap in (0.05, 0.5, 1.0):
-        w = walk_vector(to, away, np.array([gap]), np.array([sense]), 1.0)
+        w = velocity([5.0, 0.0], away, np.array([gap]), np.array([sense]), 1.0)
         push = BALANCE_GAP / max(gap, MIN_GAP)
         np.testing.assert_allclose(w, [1.0 - push, -sense * push], rtol=1e-12)
 
 
 def test_obstacles_behind_do_not_push() -> None:
-    to, away = np.array([5.0, 0.0]), np.array([[1.0, 0.0]])
-    w = walk_vector(to, away, np.array([0.2]), np.array([1.0]), 1.0)
+    away = np.array([[1.0, 0.0]])
+    w = velocity([5.0, 0.0], away, np.array([0.2]), np.array([1.0]), 1.0)
     np.testing.assert_allclose(w, [1.0, 0.0])
 
 

@@ -16,6 +16,7 @@ from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_callback import array_at, layout_of
 from pipeline.simulation.dynamics.mujoco_model import add_ground
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.terrain.heightfield import HeightField, QuadField
 from tests.simulation.dynamics.collision_worlds import (
     FLAT,
@@ -268,12 +269,12 @@ def test_sleeping_box_wakes_when_pushed() -> None:
 
 
 def test_pairs_stay_in_order_whatever_order_contacts_have() -> None:
-    pairs = np.zeros(40, dtype=PAIR).view(np.recarray)
+    pairs = zero_records(40, PAIR)
     keys = np.random.default_rng(1).permutation(40)
-    pairs.key, pairs.onset = keys, 0.5 * keys
+    pairs["key"], pairs["onset"] = keys, 0.5 * keys
     sort_pairs.py_func(pairs, 40)
-    np.testing.assert_array_equal(pairs.key, np.arange(40))
-    np.testing.assert_array_equal(pairs.onset, 0.5 * np.arange(40))
+    np.testing.assert_array_equal(pairs["key"], np.arange(40))
+    np.testing.assert_array_equal(pairs["onset"], 0.5 * np.arange(40))
 
 
 def test_worlds_are_reproducible_to_the_bit() -> None:

@@ -12,9 +12,9 @@ from pipeline.simulation.dynamics.body_record import (
     clear_contacts,
     drop_equal_contacts,
     insert_contact,
-    zero_records,
 )
 from pipeline.simulation.dynamics.compiled import Record, entry
+from pipeline.simulation.dynamics.record_array import zero_records
 from pipeline.simulation.dynamics.rigid_body import Bodies, State
 from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 from pipeline.simulation.spatial import Array

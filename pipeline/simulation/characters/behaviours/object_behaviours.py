@@ -17,6 +17,7 @@ from pipeline.simulation.characters.behaviours.registry import (
 )
 from pipeline.simulation.characters.contact_tasks import Grab
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
+from pipeline.simulation.characters.mind.perception import freshness
 from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Carry, Play, Push
@@ -63,7 +64,8 @@ class PlayBall(ConfiguredBehaviour[Play]):
         if not mind.is_on_terrain(mind.place(self.ball), EDGE_MARGIN):
             return 0.0
         liked = max(float(mind.attention.valence[self.ball]), 0.0)
-        known = max(float(mind.memory.freshness(mind.now)[self.ball]), LOST_BALL_FRESHNESS)
+        seen = float(mind.memory.seen[self.ball])
+        known = max(freshness(seen, mind.now), LOST_BALL_FRESHNESS)
         draw = PLAY_ACTIVATION + PLAY_CURIOSITY * mind.traits.curiosity
         focus = 0.1 if mind.attention.focus == self.ball else 0.0
         return (draw + focus) * min(liked / 0.8, 1.0) * known + self.config.urge

@@ -11,15 +11,21 @@ Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared wi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
-from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, are_free
+from pipeline.simulation.characters.visibility_route import (
+    CLEARANCES,
+    SHRINK_FACTOR,
+    are_free,
+    straight_way,
+)
+from pipeline.simulation.dynamics.compiled import compiled, entry
 from pipeline.simulation.spatial import Array
 
 BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
@@ -27,25 +33,38 @@ MIN_GAP = 0.16  # below which it pushes no harder, d_min [m]
 MAX_GAP = 2.6  # above which obstacles are ignored [m]
 
 
-def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:
-    """Return the walking velocity (2,) along x and z [m/s].
+@entry
+def walk_vector(
+    offset_x: float,
+    offset_z: float,
+    away: Array,
+    gaps: Array,
+    senses: Array,
+    pace: float,
+) -> tuple[float, float]:
+    """Return the walking velocity along x and z [m/s].
 
     Args:
-        offset: (2,) to the target, without the stop distance [m].
+        offset_x: to the target, without the stop distance [m].
+        offset_z: likewise [m].
         away: (n, 2) unit vectors from obstacles to the walker.
         gaps: (n,) between them [m].
         senses: (n,) way round each, 1 or -1: the sign of the curl.
         pace: of the walk [m/s].
     """
-    size = math.hypot(offset[0], offset[1])
+    size = math.hypot(offset_x, offset_z)
     if size < 1e-9:
-        return np.zeros(2)
-    pull = offset * (pace / max(size, 1e-9) * min(size / 0.3, 1.0))
-    # Only obstacles ahead push.
-    ahead = np.clip(0.35 - (away @ offset) / size, 0.0, 1.0)
-    push = pace * BALANCE_GAP * ahead / np.maximum(gaps, MIN_GAP)
-    curl = np.stack([-away[:, 1], away[:, 0]], axis=1)
-    return pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
+        return 0.0, 0.0
+    pull = pace / max(size, 1e-9) * min(size / 0.3, 1.0)
+    x = z = 0.0
+    for n in range(len(gaps)):
+        # Only obstacles ahead push.
+        towards = (away[n, 0] * offset_x + away[n, 1] * offset_z) / size
+        ahead = min(max(0.35 - towards, 0.0), 1.0)
+        push = pace * BALANCE_GAP * ahead / max(gaps[n], MIN_GAP)
+        x += push * (away[n, 0] - senses[n] * away[n, 1])
+        z += push * (away[n, 1] + senses[n] * away[n, 0])
+    return offset_x * pull + x, offset_z * pull + z
 
 
 def steer(
@@ -67,40 +86,120 @@ def steer(
         touching: whether the target is approached closely and not stepped aside for.
     """
     pace = mind.pace if pace is None else pace
-    at, low, high = mind.at, mind.surroundings.low, mind.surroundings.high
-    place = np.clip(place, low + EDGE_MARGIN, high - EDGE_MARGIN)
-    offset = place - at
-    size = math.hypot(offset[0], offset[1])
-    left = max(size - stop_distance, 0.0)
+    place = mind.clip_to_terrain(place)
+    left = max(math.dist(place, mind.at) - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    obstacles = _obstacles(mind, target)
-    bounds = np.stack([low + 0.5 * EDGE_MARGIN, high - 0.5 * EDGE_MARGIN])
-    detour = mind.detour
-    first, length = detour.route.next(at, place, obstacles.middles, obstacles.reaches, bounds)
-    offset = first - at
-    size = max(math.hypot(offset[0], offset[1]), 1e-9)
-    left = max(length - stop_distance, 0.0)
-    away, gaps, senses = _near_obstacles(mind, obstacles, offset, size)
-    detour.update_progress(left, mind.now)
-    w = walk_vector(offset * (left / size), away, gaps, senses, pace)
-    # Nothing leads off the terrain.
-    w = np.where((at < bounds[0]) & (w < 0.0), 0.2, w)
-    w = np.where((at > bounds[1]) & (w > 0.0), -0.2, w)
-    speed = math.hypot(w[0], w[1])
-    if speed < 1e-6:
+    detour, walker = mind.detour, _walker(mind, pace)
+    is_straight, walk = _walk_straight(
+        _sight(mind), target, walker, place, stop_distance, detour.keys, detour.senses
+    )
+    if is_straight:
+        detour.route.go_straight(place)
+    else:
+        obstacles = _obstacles(mind, target)
+        first, length = detour.route.next(
+            mind.at, place, obstacles.middles, obstacles.reaches, mind.walking_bounds
+        )
+        left = max(length - stop_distance, 0.0)
+        walk = _walk(obstacles, walker, first, left, detour.keys, detour.senses)
+    detour.keys, detour.senses = walk.keys, walk.senses
+    detour.update_progress(walk.left, mind.now)
+    if walk.speed < 1e-6:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    goal = at + w * (max(left, 0.35) if len(gaps) else left) / speed
     return MotorCommand(
-        goal=(float(goal[0]), float(goal[1])),
-        pace=min(max(speed, 0.35 * pace), pace),
+        goal=(walk.goal_x, walk.goal_z),
+        pace=min(max(walk.speed, 0.35 * pace), pace),
         target=target,
         touching=touching,
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Obstacles:
+class _Walker(NamedTuple):
+    """A person that walks.
+
+    Attributes:
+        at: (2,) its place [m].
+        pace: of the walk [m/s].
+        body_radius: of the circle on the ground around it [m].
+        bounds: (2, 2) least and greatest x and z of places on the way [m].
+        forced: way round all obstacles, 0 where each has its own.
+    """
+
+    at: Array
+    pace: float
+    body_radius: float
+    bounds: Array
+    forced: float
+
+
+def _walker(mind: Mind, pace: float) -> _Walker:
+    detour = mind.detour
+    forced = detour.forced if mind.now < detour.forced_until else 0.0
+    return _Walker(mind.at, pace, mind.body_radius, mind.walking_bounds, forced)
+
+
+class _Walk(NamedTuple):
+    """What a walker does next.
+
+    Attributes:
+        speed: [m/s].
+        goal_x: where to walk to [m].
+        goal_z: likewise [m].
+        left: length of the way [m].
+        keys: (k,) numbers of near obstacles.
+        senses: (k,) way round each, 1 or -1.
+    """
+
+    speed: float
+    goal_x: float
+    goal_z: float
+    left: float
+    keys: IntArray
+    senses: Array
+
+
+class _Sight(NamedTuple):
+    """What a walker knows of things in its way.
+
+    Attributes:
+        places: (C, 3) of characters as remembered [m].
+        distances: (C,) of these [m].
+        radius: (C,) of the circles around them [m].
+        is_obstacle: (C,) which are walked around.
+        circle_middles: (S, 2) of circles of other rooms [m].
+        circle_radii: (S,) [m].
+        circle_keys: (S,) their numbers.
+        circle_things: (S,) numbers of their things.
+    """
+
+    places: Array
+    distances: Array
+    radius: Array
+    is_obstacle: NDArray[np.bool_]
+    circle_middles: Array
+    circle_radii: Array
+    circle_keys: IntArray
+    circle_things: IntArray
+
+
+def _sight(mind: Mind) -> _Sight:
+    surroundings, memory = mind.surroundings, mind.memory
+    circles = surroundings.view.obstacle_circles
+    circles.update()
+    return _Sight(
+        memory.places,
+        memory.distances,
+        surroundings.radius,
+        mind.is_obstacle,
+        circles.middles,
+        circles.radii,
+        circles.keys,
+        circles.things,
+    )
+
+
+class _Obstacles(NamedTuple):
     """Circles to walk around.
 
     Attributes:
@@ -120,28 +219,33 @@ class _Obstacles:
 
 def _obstacles(mind: Mind, target: int) -> _Obstacles:
     """Return all obstacles on the way to a target."""
-    surroundings, memory = mind.surroundings, mind.memory
-    # Walkers step aside for people before they come near.
-    walking = surroundings.people & mind.acting
-    mask = ~walking & (memory.distances > 1e-6) & mind.is_obstacle
-    mask[mind.number_of_self] = False
-    if target >= 0:
-        mask[target] = False
-    keys = np.flatnonzero(mask)
-    middles, distances = memory.places[keys][:, [0, 2]], memory.distances[keys]
-    reaches = surroundings.radius[keys] + mind.body_radius
-    circles = surroundings.view.obstacle_circles
-    if not circles.update():
-        return _Obstacles(keys, middles, reaches, distances, keys)
-    offset = circles.middles - mind.at
-    circle_distances = np.sqrt((offset * offset).sum(axis=1))
-    return _Obstacles(
-        np.concatenate([keys, len(mask) + circles.keys]),
-        np.concatenate([middles, circles.middles]),
-        np.concatenate([reaches, circles.radii + mind.body_radius]),
-        np.concatenate([distances, np.maximum(circle_distances, 1e-6)]),
-        np.concatenate([keys, len(mask) + circles.things]),
-    )
+    return _find_obstacles(_sight(mind), target, mind.at, mind.body_radius)
+
+
+@entry
+def _find_obstacles(sight: _Sight, target: int, at: Array, body_radius: float) -> _Obstacles:
+    """Return all obstacles of a walker at x and z, other than its target [m]."""
+    places, distances = sight.places, sight.distances
+    circle_middles, circle_radii = sight.circle_middles, sight.circle_radii
+    most = len(places) + len(circle_radii)
+    keys, things = np.empty(most, np.int64), np.empty(most, np.int64)
+    middles, reaches, found = np.empty((most, 2)), np.empty(most), np.empty(most)
+    n = 0
+    for c in range(len(places)):
+        if sight.is_obstacle[c] and c != target and distances[c] > 1e-6:
+            keys[n] = things[n] = c
+            middles[n, 0], middles[n, 1] = places[c, 0], places[c, 2]
+            reaches[n], found[n] = sight.radius[c] + body_radius, distances[c]
+            n += 1
+    for s in range(len(circle_radii)):
+        keys[n] = len(places) + sight.circle_keys[s]
+        things[n] = len(places) + sight.circle_things[s]
+        x, z = circle_middles[s, 0] - at[0], circle_middles[s, 1] - at[1]
+        middles[n, 0], middles[n, 1] = circle_middles[s, 0], circle_middles[s, 1]
+        reaches[n] = circle_radii[s] + body_radius
+        found[n] = max(math.sqrt(x * x + z * z), 1e-6)
+        n += 1
+    return _Obstacles(keys[:n], middles[:n], reaches[:n], found[:n], things[:n])
 
 
 def has_room(mind: Mind, place: Array) -> bool:
@@ -161,22 +265,106 @@ def is_way_free(mind: Mind, place: Array) -> bool:
     return bool(are_free(mind.at, place[None], obstacles.middles, reaches)[0])
 
 
-def _near_obstacles(
-    mind: Mind, obstacles: _Obstacles, offset: Array, size: float
-) -> tuple[Array, Array, Array]:
-    """Return unit vectors (n, 2) from near obstacles, gaps [m] and ways round."""
-    gaps = obstacles.distances - obstacles.reaches
-    near = np.flatnonzero((gaps < MAX_GAP) & (gaps + mind.body_radius < size + 0.1))
-    if len(np.unique(obstacles.things[near])) < len(near):
-        # A long thing pushes once, from where it is nearest.
-        order = near[np.argsort(gaps[near], kind="stable")]
-        near = np.sort(order[np.unique(obstacles.things[order], return_index=True)[1]])
-    keys, gaps = obstacles.keys[near].tolist(), gaps[near]
-    to = obstacles.middles[near] - mind.at
-    away = -to / obstacles.distances[near][:, None]
-    sides = (offset[0] * to[:, 1] - offset[1] * to[:, 0]).tolist()
-    detour = mind.detour
-    senses = [detour.sense(key, side, mind.now) for key, side in zip(keys, sides, strict=True)]
-    for passed in set(detour.senses) - set(keys):
-        del detour.senses[passed]
-    return away, gaps, np.array(senses)
+@entry
+def _walk_straight(
+    sight: _Sight,
+    target: int,
+    walker: _Walker,
+    place: Array,
+    stop_distance: float,
+    keys: IntArray,
+    senses: Array,
+) -> tuple[bool, _Walk]:
+    """Tell whether the straight way to a place (2,) is free, and return the walk there."""
+    obstacles = _find_obstacles(sight, target, walker.at, walker.body_radius)
+    middles, reaches = obstacles.middles, obstacles.reaches
+    is_straight, _ = straight_way(walker.at, place, middles, reaches, CLEARANCES[0])
+    x, z = place[0] - walker.at[0], place[1] - walker.at[1]
+    left = max(math.sqrt(x * x + z * z) - stop_distance, 0.0)
+    return is_straight, _walk(obstacles, walker, place, left, keys, senses)
+
+
+@entry
+def _walk(
+    obstacles: _Obstacles,
+    walker: _Walker,
+    first: Array,
+    left: float,
+    known_keys: IntArray,
+    known_senses: Array,
+) -> _Walk:
+    """Return a walk that keeps off obstacles and stays on the terrain.
+
+    Args:
+        obstacles: on the way.
+        walker: the person.
+        first: (2,) the next place on the way [m].
+        left: length of the way [m].
+        known_keys: (k,) numbers of the obstacles that it went round before.
+        known_senses: (k,) way round each.
+    """
+    at, bounds, forced = walker.at, walker.bounds, walker.forced
+    offset_x, offset_z = first[0] - at[0], first[1] - at[1]
+    size = max(math.hypot(offset_x, offset_z), 1e-9)
+    near = _near(obstacles, size, walker.body_radius)
+    away, gaps, senses = np.empty((len(near), 2)), np.empty(len(near)), np.empty(len(near))
+    keys, kept, count = np.empty(len(near), np.int64), np.empty(len(near)), 0
+    for n in range(len(near)):
+        i = near[n]
+        gaps[n] = obstacles.distances[i] - obstacles.reaches[i]
+        x, z = obstacles.middles[i, 0] - at[0], obstacles.middles[i, 1] - at[1]
+        away[n, 0], away[n, 1] = -x / obstacles.distances[i], -z / obstacles.distances[i]
+        sense = 0.0
+        for k in range(len(known_keys)):
+            if known_keys[k] == obstacles.keys[i]:
+                sense = known_senses[k]
+        if sense == 0.0 and forced == 0.0:
+            # On the side on which the obstacle is not.
+            sense = 1.0 if offset_x * z - offset_z * x >= 0.0 else -1.0
+        if sense != 0.0:
+            keys[count], kept[count] = obstacles.keys[i], sense
+            count += 1
+        senses[n] = forced if forced != 0.0 else sense
+    scale = left / size
+    x, z = walk_vector(offset_x * scale, offset_z * scale, away, gaps, senses, walker.pace)
+    x = _inward(at[0], x, bounds[0, 0], bounds[1, 0])
+    z = _inward(at[1], z, bounds[0, 1], bounds[1, 1])
+    speed = math.hypot(x, z)
+    reach, size = max(left, 0.35) if len(near) else left, max(speed, 1e-9)
+    goal_x, goal_z = at[0] + x * reach / size, at[1] + z * reach / size
+    return _Walk(speed, goal_x, goal_z, left, keys[:count], kept[:count])
+
+
+@compiled
+def _inward(at: float, v: float, low: float, high: float) -> float:
+    """Return a velocity along an axis that does not lead off the terrain."""
+    if at < low and v < 0.0:
+        v = 0.2
+    if at > high and v > 0.0:
+        v = -0.2
+    return v
+
+
+@compiled
+def _near(obstacles: _Obstacles, size: float, body_radius: float) -> IntArray:
+    """Return the indices of obstacles that are near, and not behind a place at a distance [m].
+
+    A long thing pushes once, from where it is nearest.
+    """
+    near, count = np.empty(len(obstacles.keys), np.int64), 0
+    gaps = np.empty(len(near))
+    for i in range(len(near)):
+        gaps[i] = obstacles.distances[i] - obstacles.reaches[i]
+        if gaps[i] < MAX_GAP and gaps[i] + body_radius < size + 0.1:
+            near[count] = i
+            count += 1
+    nearest, kept = np.empty(count, np.int64), 0
+    for i in near[:count]:
+        is_nearest = True
+        for j in near[:count]:
+            if obstacles.things[i] == obstacles.things[j]:
+                is_nearest &= not (gaps[j] < gaps[i] or (gaps[j] == gaps[i] and j < i))
+        if is_nearest:
+            nearest[kept] = i
+            kept += 1
+    return nearest[:kept]

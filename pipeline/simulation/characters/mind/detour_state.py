@@ -4,22 +4,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.visibility_route import Route
-
-if TYPE_CHECKING:
-    pass
-
+from pipeline.simulation.spatial import Array
 
 STALL_TIME, DETOUR_TIME = 1.6, 3.5  # without progress before a detour, and of the detour [s]
 
 
 @dataclass
 class DetourState:
-    """Progress of a walk, and the way round each obstacle."""
+    """Progress of a walk, and the way round each obstacle.
 
-    senses: dict[int, float] = field(default_factory=dict)
+    Attributes:
+        keys: (k,) numbers of the obstacles that it goes round.
+        senses: (k,) way round each, 1 or -1: the sign of the curl.
+        nearest: least distance to the goal so far [m].
+        progress_time: when it was reached [s].
+        forced: way round all obstacles in a detour, 0 before the first.
+        forced_until: end of the detour [s].
+        route: of the walk.
+    """
+
+    keys: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    senses: Array = field(default_factory=lambda: np.zeros(0))
     nearest: float = math.inf
     progress_time: float = 0.0
     forced: float = 0.0
@@ -34,9 +44,3 @@ class DetourState:
             self.forced = -self.forced if self.forced else 1.0
             self.forced_until = now + DETOUR_TIME
             self.progress_time, self.nearest = now + DETOUR_TIME, math.inf
-
-    def sense(self, key: int, side: float, now: float) -> float:
-        """Return the way round an obstacle on one side of the way to the target."""
-        if now < self.forced_until:
-            return self.forced
-        return self.senses.setdefault(key, 1.0 if side >= 0.0 else -1.0)

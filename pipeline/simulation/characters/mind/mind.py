@@ -17,17 +17,19 @@ import numpy as np
 
 from pipeline.simulation.characters.contact_tasks import Hug
 from pipeline.simulation.characters.mind.detour_state import DetourState
+from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
 from pipeline.simulation.characters.mind.perception import (
     ANXIETY,
+    EMOTION,
     Attention,
     Glances,
     Memory,
     Surroundings,
-    next_anxiety,
 )
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
+from pipeline.simulation.characters.terrain_edge import EDGE_MARGIN
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
@@ -38,32 +40,6 @@ HYSTERESIS = 0.08
 
 STROLL_FROUDE, RUN_FROUDE = 0.36, 0.95
 """Usual speeds of the slowest and the fastest characters, in √(g l)."""
-
-
-@dataclass(frozen=True)
-class EmotionRates:
-    """How feelings change, beside anxiety away from a caregiver.
-
-    Attributes:
-        hug_pain: pain that is expected from a hugged partner, and no blow.
-        returning: factor of natural anxiety on the way back to the caregiver.
-        calming: rate of decay of anxiety without a caregiver [1/s].
-        fear_decay: of fear of a character [1/s].
-        fear: by a blow that just hurts.
-        anger: by a blow that just hurts.
-        anger_decay: [1/s].
-    """
-
-    hug_pain: float = 2.0
-    returning: float = 0.25
-    calming: float = 0.1
-    fear_decay: float = 0.12
-    fear: float = 0.35
-    anger: float = 0.25
-    anger_decay: float = 0.1
-
-
-EMOTION = EmotionRates()
 
 
 @dataclass(frozen=True)
@@ -110,8 +86,9 @@ class Mind:
     Args:
         controller: of the body.
         surroundings: all characters.
+        arrays: of all minds.
+        number: of this one among them.
         traits: of the character.
-        caregiver: number of the caregiver, -1 for none.
         slapstick: whether the character runs into those it hugs.
         rng: of the character's choices.
         acting: (C,) which characters act.
@@ -121,14 +98,12 @@ class Mind:
         number_of_self: number of the character.
         body_radius: of the circle on the ground around it [m].
         is_obstacle: (C,) which characters are walked around.
+        walking_bounds: (2, 2) least and greatest x and z of places on the way [m].
         memory: of the other characters.
         attention: to the other characters.
         glances: of the eyes.
         detour: of the present walk.
-        anxiety: from 0 to 1.
-        anger: from 0 to 1.
         struck: time of the last blow [s], and the striker's number or -1.
-        caregiver_distance: [m], 0 without a caregiver.
         behaviours: by name, in the order of the registry.
         biases: by a script, added to activations by name.
         doing: name of the present behaviour, "" for none.
@@ -143,39 +118,60 @@ class Mind:
         self,
         controller: PersonController,
         surroundings: Surroundings,
+        arrays: MindArrays,
+        number: int,
         traits: Traits,
-        caregiver: int,
         slapstick: bool,
         rng: np.random.Generator,
         acting: Array,
         records: Mapping[int, Record],
     ) -> None:
         self.controller, self.surroundings, self.traits = controller, surroundings, traits
-        self.slapstick, self.rng, self.acting = slapstick, rng, acting
+        self.slapstick, self.rng = slapstick, rng
         self.number_of_self = int(controller.record.owner)
         self.body_radius = float(surroundings.radius[self.number_of_self])
-        self.is_obstacle = np.array([kind != "ball" for kind in surroundings.kinds])
-        self._caregiver, self._records = caregiver, records
-        self.memory = Memory(surroundings)
-        self.attention = Attention(
-            surroundings.kinds, self.number_of_self, caregiver, traits.curiosity
-        )
+        # Walkers step aside for people before they come near.
+        is_ball = np.array([kind == "ball" for kind in surroundings.kinds])
+        self.is_obstacle = ~(is_ball | (surroundings.people & acting))
+        self.is_obstacle[self.number_of_self] = False
+        edges = np.stack([surroundings.low, surroundings.high])
+        self._edges = edges.tolist()
+        self.walking_bounds = edges + 0.5 * EDGE_MARGIN * np.array([[1.0], [-1.0]])
+        self._records = records
+        self._arrays, self._number = arrays, number
+        self._state = arrays.minds[number]
+        self.memory, self.attention = Memory(arrays, number), Attention(arrays, number)
         self.glances = Glances(len(surroundings.kinds), rng)
         self.detour = DetourState()
-        self.anxiety = self.anger = 0.0
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.cried = self.gasped = -math.inf
         self.next_laugh = 0.0
         self.behaviours: Mapping[str, Behaviour] = {}
         self.biases: dict[str, float] = {}
         self.doing, self.command = "", MotorCommand()
-        self.now = 0.0
+        # Time since the thought before [s].
+        self._pause = self.now = 0.0
         self.at = np.zeros(2)
-        self.caregiver_distance = 0.0
-        if caregiver >= 0:
-            offset = surroundings.places[caregiver] - surroundings.places[self.number_of_self]
-            self.caregiver_distance = math.hypot(offset[0], offset[2])
         self.froude_speed = math.sqrt(GRAVITY * float(controller.record.hip_height))
+
+    @property
+    def anxiety(self) -> float:
+        """Anxiety, from 0 to 1."""
+        return float(self._state.anxiety)
+
+    @anxiety.setter
+    def anxiety(self, anxiety: float) -> None:
+        self._state.anxiety = anxiety
+
+    @property
+    def anger(self) -> float:
+        """Anger, from 0 to 1."""
+        return float(self._state.anger)
+
+    @property
+    def caregiver_distance(self) -> float:
+        """Distance of the caregiver, 0 without one [m]."""
+        return float(self._state.caregiver_distance)
 
     # --- for behaviours -----------------------------------------------------------------
 
@@ -196,11 +192,11 @@ class Mind:
 
     def place(self, owner: int) -> Array:
         """Return (2,) x and z of a character as remembered [m]."""
-        return self.memory.places[owner, [0, 2]]
+        return self.memory.places[owner, ::2]
 
     def velocity(self, owner: int) -> Array:
         """Return (2,) the velocity of a character as remembered [m/s]."""
-        return self.memory.velocities[owner, [0, 2]]
+        return self.memory.velocities[owner, ::2]
 
     def distance_to(self, owner: int) -> float:
         """Return the distance of a character as remembered [m]."""
@@ -216,8 +212,17 @@ class Mind:
 
     def is_on_terrain(self, place: Array, margin: float) -> bool:
         """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
-        low, high = self.surroundings.low + margin, self.surroundings.high - margin
-        return bool((place > low).all() and (place < high).all())
+        (low_x, low_z), (high_x, high_z) = self._edges
+        x, z = place
+        is_inside = low_x + margin < x < high_x - margin
+        return bool(is_inside and low_z + margin < z < high_z - margin)
+
+    def clip_to_terrain(self, place: Array) -> Array:
+        """Return the nearest place (2,) that can be walked to."""
+        (low_x, low_z), (high_x, high_z) = self._edges
+        x, z = place
+        m = EDGE_MARGIN
+        return np.array([min(max(x, low_x + m), high_x - m), min(max(z, low_z + m), high_z - m)])
 
     @property
     def is_hugging(self) -> bool:
@@ -241,17 +246,15 @@ class Mind:
 
     def emotions(self) -> list[float]:
         """Return the emotions that its face shows, in the order of `EMOTIONS`, from 0 to 1."""
-        attention, anxiety = self.attention, self.anxiety
-        # Far-off threats frighten less.
-        fear = max(float((attention.fears * attention.nearness).max(initial=0.0)), 0.0)
-        fear = min(fear + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0), 1.0)
+        anxiety = self.anxiety
+        fear = self.attention.fright + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0)
+        fear = min(fear, 1.0)
         worried = FACE.anxious_sadness * anxiety
         calm = 1.0 - max(fear, worried, self.anger)
         social = FACE.hug_joy if self.is_hugging else JOYS.get(self.doing, 0.0)
         joy = social * (1.0 - anxiety) * (1.0 - max(fear, self.anger))
-        focus = attention.focus
-        interest = float(attention.salience[focus]) if focus >= 0 else 0.0
-        curiosity = min(FACE.interest * interest, 1.0) * calm * (1.0 - joy)
+        interest = FACE.interest * self.attention.focus_salience
+        curiosity = min(interest, 1.0) * calm * (1.0 - joy)
         return [joy, min(worried, 1.0) * (1.0 - fear), self.anger, fear, 0.0, curiosity]
 
     # --- experience ---------------------------------------------------------------------
@@ -269,7 +272,8 @@ class Mind:
         if striker >= 0 and self.surroundings.people[striker]:
             fears = self.attention.fears
             fears[striker] = min(fears[striker] + EMOTION.fear * min(pain, 2.0), 1.0)
-            self.anger = min(self.anger + EMOTION.anger * self.traits.aggression * 2.0, 1.0)
+            anger = self.anger + EMOTION.anger * self.traits.aggression * 2.0
+            self._state.anger = min(anger, 1.0)
         return True
 
     def _embraces(self, owner: int) -> bool:
@@ -283,24 +287,16 @@ class Mind:
         held = [self.controller.held_node(k) for k in range(2)]
         return any(node >= 0 and int(nodes[node].owner) == owner for node in held)
 
-    def notice(self, now: float, dt: float) -> None:
-        """Perceive, remember, feel and attend, `dt` [s] after the last time."""
-        self.now = now
-        self.at = self.surroundings.places[self.number_of_self, [0, 2]]
-        gaze = float(self.controller.record.gaze[0])
-        self.memory.look(self.surroundings, self.number_of_self, gaze)
-        self.attention.fears *= math.exp(-EMOTION.fear_decay * dt)
-        self.anger *= math.exp(-EMOTION.anger_decay * dt)
-        if self._caregiver >= 0:
-            offset = self.surroundings.places[self._caregiver, [0, 2]] - self.at
-            self.caregiver_distance = math.hypot(offset[0], offset[1])
-            factor = EMOTION.returning if self.doing == "attachment" else 1.0
-            trait, distance = self.traits.anxiety * factor, self.distance_to(self._caregiver)
-            self.anxiety = next_anxiety(self.anxiety, trait, distance, self.is_hugging, dt)
-        else:
-            self.anxiety *= math.exp(-EMOTION.calming * dt)
-        noise = 2.0 * self.rng.random(len(self.surroundings.kinds)) - 1.0
-        self.attention.appraise(self.memory, self.anxiety, noise, now)
+    def prepare(self) -> None:
+        """Pass on what `notice` needs to know of it."""
+        state = self._state
+        state.returns, state.hugs = self.doing == "attachment", self.is_hugging
+        self.rng.random(out=self._arrays.noise[self._number])
+
+    def take_over(self, now: float) -> None:
+        """Accept the time [s] and place at which it has noticed."""
+        self._pause, self.now = now - self.now, now
+        self.at = self.surroundings.places[self.number_of_self, ::2].copy()
 
     def choose(self) -> None:
         """Follow the behaviour of the highest activation."""
@@ -322,7 +318,7 @@ class Mind:
             self.behaviours[self.doing].end(self)
         self.doing, self.command, self.detour = "", MotorCommand(), DetourState()
 
-    def look(self, dt: float) -> None:
-        """Choose where to look for the next `dt` [s]."""
-        attention = self.attention
-        self.glances.look(self.now, dt, attention.priority, attention.focus, self.command.target)
+    def look(self) -> None:
+        """Choose where to look until the next thought."""
+        attention, target = self.attention, self.command.target
+        self.glances.look(self.now, self._pause, attention.priority, attention.focus, target)

@@ -5,7 +5,8 @@ Source: Horswill 2008, "High-level Control".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,17 +14,17 @@ from pipeline.simulation.characters.behaviours.registry import (
     behaviour_number,
     behaviours_of,
 )
-from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.contact_tasks import Hug
 from pipeline.simulation.characters.mind.mind import Mind
+from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
-from pipeline.simulation.characters.mind.perception import Surroundings
-from pipeline.simulation.characters.person_controller import PersonController
+from pipeline.simulation.characters.mind.perception import Surroundings, notice
 from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRY, Voice, hardest_toucher, loudness
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
-from pipeline.simulation.dynamics.compiled import Record
+from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
@@ -52,6 +53,7 @@ class MindScheduler:
     Args:
         cast: all characters.
         dispatcher: of tasks, through which minds act.
+        persons: `PERSON` records.
         surroundings: all characters as they are seen.
         seed: of the scene.
         dt: a step [s].
@@ -66,22 +68,38 @@ class MindScheduler:
         self,
         cast: Sequence[Character],
         dispatcher: TaskDispatcher,
+        persons: Records,
         surroundings: Surroundings,
         seed: int,
         dt: float,
         sub_step: float,
     ) -> None:
         self.voices: list[Voice] = []
-        self._dispatcher, self._surroundings = dispatcher, surroundings
+        self._dispatcher, self._surroundings, self._persons = dispatcher, surroundings, persons
         self._sub_step, self._interval = sub_step, max(round(THINKING_INTERVAL / dt), 1)
         acting = np.array([member.acts for member in cast], dtype=bool)
         records = {int(person.record.owner): person.record for person in dispatcher.controllers}
         members = [cast[int(person.record.owner)] for person in dispatcher.controllers]
         self._indices = [k for k, member in enumerate(members) if member.has_mind]
+        minded = [members[k] for k in self._indices]
+        configs = [member.behaviours or _default_behaviours(member, cast) for member in minded]
+        self._arrays = _arrays_of(minded, configs, self._indices, dispatcher, surroundings)
         self.minds = [
-            _mind(members[k], cast, dispatcher.controllers[k], surroundings, acting, records, seed)
-            for k in self._indices
+            Mind(
+                dispatcher.controllers[k],
+                surroundings,
+                self._arrays,
+                n,
+                traits=member.traits or Traits(),
+                slapstick=member.slapstick,
+                rng=generator(seed, f"{member.name}.mind"),
+                acting=acting,
+                records=records,
+            )
+            for n, (k, member) in enumerate(zip(self._indices, minded, strict=True))
         ]
+        for mind, urges in zip(self.minds, configs, strict=True):
+            mind.behaviours = behaviours_of(urges, mind)
         self._laughter = [
             generator(seed, f"{mind.controller.name}.laughter") for mind in self.minds
         ]
@@ -89,7 +107,8 @@ class MindScheduler:
             self._put_off_laugh(k, 0.0)
         dispatcher.minded = frozenset(self._indices)
         self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
-        self._owners = np.array([mind.number_of_self for mind in self.minds], dtype=np.int64)
+        self._owners: IntArray = self._arrays.minds["owner"].copy()
+        self._values = np.array([self._values_of(mind) for mind in self.minds])
         self._pain: Array = np.zeros(len(self._owners))
         self._pains_now = surroundings.view.arrays.owners["pain"]
 
@@ -103,18 +122,20 @@ class MindScheduler:
             for kind, unit in (*kinds, ("behaviour", "1"))
         )
 
-    def values(self) -> list[float]:
+    def values(self) -> Array:
         """Return the values of the channels now.
 
         Focus and gaze are numbers of characters in the order of the cast, behaviours those of
         the scene language; -1 is none.
         """
-        found = list[float]()
-        for mind in self.minds:
-            focus, looked_at = mind.attention.focus, mind.glances.at
-            behaviour = behaviour_number(mind.doing)
-            found += (mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour)
-        return found
+        return self._values.flatten()
+
+    @staticmethod
+    def _values_of(mind: Mind) -> tuple[float, ...]:
+        """Return the values of the channels of one mind, which change only when it thinks."""
+        focus, looked_at = mind.attention.focus, mind.glances.at
+        behaviour = behaviour_number(mind.doing)
+        return mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour
 
     def read(self, orders: Orders) -> None:
         """Accept the urges that the script sets."""
@@ -126,23 +147,47 @@ class MindScheduler:
     def think(self, step: int, now: float) -> None:
         """Let the minds think whose turn it is, or that were hurt in the last step."""
         hurt = self._feel_blows(now)
-        for n, (k, mind) in enumerate(zip(self._indices, self.minds, strict=True)):
-            if (step + n) % self._interval and n not in hurt:
-                continue
-            self._surroundings.update(now, self._sub_step)
-            dt = now - mind.now
-            mind.notice(now, dt)
-            if self._dispatcher.is_ordered(k):
-                mind.end_behaviour()
-            else:
-                before = mind.doing
-                mind.choose()
+        turns = list(range(-step % self._interval, len(self.minds), self._interval))
+        if hurt:
+            turns = sorted(hurt.union(turns))
+        if turns:
+            self._notice(turns, now)
+        ordered = self._dispatcher.is_ordered
+        before = {n: self.minds[n].doing for n in turns if not ordered(self._indices[n])}
+        # All choose before any of them acts, so that their order has no effect.
+        for n in before:
+            self.minds[n].choose()
+        for n in turns:
+            k, mind = self._indices[n], self.minds[n]
+            if n in before:
                 self._act(k, mind)
                 self._cry_in_distress(k, mind)
-                self._laugh_or_gasp(k, mind, before)
-            mind.look(dt)
+                self._laugh_or_gasp(k, mind, before[n])
+            else:
+                mind.end_behaviour()
+            mind.look()
             self._dispatcher.glance(k, mind.glances.at)
+            self._values[n] = self._values_of(mind)
             self.felt[k] = mind.emotions()
+
+    def _notice(self, turns: Sequence[int], now: float) -> None:
+        """Let minds perceive, remember, feel and attend."""
+        surroundings = self._surroundings
+        surroundings.update(now, self._sub_step)
+        for n in turns:
+            self.minds[n].prepare()
+        notice(
+            self._arrays,
+            np.array(turns),
+            self._persons,
+            surroundings.places,
+            surroundings.velocities,
+            surroundings.radius,
+            surroundings.valence,
+            now,
+        )
+        for n in turns:
+            self.minds[n].take_over(now)
 
     def _cry_in_distress(self, k: int, mind: Mind) -> None:
         """Let a distressed child cry on its way back, until it is in its caregiver's arms."""
@@ -237,29 +282,36 @@ def _wrapped(angle: float) -> float:
     return float((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _mind(
-    member: Character,
-    cast: Sequence[Character],
-    controller: PersonController,
+def _arrays_of(
+    members: Sequence[Character],
+    configs: Sequence[Sequence[Urge]],
+    indices: Sequence[int],
+    dispatcher: TaskDispatcher,
     surroundings: Surroundings,
-    acting: Array,
-    records: Mapping[int, Record],
-    seed: int,
-) -> Mind:
-    configs = member.behaviours or _default_behaviours(member, cast)
-    bonds = [config.attachment for config in configs if isinstance(config, Attachment)]
-    mind = Mind(
-        controller,
-        surroundings,
-        traits=member.traits or Traits(),
-        caregiver=surroundings.view.number(bonds[0]) if bonds else NOBODY,
-        slapstick=member.slapstick,
-        rng=generator(seed, f"{member.name}.mind"),
-        acting=acting,
-        records=records,
-    )
-    mind.behaviours = behaviours_of(configs, mind)
-    return mind
+) -> MindArrays:
+    """Return the arrays of minds.
+
+    Args:
+        members: that have minds.
+        configs: behaviours of each.
+        indices: of their controllers.
+        dispatcher: of tasks.
+        surroundings: all characters.
+    """
+    traits = [member.traits or Traits() for member in members]
+    interest = np.array([surroundings.interest(own.curiosity) for own in traits])
+    arrays = mind_arrays(surroundings.places, interest, surroundings.valence)
+    minds = arrays.minds
+    minds["person"] = indices
+    minds["owner"] = [int(dispatcher.controllers[k].record.owner) for k in indices]
+    minds["natural_anxiety"] = [own.anxiety for own in traits]
+    for mind, urges in zip(minds, configs, strict=True):
+        bonds = [urge.attachment for urge in urges if isinstance(urge, Attachment)]
+        if bonds:
+            mind.caregiver = surroundings.view.number(bonds[0])
+            offset = surroundings.places[mind.caregiver] - surroundings.places[mind.owner]
+            mind.caregiver_distance = math.hypot(offset[0], offset[2])
+    return arrays
 
 
 def _default_behaviours(member: Character, cast: Sequence[Character]) -> list[Urge]:

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.body_arrays import NOBODY
+from pipeline.simulation.characters.mind.mind_arrays import MindArrays
 from pipeline.simulation.characters.person_controller import BODY_RADIUS, CharacterView
 from pipeline.simulation.characters.person_record import PELVIS
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
 from pipeline.simulation.spatial import Array
 
 MEMORY_SPAN = 12.0  # for which characters out of view are remembered [s]
@@ -23,8 +25,7 @@ VIEW_HALF_ANGLE = math.radians(95.0)
 TOUCH_RANGE = 0.9  # within which characters are felt or heard, if not seen [m]
 
 
-@dataclass(frozen=True)
-class AnxietyRates:
+class AnxietyRates(NamedTuple):
     """How anxiety grows away from a caregiver, and is soothed.
 
     Attributes:
@@ -45,6 +46,31 @@ class AnxietyRates:
 
 
 ANXIETY = AnxietyRates()
+
+
+class EmotionRates(NamedTuple):
+    """How feelings change, beside anxiety away from a caregiver.
+
+    Attributes:
+        hug_pain: pain that is expected from a hugged partner, and no blow.
+        returning: factor of natural anxiety on the way back to the caregiver.
+        calming: rate of decay of anxiety without a caregiver [1/s].
+        fear_decay: of fear of a character [1/s].
+        fear: by a blow that just hurts.
+        anger: by a blow that just hurts.
+        anger_decay: [1/s].
+    """
+
+    hug_pain: float = 2.0
+    returning: float = 0.25
+    calming: float = 0.1
+    fear_decay: float = 0.12
+    fear: float = 0.35
+    anger: float = 0.25
+    anger_decay: float = 0.1
+
+
+EMOTION = EmotionRates()
 
 INTEREST = {
     "ball": 0.8,
@@ -81,6 +107,7 @@ class Surroundings:
         radius: (C,) of the circle on the ground around each [m].
         places: (C, 3) pelvises of people, middles of things [m].
         velocities: (C, 3) of these [m/s].
+        valence: (C,) natural valence, from -1 to 1.
         low: (2,) least x and z of the terrain [m].
         high: (2,) greatest x and z of the terrain [m].
         now: the time [s].
@@ -88,79 +115,135 @@ class Surroundings:
 
     def __init__(self, view: CharacterView, kinds: Sequence[str], heights: Sequence[float]) -> None:
         self.view, self.kinds = view, tuple(kinds)
-        owners = view.arrays.owners
-        self._first_nodes: IntArray = owners["nodes"][:, 0].copy()
-        self._counts: Array = owners["nodes"][:, 1].astype(float)
         self.people = np.array([k in view.people for k in range(len(kinds))], dtype=bool)
-        self._pelvises = self._first_nodes[self.people] + PELVIS
         self.radius = np.array([view.circle(k)[1] for k in range(len(kinds))])
         self.radius[self.people] = BODY_RADIUS * np.array(heights)[self.people]
+        self.valence = np.array([VALENCE.get(kind, 0.0) for kind in kinds])
         self.low, self.high = view.edges
-        self._p, self._previous = view.arrays.p, view.arrays.previous
+        self.places, self.velocities = np.zeros((2, len(kinds), 3))
         self.now = -1.0
         self.update(0.0, 1.0)
 
+    def interest(self, curiosity: float) -> Array:
+        """Return (C,) the natural interest of a character of some curiosity in each."""
+        natural = np.array([INTEREST.get(kind, 0.1) for kind in self.kinds])
+        return (0.6 + 0.8 * curiosity) * natural
+
     def update(self, now: float, h: float) -> None:
         """Update places and velocities; `h` is a sub-step [s]."""
-        if now == self.now:
-            return
-        self.now = now
-        self.places = self._middles(self._p)
-        self.velocities = (self.places - self._middles(self._previous)) / h
-
-    def _middles(self, p: Array) -> Array:
-        middles: Array = np.add.reduceat(p, self._first_nodes, axis=0) / self._counts[:, None]
-        middles[self.people] = p[self._pelvises]
-        return middles
+        if now != self.now:
+            self.now = now
+            arrays = self.view.arrays
+            place_characters(
+                *(arrays.nodes, arrays.owners, self.people, h),
+                *(self.places, self.velocities),
+            )
 
 
-class Memory:
-    """Where a character believes the others to be.
+@entry
+def place_characters(
+    nodes: Records,
+    owners: Records,
+    people: NDArray[np.bool_],
+    h: float,
+    places: Array,
+    velocities: Array,
+) -> None:
+    """Find the places (C, 3) [m] and velocities (C, 3) [m/s] of all characters."""
+    for c in range(len(owners)):
+        first, count = owners[c].nodes[0], owners[c].nodes[1]
+        if people[c]:
+            first, count = first + PELVIS, 1
+        for k in range(3):
+            now = before = 0.0
+            for n in range(first, first + count):
+                now += nodes[n].p[k]
+                before += nodes[n].previous[k]
+            places[c, k] = now / count
+            velocities[c, k] = (places[c, k] - before / count) / h
 
-    Attributes:
-        places: (C, 3) last known [m].
-        velocities: (C, 3) then [m/s].
-        seen: (C,) time when each was last in view [s].
-        in_view: (C,) whether each is in view.
-        distances: (C,) over the ground to the remembered places [m].
+
+@entry
+def notice(
+    arrays: MindArrays,
+    turns: NDArray[np.int64],
+    persons: Records,
+    places: Array,
+    velocities: Array,
+    radius: Array,
+    valence: Array,
+    now: float,
+) -> None:
+    """Let minds perceive, remember, feel and attend.
+
+    Args:
+        arrays: all minds; changed.
+        turns: numbers of the minds whose turn it is.
+        persons: `PERSON` records.
+        places: (C, 3) of all characters [m].
+        velocities: (C, 3) of all characters [m/s].
+        radius: (C,) of the circles around them [m].
+        valence: (C,) natural valence of each.
+        now: the time [s].
     """
-
-    def __init__(self, surroundings: Surroundings) -> None:
-        # At the start of a film everybody is known.
-        self.places = surroundings.places.copy()
-        self.velocities = np.zeros_like(self.places)
-        self.seen = np.zeros(len(self.places))
-        self.in_view: NDArray[np.bool_] = np.ones(len(self.places), dtype=bool)
-        self.distances = np.zeros(len(self.places))
-
-    def look(self, surroundings: Surroundings, owner: int, gaze: float) -> None:
-        """Remember what is in view of a character that looks along a heading [rad]."""
-        x, z, distance = self._offsets(surroundings.places, surroundings.places[owner])
-        ahead = x * math.cos(gaze) - z * math.sin(gaze)
-        is_near = distance < surroundings.radius + TOUCH_RANGE
-        is_seen = (distance < SIGHT_RANGE) & (ahead > math.cos(VIEW_HALF_ANGLE) * distance)
-        self.in_view = is_near | is_seen
-        self.in_view[owner] = False
-        self.places[self.in_view] = surroundings.places[self.in_view]
-        self.velocities[self.in_view] = surroundings.velocities[self.in_view]
-        self.seen[self.in_view] = surroundings.now
-        _, _, self.distances = self._offsets(self.places, surroundings.places[owner])
-
-    @staticmethod
-    def _offsets(places: Array, origin: Array) -> tuple[Array, Array, Array]:
-        x, z = places[:, 0] - origin[0], places[:, 2] - origin[2]
-        return x, z, np.sqrt(x * x + z * z)
-
-    def freshness(self, now: float) -> Array:
-        """Return (C,) how well each is remembered, from 1 in view to 0."""
-        return np.clip(1.0 - (now - self.seen) / MEMORY_SPAN, 0.0, 1.0)
+    for n in turns:
+        mind = arrays.minds[n]
+        dt = now - mind.now
+        mind.now = now
+        _see(arrays, n, persons[mind.person].gaze[0], places, velocities, radius)
+        fear_kept = math.exp(-EMOTION.fear_decay * dt)
+        for c in range(len(places)):
+            arrays.fears[n, c] *= fear_kept
+        _feel(mind, arrays.distances[n], places, dt)
+        _appraise(arrays, n, valence)
 
 
+@compiled
+def _see(
+    arrays: MindArrays, n: int, gaze: float, places: Array, velocities: Array, radius: Array
+) -> None:
+    """Remember what is in view of a mind that looks along a heading [rad]."""
+    mind = arrays.minds[n]
+    known, in_view = arrays.places[n], arrays.in_view[n]
+    at_x, at_z = places[mind.owner, 0], places[mind.owner, 2]
+    ahead_x, ahead_z, cosine = math.cos(gaze), math.sin(gaze), math.cos(VIEW_HALF_ANGLE)
+    for c in range(len(places)):
+        x, z = places[c, 0] - at_x, places[c, 2] - at_z
+        distance = math.sqrt(x * x + z * z)
+        ahead = x * ahead_x - z * ahead_z
+        is_near = distance < radius[c] + TOUCH_RANGE
+        is_seen = distance < SIGHT_RANGE and ahead > cosine * distance
+        in_view[c] = c != mind.owner and (is_near or is_seen)
+        if in_view[c]:
+            for k in range(3):
+                known[c, k] = places[c, k]
+                arrays.velocities[n, c, k] = velocities[c, k]
+            arrays.seen[n, c] = mind.now
+        x, z = known[c, 0] - at_x, known[c, 2] - at_z
+        arrays.distances[n, c] = math.sqrt(x * x + z * z)
+
+
+@compiled
+def _feel(mind: Record, distances: Array, places: Array, dt: float) -> None:
+    """Let anger and anxiety change for `dt` [s]."""
+    mind.anger *= math.exp(-EMOTION.anger_decay * dt)
+    if mind.caregiver < 0:
+        mind.anxiety *= math.exp(-EMOTION.calming * dt)
+        return
+    x = places[mind.caregiver, 0] - places[mind.owner, 0]
+    z = places[mind.caregiver, 2] - places[mind.owner, 2]
+    mind.caregiver_distance = math.hypot(x, z)
+    trait = mind.natural_anxiety * (EMOTION.returning if mind.returns else 1.0)
+    mind.anxiety = next_anxiety(mind.anxiety, trait, distances[mind.caregiver], mind.hugs, dt)
+
+
+@entry
 def exposure(distance: float) -> float:
     """Return the exposure at a distance from the caregiver, from 0 to 1."""
     return min(max((distance - ANXIETY.safe) / (ANXIETY.exposed - ANXIETY.safe), 0.0), 1.0)
 
 
+@entry
 def next_anxiety(anxiety: float, trait: float, distance: float, hugged: bool, dt: float) -> float:
     """Return the anxiety after `dt`.
 
@@ -178,61 +261,93 @@ def next_anxiety(anxiety: float, trait: float, distance: float, hugged: bool, dt
     return min(max(anxiety + (gain - loss) * dt, 0.0), 1.0)
 
 
-class Attention:
-    """What a character attends to.
+@compiled
+def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
+    """Appraise all characters, and choose the focus.
 
-    Each other character has a salience (how interesting), a valence (how good, below 0 how bad)
-    and a monitoring priority (how much it wants watching). The most salient one is the focus.
+    Each other character has a salience, a valence and a monitoring priority. The most salient one
+    is the focus.
+    """
+    mind, salience, priority = arrays.minds[n], arrays.salience[n], arrays.priority[n]
+    distances, fears = arrays.distances[n], arrays.fears[n]
+    mind.fright = 0.0
+    for c in range(len(salience)):
+        v = arrays.velocities[n, c]
+        speed = math.sqrt(v[0] * v[0] + v[2] * v[2])
+        near = HALF_INTEREST_DISTANCE / (HALF_INTEREST_DISTANCE + distances[c])
+        interest = arrays.interest[n, c]
+        drawn = interest + min(MOTION_SALIENCE * speed, 0.3) + fears[c]
+        varied = 1.0 + SALIENCE_NOISE * (2.0 * arrays.noise[n, c] - 1.0)
+        salience[c] = freshness(arrays.seen[n, c], mind.now) * near * drawn * varied
+        arrays.valence[n, c] = min(max(natural_valence[c] - 1.5 * fears[c], -1.0), 1.0)
+        watched = 0.06 * near if interest > 0.2 else 0.0
+        priority[c] = max(fears[c] * near, watched)
+        # Far-off threats frighten less.
+        mind.fright = max(mind.fright, fears[c] * near)
+    if mind.caregiver >= 0:
+        arrays.valence[n, mind.caregiver] = min(0.3 + mind.anxiety, 1.0)
+        salience[mind.caregiver] += mind.anxiety
+        far = exposure(distances[mind.caregiver])
+        priority[mind.caregiver] = 0.02 + 0.7 * far + 0.4 * mind.anxiety * far
+    salience[mind.owner] = priority[mind.owner] = 0.0
+    if mind.focus >= 0:
+        salience[mind.focus] += FOCUS_BONUS
+    best = salience.argmax()
+    mind.focus = best if salience[best] > 0.1 else NOBODY
+    mind.focus_salience = salience[best] if mind.focus >= 0 else 0.0
+
+
+@entry
+def freshness(seen: float, now: float) -> float:
+    """Return how well is remembered what was last seen at a time, from 1 in view to 0."""
+    return min(max(1.0 - (now - seen) / MEMORY_SPAN, 0.0), 1.0)
+
+
+class Memory:
+    """Where a character believes the others to be; rows of `MindArrays`.
+
+    Attributes:
+        places: (C, 3) last known [m].
+        velocities: (C, 3) then [m/s].
+        seen: (C,) time when each was last in view [s].
+        in_view: (C,) whether each is in view.
+        distances: (C,) over the ground to the remembered places [m].
+    """
+
+    def __init__(self, arrays: MindArrays, n: int) -> None:
+        self.places, self.velocities = arrays.places[n], arrays.velocities[n]
+        self.seen, self.in_view = arrays.seen[n], arrays.in_view[n]
+        self.distances = arrays.distances[n]
+
+
+class Attention:
+    """What a character attends to; rows of `MindArrays`.
 
     Attributes:
         fears: (C,) how much each frightens, from 0 to 1, such as after a blow.
-        salience: (C,).
         valence: (C,) from -1 to 1.
         priority: (C,) of watching, from 0 to about 1.
-        nearness: (C,) 1 for what is close, less for what is far.
-        focus: number of the most salient character, -1 if there is none.
     """
 
-    def __init__(
-        self, kinds: tuple[str, ...], owner: int, caregiver: int, curiosity: float
-    ) -> None:
-        self._owner, self._caregiver = owner, caregiver
-        drawn = 0.6 + 0.8 * curiosity
-        self._interest = drawn * np.array([INTEREST.get(kind, 0.1) for kind in kinds])
-        self._natural_valence = np.array([VALENCE.get(kind, 0.0) for kind in kinds])
-        self.fears = np.zeros(len(kinds))
-        self.salience, self.valence = np.zeros(len(kinds)), self._natural_valence.copy()
-        self.priority, self.nearness = np.zeros(len(kinds)), np.zeros(len(kinds))
-        self.focus = -1
+    def __init__(self, arrays: MindArrays, n: int) -> None:
+        self._mind = arrays.minds[n]
+        self.fears, self.valence = arrays.fears[n], arrays.valence[n]
+        self.priority = arrays.priority[n]
 
-    def appraise(self, memory: Memory, anxiety: float, noise: Array, now: float) -> None:
-        """Appraise all characters, and choose the focus.
+    @property
+    def focus(self) -> int:
+        """Number of the most salient character, NOBODY if there is none."""
+        return int(self._mind.focus)
 
-        Args:
-            memory: of their places.
-            anxiety: from 0 to 1.
-            noise: (C,) random numbers from -1 to 1.
-            now: the time [s].
-        """
-        v = memory.velocities
-        speed = np.sqrt(v[:, 0] ** 2 + v[:, 2] ** 2)
-        near = HALF_INTEREST_DISTANCE / (HALF_INTEREST_DISTANCE + memory.distances)
-        self.nearness = near
-        lively = np.minimum(MOTION_SALIENCE * speed, 0.3)
-        interest, varied = self._interest + lively + self.fears, 1 + SALIENCE_NOISE * noise
-        self.valence = np.clip(self._natural_valence - 1.5 * self.fears, -1.0, 1.0)
-        self.salience = memory.freshness(now) * near * interest * varied
-        self.priority = np.maximum(self.fears * near, 0.06 * near * (self._interest > 0.2))
-        if self._caregiver >= 0:
-            self.valence[self._caregiver] = min(0.3 + anxiety, 1.0)
-            self.salience[self._caregiver] += anxiety
-            far = exposure(float(memory.distances[self._caregiver]))
-            self.priority[self._caregiver] = 0.02 + 0.7 * far + 0.4 * anxiety * far
-        self.salience[self._owner] = self.priority[self._owner] = 0.0
-        if self.focus >= 0:
-            self.salience[self.focus] += FOCUS_BONUS
-        best = int(self.salience.argmax())
-        self.focus = best if self.salience[best] > 0.1 else -1
+    @property
+    def focus_salience(self) -> float:
+        """How interesting the focus is, 0 without one."""
+        return float(self._mind.focus_salience)
+
+    @property
+    def fright(self) -> float:
+        """How much the most frightening character frightens from where it is, from 0 to 1."""
+        return float(self._mind.fright)
 
 
 class Glances:

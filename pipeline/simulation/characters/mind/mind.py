@@ -246,14 +246,15 @@ class Mind:
 
     def emotions(self) -> list[float]:
         """Return the emotions that its face shows, in the order of `EMOTIONS`, from 0 to 1."""
-        anxiety = self.anxiety
-        fear = self.attention.fright + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0)
-        fear = min(fear, 1.0)
+        attention, anxiety = self.attention, self.anxiety
+        # Far-off threats frighten less.
+        fear = max(float((attention.fears * attention.nearness).max(initial=0.0)), 0.0)
+        fear = min(fear + FACE.anxious_fear * max(anxiety - FACE.worry, 0.0), 1.0)
         worried = FACE.anxious_sadness * anxiety
         calm = 1.0 - max(fear, worried, self.anger)
         social = FACE.hug_joy if self.is_hugging else JOYS.get(self.doing, 0.0)
         joy = social * (1.0 - anxiety) * (1.0 - max(fear, self.anger))
-        interest = FACE.interest * self.attention.focus_salience
+        interest = FACE.interest * attention.focus_salience
         curiosity = min(interest, 1.0) * calm * (1.0 - joy)
         return [joy, min(worried, 1.0) * (1.0 - fear), self.anger, fear, 0.0, curiosity]
 

@@ -28,11 +28,9 @@ MIND = np.dtype(
         # Whether it returns to its caregiver, and has somebody in its arms.
         ("returns", "?"),
         ("hugs", "?"),
-        # The most salient character or NOBODY, its salience, and how much others frighten.
+        # The most salient character or NOBODY, and its salience; the time of the last thought [s].
         ("focus", "i8"),
         ("focus_salience", "f8"),
-        ("fright", "f8"),
-        # The time of the last thought [s].
         ("now", "f8"),
     ],
     align=True,
@@ -55,6 +53,7 @@ class MindArrays(NamedTuple):
         salience: (M, C) how interesting each is.
         valence: (M, C) how good each is, from -1 to 1.
         priority: (M, C) of watching each, from 0 to about 1.
+        nearness: (M, C) 1 for what is close, less for what is far.
         noise: (M, C) random numbers from 0 to 1 for the next thought.
     """
 
@@ -69,6 +68,7 @@ class MindArrays(NamedTuple):
     salience: Array
     valence: Array
     priority: Array
+    nearness: Array
     noise: Array
 
 
@@ -95,5 +95,6 @@ def mind_arrays(places: Array, interest: Array, valence: Array) -> MindArrays:
         salience=np.zeros(shape),
         valence=np.broadcast_to(valence, shape).copy(),
         priority=np.zeros(shape),
+        nearness=np.zeros(shape),
         noise=np.zeros(shape),
     )

@@ -270,11 +270,11 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
     """
     mind, salience, priority = arrays.minds[n], arrays.salience[n], arrays.priority[n]
     distances, fears = arrays.distances[n], arrays.fears[n]
-    mind.fright = 0.0
     for c in range(len(salience)):
         v = arrays.velocities[n, c]
         speed = math.sqrt(v[0] * v[0] + v[2] * v[2])
         near = HALF_INTEREST_DISTANCE / (HALF_INTEREST_DISTANCE + distances[c])
+        arrays.nearness[n, c] = near
         interest = arrays.interest[n, c]
         drawn = interest + min(MOTION_SALIENCE * speed, 0.3) + fears[c]
         varied = 1.0 + SALIENCE_NOISE * (2.0 * arrays.noise[n, c] - 1.0)
@@ -282,8 +282,6 @@ def _appraise(arrays: MindArrays, n: int, natural_valence: Array) -> None:
         arrays.valence[n, c] = min(max(natural_valence[c] - 1.5 * fears[c], -1.0), 1.0)
         watched = 0.06 * near if interest > 0.2 else 0.0
         priority[c] = max(fears[c] * near, watched)
-        # Far-off threats frighten less.
-        mind.fright = max(mind.fright, fears[c] * near)
     if mind.caregiver >= 0:
         arrays.valence[n, mind.caregiver] = min(0.3 + mind.anxiety, 1.0)
         salience[mind.caregiver] += mind.anxiety
@@ -327,12 +325,13 @@ class Attention:
         fears: (C,) how much each frightens, from 0 to 1, such as after a blow.
         valence: (C,) from -1 to 1.
         priority: (C,) of watching, from 0 to about 1.
+        nearness: (C,) 1 for what is close, less for what is far.
     """
 
     def __init__(self, arrays: MindArrays, n: int) -> None:
         self._mind = arrays.minds[n]
         self.fears, self.valence = arrays.fears[n], arrays.valence[n]
-        self.priority = arrays.priority[n]
+        self.priority, self.nearness = arrays.priority[n], arrays.nearness[n]
 
     @property
     def focus(self) -> int:
@@ -343,11 +342,6 @@ class Attention:
     def focus_salience(self) -> float:
         """How interesting the focus is, 0 without one."""
         return float(self._mind.focus_salience)
-
-    @property
-    def fright(self) -> float:
-        """How much the most frightening character frightens from where it is, from 0 to 1."""
-        return float(self._mind.fright)
 
 
 class Glances:

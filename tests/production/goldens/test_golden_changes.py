@@ -89,8 +89,8 @@ class Elsewhere(GoldenRenderer):
         return self._environment
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("fault", _first_daily(FAULTS))
+@pytest.mark.nightly
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_a_fault_is_found_and_named(bases: Bases, fault: Fault) -> None:
     base = bases[fault.base]
     verdict = check(base.case, base.renderer, Reporter(), (fault.layer,), fault.make(base))

@@ -23,6 +23,7 @@ cast:
 film: {{size: [320, 180]}}
 titles:
 {titles}
+terrain: {{kind: flat, surroundings: none, scatter: none}}
 """
 
 

@@ -37,7 +37,7 @@ def test_what_another_holds_is_handed_over(names: str) -> None:
     assert heights[first:].min() > 0.3
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_one_who_does_something_keeps_what_it_holds() -> None:
     simulation = run_scene(
         "  - {name: a, character: adult, at: [0.8, 0], heading_deg: 180}\n"

@@ -8,8 +8,16 @@ from pathlib import Path
 
 import pytest
 
+from render.backend import choose
+
 SCRIPTS = sorted((Path(__file__).parents[1] / "benchmarks").glob("*.py"))
 PACKAGES = ("pipeline", "render", "audio")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def backend() -> None:
+    """Activate the backend: importing the tracer, some benchmarks import Dr.Jit."""
+    choose().activate()
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)

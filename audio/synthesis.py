@@ -291,7 +291,7 @@ def _ground_modes(
 
 
 def _ring(bank: ModalBank, sound: SoundParameters, *force: Signal) -> Signal:
-    """Return what is heard of a bank, under a force (K,) or an impulse: (N,)."""
+    """Return the sound (N,) of a bank under a force (K,) or an impulse, as air carries it."""
     absorption = _absorption(bank.frequency, sound.distance)
     bank = replace(bank, amplitude=bank.amplitude * absorption)
     audible = float(bank.audible_seconds.max(initial=0.0))

@@ -2,7 +2,7 @@
 
 Sizes, places, headings and things are drawn; all acts of a kind go on in one scene, far apart. An
 act is done, or given up with its note within `GIVE_UP_TIME`; anything else is missed. At the end no
-empty hand may be held out, and nobody may have cried. Those who hug are told to let go, after
+empty hand may be held out, and nobody may have cried. Hugging people are told to let go, after
 which all arms hang within 2 s.
 
     python benchmarks/acts.py [COUNT [KIND...]]
@@ -159,15 +159,19 @@ def take_wide(act: Act) -> None:
     act.expect_holding("a", 2)
 
 
+def _add_thing(act: Act, small_share: float) -> str:
+    """Add a small or a wide thing, and return the words of an order for its hands."""
+    if act.rng.random() < small_share:
+        act.add_small_thing()
+        return ""
+    act.add_wide_thing()
+    return ", hand: both"
+
+
 def carry(act: Act) -> None:
     """Carry a thing to a place or onto a table."""
     act.add_person("a", act.somewhere(0.5, 3.0))
-    if act.rng.random() < 0.5:
-        act.add_small_thing()
-        hand = ""
-    else:
-        act.add_wide_thing()
-        hand = ", hand: both"
+    hand = _add_thing(act, 0.5)
     at = act.somewhere(1.2, 3.0)
     to = act.place(*at)
     if act.rng.random() < 0.4:
@@ -180,12 +184,7 @@ def hand_over(act: Act) -> None:
     """Take from another's hand what the other has taken from the ground."""
     act.add_person("a", act.somewhere(0.5, 1.0))
     act.add_person("b", act.somewhere(1.5, 3.5))
-    if act.rng.random() < 0.6:
-        act.add_small_thing()
-        hand = ""
-    else:
-        act.add_wide_thing()
-        hand = ", hand: both"
+    hand = _add_thing(act, 0.6)
     act.order("a", f"grab: {act.name('t')}{hand}")
     act.order("b", f"grab: {act.name('t')}{hand}", after="a")
     name, other, thing = act.name("b"), act.name("a"), act.name("t")
@@ -242,7 +241,7 @@ def push(act: Act) -> None:
 
 
 def reach(act: Act) -> None:
-    """Hold a hand out to a person, who is near or too far off."""
+    """Hold a hand out to a person near by or too far away."""
     act.add_person("a", act.somewhere(0.35, 0.8))
     act.add_person("b", (0.0, 0.0))
     act.order("a", f"reach: {act.name('b')}")
@@ -250,7 +249,7 @@ def reach(act: Act) -> None:
 
 
 def hug(act: Act) -> None:
-    """Hug one another, or one the other, who stands or walks."""
+    """Hug: both are told to, or one is, while the other stands or walks."""
     _meet(act)
     for own in "ab":
         act.script.append(f"at: {LET_GO_TIME}, who: {act.name(own)}, do: {{let_go: both}}")
@@ -265,7 +264,7 @@ def hug(act: Act) -> None:
 
 
 def hug_lost(act: Act) -> None:
-    """Hug somebody who leaves after a while."""
+    """Hug a person that leaves after a while."""
     _meet(act)
     act.order("b", f"go_to: {act.place(*act.somewhere(4.0, 5.0))}", at=7.0)
 
@@ -296,7 +295,7 @@ def blocked(act: Act) -> None:
 
 
 LET_GO_TIME = 11.0
-"""When those who hug are told to let go [s]."""
+"""When hugging people are told to let go [s]."""
 
 SECONDS = 14.0
 KINDS: dict[str, tuple[Callable[[Act], None], float]] = {

@@ -6,8 +6,8 @@ three sub-steps; what is timed is the whole step of machine code, control includ
 run MuJoCo steps three humanoids of 13 capsules that lie on a plane, the same time a step in two
 of its own, and the same step of ours is done once by the undecorated functions.
 
-Then a step of the shipped schoolyard and one of 100 people, who have minds: bodies, behaviour and
-what is told of it, beside the bodies alone in the same steps. Then the cost of a character where
+Then a step of the shipped schoolyard and one of 100 people, with minds: bodies, behaviour and
+its events, beside the bodies alone in the same steps. Then the cost of a character where
 3 to 300 are spread out, and where they touch one another.
 Processor time, the least of many rounds.
 

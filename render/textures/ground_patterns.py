@@ -65,8 +65,7 @@ def grass(rng: np.random.Generator) -> Drawn:
     tint = np.zeros((TILE, TILE))
     top = tall >= height[row, column]
     tint[row[top], column[top]] = np.broadcast_to(rng.normal(0, 1, (blades, 1)), row.shape)[top]
-    # Blades are finer than pixels a few metres away. What is seen of a lawn then are its tufts, and
-    # the dark gaps between them.
+    # A few metres away blades are finer than pixels: a lawn shows tufts and dark gaps between them.
     tufts, own = pebbles(rng, 30, 0.9)
     gaps = 0.72 + 0.42 * tufts + 0.10 * own * (tufts > 0)
     # Low light turns any wave of the ground into a ripple: the relief is that of blades alone.

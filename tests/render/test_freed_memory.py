@@ -38,8 +38,3 @@ def test_freed_blocks_between_kept_ones_are_returned(
     return_freed_memory()
     assert before - _resident() > 0.8 * BLOCKS * SIZE
     assert kept.all()
-
-
-def test_it_may_be_called_where_nothing_was_freed(return_freed_memory: Callable[[], None]) -> None:
-    return_freed_memory()
-    return_freed_memory()

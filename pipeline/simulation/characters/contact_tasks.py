@@ -250,7 +250,7 @@ class Hug(Task):
         if self.touched == 0.0:
             controller.face_to(partner)
         elif distance > closeness + LOST_HUG * controller.arm:
-            # One who hugs lets the partner go, and does not reach after it.
+            # In a hug a person lets its partner go, and does not reach after it.
             self.is_lost, self.touched = self.touched > PATIENCE, 0.0
             controller.part_hands()
             return self.is_lost

@@ -1,7 +1,7 @@
-"""Hand-over: a person takes what another holds, who holds it out and lets go once it is taken.
+"""Hand-over: a holder holds a thing out to another person, and lets go once it is taken.
 
-The holder is asked by one who is told to take the thing. A holder that is doing something else
-keeps it, and so does one with a mind of its own; who asks in vain gives up.
+A person that is told to take a thing asks its holder for it. A holder that is doing something else
+keeps it, and so does a holder with a mind; the person that asks in vain gives up.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Second try: what a person does once an order is stuck: it goes aside, and tries from there.
+"""Second try: a person whose order is stuck steps aside once, and tries again from there.
 
-One who is stuck twice, or whose act cannot be done from anywhere, gives up visibly: the arms sink,
-and the person looks at what it cannot do, and then down.
+A person that is stuck twice, or whose act cannot be done from anywhere, gives up visibly: its arms
+sink, and it looks at the thing or person, and then down.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ TURNS = tuple(math.radians(turn) for turn in (70.0, -70.0, 35.0, -35.0, 110.0, -
 """Angles around what the act is about at which a second try starts, the best first."""
 
 LONGEST_STEP_ASIDE = 1.2  # after which a person tries from where it has got to [s]
-REGRET_TIME, LOOKING_TIME = 2.2, 0.9  # of one who has given up, and of its look at the thing [s]
+REGRET_TIME, LOOKING_TIME = 2.2, 0.9  # of giving up, and of the look at the thing in it [s]
 DOWN = 0.8, 0.9  # where it looks then, ahead and below the head, in heights
 
 

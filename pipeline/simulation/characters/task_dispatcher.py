@@ -241,7 +241,7 @@ class TaskDispatcher:
                 self._begin(k, CarryEnd(crew, number))
 
     def _ask_holders(self) -> dict[int, HandOver]:
-        """Return what is handed over, by the giver; those who ask a busy holder wait."""
+        """Return what is handed over, by the giver; askers of a busy holder wait."""
         givings = dict[int, HandOver]()
         for k, (task, taker) in enumerate(zip(self._tasks, self.controllers, strict=True)):
             if task is None or not self._ordered[k] or not (thing := task.asks_for(taker)):

@@ -1,4 +1,4 @@
-"""Still take: a take of nodes that stay at rest for two rows, for tests of what is seen."""
+"""Still take: a take of nodes that stay at rest for two rows, for tests of meshes."""
 
 from __future__ import annotations
 

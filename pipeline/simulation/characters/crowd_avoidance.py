@@ -28,8 +28,8 @@ HORIZON = 3.0  # within which nobody is met [s]
 PARTING_TIME = 0.5  # within which two that are too near part [s]
 SIGHT_RANGE = 4.5  # [m]
 PERSONAL_SPACE = 0.47  # between the middles of two people, in heights
-SITTING_SPACE = 1.4  # of a sitting person, relative to a standing one
-BESIDE = 0.8  # of the distance that a person accepts where it goes
+SITTING_SPACE = 1.0  # of a sitting person, relative to a standing one
+BESIDE = 0.8  # space to a person at the goal, relative to its distance from the goal
 MOST_NEIGHBOURS = 10  # the nearest that are heeded
 QUICKEST = 1.15  # velocity in stepping aside, relative to the pace
 HEAD_ON = 0.1  # sine of the angle to the right within which walkers head on pass on the right
@@ -58,9 +58,9 @@ def avoid_people(persons: Records) -> None:
             person.sidestep[0], person.sidestep[1] = 0.0, 0.0
             continue
         count = _find_nearest(persons, order, n, nearest)
-        for k in range(count):
-            _forbid(person, persons[nearest[k]], lines[k])
         wanted_x, wanted_z = goal_velocity(person)
+        for k in range(count):
+            _forbid(person, persons[nearest[k]], wanted_x, wanted_z, lines[k])
         x, z = wanted_x, wanted_z
         if count > 0:
             x, z = _allowed(lines, projected, count, QUICKEST * person.pace, x, z)
@@ -95,16 +95,24 @@ def _find_nearest(persons: Records, order: Numbers, n: int, nearest: Numbers) ->
 
 
 @compiled
-def _forbid(one: Record, other: Record, line: Array) -> None:
+def _forbid(one: Record, other: Record, wanted_x: float, wanted_z: float, line: Array) -> None:
     """Write the line of velocities beyond which one person would meet another."""
+    shares = other.has_goal and not other.frozen and other.partner != one.owner
+    share, own_x, own_z = 0.5, one.velocity[0], one.velocity[1]
+    if not shares:
+        # By its own velocity a walker that has stopped before a standing person would stay there.
+        share, own_x, own_z = 1.0, wanted_x, wanted_z
     space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
     if other.posture == SITTING:
         space *= SITTING_SPACE
-    space = min(space, BESIDE * one.neighbour_distance)
+    # Nobody would arrive within the space of a person that stays there.
+    beside = math.hypot(one.goal[0] - other.at[0], one.goal[1] - other.at[1])
+    beside = min(max(beside, one.stop_distance), one.neighbour_distance)
+    space = min(space, BESIDE * beside)
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
     square = x * x + z * z
     # Velocity of one relative to the other, and that from the middle of the cut-off circle.
-    vx, vz = one.velocity[0] - other.velocity[0], one.velocity[1] - other.velocity[1]
+    vx, vz = own_x - other.velocity[0], own_z - other.velocity[1]
     is_apart = square > space * space
     time = HORIZON if is_apart else PARTING_TIME
     wx, wz = vx - x / time, vz - z / time
@@ -123,9 +131,7 @@ def _forbid(one: Record, other: Record, line: Array) -> None:
         wx, wz = wx / size, wz / size
         dx, dz = wz, -wx
         ux, uz = (space / time - size) * wx, (space / time - size) * wz
-    shares = other.has_goal and not other.frozen and other.partner != one.owner
-    share = 0.5 if shares else 1.0
-    line[0], line[1] = one.velocity[0] + share * ux, one.velocity[1] + share * uz
+    line[0], line[1] = own_x + share * ux, own_z + share * uz
     line[2], line[3] = dx, dz
 
 

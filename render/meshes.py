@@ -272,7 +272,9 @@ def build_mesh(group: MeshGroup, meshes: Sequence[Mesh], material: Material) -> 
     if group.has_colors:
         of_members = [meshes[i].colors for i in group.members]
         colors = _joined([colors for colors in of_members if colors is not None])
-        _write(values, VERTEX_COLOR, colors * linear(material.color).astype(np.float32))
+        base = linear(material.color).astype(np.float32)
+        # White scenery is large: its colours are not copied.
+        _write(values, VERTEX_COLOR, colors if (base == 1.0).all() else colors * base)
     if unwrapped:
         _write(values, "vertex_texcoords", unwrapped.uv)
     update_vertices(values, "", group, meshes)

@@ -66,7 +66,11 @@ class DriftingSky:
             color, cover = color + w * (color2 - color), cover + w * (cover2 - cover)
         self._paintings = {i: p for i, p in self._paintings.items() if i in (k, k + 1)}
         seen = self._above * (1.0 - cover) + color
-        data: Any = dr.concat([mi.Float(dr.ravel(seen)), self._below])
+        # Written at its place: maps are large, and each step that makes one keeps its memory.
+        upper, lower = 3 * dr.width(self._above), dr.width(self._below)
+        data = dr.empty(mi.Float, upper + lower)
+        dr.scatter(data, self._below, upper + dr.arange(mi.UInt32, lower))
+        dr.scatter(data, seen, dr.arange(mi.UInt32, upper // 3))
         return mi.TensorXf(data, (self._height, self._width + 2, 3))
 
     def image(self, time: float) -> NDArray[np.float32]:

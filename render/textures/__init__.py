@@ -36,9 +36,12 @@ class Tile:
     size: float
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=2)
 def tile(pattern: str) -> Tile:
-    """Return the tile of a pattern of `render.config.material.Texture`."""
+    """Return the tile of a pattern of `render.config.material.Texture`.
+
+    Of its 12 MiB little is asked for again once a mipmap was made of it, so few are kept.
+    """
     shade, warmth, relief, size = _PATTERNS[pattern](np.random.default_rng(_SEED))
     shade = shade / shade.mean()
     warmth = np.clip(warmth, -1, 1)

@@ -13,7 +13,7 @@ from render.backend import Backend
 from render.config import Film, Light, light
 from render.lights.cloud_shadows import CELLS, LENGTH, cloud_shadows, drift
 from render.renderer import Renderer
-from render.shot import Shot
+from render.shot import CameraPose, Shot
 
 SUN = np.array([0.6, 0.8, 0.0])
 
@@ -92,3 +92,25 @@ def test_the_sky_drifts_smoothly(backend: Backend) -> None:
     before, after = (sky.image(10.0 + dt) for dt in (-0.01, 0.01))
     assert abs(after - before).mean() < 0.02 * changed
     assert math.isfinite(float(later.sum()))
+
+
+def test_a_scene_shows_the_sky_of_its_time_however_it_came_there(
+    backend: Backend, make_shot: Callable[..., Shot]
+) -> None:
+    if backend.variant == "scalar_rgb":
+        pytest.skip("the scalar variant paints no clouds")
+    from render.mitsuba_scene import MitsubaScene
+
+    film = Film(size=(16, 16), samples=1, depth=2, soft_light="full", denoise="off")
+    up = CameraPose((0.0, 1.0, 0.0), (3.0, 4.0, 0.0))
+    first = make_shot(film=film, lit=under(), camera=up)
+    later = replace(first, time=6.0)
+    updated = MitsubaScene(first)
+    start = updated.trace(0, range(1), 1).air
+    updated.update(later.moments[0])
+    now = updated.trace(0, range(1), 1)
+    assert abs(now.air - start).max() > 0.01
+    new = MitsubaScene(later).trace(0, range(1), 1)
+    np.testing.assert_array_equal(now.air, new.air)
+    np.testing.assert_array_equal(now.direct, new.direct)
+    np.testing.assert_array_equal(now.indirect, new.indirect)

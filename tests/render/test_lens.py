@@ -84,7 +84,7 @@ def _white(renderer: Renderer) -> float:
     return float(coverage(renderer, seen_through(None, 1.0, half=2.0)).mean())
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_focal_plane_is_as_sharp_as_a_pinhole(renderer: Renderer) -> None:
     sharp = coverage(renderer, seen_through(None, FOCUS, half=0.2))
     through = coverage(renderer, seen_through(Lens(RADIUS, FOCUS), FOCUS, half=0.2))
@@ -92,7 +92,7 @@ def test_the_focal_plane_is_as_sharp_as_a_pinhole(renderer: Renderer) -> None:
     assert abs(through - sharp).mean() < 0.003
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_focus_changes_without_a_build(renderer: Renderer) -> None:
     """A lens moved in place gives the picture of a fresh build."""
     near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))

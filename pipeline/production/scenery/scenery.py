@@ -37,7 +37,7 @@ LEAST_REST = 0.3
 LEAST_COVER = 0.55
 """Share of the budget kept for cover: trees near the cameras would otherwise leave bare ground."""
 
-FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.6
+FULL_PATH, MAX_PATH_FACTOR = 25.0, 1.3
 """Length of a camera's path for which the budget doubles [m], and its greatest factor."""
 
 MAX_TRIANGLES = 6_000_000

@@ -225,7 +225,7 @@ def _keeps_the_rules(shooting: ShotBuilder) -> None:
     assert min(film.shots) >= LEAST_SHOT_S or len(film.shots) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_cuts_of_a_small_scene_keep_the_rules() -> None:
     scene = directed_scene(SMALL)
     shooting = directed(scene)

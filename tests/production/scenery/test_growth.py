@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from pipeline.production.scenery.clearings import Clearings
 from pipeline.production.scenery.growth import GATHERED, RASTER, TUFT_LEAST, Growth
@@ -102,6 +103,7 @@ def test_dry_beds_cross_dry_land_and_stones_lie_along_them() -> None:
     assert min(wear.color) > 0.3
 
 
+@pytest.mark.nightly
 def test_on_worn_moss_half_of_the_soil_shows() -> None:
     growth, middle = Growth(5), np.zeros(2)
     wears = [growth.wear(MATERIALS[name], CALM, middle) for name in ("grass", "moss")]

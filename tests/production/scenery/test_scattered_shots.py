@@ -39,7 +39,7 @@ def take(scene: Scene) -> Take:
     return simulate(scene)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_all_frames_and_all_machines_have_one_scenery(scene: Scene, take: Take) -> None:
     here = ShotBuilder(scene, take)
     assert here.shot(1).scenery is here.shot(3).scenery

@@ -109,7 +109,7 @@ def test_only_forbidden_zones_are_warned(terrain: Terrain) -> None:
     assert (near.warned == ~field.steppable(middles[:, 0], middles[:, 2])).all()
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "config",
     [

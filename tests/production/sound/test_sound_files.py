@@ -155,7 +155,7 @@ def test_muted_events_have_no_label_and_no_locator() -> None:
 # --- edit lists ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(2)
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("rate", RATES, ids=str)
 def test_another_reader_reads_the_edit_list_to_the_frame(rate: Fraction) -> None:
     count = timecode_base(rate)

@@ -210,7 +210,7 @@ def test_joint_limits_hold_at_any_looseness(looseness: float) -> None:
     assert (recording.q < limits.upper).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_creature_at_rest_has_only_idle_motion() -> None:
     for name in ("horse", "scorpion", "person"):
         still = Recording(f"{{figure: {name}}}", duration=1, wander=0.0)

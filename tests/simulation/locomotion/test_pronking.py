@@ -316,6 +316,7 @@ def test_fetlocks_and_heels_of_hoppers_stay_above_their_feet(level_hops):
 # --- falling ------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 def test_hopper_without_balance_topples():
     scene = scene_of(member("kangaroo", "{balance: 0}"), duration=5)
     hops = hop_through(scene)
@@ -344,6 +345,7 @@ def test_tripping_scene_is_reproducible():
     assert steps["tripped"][0] <= steps["toppled"][0]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "duration"), [("dropped", 1.25), ("tripping", 3.25)])
 def test_legs_that_land_hard_or_meet_a_wall_do_not_pop(name, duration):

@@ -341,8 +341,8 @@ def scene_of(acts: Sequence[Act], seconds: float) -> str:
     """Return the scene of acts."""
     cast = "".join(f"  - {{{one}}}\n" for act in acts for one in act.cast)
     script = "".join(f"  - {{{one}}}\n" for act in acts for one in act.script)
-    size = APART * (COLUMNS + 1)
-    terrain = f"{{kind: flat, size: [{size}, {size}]}}"
+    width, depth = APART * (COLUMNS + 1), APART * (math.ceil(len(acts) / COLUMNS) + 1)
+    terrain = f"{{kind: flat, size: [{width}, {depth}]}}"
     return f"pronk: 1\nduration: {seconds}\nterrain: {terrain}\ncast:\n{cast}script:\n{script}"
 
 

@@ -194,6 +194,7 @@ class TaskDispatcher:
         self._steps += 1
         self._share_slots()
         self._form_crews()
+        self._advance_crews()
         givings = self._ask_holders()
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
@@ -201,6 +202,7 @@ class TaskDispatcher:
             controller.grip_changes.clear()
             controller.touched.clear()
             controller.kicked_bodies.clear()
+        for k, controller in enumerate(self.controllers):
             if embraces[k] >= 0:
                 controller.end_distant_embrace()
             may_grip = holds[k] or self._tasks[k] is not None
@@ -239,6 +241,11 @@ class TaskDispatcher:
             crew = crew_of(thing, target, [self.controllers[k] for k in pair])
             for number, k in enumerate(pair):
                 self._begin(k, CarryEnd(crew, number))
+
+    def _advance_crews(self) -> None:
+        for task in self._tasks:
+            if isinstance(task, CarryEnd) and task.number == 0:
+                task.crew.advance(self._dt)
 
     def _ask_holders(self) -> dict[int, HandOver]:
         """Return what is handed over, by the giver; askers of a busy holder wait."""

@@ -16,7 +16,12 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import PATIENCE
-from pipeline.simulation.characters.grasp import PALM, grasp_failure, half_extent
+from pipeline.simulation.characters.grasp import (
+    PALM,
+    grasp_failure,
+    half_extent,
+    lift_over_knees,
+)
 from pipeline.simulation.characters.handling_tasks import (
     OPENING_TIME,
     PUT_DOWN_GAP,
@@ -313,7 +318,8 @@ class CarryEnd(Task):
             distance = math.dist(controller.hand(k), places[k])
             aside = crew.hands[self.number, k] @ crew.across
             opening = math.copysign(min(OPENING * distance, widest), float(aside))
-            controller.put_hand(k, places[k] + opening * crew.across)
+            place = places[k] + opening * crew.across
+            controller.put_hand(k, place + lift_over_knees(controller, k, places[k]))
             farthest = max(farthest, distance)
         closing = CLOSING if crew.time < PATIENCE else PATIENT_CLOSING
         crew.ready[self.number] = farthest < closing * person.height

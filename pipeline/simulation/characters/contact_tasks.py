@@ -31,7 +31,10 @@ PATIENCE = 1.6
 
 STANDING_RANGE = 0.75  # of hands before an upright body, in arm lengths
 REACHING_TIME = 0.5  # of a hand that comes no nearer, after which the person turns and steps [s]
+REACHING_RANGE = 0.55  # of hands before an upright body that has stepped up, in arm lengths
+BEHIND = math.radians(100.0)  # turn to a place beyond which no hand reaches it
 REACHING_TOLERANCE = math.radians(30.0)  # of the turn to a place that a hand reaches for
+HIGHEST_REACH = 0.3  # of a hand on a taller person, above the own shoulder, in arm lengths
 FARTHEST_STEPS = 1.5  # of a person that steps to where its hand reaches [m]
 HAND_BREADTH = 0.06  # within which a hand counts as there in the end, in heights
 BEYOND_REACH = 0.4  # from its place at which a hand that was there sinks again, in arm lengths
@@ -68,7 +71,7 @@ HUG = HugShape()
 SHOVE_RANGE = 0.5  # of who shoves from the middle of the other, in arm lengths
 STEP_BACK = 0.25  # after a hug that an order ends [m]
 OPEN_TIME = 0.7  # of the arms after a hug [s]
-HUG_REACHED = 0.06  # from touching, within which arms close [m]
+HUG_REACHED = 0.04  # from touching, within which arms close [m]
 LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
 HUG_DEPTH = 0.02  # by which two press against each other [m]
 COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
@@ -114,6 +117,12 @@ class Reach(Task):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         self.time += dt
+        if not self.has_reached and self._steps_nearer(controller, dt):
+            self.progress = TaskProgress()
+            for k in self.hands:
+                if not controller.is_holding(k):
+                    controller.record.arm_mode[k] = SWINGING
+            return False
         farthest, height = 0.0, float(controller.record.height)
         for k in self.hands:
             place = self._place(controller, k)
@@ -121,10 +130,9 @@ class Reach(Task):
             farthest = max(farthest, math.dist(controller.hand(k), place))
         is_late = self.time > PATIENCE and farthest < HAND_BREADTH * height
         self.has_reached |= is_late or farthest < HAND_AT_PLACE * height
-        if not self.has_reached and not self._steps_nearer(controller, dt):
-            if self.progress.update(farthest, dt) > PATIENCE:
-                self.failure = f"{farthest:.2f} m out of reach at {place_text(controller)}"
-        elif self.has_reached and self.steps:
+        if not self.has_reached and self.progress.update(farthest, dt) > PATIENCE:
+            self.failure = f"{farthest:.2f} m out of reach at {place_text(controller)}"
+        if self.has_reached and self.steps:
             self.steps = controller.record.has_facing = False
         self.beyond = self.beyond + dt if farthest > BEYOND_REACH * controller.arm else 0.0
         self.is_lost = self.has_reached and self.beyond > PATIENCE
@@ -133,24 +141,22 @@ class Reach(Task):
     def _steps_nearer(self, controller: PersonController, dt: float) -> bool:
         """Turn and step to where the hands reach, if they do not; tell whether that goes on."""
         person = controller.record
-        self.steps |= self.progress.time > REACHING_TIME and controller.is_standing
-        if not self.steps:
-            return False
         place = np.mean([self._place(controller, k) for k in self.hands], axis=0)
+        if not self.steps and controller.is_standing:
+            way = controller.direction_to(place)
+            is_behind = float(way @ controller.ahead) < math.cos(BEHIND)
+            self.steps = is_behind or self.progress.time > REACHING_TIME
         is_high = place[1] - person.floor > 0.4 * person.height
-        near = (STANDING_RANGE if is_high else BOWED_RANGE) * controller.arm
+        near = (REACHING_RANGE if is_high else BOWED_RANGE) * controller.arm
         left = controller.ground_distance(place) - near
-        if place[1] - shoulder_height(controller) > controller.arm or left > FARTHEST_STEPS:
+        is_above = place[1] - shoulder_height(controller) > controller.arm
+        if not self.steps or is_above or left > FARTHEST_STEPS:
             return False
         if left > 0.12 * controller.arm:
             self.stick(self.approach.walk_to(controller, place, near, self.owner, dt))
-            self.progress = TaskProgress()
             return True
         controller.face_to(place)
-        if controller.is_facing(REACHING_TOLERANCE) and controller.is_standing:
-            return False
-        self.progress = TaskProgress()
-        return True
+        return not (controller.is_facing(REACHING_TOLERANCE) and controller.is_standing)
 
     def _place(self, controller: PersonController, k: int) -> Array:
         """Return (3,) where a hand goes [m]."""
@@ -164,6 +170,9 @@ class Reach(Task):
             place = controller.view.middle(self.owner)
             if self.owner in controller.view.people:
                 off += CHEST_DEPTH * controller.view.size(self.owner)
+                # As high as a smaller one reaches.
+                highest = float(shoulder[1]) + HIGHEST_REACH * controller.arm
+                place = np.array([place[0], min(float(place[1]), highest), place[2]])
         size = max(math.dist(shoulder, place), 1e-9)
         share = min(off / size, 1.0)
         surface: Array = place + share * (shoulder - place)
@@ -308,7 +317,7 @@ class Hug(Task):
             self.stick(reason, self.approach)
             if self.is_gentle:
                 slowest = SLOWEST_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
-                self.most_pace = max(CLOSING_RATE * (distance - closeness), slowest)
+                self.most_pace = max(CLOSING_RATE * (distance - closeness - share), slowest)
             if distance < closeness + 1.1 * controller.arm:
                 self.is_near = True
                 # Bowing only once the partner is there would knock heads.

@@ -38,6 +38,9 @@ LONG_ARM = 0.45
 SIDE, TALL, DEEP = 3.0, 1.2, 0.5
 """Length, height and depth of a fence [m]."""
 
+HUG_SCALES = 0.5, 1.4
+"""Least and greatest scale of people that hug."""
+
 People = Mapping[str, PersonController]
 
 
@@ -83,10 +86,16 @@ class Act:
         turn, distance = self.rng.uniform(0.0, 2.0 * math.pi), self.rng.uniform(near, far)
         return distance * math.cos(turn), distance * math.sin(turn)
 
-    def add_person(self, own: str, at: tuple[float, float], kind: str = "") -> None:
+    def add_person(
+        self,
+        own: str,
+        at: tuple[float, float],
+        kind: str = "",
+        scales: tuple[float, float] = (0.85, 1.15),
+    ) -> None:
         """Add a person of a random size and heading."""
         kind = kind or str(self.rng.choice(["adult", "child"]))
-        turn, scale = self.rng.uniform(-180.0, 180.0), self.rng.uniform(0.85, 1.15)
+        turn, scale = self.rng.uniform(-180.0, 180.0), self.rng.uniform(*scales)
         more = f"heading_deg: {turn:.0f}, scale: {scale:.2f}"
         self.cast.append(
             f"name: {self.name(own)}, character: {kind}, at: {self.place(*at)}, {more}"
@@ -147,6 +156,14 @@ def take(act: Act) -> None:
     """Take a small thing from the ground."""
     act.add_person("a", act.somewhere(0.3, 3.0))
     act.add_small_thing()
+    act.order("a", f"grab: {act.name('t')}")
+    act.expect_holding("a")
+
+
+def take_doll(act: Act) -> None:
+    """Take a doll from the ground."""
+    act.add_person("a", act.somewhere(0.3, 3.0))
+    act.add("t", f"character: ragdoll, heading_deg: {act.rng.uniform(0.0, 360.0):.0f}")
     act.order("a", f"grab: {act.name('t')}")
     act.expect_holding("a")
 
@@ -271,8 +288,8 @@ def hug_lost(act: Act) -> None:
 
 def _meet(act: Act) -> None:
     """Let one or both be told to hug."""
-    act.add_person("a", act.somewhere(0.6, 3.5))
-    act.add_person("b", (0.0, 0.0))
+    act.add_person("a", act.somewhere(0.6, 3.5), scales=HUG_SCALES)
+    act.add_person("b", (0.0, 0.0), scales=HUG_SCALES)
     draw = act.rng.random()
     if 0.5 < draw < 0.7:
         act.order("b", f"go_to: {act.place(*act.somewhere(0.5, 2.0))}", at=0.0)
@@ -300,6 +317,7 @@ LET_GO_TIME = 11.0
 SECONDS = 14.0
 KINDS: dict[str, tuple[Callable[[Act], None], float]] = {
     "take": (take, SECONDS),
+    "take doll": (take_doll, SECONDS),
     "take wide": (take_wide, SECONDS),
     "carry": (carry, 24.0),
     "hand over": (hand_over, 22.0),
@@ -341,8 +359,8 @@ def scene_of(acts: Sequence[Act], seconds: float) -> str:
     """Return the scene of acts."""
     cast = "".join(f"  - {{{one}}}\n" for act in acts for one in act.cast)
     script = "".join(f"  - {{{one}}}\n" for act in acts for one in act.script)
-    size = APART * (COLUMNS + 1)
-    terrain = f"{{kind: flat, size: [{size}, {size}]}}"
+    width, depth = APART * (COLUMNS + 1), APART * (math.ceil(len(acts) / COLUMNS) + 1)
+    terrain = f"{{kind: flat, size: [{width}, {depth}]}}"
     return f"pronk: 1\nduration: {seconds}\nterrain: {terrain}\ncast:\n{cast}script:\n{script}"
 
 

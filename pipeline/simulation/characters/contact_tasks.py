@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.simulation.characters.grasp import lift_over_knees
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import (
     PELVIS,
@@ -19,13 +20,22 @@ from pipeline.simulation.characters.person_record import (
     SWINGING,
 )
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
+from pipeline.simulation.characters.standoff import BOWED_RANGE, BOWING_TOLERANCE, Standoff
 from pipeline.simulation.characters.task_progress import TaskProgress
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
 
 GRAB_PATIENCE = 2.5  # without coming nearer [s]
 PATIENCE = 1.6
 """Time after which a hand is near enough to a place that it cannot quite reach [s]."""
 
+STANDING_RANGE = 0.75  # of hands before an upright body, in arm lengths
+REACHING_TIME = 0.5  # of a hand that comes no nearer, after which the person turns and steps [s]
+REACHING_RANGE = 0.55  # of hands before an upright body that has stepped up, in arm lengths
+BEHIND = math.radians(100.0)  # turn to a place beyond which no hand reaches it
+REACHING_TOLERANCE = math.radians(30.0)  # of the turn to a place that a hand reaches for
+HIGHEST_REACH = 0.3  # of a hand on a taller person, above the own shoulder, in arm lengths
+FARTHEST_STEPS = 1.5  # of a person that steps to where its hand reaches [m]
 HAND_BREADTH = 0.06  # within which a hand counts as there in the end, in heights
 BEYOND_REACH = 0.4  # from its place at which a hand that was there sinks again, in arm lengths
 PALM_OFFSET = 0.045  # of the wrist from a surface that the hand touches, in heights
@@ -65,6 +75,8 @@ HUG_REACHED = 0.06  # from touching, within which arms close [m]
 LOST_HUG = 0.45  # from touching, at which a partner is gone, in arm lengths
 HUG_DEPTH = 0.02  # by which two press against each other [m]
 COMING_TIME = 0.12  # over which the speed of a partner is averaged [s]
+CLOSING_RATE = 1.2  # speed of the last steps, by the distance from touching [1/s]
+SLOWEST_FROUDE = 0.07  # of these steps, in √(g l); the knee of a faster one strikes the partner
 LEAST_APPROACH = 0.3  # of both together, below which one walks the whole way [m/s]
 EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
 
@@ -80,6 +92,8 @@ class Reach(Task):
         target: name of the member of another room, "" for none.
         time: since the start [s].
         progress: of the hand that is farthest off.
+        steps: whether the person turns and steps to where its hands reach.
+        approach: of these steps.
         has_reached: whether all hands were near enough.
         beyond: time for which a hand has been far off [s].
     """
@@ -90,6 +104,8 @@ class Reach(Task):
     target: str = ""
     time: float = 0.0
     progress: TaskProgress = field(default_factory=TaskProgress)
+    steps: bool = False
+    approach: Approach = field(default_factory=Approach)
     has_reached: bool = False
     beyond: float = 0.0
 
@@ -101,6 +117,12 @@ class Reach(Task):
     def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         self.time += dt
+        if not self.has_reached and self._steps_nearer(controller, dt):
+            self.progress = TaskProgress()
+            for k in self.hands:
+                if not controller.is_holding(k):
+                    controller.record.arm_mode[k] = SWINGING
+            return False
         farthest, height = 0.0, float(controller.record.height)
         for k in self.hands:
             place = self._place(controller, k)
@@ -110,9 +132,31 @@ class Reach(Task):
         self.has_reached |= is_late or farthest < HAND_AT_PLACE * height
         if not self.has_reached and self.progress.update(farthest, dt) > PATIENCE:
             self.failure = f"{farthest:.2f} m out of reach at {place_text(controller)}"
+        if self.has_reached and self.steps:
+            self.steps = controller.record.has_facing = False
         self.beyond = self.beyond + dt if farthest > BEYOND_REACH * controller.arm else 0.0
         self.is_lost = self.has_reached and self.beyond > PATIENCE
         return self.has_reached
+
+    def _steps_nearer(self, controller: PersonController, dt: float) -> bool:
+        """Turn and step to where the hands reach, if they do not; tell whether that goes on."""
+        person = controller.record
+        place = np.mean([self._place(controller, k) for k in self.hands], axis=0)
+        if not self.steps and controller.is_standing:
+            way = controller.direction_to(place)
+            is_behind = float(way @ controller.ahead) < math.cos(BEHIND)
+            self.steps = is_behind or self.progress.time > REACHING_TIME
+        is_high = place[1] - person.floor > 0.4 * person.height
+        near = (REACHING_RANGE if is_high else BOWED_RANGE) * controller.arm
+        left = controller.ground_distance(place) - near
+        is_above = place[1] - shoulder_height(controller) > controller.arm
+        if not self.steps or is_above or left > FARTHEST_STEPS:
+            return False
+        if left > 0.12 * controller.arm:
+            self.stick(self.approach.walk_to(controller, place, near, self.owner, dt))
+            return True
+        controller.face_to(place)
+        return not (controller.is_facing(REACHING_TOLERANCE) and controller.is_standing)
 
     def _place(self, controller: PersonController, k: int) -> Array:
         """Return (3,) where a hand goes [m]."""
@@ -126,6 +170,9 @@ class Reach(Task):
             place = controller.view.middle(self.owner)
             if self.owner in controller.view.people:
                 off += CHEST_DEPTH * controller.view.size(self.owner)
+                # As high as a smaller one reaches.
+                highest = float(shoulder[1]) + HIGHEST_REACH * controller.arm
+                place = np.array([place[0], min(float(place[1]), highest), place[2]])
         size = max(math.dist(shoulder, place), 1e-9)
         share = min(off / size, 1.0)
         surface: Array = place + share * (shoulder - place)
@@ -144,6 +191,7 @@ class Grab(Task):
         time: since it is near [s].
         approach: to it.
         progress: of the hands.
+        standoff: from low things.
     """
 
     hands: tuple[int, ...]
@@ -153,6 +201,7 @@ class Grab(Task):
     time: float = 0.0
     approach: Approach = field(default_factory=Approach)
     progress: TaskProgress = field(default_factory=TaskProgress)
+    standoff: Standoff = field(default_factory=Standoff)
 
     def asks_for(self, controller: PersonController) -> str:
         """See `Task`; what is light is handed over, heavy things are held by several."""
@@ -170,35 +219,53 @@ class Grab(Task):
         if all(controller.held_node(k) >= 0 for k in self.hands):
             return True
         first = p[self.nodes[self.hands[0]]]
-        # Bowing and crouching bring shoulders forward over low places.
-        near = (0.8 if first[1] > 0.4 * person.height else 0.62) * controller.arm
-        radius = controller.ball_radius(self.owner)
-        near += radius
-        if controller.ground_distance(first) > near + 0.12 * controller.arm:
+        is_high = first[1] - person.floor > 0.4 * person.height
+        near = (0.8 if is_high else BOWED_RANGE) * controller.arm
+        near += controller.ball_radius(self.owner)
+        is_walking = controller.ground_distance(first) > near + 0.12 * controller.arm
+        if is_walking and not self.standoff.is_stepping:
             if self.part is None:
                 self.nodes.clear()
             reason = self.approach.walk_to(controller, first, near, self.owner, dt)
             self.stick(reason, self.approach)
             return False
-        if person.has_goal:
+        if person.has_goal and not self.standoff.is_stepping:
             self.progress = TaskProgress()
             controller.face_to(first)
+        if is_high or self._gets_down(controller, first, dt):
+            self._close_hands(controller, dt)
+        return False
+
+    def _gets_down(self, controller: PersonController, place: Array, dt: float) -> bool:
+        """Step off from a low place that is too near, turn to it, and tell when to bow."""
+        if not self.standoff.is_kept(controller, place, place, dt, self.progress.time):
+            self.progress, self.time = TaskProgress(), 0.0
+            return False
+        controller.face_to(place)
+        if controller.is_facing(BOWING_TOLERANCE):
+            return True
+        self._check_progress(controller, controller.turn_left, dt)
+        return False
+
+    def _close_hands(self, controller: PersonController, dt: float) -> None:
+        """Send hands to their nodes, and close each that is there."""
+        p, height = controller.view.p, controller.record.height
+        radius = controller.ball_radius(self.owner)
         self.time += dt
         closing = GRAB_DISTANCE if self.time < PATIENCE else PATIENT_GRAB_DISTANCE
-        # A ball is taken from this side.
-        aside = radius * controller.direction_to(first)
         farthest = 0.0
         for k in self.hands:
             node = self.nodes[k]
-            controller.put_hand(k, p[node] - aside)
+            # A ball is taken from this side.
+            place = p[node] - radius * controller.direction_to(p[node])
+            controller.put_hand(k, place + lift_over_knees(controller, k, place))
             distance = math.dist(controller.hand(k), p[node])
             if not controller.is_holding(k):
                 farthest = max(farthest, distance)
-            if distance < closing * person.height + radius:
+            if distance < closing * height + radius:
                 controller.grip(k, node)
-                person.has_facing = False
+                controller.record.has_facing = False
         self._check_progress(controller, farthest, dt)
-        return False
 
     def _check_progress(self, controller: PersonController, distance: float, dt: float) -> None:
         """Give up what comes no nearer."""
@@ -221,6 +288,9 @@ class Hug(Task):
         touched: time since the two touch [s], 0 before.
         coming: speed at which the partner comes nearer [m/s].
         seen: place of the partner (3,) at the step before [m].
+        is_gentle: whether the last steps are slow.
+        is_near: whether the person has opened its arms.
+        is_answered: whether the partner has accepted or declined.
         approach: to the partner.
     """
 
@@ -229,6 +299,9 @@ class Hug(Task):
     touched: float = 0.0
     coming: float = 0.0
     seen: Array | None = None
+    is_gentle: bool = True
+    is_near: bool = False
+    is_answered: bool = False
     approach: Approach = field(default_factory=Approach)
 
     def advance(self, controller: PersonController, dt: float) -> bool:
@@ -242,11 +315,16 @@ class Hug(Task):
             stop = closeness - HUG_DEPTH + share
             reason = self.approach.walk_to(controller, partner, stop, self.owner, dt)
             self.stick(reason, self.approach)
+            if self.is_gentle:
+                slowest = SLOWEST_FROUDE * math.sqrt(GRAVITY * float(person.hip_height))
+                self.most_pace = max(CLOSING_RATE * (distance - closeness - share), slowest)
             if distance < closeness + 1.1 * controller.arm:
+                self.is_near = True
                 # Bowing only once the partner is there would knock heads.
                 self._bow(controller)
                 self._open_arms(controller)
             return False
+        self.most_pace = math.inf
         if self.touched == 0.0:
             controller.face_to(partner)
         elif distance > closeness + LOST_HUG * controller.arm:

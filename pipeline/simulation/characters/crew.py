@@ -16,27 +16,41 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import PATIENCE
-from pipeline.simulation.characters.grasp import PALM, grasp_failure, half_extent
-from pipeline.simulation.characters.handling_tasks import PUT_DOWN_GAP, PUT_DOWN_TIME
+from pipeline.simulation.characters.grasp import (
+    PALM,
+    grasp_failure,
+    half_extent,
+    lift_over_knees,
+)
+from pipeline.simulation.characters.handling_tasks import (
+    OPENING_TIME,
+    PUT_DOWN_GAP,
+    PUT_DOWN_TIME,
+)
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Approach, Task, place_text
-from pipeline.simulation.characters.task_progress import TaskProgress
+from pipeline.simulation.characters.standoff import Standoff
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.spatial import Array
 
 STANDOFF = 0.8  # of the middle of a body from where its hands take the thing, in arm lengths
 INWARD = 0.3  # of the hands from the end of the thing, in half its length at most
 MOST_INWARD = 0.08  # [m]
-NEAR_END = 0.2  # of a body from its place at which it is there [m]
+AT_END, NEAR_END = 0.1, 0.2  # of a body from its place, to get there and to be there still [m]
 FACING_TOLERANCE = math.radians(12.0)
 CLOSING, PATIENT_CLOSING = 0.04, 0.1  # of a hand to its place, in heights
+OPENING, WIDEST_OPENING = 0.5, 0.08  # of a hand beside its place, by how far it is; in heights
 CARRYING_HEIGHT = 0.42  # of the hands, in heights of the smaller one
 CARRYING_PACE = 0.45  # of the usual one
 LEAD_TIME = 0.5  # by which each goes ahead of where it should be [s]
 LAG = 0.25  # behind its place at which the other waits [m]
-GATHERING_TIME, TAKING_TIME = 8.0, 4.0  # of both, after which they give up [s]
+GATHERING_TIME = 8.0  # since somebody last walked, after which both give up [s]
+TAKING_TIME = 6.0  # after which both begin anew, and then give up [s]
+WALKING_TIME = 4.0  # without getting on, after which both put it down [s]
 LIFTING_TIME = 1.2  # [s]
+MOST_TRIES = 2  # to take it
+AT_GOAL = 0.4  # of the thing from its goal, in which it is carried there [m]
 
 
 class Stage(IntEnum):
@@ -65,6 +79,7 @@ class Crew:
         hands: (2, 2, 3) places of the hands on the thing, from its middle, by person and hand [m].
         ready: which of them are.
         steps: for which each has taken part.
+        tries: how often both have tried to take it.
         reason: why they give up, "" while they do not.
     """
 
@@ -78,6 +93,7 @@ class Crew:
     hands: Array = field(default_factory=lambda: np.zeros((2, 2, 3)))
     ready: list[bool] = field(default_factory=lambda: [False, False])
     steps: list[int] = field(default_factory=lambda: [0, 0])
+    tries: int = 0
     reason: str = ""
 
     @property
@@ -94,7 +110,7 @@ class Crew:
         self.stage, self.time, self.ready = stage, 0.0, [False, False]
 
     def advance(self, dt: float) -> None:
-        """Advance the stage by a step, once for both."""
+        """Advance the stage by a step, once for both and before either acts."""
         self.time += dt
         if self.stage is Stage.WALK:
             self._lead(dt)
@@ -102,11 +118,15 @@ class Crew:
             self._set_out()
         elif all(self.ready) and self.stage is not Stage.DONE:
             self.go_on(Stage(self.stage + 1))
-        elif self.stage is Stage.GATHER and any(self.ready) and self.time > GATHERING_TIME:
+        elif self.stage is Stage.GATHER and self.time > GATHERING_TIME:
             late = self.people[self.ready.index(False)]
             self.reason = f"{late.name} does not come to the other end at {place_text(late)}"
         elif self.stage is Stage.TAKE and self.time > TAKING_TIME:
-            self.reason = "both cannot take it at once"
+            self.tries += 1
+            if self.tries < MOST_TRIES:
+                self.go_on(Stage.GATHER)
+            else:
+                self.reason = "both cannot take it at once"
 
     def _set_out(self) -> None:
         self.go_on(Stage.WALK)
@@ -119,17 +139,23 @@ class Crew:
         offset[1] = 0.0
         left = math.hypot(offset[0], offset[2])
         lags = [one.ground_distance(self.place(k)) for k, one in enumerate(self.people)]
-        if left < 1e-3:
-            if max(lags) < LAG and all(not one.record.stepping for one in self.people):
-                self.go_on(Stage.LOWER)
-            return
-        if max(lags) < LAG:
+        is_late = max(lags) >= LAG
+        if left > 1e-3 and not is_late:
             pace = CARRYING_PACE * min(float(one.record.pace) for one in self.people)
             self.middle = self.middle + offset / left * min(pace * dt, left)
             self.time = 0.0
-        elif self.time > TAKING_TIME:
+        elif not is_late and all(not one.record.stepping for one in self.people):
+            self.go_on(Stage.LOWER)
+        elif self.time > WALKING_TIME:
             late = self.people[lags.index(max(lags))]
             self.reason = f"the way is blocked at {place_text(late)}; puts it down"
+
+    def miss(self) -> str:
+        """Return how far from its goal the thing is, "" if it is there."""
+        view = self.people[0].view
+        offset = view.state(self.thing).centre - view.state(self.target).centre
+        distance = math.hypot(offset[0], offset[2])
+        return "" if distance < AT_GOAL else f"it lies {distance:.2g} m off '{self.target}'"
 
     def place(self, number: int) -> Array:
         """Return (3,) where a person should be while both walk [m]."""
@@ -177,14 +203,18 @@ class CarryEnd(Task):
         crew: the two people.
         number: of the person in the crew.
         approach: to the end.
-        progress: of the hands.
+        standoff: from the thing, to bow.
+        is_there: whether the person has got to its end.
+        has_taken: whether its hands have closed around the end.
         time: since the hands are open [s].
     """
 
     crew: Crew
     number: int
     approach: Approach = field(default_factory=Approach)
-    progress: TaskProgress = field(default_factory=TaskProgress)
+    standoff: Standoff = field(default_factory=Standoff)
+    is_there: bool = False
+    has_taken: bool = False
     time: float = 0.0
 
     @property
@@ -200,9 +230,9 @@ class CarryEnd(Task):
         other = 1 - self.number
         if crew.steps[self.number] > crew.steps[other] + 2 and crew.stage is not Stage.DONE:
             crew.reason = crew.reason or f"{crew.people[other].name} has left it"
-        if self.number == 0:
-            crew.advance(dt)
         self.leads_hands = crew.stage in (Stage.LIFT, Stage.WALK, Stage.LOWER)
+        if self.leads_hands:
+            self._keep_hold(controller)
         if reason := crew.reason or self._unfit(controller):
             self.release(controller)
             self.failure = reason
@@ -210,7 +240,7 @@ class CarryEnd(Task):
         if crew.stage is Stage.GATHER:
             self._gather(controller, state, dt)
         elif crew.stage is Stage.TAKE:
-            self._take(controller, state)
+            self._take(controller, state, dt)
         elif crew.stage in (Stage.LIFT, Stage.WALK):
             self._carry(controller)
         elif crew.stage is Stage.LOWER:
@@ -218,7 +248,23 @@ class CarryEnd(Task):
         else:
             self.release(controller)
             self.time += dt
-        return self.time > PATIENCE / 4.0
+            if self.time > OPENING_TIME:
+                self.failure = crew.miss()
+        return self.time > OPENING_TIME and not self.failure
+
+    def _keep_hold(self, controller: PersonController) -> None:
+        """Close the hands around the end, once, and give up when they have lost it."""
+        crew, view = self.crew, controller.view
+        if not self.has_taken:
+            self.has_taken = True
+            owner = view.owner(crew.thing)
+            if owner < 0:
+                controller.hold_member(crew.thing, (0, 1))
+            else:
+                for k in range(2):
+                    controller.grip(k, controller.node_to_grip(owner, None, k))
+        elif len(controller.hands_holding(crew.thing)) < 2:
+            crew.reason = crew.reason or f"{controller.name} has lost hold of it"
 
     def _unfit(self, controller: PersonController) -> str:
         """Return why the person cannot hold its end, "" if it can."""
@@ -242,38 +288,41 @@ class CarryEnd(Task):
     def _gather(self, controller: PersonController, state: MemberState, dt: float) -> None:
         """Go to the end around the thing, and face it."""
         spot = self._spot(state, controller)
-        if controller.ground_distance(spot) > NEAR_END:
+        for k in range(2):
+            if not controller.is_holding(k):
+                controller.record.arm_mode[k] = SWINGING
+        if controller.ground_distance(spot) > (NEAR_END if self.is_there else AT_END):
+            self.is_there, self.crew.time = False, 0.0
             radius = 0.5 * math.hypot(*np.ptp(np.concatenate(state.solids)[:, [0, 2]], axis=0))
             circle = state.centre[[0, 2]], radius
             reason = self.approach.walk_to(controller, spot, 0.0, NOBODY, dt, circle)
             self.crew.reason = self.crew.reason or reason
             return
-        self.approach = Approach()
+        self.is_there, self.approach = True, Approach()
         controller.face_to(state.centre)
         self.crew.ready[self.number] = controller.is_standing and controller.is_facing(
             FACING_TOLERANCE
         )
 
-    def _take(self, controller: PersonController, state: MemberState) -> None:
-        """Send the hands to the end; close them when those of both are there."""
+    def _take(self, controller: PersonController, state: MemberState, dt: float) -> None:
+        """Send the hands to the end, first beside it and then together."""
         crew, person = self.crew, controller.record
+        places = state.centre + crew.hands[self.number]
+        middle = places.mean(axis=0)
+        if not self.standoff.is_kept(controller, middle, middle, dt):
+            crew.ready[self.number] = False
+            return
         controller.face_to(state.centre)
-        farthest = 0.0
+        farthest, widest = 0.0, WIDEST_OPENING * float(person.height)
         for k in range(2):
-            place = state.centre + crew.hands[self.number, k]
-            controller.put_hand(k, place)
-            farthest = max(farthest, math.dist(controller.hand(k), place))
+            distance = math.dist(controller.hand(k), places[k])
+            aside = crew.hands[self.number, k] @ crew.across
+            opening = math.copysign(min(OPENING * distance, widest), float(aside))
+            place = places[k] + opening * crew.across
+            controller.put_hand(k, place + lift_over_knees(controller, k, places[k]))
+            farthest = max(farthest, distance)
         closing = CLOSING if crew.time < PATIENCE else PATIENT_CLOSING
         crew.ready[self.number] = farthest < closing * person.height
-        if not all(crew.ready):
-            return
-        for one in crew.people:
-            owner = controller.view.owner(crew.thing)
-            if owner < 0:
-                one.hold_member(crew.thing, (0, 1))
-                continue
-            for k in range(2):
-                one.grip(k, one.node_to_grip(owner, None, k))
 
     def _carry(self, controller: PersonController) -> None:
         """Hold the end before the body, and walk to the place that the crew has come to."""

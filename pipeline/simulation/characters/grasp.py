@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from pipeline.simulation.characters.person_controller import PersonController
@@ -17,6 +19,8 @@ ONE_HAND_MASS, TWO_HAND_MASS = 0.15, 0.5  # heaviest things, in the person's mas
 PROP_DENSITY = 600.0  # of things that are not known to have a mass [kg/m³]
 PALM = 0.045  # from the wrist to the middle of the palm, in heights
 WIDTH_DIRECTIONS = 96
+LOWERING_RANGE = 0.3  # of a hand beside its place, from which it goes down, in arm lengths
+LIFTED, LIFT_SLOPE = 0.9, 1.5  # height up to which it stays above that, in arm lengths; its slope
 
 
 def width_of(state: MemberState) -> float:
@@ -92,6 +96,14 @@ def grasp_place(controller: PersonController, state: MemberState, k: int, both: 
     near = max(depth - palm, 0.0) if half > reach else 0.5 * depth
     aside = min(half, reach) + 0.4 * palm
     return state.centre + side * aside * right - near * ahead
+
+
+def lift_over_knees(controller: PersonController, k: int, wrist: Array) -> Array:
+    """Return (3,) how far above its place a hand goes: first ahead of the knees, then down [m]."""
+    hand = controller.hand(k)
+    aside = math.hypot(wrist[0] - hand[0], wrist[2] - hand[2]) - LOWERING_RANGE * controller.arm
+    above = max(float(controller.record.floor) + LIFTED * controller.arm - wrist[1], 0.0)
+    return np.array([0.0, min(LIFT_SLOPE * max(aside, 0.0), above), 0.0])
 
 
 def half_extent(state: MemberState, direction: Array) -> float:

@@ -7,31 +7,32 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.characters.contact_tasks import GRAB_PATIENCE, PATIENCE, Grab
+from pipeline.simulation.characters.contact_tasks import (
+    GRAB_PATIENCE,
+    PATIENCE,
+    STANDING_RANGE,
+    Grab,
+)
 from pipeline.simulation.characters.grasp import (
     grasp_failure,
     grasp_place,
     half_extent,
     hold_members,
+    lift_over_knees,
     mass_of,
 )
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import SWINGING
 from pipeline.simulation.characters.person_tasks import Task, place_text
 from pipeline.simulation.characters.pursuit_tasks import CHASE_PATIENCE, TargetTask, WalkUp
-from pipeline.simulation.characters.standoff import BOWED_RANGE, Standoff
+from pipeline.simulation.characters.standoff import BOWED_RANGE, BOWING_TOLERANCE, Standoff
 from pipeline.simulation.characters.task_progress import TaskProgress
 from pipeline.simulation.characters.throw_flight import launch_velocity
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.spatial import Array
 
-STUCK_TIME = 1.5  # of hands that come no nearer, after which a person steps off [s]
 CLOSING_DISTANCE, PATIENT_CLOSING_DISTANCE = 0.03, 0.09  # of a hand to its place, in heights
-STANDING_RANGE = 0.75  # of hands before an upright body, in arm lengths
-LOWERING_RANGE = 0.3  # of a hand beside its place, from which it goes down, in arm lengths
-LIFTED, LIFT_SLOPE = 0.9, 1.5  # height up to which it stays above that, in arm lengths; its slope
-BOWING_TOLERANCE = math.radians(35.0)  # of the turn to a low thing
 BOWING_TIME = 0.5  # by which a person looks ahead where a rolling thing will be [s]
 ROLLING_SPEED = 0.3  # from which a thing is hurried after [m/s]
 CATCH_UP_SPEED = 0.6  # beyond that of a thing that rolls away [m/s]
@@ -133,8 +134,8 @@ class GrabMember(TargetTask):
         """
         person = controller.record
         is_high = place[1] - person.floor > 0.4 * person.height
-        is_stuck = self.progress.time > STUCK_TIME and self.standoff.tries < 2
-        if not is_high and not self.standoff.is_kept(controller, place, soon, dt, is_stuck):
+        stuck = self.progress.time
+        if not is_high and not self.standoff.is_kept(controller, place, soon, dt, stuck):
             self.progress, self.time = TaskProgress(), 0.0
             return
         controller.face_to(state.centre)
@@ -196,20 +197,14 @@ class GrabMember(TargetTask):
         farthest = 0.0
         for k in self.hands:
             wrist = grasp_place(controller, state, k, both)
-            controller.put_hand(k, wrist + HAND_DELAY * state.v + self._lift(controller, k, wrist))
+            lift = lift_over_knees(controller, k, wrist)
+            controller.put_hand(k, wrist + HAND_DELAY * state.v + lift)
             farthest = max(farthest, math.dist(controller.hand(k), wrist))
         if farthest < closing * person.height:
             controller.take(self.target, self.hands)
             person.has_facing = False
             return
         self._check_progress(controller, farthest, dt, f"stays {farthest:.2f} m out of reach")
-
-    def _lift(self, controller: PersonController, k: int, wrist: Array) -> Array:
-        """Return (3,) how far above its place a hand goes: first ahead of the knees, then down."""
-        hand = controller.hand(k)
-        aside = math.hypot(wrist[0] - hand[0], wrist[2] - hand[2]) - LOWERING_RANGE * controller.arm
-        above = max(float(controller.record.floor) + LIFTED * controller.arm - wrist[1], 0.0)
-        return np.array([0.0, min(LIFT_SLOPE * max(aside, 0.0), above), 0.0])
 
     def _check_progress(
         self, controller: PersonController, distance: float, dt: float, reason: str

@@ -38,6 +38,7 @@ class Task:
         is_stuck: whether it fails because it gets no further, which may be mended from elsewhere.
         is_lost: whether what it holds on to after it is done is gone.
         pace: least walking speed that it asks for [m/s].
+        most_pace: greatest walking speed that it allows [m/s].
         leads_hands: whether it leads hands that hold something.
         asked: time for which it has asked in vain for what another holds [s].
     """
@@ -46,6 +47,7 @@ class Task:
     is_stuck: bool = field(default=False, init=False)
     is_lost: bool = field(default=False, init=False)
     pace: float = field(default=0.0, init=False)
+    most_pace: float = field(default=math.inf, init=False)
     leads_hands: bool = field(default=False, init=False)
     asked: float = field(default=0.0, init=False)
 

@@ -23,7 +23,9 @@ FARTHER_AGAIN = 0.08  # at every further try, in arm lengths
 FARTHER = 1.0  # by which the goal of a step off is beyond, in arm lengths: nobody crawls to it
 RISEN_BOW = 0.8  # tangent of the trunk's lean from which feet step
 FRONT = math.radians(50.0)  # angle to things that a person keeps facing as it steps off
+BOWING_TOLERANCE = math.radians(35.0)  # of the turn to a low thing, before a person bows
 UNDERFOOT = 0.15  # distance of things right between the feet, in arm lengths
+STUCK_TIME, STUCK_TRIES = 1.5, 2  # of hands that come no nearer, which steps may mend [s]
 MOST_TRIES = 4  # after which stepping off is in vain
 LONGEST_STEP = 3.0  # time after which a person that gets nowhere bows where it is [s]
 
@@ -48,7 +50,7 @@ class Standoff:
         spot: Array,
         soon: Array,
         dt: float,
-        is_stuck: bool = False,
+        stuck: float = 0.0,
     ) -> bool:
         """Step off from a thing that is too near; tell whether there is room to bow.
 
@@ -57,12 +59,13 @@ class Standoff:
             spot: (3,) between the hands that will hold the thing [m].
             soon: (3,) where that will be once the person is down [m].
             dt: the step [s].
-            is_stuck: whether hands do not get there although there should be room.
+            stuck: time for which hands come no nearer although there should be room [s].
         """
         person, distance = controller.record, controller.ground_distance(soon)
         if not self.is_stepping:
             if self.tries >= MOST_TRIES:
                 return True
+            is_stuck = stuck > STUCK_TIME and self.tries < STUCK_TRIES
             if not is_stuck and distance >= LEAST_RANGE * controller.arm:
                 return True
             self.is_stepping, self.time, self.tries = True, 0.0, self.tries + 1

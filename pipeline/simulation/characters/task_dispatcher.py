@@ -25,6 +25,7 @@ from pipeline.simulation.characters.grasp import hold_members
 from pipeline.simulation.characters.hand_over import ASKING_TIME, HandOver, holder_of
 from pipeline.simulation.characters.handling_tasks import CarryTo, GrabMember, ThrowAt
 from pipeline.simulation.characters.kick_task import KickThing
+from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.ordered_tasks import members_named, task_of_order
 from pipeline.simulation.characters.person_controller import (
     HANDS,
@@ -68,6 +69,8 @@ SIDE_ORDERS = (
 ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 """Tasks that leave empty hands in the air when they are broken off."""
 
+BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt)
+"""Tasks that are not left off for a hug."""
 
 LONGEST_FIRST_TRY = 4.0
 """Time at the place of an act after which there is no second try, for it has taken long [s]."""
@@ -85,7 +88,7 @@ class TaskDispatcher:
     Attributes:
         view: all characters.
         controllers: of the people, in the order of their records.
-        minded: indices of people with a mind.
+        minded: what people with a mind consent to, by their index.
         expressions: (P, 6) emotions that orders ask to show, NaN where none does. Replaced, never
             changed.
         suspended: indices of people whose tasks rest, such as in a withdrawal from pain.
@@ -99,7 +102,7 @@ class TaskDispatcher:
         poses: Mapping[str, Sequence[PoseKey]] | None = None,
     ) -> None:
         self.view = view
-        self.minded: frozenset[int] = frozenset()
+        self.minded: Mapping[int, Consent] = {}
         self.suspended = set[int]()
         self.controllers = [
             PersonController(view.names[person.owner], person, view) for person in persons
@@ -188,19 +191,17 @@ class TaskDispatcher:
 
     def command(self) -> None:
         """Command all people for the coming step."""
-        self._arrived.clear()
-        self._outcomes.clear()
+        self._clear_facts()
         time = self._steps * self._dt
         self._steps += 1
         self._share_slots()
         self._form_crews()
+        self._advance_crews()
+        self._ask_partners()
         givings = self._ask_holders()
         embraces = self.view.arrays.owners["embraces"][self._owners].tolist()
         holds = (self.view.arrays.grips[self._grips, 1] >= 0).any(axis=1).tolist()
         for k, controller in enumerate(self.controllers):
-            controller.grip_changes.clear()
-            controller.touched.clear()
-            controller.kicked_bodies.clear()
             if embraces[k] >= 0:
                 controller.end_distant_embrace()
             may_grip = holds[k] or self._tasks[k] is not None
@@ -225,6 +226,15 @@ class TaskDispatcher:
                 giving.giver.release(giving.thing)
                 self.end(k)
 
+    def _clear_facts(self) -> None:
+        """Forget what people did in the step before, of all before any acts."""
+        self._arrived.clear()
+        self._outcomes.clear()
+        for controller in self.controllers:
+            controller.grip_changes.clear()
+            controller.touched.clear()
+            controller.kicked_bodies.clear()
+
     def _form_crews(self) -> None:
         """Let two who are told to carry the same thing to the same place do that together."""
         loads = dict[tuple[str, str], list[int]]()
@@ -240,6 +250,33 @@ class TaskDispatcher:
             for number, k in enumerate(pair):
                 self._begin(k, CarryEnd(crew, number))
 
+    def _advance_crews(self) -> None:
+        for task in self._tasks:
+            if isinstance(task, CarryEnd) and task.number == 0:
+                task.crew.advance(self._dt)
+
+    def _ask_partners(self) -> None:
+        """Let those who are to be hugged accept or decline, once the arms open."""
+        for k, task in enumerate(self._tasks):
+            if not isinstance(task, Hug) or task.is_answered or not task.is_near:
+                continue
+            task.is_answered = True
+            partner = self._by_name.get(self.view.names[task.owner])
+            if self._ordered[k] and partner is not None:
+                asker = int(self.controllers[k].record.owner)
+                if refusal := self._refusal_to_hug(partner, asker):
+                    task.failure = f"{self.controllers[partner].name} {refusal}, and declines"
+
+    def _refusal_to_hug(self, k: int, asker: int) -> str:
+        """Return why a person does not let a character hug it, "" if it does."""
+        if k in self.minded and not self._ordered[k]:
+            return self.minded[k].refusal(asker)
+        task = self._tasks[k]
+        if isinstance(task, Hug) and task.owner != asker and task.touched > 0.0:
+            return f"hugs {self.view.names[task.owner]}"
+        is_busy = isinstance(task, BUSY_TASKS) and not self._done[k]
+        return "has its hands full" if is_busy else ""
+
     def _ask_holders(self) -> dict[int, HandOver]:
         """Return what is handed over, by the giver; askers of a busy holder wait."""
         givings = dict[int, HandOver]()
@@ -253,11 +290,14 @@ class TaskDispatcher:
                 task.asked = 0.0
                 continue
             number = self._by_name[giver.name]
-            is_asked_already = number in givings
-            if self._ordered[number] or number in self.minded or is_asked_already:
+            is_busy, refusal = self._ordered[number] or number in givings, ""
+            if number in self.minded:
+                asker, owner = int(taker.record.owner), self.view.owner(thing)
+                refusal = self.minded[number].refusal_to_give(asker, owner)
+            if is_busy or refusal:
                 task.asked = self._asked[k] = self._asked[k] + self._dt
                 if task.asked > ASKING_TIME:
-                    task.failure = f"{giver.name} holds it"
+                    task.failure = " and ".join(filter(None, [f"{giver.name} holds it", refusal]))
             else:
                 task.asked = 0.0
                 givings[number] = HandOver(giver, taker, thing)
@@ -277,7 +317,7 @@ class TaskDispatcher:
             self._arrived.append(controller.name)
         self._done[k] = is_done or self._done[k]
         self._ordered[k] = self._ordered[k] and (not is_done or self._persists(k))
-        self._set_pace(k, 0.0 if is_done else task.pace)
+        self._set_pace(k, *((0.0,) if is_done else (task.pace, task.most_pace)))
         if self._done[k] and task.failure:
             self._give_up(k, task.failure)
         elif self._done[k] and task.is_lost:
@@ -306,13 +346,13 @@ class TaskDispatcher:
         for _, _, task, controller in sorted(waiting, key=lambda claim: claim[:2]):
             task.take_slot(controller)
 
-    def _set_pace(self, k: int, pace: float) -> None:
-        """Let a person walk no slower than a task asks for [m/s]; 0 for the usual pace."""
+    def _set_pace(self, k: int, least: float, most: float = math.inf) -> None:
+        """Let a person walk as fast as a task asks for [m/s]; 0 and ∞ for the usual pace."""
         record, usual = self.controllers[k].record, self._usual_paces[k]
-        if pace > 0.0:
+        if least > 0.0 or most < math.inf:
             if usual is None:
                 usual = self._usual_paces[k] = float(record.pace)
-            record.pace = max(usual, pace)
+            record.pace = min(max(usual, least), most)
         elif usual is not None:
             record.pace, self._usual_paces[k] = usual, None
 

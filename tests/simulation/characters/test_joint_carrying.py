@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.bodies.body_guide import pose_of_holds
-from pipeline.simulation.characters.crew import STANDOFF, Stage, crew_of
+from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
+from pipeline.simulation.characters.crew import STANDOFF, CarryEnd, Crew, Stage, crew_of
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
@@ -98,6 +99,50 @@ def test_a_crew_takes_the_two_ends_that_are_nearer() -> None:
     arm = crew.people[0].arm
     reach = np.abs(crew.hands[0] @ crew.along).max()
     assert crew.place(0)[0] == pytest.approx(-reach - STANDOFF * arm)
+
+
+@pytest.mark.parametrize("names", ["ab", "ba"])
+@pytest.mark.parametrize("box", BOXES)
+def test_both_of_a_crew_hold_what_they_took_at_once(box: str, names: str) -> None:
+    lines = CRATE.format(duration=2, box=BOXES[box]).splitlines()
+    first = next(k for k, line in enumerate(lines) if "name: a," in line)
+    lines[first : first + 2] = sorted(lines[first : first + 2], reverse=names == "ba")
+    simulation = Simulation(read_scene("\n".join(lines)))
+    dispatcher = troupe_of(simulation).dispatcher
+    crew = _form_crew(simulation)
+    crew.stage, crew.ready = Stage.TAKE, [True, True]
+    for _ in range(3):
+        simulation.step()
+    assert crew.stage is Stage.LIFT
+    assert all(one.hands_holding("box") == (0, 1) for one in dispatcher.controllers)
+    if box == "body":
+        bodies = next(one for one in simulation.troupes if isinstance(one, ColliderTroupe))
+        assert len(bodies.guided.guides[0].holds) == 2
+    # Hands that come open end it for both.
+    dispatcher.controllers[0].let_go(0)
+    dispatcher.controllers[0].let_go(1)
+    for _ in range(4):
+        simulation.step()
+    reason = f"{dispatcher.controllers[0].name} has lost hold of it"
+    assert [end.reason for end in simulation.take().orders] == [reason, reason]
+
+
+def test_what_does_not_lie_at_its_goal_is_not_carried_there() -> None:
+    simulation = Simulation(read_scene(CRATE.format(duration=1.5, box=BOXES["character"])))
+    _form_crew(simulation).stage = Stage.DONE
+    while not simulation.finished:
+        simulation.step()
+    orders = simulation.take().orders
+    assert [order.outcome for order in orders] == ["given up", "given up"]
+    assert orders[0].reason == "it lies 2.2 m off '[0.4, 2.2]'"
+
+
+def _form_crew(simulation: Simulation) -> Crew:
+    """Step until the crew of a crate has formed."""
+    dispatcher = troupe_of(simulation).dispatcher
+    while not isinstance(task := dispatcher.task(0), CarryEnd):
+        simulation.step()
+    return task.crew
 
 
 def test_a_body_that_two_hold_lies_between_them() -> None:

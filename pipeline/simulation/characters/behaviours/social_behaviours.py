@@ -69,7 +69,7 @@ class ReturnToCaregiver(ConfiguredBehaviour[Attachment]):
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         if self.hug is None and mind.gap(self.target) < HUG_GAP:
-            self.hug = Hug(self.target, self.size)
+            self.hug = Hug(self.target, self.size, is_gentle=not mind.slapstick)
         if self.hug is not None and self.hug.touched > MIN_HUG_TIME:
             if mind.anxiety < SOOTHED_ANXIETY:
                 self.loosening = self.loosening or LoosenHug(self.hug, STEP_BACK)

@@ -16,6 +16,7 @@ from pipeline.simulation.characters.behaviours.registry import (
 )
 from pipeline.simulation.characters.body_arrays import NOBODY, IntArray
 from pipeline.simulation.characters.contact_tasks import Hug
+from pipeline.simulation.characters.mind.consent import Consent
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.mind_arrays import MindArrays, mind_arrays
 from pipeline.simulation.characters.mind.motor_command import MotorCommand
@@ -105,7 +106,8 @@ class MindScheduler:
         ]
         for k in self._indices:
             self._put_off_laugh(k, 0.0)
-        dispatcher.minded = frozenset(self._indices)
+        consents = map(Consent, self.minds)
+        dispatcher.minded = dict(zip(self._indices, consents, strict=True))
         self.felt: Array = np.zeros((len(members), len(EMOTIONS)))
         self._owners: IntArray = self._arrays.minds["owner"].copy()
         self._values = np.array([self._values_of(mind) for mind in self.minds])

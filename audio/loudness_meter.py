@@ -19,7 +19,7 @@ _BLOCK = int(0.4 * SAMPLE_RATE)
 # Oversampling, and half the taps of its interpolators.
 _PHASES, _HALF_TAPS = 4, 24
 _KAISER_BETA = 9.0
-_CHUNK = 1 << 12
+_CHUNK = 1 << 10
 
 
 def integrated_loudness(stereo: Signal) -> float:

@@ -5,9 +5,11 @@ Source: van den Doel and Pai 1998.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
 from audio.time_grid import SAMPLE_RATE
@@ -43,11 +45,26 @@ class ModalBank:
         """Time in which the last mode falls by 60 dB."""
         return float(np.max(SILENCE_EXPONENT / self.decay, initial=0.0))
 
+    @property
+    def exponent(self) -> NDArray[np.complex128]:
+        """Logarithm of the factor of each mode from sample to sample: (M,)."""
+        return np.asarray((-self.decay + 2j * np.pi * self.frequency) / SAMPLE_RATE)
+
+    @property
+    def start(self) -> NDArray[np.complex128]:
+        """Each mode at the impact, its first sample as the real part: (M,)."""
+        rotor = 1j * np.exp(1j * np.angle(1 - np.exp(self.exponent)))
+        return np.asarray(self.amplitude * np.where(rotor.real < 0, -rotor, rotor))
+
     def with_decay_time(self, seconds: float) -> ModalBank:
         """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
         if self.decay.size == 0:
             return self
         return ModalBank(self.frequency, self.decay * (self.seconds / seconds), self.amplitude)
+
+    def scaled(self, factor: Signal | float) -> ModalBank:
+        """Return the bank with its amplitudes times a factor, (M,) or one for all."""
+        return ModalBank(self.frequency, self.decay, self.amplitude * factor)
 
     @property
     def audible_seconds(self) -> Signal:
@@ -55,6 +72,12 @@ class ModalBank:
         level = np.abs(self.amplitude)
         share = level / max(float(level.sum()) * _INAUDIBLE / max(level.size, 1), 1e-300)
         return np.asarray(np.log(np.maximum(share, 1.0)) / self.decay)
+
+
+def joined(banks: Sequence[ModalBank]) -> ModalBank:
+    """Return the modes of several bodies that ring at once."""
+    parts = ((bank.frequency, bank.decay, bank.amplitude) for bank in banks)
+    return ModalBank(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
 def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
@@ -75,10 +98,8 @@ def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
     whole = np.zeros(samples)
     if bank.frequency.size == 0 or samples == 0:
         return whole
-    exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
-    rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
-    rotor = np.where(rotor.real < 0, -rotor, rotor)
-    start = bank.amplitude * rotor
+    exponent = bank.exponent
+    start = bank.start
     fine = _powers(exponent)
     head = np.convolve((start @ fine[:, : force.size]).real, force)[: force.size]
     start = start * ((1 / fine[:, : force.size]) @ force)

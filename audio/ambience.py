@@ -166,7 +166,7 @@ def _noise(
     spectrum[:, :heard] = random * (np.sqrt(size / 2) * shape[:heard]).astype(np.float32)
     left, right = irfft(spectrum, size)
     # Part of it is the same on both sides: a place is around, not at two ears.
-    noise = np.empty((samples, 2), np.float32)
+    noise = np.empty((samples, 2))
     noise[:, 0] = np.resize(1.1 * left + 0.3 * right, samples)
     noise[:, 1] = np.resize(0.3 * left + 1.1 * right, samples)
     return noise
@@ -250,7 +250,7 @@ def _crickets(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
 
 def _rain(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     wash = _noise(samples, (900.0, 8500.0), rng, 0.35)
-    wash /= np.sqrt(np.mean(wash**2, dtype=np.float64))
+    wash /= np.sqrt(np.mean(wash**2))
     t = np.arange(round(0.004 * SAMPLE_RATE)) / SAMPLE_RATE
     drops = np.zeros((samples + t.size, 2))
     for pitch in (1400.0, 2300.0, 3600.0, 5200.0):

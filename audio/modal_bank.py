@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
 from audio.time_grid import SAMPLE_RATE
 
+Phasors = NDArray[np.complex128]
+
 # Samples per step of the coarse table of powers; near the square root of a usual length.
 _BLOCK = 256
 # Blocks with the same modes at first; each later stretch is as long as all before it.
@@ -46,12 +48,12 @@ class ModalBank:
         return float(np.max(SILENCE_EXPONENT / self.decay, initial=0.0))
 
     @property
-    def exponent(self) -> NDArray[np.complex128]:
+    def exponent(self) -> Phasors:
         """Logarithm of the factor of each mode from sample to sample: (M,)."""
         return np.asarray((-self.decay + 2j * np.pi * self.frequency) / SAMPLE_RATE)
 
     @property
-    def start(self) -> NDArray[np.complex128]:
+    def start(self) -> Phasors:
         """Each mode at the impact, its first sample as the real part: (M,)."""
         rotor = 1j * np.exp(1j * np.angle(1 - np.exp(self.exponent)))
         return np.asarray(self.amplitude * np.where(rotor.real < 0, -rotor, rotor))
@@ -119,14 +121,14 @@ def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
     return whole
 
 
-def _powers(exponent: Signal) -> Signal:
+def _powers(exponent: Phasors) -> Phasors:
     """Return e^{x n} for n from 0 to a block: (M, _BLOCK)."""
     coarse = np.exp(np.outer(exponent, np.arange(_BLOCK // _ROW) * _ROW))
     fine = np.exp(np.outer(exponent, np.arange(_ROW)))
     return np.asarray((coarse[:, :, None] * fine[:, None, :]).reshape(exponent.size, _BLOCK))
 
 
-def _blocks(exponent: Signal, start: Signal, fine: Signal, blocks: Signal) -> Signal:
+def _blocks(exponent: Phasors, start: Phasors, fine: Phasors, blocks: Signal) -> Signal:
     """Return blocks of a sum of modes, one after the other: (N,).
 
     e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.

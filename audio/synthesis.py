@@ -61,6 +61,8 @@ _AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
 _GROUND_SPOT = 0.35
 # Sizes that a body of unknown shape may have [m].
 _SIZES = (1e-3, 100.0)
+# Pitches of a motion [Hz]: from the beats of a large wing on.
+_PITCHES = (3.0, 6000.0)
 # Least speed of an impact [m/s].
 _SLOWEST = 0.02
 _MIN_ONSET = 2e-3
@@ -223,7 +225,7 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     if voice.resonates:
         bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
         body = _ring(bank.with_decay_time(_JOINT_RING), sound)
-    motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, 30, 6000)), sound.speed)
+    motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, *_PITCHES)), sound.speed)
     return voice.synthesize(motion, body, rng)
 
 

@@ -35,9 +35,13 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Steps of the speed in each octave; of steps, fewer, and those of the leg's length: both count by
-# small powers.
-_SPEEDS, _STEP_SPEEDS, _STEP_SIZES = 2, 1, 4
+# Variants of an impact whose place on the body is known, which itself varies.
+_IMPACT_VARIANTS = 4
+# Steps of the speed in each octave: of a motion, whose pitch follows it, and of an impact, where it
+# counts by its fifth root; and those of the leg's length of a footstep.
+_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES = 2, 1, 4
+# Distance below which air takes nothing that is heard: 0.6 dB at 10 kHz [m].
+_NEAR = 4.0
 # Random variation of the level [dB].
 _LEVEL_JITTER = 0.8
 # Steps of the point of impact along a body.
@@ -81,7 +85,7 @@ class SoundParameters:
         material: of the body that sounds.
         surface: material of what it met.
         size: of the body [m]; of a footstep the length of the leg, in quarters of an octave.
-        speed: [m/s], in steps of 3 dB, of a footstep in steps of 6 dB.
+        speed: [m/s], in steps of 3 dB, of an impact in steps of 6 dB.
         distance: [m], in powers of two, for the absorption of air.
         pitch: configured pitch [Hz]; 0 for the pitch of the size.
         decay: configured decay time [s]; 0 for that of the materials.
@@ -128,12 +132,12 @@ def sound_parameters(
         occurrence: number of earlier events with the same key.
         remaining: time to the end of the score [s].
     """
-    event, key, speeds = note.event, note.event.key, _SPEEDS
+    event, key = note.event, note.event.key
     if _is_footstep(event.cause, note.tuned, note.decay or 0.0):
         # Steps of like feet share their syntheses, wherever they strike and however hard.
         size = _quantized(float(np.clip(event.size, *_SIZES)), _STEP_SIZES)
         event = replace(event, size=size, spot=None, energy=0.0, shape=None, struck_shape=None)
-        speeds = _STEP_SPEEDS
+    is_impact = cause_voice(event.cause) is None and not event.duration
     rng = seeded(seed, *key, occurrence)
     speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
     parameters = SoundParameters(
@@ -141,12 +145,12 @@ def sound_parameters(
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(speed, speeds),
-        distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
+        speed=_quantized(speed, _IMPACT_SPEEDS if is_impact else _SPEEDS),
+        distance=_quantized(float(np.clip(event.distance, _NEAR, 1e4)), 1),
         pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
-        variant=int(rng.integers(_VARIANTS)),
+        variant=int(rng.integers(_VARIANTS if event.spot is None else _IMPACT_VARIANTS)),
         spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
         mass=_striking_mass(event.energy, speed),
         shape=event.shape,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from math import inf
 from operator import attrgetter
@@ -27,6 +28,9 @@ from pipeline.spec.sound_thresholds import NearCause
 from render.config import Camera
 from render.shot import CameraPose
 
+_ARM = ("upper_arm", "forearm")
+"""Parts of an arm, by the start of their names."""
+
 
 def build_score(
     scene: Scene, take: Take, poses: Sequence[CameraPose], subframe: bool = False
@@ -47,7 +51,11 @@ def build_score(
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
     bodies = StruckBodies(take, hollow_walls(scene.cast))
     audible = [event for event in take.events if event.frame <= header.frames]
-    placed = (_score_event(event, clock, listener, bodies) for event in audible)
+    dancers = frozenset(member.name for _, member in scene.dancers)
+    placed = (
+        replace(_score_event(event, clock, listener, bodies), is_passing=is_passing(event, dancers))
+        for event in audible
+    )
     score = Score(
         rate=header.rate,
         frames=header.frames,
@@ -63,6 +71,13 @@ def build_score(
         course=scene_course(take) if _is_generated(scene) else SceneCourse(),
     )
     return score, len(take.events) - len(audible)
+
+
+def is_passing(event: SoundEvent, dancers: frozenset[str | None]) -> bool:
+    """Return whether a dancer's hand meets its own arm: no subtask can name a place there."""
+    own = f"{event.who}."
+    part, other = event.part.removeprefix(own), event.other.removeprefix(own)
+    return event.who in dancers and part.startswith("hand") and other.startswith(_ARM)
 
 
 def _reach(scene: Scene, cause: str) -> float:

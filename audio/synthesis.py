@@ -35,8 +35,6 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Variants of an impact whose place on the body is known, which itself varies.
-_IMPACT_VARIANTS = 4
 # Steps of the speed in each octave: of a motion, whose pitch follows it, and of an impact, where it
 # counts by its fifth root; and those of the leg's length of a footstep.
 _SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES = 2, 1, 4
@@ -150,7 +148,7 @@ def sound_parameters(
         pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
-        variant=int(rng.integers(_VARIANTS if event.spot is None else _IMPACT_VARIANTS)),
+        variant=int(rng.integers(_VARIANTS)),
         spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
         mass=_striking_mass(event.energy, speed),
         shape=event.shape,

@@ -17,6 +17,7 @@ from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.ambience_choice import ambience_of
 from pipeline.production.sound.listener import Listener
+from pipeline.production.sound.passing_touches import is_passing, touched_parts
 from pipeline.production.sound.scene_course import scene_course
 from pipeline.production.sound.struck_bodies import StruckBodies, hollow_walls
 from pipeline.simulation.clock import Clock
@@ -27,9 +28,6 @@ from pipeline.spec.scene import Scene
 from pipeline.spec.sound_thresholds import NearCause
 from render.config import Camera
 from render.shot import CameraPose
-
-_ARM = ("upper_arm", "forearm")
-"""Parts of an arm, by the start of their names."""
 
 
 def build_score(
@@ -51,9 +49,9 @@ def build_score(
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
     bodies = StruckBodies(take, hollow_walls(scene.cast))
     audible = [event for event in take.events if event.frame <= header.frames]
-    dancers = frozenset(member.name for _, member in scene.dancers)
+    touched = touched_parts(scene)
     placed = (
-        replace(_score_event(event, clock, listener, bodies), is_passing=is_passing(event, dancers))
+        replace(_score_event(event, clock, listener, bodies), is_passing=is_passing(event, touched))
         for event in audible
     )
     score = Score(
@@ -71,13 +69,6 @@ def build_score(
         course=scene_course(take) if _is_generated(scene) else SceneCourse(),
     )
     return score, len(take.events) - len(audible)
-
-
-def is_passing(event: SoundEvent, dancers: frozenset[str | None]) -> bool:
-    """Return whether a dancer's hand meets its own arm: no subtask can name a place there."""
-    own = f"{event.who}."
-    part, other = event.part.removeprefix(own), event.other.removeprefix(own)
-    return event.who in dancers and part.startswith("hand") and other.startswith(_ARM)
 
 
 def _reach(scene: Scene, cause: str) -> float:

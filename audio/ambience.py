@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfftfreq
 
 from audio.bubbles import bubble
 from audio.dsp import Signal, band_response, convolve, pan_gains, upsampled, without_rumble
@@ -88,8 +89,9 @@ USUAL_LUFS = -16.0
 CONTROL_RATE = 50
 """Values of slow changes a second."""
 
-# Length of the filter of a noise [samples].
-_TAPS = 2**13
+# Samples after which a noise repeats, and the level below its strongest frequency of what is left
+# out of it.
+_PERIOD, _INAUDIBLE = 2**22, 1e-4
 
 
 def ambient_sound(
@@ -145,29 +147,29 @@ def _noise(
 ) -> Signal:
     """Return noise between two frequencies, not alike on both sides: (samples, 2).
 
+    It repeats after a minute and a half, which the gusts that shape it do not.
+
     Args:
         samples: of the film.
         band: lower and upper edge [Hz].
         rng: of the noise.
         slope: power of the frequency by which its amplitude falls.
     """
-    frequency = np.fft.rfftfreq(_TAPS, 1 / SAMPLE_RATE).astype(np.float64)
+    size = min(next_fast_len(max(samples, 2), real=True), _PERIOD)
+    frequency = rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
     shape = band_response(frequency, band) * np.maximum(frequency, band[0]) ** -slope
-    kernel = np.roll(np.fft.irfft(shape, _TAPS), _TAPS // 2)
-    left, right = (convolve(_white(samples, rng), kernel)[_TAPS:] for _ in range(2))
+    # Single precision, and random numbers for what is heard alone: most of the time is theirs.
+    heard = int(np.flatnonzero(shape > _INAUDIBLE * shape.max())[-1]) + 1
+    spectrum = np.zeros((2, frequency.size), np.complex64)
+    random = rng.standard_normal((2, heard, 2), np.float32).view(np.complex64)[:, :, 0]
+    # As white noise of RMS 1 would be filtered.
+    spectrum[:, :heard] = random * (np.sqrt(size / 2) * shape[:heard]).astype(np.float32)
+    left, right = irfft(spectrum, size)
     # Part of it is the same on both sides: a place is around, not at two ears.
     noise = np.empty((samples, 2))
-    noise[:, 0] = 1.1 * left + 0.3 * right
-    noise[:, 1] = 0.3 * left + 1.1 * right
+    noise[:, 0] = np.resize(1.1 * left + 0.3 * right, samples)
+    noise[:, 1] = np.resize(0.3 * left + 1.1 * right, samples)
     return noise
-
-
-def _white(samples: int, rng: np.random.Generator) -> Signal:
-    """Return white noise with half a filter more at both ends: (samples + _TAPS,)."""
-    size = max(1 << int(samples - 1).bit_length(), _TAPS)
-    noise, half = rng.standard_normal(size), _TAPS // 2
-    # It goes around: what is before its start is its end.
-    return np.concatenate((noise[-half:], noise, noise[:half]))[: samples + _TAPS]
 
 
 def _wind(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
@@ -249,15 +251,20 @@ def _crickets(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
 def _rain(samples: int, gusts: Signal, rng: np.random.Generator) -> Signal:
     wash = _noise(samples, (900.0, 8500.0), rng, 0.35)
     wash /= np.sqrt(np.mean(wash**2))
-    length = round(0.004 * SAMPLE_RATE)
-    t = np.arange(length) / SAMPLE_RATE
-    drops = np.zeros((samples, 2))
+    t = np.arange(round(0.004 * SAMPLE_RATE)) / SAMPLE_RATE
+    drops = np.zeros((samples + t.size, 2))
     for pitch in (1400.0, 2300.0, 3600.0, 5200.0):
-        hits = rng.random((samples, 2)) < 55.0 / SAMPLE_RATE
-        strength = np.where(hits, np.minimum(rng.exponential(1.0, (samples, 2)), 2.5), 0.0)
         drop = np.cos(2.0 * np.pi * pitch * t) * np.exp(-t / 0.0008)
-        drops += np.stack([convolve(side, drop - drop.mean()) for side in strength.T], axis=-1)
-    drops /= np.sqrt(np.mean(drops**2))
+        drop -= drop.mean()
+        for side in range(2):
+            count = int(rng.poisson(55.0 * samples / SAMPLE_RATE))
+            strength = np.minimum(rng.exponential(1.0, count), 2.5)
+            for start, level in zip(
+                rng.integers(0, samples, count).tolist(), strength, strict=True
+            ):
+                drops[start : start + t.size, side] += level * drop
+    drops = drops[:samples]
+    drops /= max(float(np.sqrt(np.mean(drops**2))), 1e-12)
     return (wash + 0.8 * drops) * (gusts**0.4)[:, None]
 
 

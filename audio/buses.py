@@ -19,6 +19,7 @@ BUS_OF: Mapping[str, Bus] = {
     **dict.fromkeys(("footfall", "scuff"), "steps"),
     **dict.fromkeys(("cry", "laugh", "gasp", "hug", "breath", "call", "growl", "whine"), "voices"),
     **dict.fromkeys(("swoosh", "whistle", "boing", "push off", "squeak", "squawk"), "motions"),
+    **dict.fromkeys(("wings", "rustle"), "motions"),
     MUSIC: "music",
 }
 """Bus of each cause; of all others that of impacts."""

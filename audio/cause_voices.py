@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from audio.dsp import Signal, band_noise, convolve, resample, without_offset
+from audio.dsp import Signal, band_noise, convolve, resample, shared_noise, without_offset
 from audio.loudness_at_listener import SPEED_EXPONENT
 from audio.motion import MAX_FREQUENCY, Motion, arch, drift, tone
 from audio.names import normalized_name
@@ -33,6 +33,7 @@ from audio.vocal_tract import (
     laugh,
     whine,
 )
+from audio.wing_beats import WING_PITCH, WING_SLOPE, wings
 
 # The sound power of vortices grows with the sixth power of speed; the amplitude with the third.
 # Source: Curle 1955.
@@ -187,6 +188,19 @@ def _boing(motion: Motion, body: Signal, rng: np.random.Generator) -> Signal:
     return np.asarray(sung * np.exp(-5 * t / seconds) * ends)
 
 
+def _rustle(motion: Motion, body: Signal, rng: np.random.Generator) -> Signal:
+    """Return cloth that rubs on cloth: a soft noise that follows the speed, in small creases."""
+    profile, samples = motion.profile, motion.profile.samples
+    low = shared_noise(samples, (350.0, 1800.0), rng)
+    high = shared_noise(samples, (1800.0, 6500.0), rng)
+    creases = np.abs(shared_noise(samples, (18.0, 70.0), rng))
+    speed = arch(samples, 0.4) if profile.is_steady else profile.relative_speed
+    edge = np.arange(samples) + 1.0
+    ends = np.minimum(1.0, np.minimum(edge / _ATTACK, edge[::-1] / (8 * _ATTACK)))
+    # Faster cloth is brighter.
+    return np.asarray(ends * speed * (0.4 + creases) * ((1.0 - 0.6 * speed) * low + speed * high))
+
+
 def _hug(motion: Motion, body: Signal, rng: np.random.Generator) -> Signal:
     """Return the rustle of pressed cloth and the soft thump of two chests."""
     samples = motion.profile.samples
@@ -206,6 +220,8 @@ CAUSE_VOICES: dict[str, FrictionVoice | MotionVoice] = {
     "whistle": MotionVoice("whistle", 0.5, -30.0, 1500, _whistle),
     "squeak": MotionVoice("guitar fret noise", 0.16, -6.0, 1300, _squeak, resonates=True),
     "squawk": MotionVoice("muted trumpet", 0.25, -6.0, 480, _squawk, resonates=True),
+    "wings": MotionVoice("breath noise", 1.0, -21.0, WING_PITCH, wings, slope=WING_SLOPE),
+    "rustle": MotionVoice("breath noise", 0.4, -18.0, 900, _rustle),
     "boing": MotionVoice("slap bass 1", 0.7, -6.0, 170, _boing),
     "push off": MotionVoice("slap bass 1", 0.5, -6.0, 170, _boing),
     "breath": MotionVoice("breath noise", 0.8, -12.0, 700, breath),

@@ -7,12 +7,14 @@ softer as energy is spent.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import cos, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfilt
+from scipy.signal import butter, lfilter
 
+from audio.seeded import seeded
 from audio.time_grid import SAMPLE_RATE
 
 Signal = NDArray[np.float64]
@@ -30,7 +32,9 @@ The bits must not depend on the number of threads, and small products are faster
 
 _MIN_FFT_SIZE = 1 << 14
 # Below 30 Hz loudspeakers move and nobody hears.
-_RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE, output="sos")
+_RUMBLE = butter(2, 30.0, "highpass", fs=SAMPLE_RATE)
+# Samples of a noise that is shared.
+_SHARED_NOISE = 2**17
 # Duration of the click of an impact on loose ground, of a grain, and of a grain's decay [s].
 _CRUNCH_DECAY, _GRAIN_LENGTH, _GRAIN_DECAY = 0.003, 0.006, 0.0012
 
@@ -49,6 +53,26 @@ def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator
     f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE).astype(np.float64)
     noise = np.fft.irfft(spectrum * band_response(f, band), size)[:samples]
     return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
+
+
+def shared_noise(samples: int, band: tuple[float, float], rng: np.random.Generator) -> Signal:
+    """Return a stretch of a noise that all sounds of a band share, RMS about 1: (samples,).
+
+    It starts anywhere in the noise, which goes around, so that no two stretches are alike.
+
+    Args:
+        samples: at least one.
+        band: lower and upper edge [Hz].
+        rng: of the start.
+    """
+    noise = _noise_of_band(band)
+    start = int(rng.integers(noise.size))
+    return np.resize(np.concatenate((noise[start:], noise[:start])), samples)
+
+
+@lru_cache(maxsize=32)
+def _noise_of_band(band: tuple[float, float]) -> Signal:
+    return band_noise(_SHARED_NOISE, band, seeded("noise", *band))
 
 
 def band_response(frequency: Signal, band: tuple[float, float]) -> Signal:
@@ -143,9 +167,12 @@ def resample(sound: Signal, rate: Signal) -> Signal:
     if (rate == 1.0).all() and rate.size <= sound.size:
         return np.array(sound[: rate.size])
     position = np.concatenate(([0.0], np.cumsum(rate)[:-1]))
-    whole = np.floor(position)
-    x, i = position - whole, whole.astype(np.int64)
-    p0, p1, p2, p3 = (sound[(i + k) % sound.size] for k in (-1, 0, 1, 2))
+    i = position.astype(np.int64)
+    x = position - i
+    if i[-1] >= sound.size:
+        i %= sound.size
+    around = np.concatenate((sound[-1:], sound, np.resize(sound, 2)))
+    p0, p1, p2, p3 = (around[i + k] for k in range(4))
     curve = x * (3 * (p1 - p2) + p3 - p0) + 2 * p0 - 5 * p1 + 4 * p2 - p3
     return np.asarray(p1 + 0.5 * x * (p2 - p0 + x * curve))
 
@@ -191,7 +218,7 @@ def mix_in(mix: Signal, start: int, sound: Signal, gains: Sequence[Gain]) -> Non
 
 def without_rumble(sound: Signal) -> Signal:
     """Return a sound (N,) without what is too low to be heard, from its first sample on."""
-    return np.asarray(sosfilt(_RUMBLE, sound))
+    return np.asarray(lfilter(*_RUMBLE, sound))
 
 
 def fade_out(stereo: Signal, samples: int) -> None:

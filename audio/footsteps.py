@@ -53,6 +53,9 @@ PUSH = (2.3, 3.1)
 TAIL = 0.14
 """Time after the last stage that is kept [s]."""
 
+SLAP = 2048
+"""Samples of the slap of a sole, which has fallen by 100 dB then."""
+
 BUBBLES = 7
 """Number of them under a foot in water."""
 
@@ -266,6 +269,7 @@ def _struck(
         rung = ring(replace(bank, amplitude=heard), samples, force_pulse(seconds))
         sound += level * normalized(rung)
     # Sole and floor meet at many points, not at one.
-    slap = band_noise(samples, (500.0, max(2.0 / seconds, 1800.0)), rng)
-    slap *= np.exp(-np.arange(samples) / (0.0035 * SAMPLE_RATE))
-    return normalized(sound + rng.uniform(0.5, 0.9) * normalized(slap))
+    slap = band_noise(SLAP, (500.0, max(2.0 / seconds, 1800.0)), rng)
+    slap *= np.exp(-np.arange(SLAP) / (0.0035 * SAMPLE_RATE))
+    sound[:SLAP] += rng.uniform(0.5, 0.9) * normalized(slap)
+    return normalized(sound)

@@ -1,14 +1,14 @@
 """Loudness meter: integrated loudness and true peaks of a track.
 
-Source: ITU-R BS.1770-5; loudness is measured by pyloudnorm.
+Source: ITU-R BS.1770-5; the filters are pyloudnorm's.
 """
 
 from __future__ import annotations
 
-import warnings
 from functools import cache
 
 import numpy as np
+from scipy.signal import lfilter
 
 from audio.dsp import Signal
 from audio.time_grid import SAMPLE_RATE
@@ -16,10 +16,14 @@ from audio.time_grid import SAMPLE_RATE
 _BLOCK = int(0.4 * SAMPLE_RATE)
 """Samples of a block of the loudness gate."""
 
+# Steps of a block, from one to the next; gates of blocks below, in LUFS and beside the mean [LU];
+# loudness of a weighted power of 1.
+_HOPS, _LEAST, _RELATIVE_GATE, _OFFSET = 4, -70.0, -10.0, -0.691
+
 # Oversampling, and half the taps of its interpolators.
 _PHASES, _HALF_TAPS = 4, 24
 _KAISER_BETA = 9.0
-_CHUNK = 1 << 12
+_CHUNK = 1 << 10
 
 
 def integrated_loudness(stereo: Signal) -> float:
@@ -37,14 +41,32 @@ def integrated_loudness(stereo: Signal) -> float:
 
 
 def _gated_loudness(stereo: Signal) -> float:
-    # Imported here because it brings scipy, which no other sound needs.
-    from pyloudnorm import Meter
+    hops = max(round((stereo.shape[0] / _BLOCK - 1) * _HOPS), 0) + _HOPS
+    heard = np.zeros((hops * _BLOCK // _HOPS, stereo.shape[1]))
+    heard[: stereo.shape[0]] = lfilter(*_weighting(), stereo[: len(heard)], axis=0)
+    energy = (heard**2).reshape(hops, -1).sum(axis=1)
+    power = np.convolve(energy, np.ones(_HOPS), "valid") / _BLOCK
+    power = power[power > _power(_LEAST)]
+    if not power.size:
+        return -np.inf
+    power = power[power > power.mean() * 10 ** (_RELATIVE_GATE / 10)]
+    return float(_OFFSET + 10 * np.log10(power.mean()))
 
-    with np.errstate(divide="ignore", invalid="ignore"), warnings.catch_warnings():
-        # pyloudnorm takes logarithms and means of silence.
-        warnings.simplefilter("ignore", RuntimeWarning)
-        loudness = float(Meter(SAMPLE_RATE).integrated_loudness(stereo))
-    return loudness if np.isfinite(loudness) else -np.inf
+
+def _power(lufs: float) -> float:
+    """Return the weighted power of a loudness."""
+    return float(10 ** ((lufs - _OFFSET) / 10))
+
+
+@cache
+def _weighting() -> tuple[Signal, Signal]:
+    """Return numerator and denominator of the K-weighting, shelf and high-pass in one."""
+    # Imported here because it brings scipy, which no other sound needs.
+    from pyloudnorm.iirfilter import IIRfilter
+
+    shelf = IIRfilter(4.0, 1 / np.sqrt(2), 1500.0, SAMPLE_RATE, "high_shelf")
+    low_cut = IIRfilter(0.0, 0.5, 38.0, SAMPLE_RATE, "high_pass")
+    return np.convolve(shelf.b, low_cut.b), np.convolve(shelf.a, low_cut.a)
 
 
 def true_peak(stereo: Signal) -> float:

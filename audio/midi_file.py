@@ -117,9 +117,7 @@ def write_midi(score: Score, path: Path) -> MidiReport:
         parts=parts,
         merged_by_frame=dict(sorted(Counter(map(grid.frame_at, merged)).items())),
         shifts=arrangement.shifts,
-        tempo=tempo_report(
-            score, arrangement.plan, [note.onset for note in arrangement.event_notes]
-        ),
+        tempo=tempo_report(score, arrangement.plan, arrangement.event_notes),
     )
 
 

@@ -5,12 +5,16 @@ Source: van den Doel and Pai 1998.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from audio.dsp import SILENCE_EXPONENT, SINGLE_THREAD_SIZE, Signal
 from audio.time_grid import SAMPLE_RATE
+
+Phasors = NDArray[np.complex128]
 
 # Samples per step of the coarse table of powers; near the square root of a usual length.
 _BLOCK = 256
@@ -43,11 +47,26 @@ class ModalBank:
         """Time in which the last mode falls by 60 dB."""
         return float(np.max(SILENCE_EXPONENT / self.decay, initial=0.0))
 
+    @property
+    def exponent(self) -> Phasors:
+        """Logarithm of the factor of each mode from sample to sample: (M,)."""
+        return np.asarray((-self.decay + 2j * np.pi * self.frequency) / SAMPLE_RATE)
+
+    @property
+    def start(self) -> Phasors:
+        """Each mode at the impact, its first sample as the real part: (M,)."""
+        rotor = 1j * np.exp(1j * np.angle(1 - np.exp(self.exponent)))
+        return np.asarray(self.amplitude * np.where(rotor.real < 0, -rotor, rotor))
+
     def with_decay_time(self, seconds: float) -> ModalBank:
         """Return the bank with all decays scaled to reach silence (-60 dB) after a time [s]."""
         if self.decay.size == 0:
             return self
         return ModalBank(self.frequency, self.decay * (self.seconds / seconds), self.amplitude)
+
+    def scaled(self, factor: Signal | float) -> ModalBank:
+        """Return the bank with its amplitudes times a factor, (M,) or one for all."""
+        return ModalBank(self.frequency, self.decay, self.amplitude * factor)
 
     @property
     def audible_seconds(self) -> Signal:
@@ -55,6 +74,12 @@ class ModalBank:
         level = np.abs(self.amplitude)
         share = level / max(float(level.sum()) * _INAUDIBLE / max(level.size, 1), 1e-300)
         return np.asarray(np.log(np.maximum(share, 1.0)) / self.decay)
+
+
+def joined(banks: Sequence[ModalBank]) -> ModalBank:
+    """Return the modes of several bodies that ring at once."""
+    parts = ((bank.frequency, bank.decay, bank.amplitude) for bank in banks)
+    return ModalBank(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
 def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
@@ -75,10 +100,8 @@ def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
     whole = np.zeros(samples)
     if bank.frequency.size == 0 or samples == 0:
         return whole
-    exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
-    rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
-    rotor = np.where(rotor.real < 0, -rotor, rotor)
-    start = bank.amplitude * rotor
+    exponent = bank.exponent
+    start = bank.start
     fine = _powers(exponent)
     head = np.convolve((start @ fine[:, : force.size]).real, force)[: force.size]
     start = start * ((1 / fine[:, : force.size]) @ force)
@@ -98,14 +121,14 @@ def ring(bank: ModalBank, samples: int, force: Signal = _TAP) -> Signal:
     return whole
 
 
-def _powers(exponent: Signal) -> Signal:
+def _powers(exponent: Phasors) -> Phasors:
     """Return e^{x n} for n from 0 to a block: (M, _BLOCK)."""
     coarse = np.exp(np.outer(exponent, np.arange(_BLOCK // _ROW) * _ROW))
     fine = np.exp(np.outer(exponent, np.arange(_ROW)))
     return np.asarray((coarse[:, :, None] * fine[:, None, :]).reshape(exponent.size, _BLOCK))
 
 
-def _blocks(exponent: Signal, start: Signal, fine: Signal, blocks: Signal) -> Signal:
+def _blocks(exponent: Phasors, start: Phasors, fine: Phasors, blocks: Signal) -> Signal:
     """Return blocks of a sum of modes, one after the other: (N,).
 
     e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+from functools import lru_cache
 
 # Of a file's name [characters]; a file system holds 255 bytes.
 _LONGEST_STEM = 40
@@ -26,6 +27,7 @@ class UnknownName(ValueError):
         super().__init__(f"no {kind} is called {name!r}, {hint}")
 
 
+@lru_cache(maxsize=4096)
 def normalized_name(name: str) -> str:
     """Return a name for comparison: lower case, single spaces, no hyphens or underscores."""
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())

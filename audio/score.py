@@ -59,6 +59,7 @@ class ScoreEvent:
         spot: point of impact along the part's longest axis, 0 to 1; None if unknown.
         shape: of the part; None if unknown.
         struck_shape: of the body that the part met; None for the ground or if unknown.
+        is_passing: whether a dancer's hand only brushes something on its way, on no beat.
     """
 
     frame: int
@@ -80,6 +81,7 @@ class ScoreEvent:
     spot: float | None = None
     shape: BodyShape | None = None
     struck_shape: BodyShape | None = None
+    is_passing: bool = False
 
     @property
     def key(self) -> tuple[object, ...]:

@@ -103,7 +103,7 @@ class _Player:
     """
 
     def __init__(self, synth: Any, number: int) -> None:
-        self._synth = synth
+        self._synth, self._number = synth, number
         self.melodic = _programs(synth, number, _MELODIC_BANK)
         self.drums = _programs(synth, number, _DRUM_BANK)
         if not self.melodic and not self.drums:
@@ -115,7 +115,8 @@ class _Player:
         is_drums = bool(self.drums) and (channel % 16 == _DRUM_CHANNEL or not self.melodic)
         programs = self.drums if is_drums else self.melodic
         nearest = min(programs, key=lambda each: (abs(each - program), each))
-        self._synth.program_change(channel, nearest, is_drums)
+        # The player gives its font to sixteen channels alone; those of later ports need it, too.
+        self._synth.program_select(channel, self._number, _MELODIC_BANK, nearest, is_drums)
 
     def send(self, kind: str, channel: int, number: int, value: int) -> None:
         """Apply a message; channels count on from port to port, 16 a port."""

@@ -14,17 +14,17 @@ from audio.body_shape import BodyShape
 from audio.cause_voices import MotionVoice, cause_voice
 from audio.dsp import (
     Signal,
-    band_noise,
     convolve,
     grain_noise,
     normalized,
     resample,
+    shared_noise,
     without_rumble,
 )
 from audio.harmony import frequency_of
 from audio.impact_contact import contact_attenuation, contact_seconds, force_pulse
 from audio.loudness_at_listener import SPEED_EXPONENT
-from audio.modal_bank import ModalBank, ring
+from audio.modal_bank import ModalBank, joined, ring
 from audio.modal_synthesis import body_bank, excited_modes, lowest_frequency
 from audio.motion import Motion
 from audio.notes import Note
@@ -35,6 +35,11 @@ from audio.time_grid import SAMPLE_RATE
 # Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
 # thousand steps cost sixteen syntheses.
 _VARIANTS = 16
+# Steps of the speed in each octave: of a motion, whose pitch follows it, and of an impact, where it
+# counts by its fifth root; and those of the leg's length of a footstep.
+_SPEEDS, _IMPACT_SPEEDS, _STEP_SIZES = 2, 1, 4
+# Distance below which air takes nothing that is heard: 0.6 dB at 10 kHz [m].
+_NEAR = 4.0
 # Random variation of the level [dB].
 _LEVEL_JITTER = 0.8
 # Steps of the point of impact along a body.
@@ -58,6 +63,8 @@ _AIR_DAMPING, _SUPPORT_DAMPING = 1.0, 160.0
 _GROUND_SPOT = 0.35
 # Sizes that a body of unknown shape may have [m].
 _SIZES = (1e-3, 100.0)
+# Pitches of a motion [Hz]: from the beats of a large wing on.
+_PITCHES = (3.0, 6000.0)
 # Least speed of an impact [m/s].
 _SLOWEST = 0.02
 _MIN_ONSET = 2e-3
@@ -75,8 +82,8 @@ class SoundParameters:
         cause: of the event.
         material: of the body that sounds.
         surface: material of what it met.
-        size: of the body [m].
-        speed: [m/s], in steps of 3 dB.
+        size: of the body [m]; of a footstep the length of the leg, in quarters of an octave.
+        speed: [m/s], in steps of 3 dB, of an impact in steps of 6 dB.
         distance: [m], in powers of two, for the absorption of air.
         pitch: configured pitch [Hz]; 0 for the pitch of the size.
         decay: configured decay time [s]; 0 for that of the materials.
@@ -123,19 +130,21 @@ def sound_parameters(
         occurrence: number of earlier events with the same key.
         remaining: time to the end of the score [s].
     """
-    event = note.event
+    event, key = note.event, note.event.key
     if _is_footstep(event.cause, note.tuned, note.decay or 0.0):
-        # Steps of one foot share their syntheses, wherever it strikes and however hard.
-        event = replace(event, spot=None, energy=0.0, shape=None, struck_shape=None)
-    rng = seeded(seed, *event.key, occurrence)
+        # Steps of like feet share their syntheses, wherever they strike and however hard.
+        size = _quantized(float(np.clip(event.size, *_SIZES)), _STEP_SIZES)
+        event = replace(event, size=size, spot=None, energy=0.0, shape=None, struck_shape=None)
+    is_impact = cause_voice(event.cause) is None and not event.duration
+    rng = seeded(seed, *key, occurrence)
     speed = float(np.clip(abs(event.strength), _SLOWEST, 1e3))
     parameters = SoundParameters(
         cause=event.cause,
         material=event.material,
         surface=event.surface,
         size=event.size,
-        speed=_quantized(speed, 2),
-        distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
+        speed=_quantized(speed, _IMPACT_SPEEDS if is_impact else _SPEEDS),
+        distance=_quantized(float(np.clip(event.distance, _NEAR, 1e4)), 1),
         pitch=frequency_of(note.pitch) if note.tuned else 0.0,
         decay=note.decay or 0.0,
         duration=min(event.duration, remaining),
@@ -218,7 +227,7 @@ def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator
     if voice.resonates:
         bank = _body_modes(replace(sound, pitch=0.0, surface=sound.material), rng)
         body = _ring(bank.with_decay_time(_JOINT_RING), sound)
-    motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, 30, 6000)), sound.speed)
+    motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, *_PITCHES)), sound.speed)
     return voice.synthesize(motion, body, rng)
 
 
@@ -226,19 +235,24 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
     own, ground = family_of(sound.material), family_of(sound.surface)
     solids = solid_of(sound.material), solid_of(sound.surface)
     seconds = _contact_seconds(sound, solids)
-    body = _struck(_body_modes(sound, rng), seconds, sound)
+    banks = [_body_modes(sound, rng)]
     if sound.struck_shape is None:
         # The ground yields the more, the softer it is.
         compliance = solids[0].young / (solids[0].young + solids[1].young)
-        floor = _struck(_ground_modes(ground, sound, rng), seconds, sound)
         level = 0.15 if sound.pitch else 0.15 + 0.35 * min(compliance, 1.0)
-        layers = [(1 - level) * normalized(body), level * normalized(floor)]
+        layers = [
+            share * normalized(_struck([bank], seconds, sound))
+            for share, bank in (
+                (1 - level, banks[0]),
+                (level, _ground_modes(ground, sound, rng)),
+            )
+        ]
     else:
         other = replace(
             sound, material=sound.surface, surface=sound.material, shape=sound.struck_shape
         )
-        bank = _body_modes(replace(other, spot=None, pitch=0.0), rng)
-        layers = [normalized(_mix_layers([body, _struck(bank, seconds, sound)]))]
+        banks.append(_body_modes(replace(other, spot=None, pitch=0.0), rng))
+        layers = [normalized(_struck(banks, seconds, sound))]
     for family in (own, ground):
         if family.grain_level is not None:
             low, high = family.grain_band
@@ -249,10 +263,13 @@ def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
     return _mix_layers(layers)
 
 
-def _struck(bank: ModalBank, seconds: float, sound: SoundParameters) -> Signal:
-    """Return the ring of a bank under the force of a contact of this duration [s]."""
-    left = contact_attenuation(bank.frequency, seconds)
-    return _ring(replace(bank, amplitude=bank.amplitude * left), sound, force_pulse(seconds))
+def _struck(banks: list[ModalBank], seconds: float, sound: SoundParameters) -> Signal:
+    """Return the ring of banks under the force of a contact of this duration [s]."""
+    heard = [bank.scaled(contact_attenuation(bank.frequency, seconds)) for bank in banks]
+    if len(heard) > 1:
+        # Opposite signs would hide the onset.
+        heard = [bank.scaled(np.copysign(1.0, bank.start.real.sum())) for bank in heard]
+    return _ring(joined(heard), sound, force_pulse(seconds))
 
 
 def _shape(sound: SoundParameters) -> BodyShape:
@@ -293,7 +310,7 @@ def _ground_modes(
 def _ring(bank: ModalBank, sound: SoundParameters, *force: Signal) -> Signal:
     """Return the sound (N,) of a bank under a force (K,) or an impulse, as air carries it."""
     absorption = _absorption(bank.frequency, sound.distance)
-    bank = replace(bank, amplitude=bank.amplitude * absorption)
+    bank = bank.scaled(absorption)
     audible = float(bank.audible_seconds.max(initial=0.0))
     seconds = min(bank.seconds, audible, max(_MAX_RING, sound.decay))
     samples = max(int(seconds * SAMPLE_RATE), _FADE)
@@ -326,7 +343,7 @@ def _friction(
     low, high = ground.grain_band
     band = (low, min(high, _air_cutoff(sound.distance)))
     pace = profile.relative_speed * profile.doppler
-    noise = resample(band_noise(samples, band, rng), pace)
+    noise = resample(shared_noise(samples, band, rng), pace)
     noise *= profile.relative_speed**SPEED_EXPONENT
     if rolls:
         turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)

@@ -136,10 +136,12 @@ def _pulse(score: Score) -> tuple[Fraction, Fraction] | None:
 
 
 def _onset_frames(score: Score, sustained: bool = True) -> NDArray[np.int64]:
-    """Return the frames, from 0, of all events that are heard, sorted."""
+    """Return the frames, from 0, of all events that are heard and may be on a beat, sorted."""
     heard = [
         event.frame - 1
         for event in score.events
-        if (sustained or event.duration == 0) and not voice_of(score.sound, event).mute
+        if not event.is_passing
+        and (sustained or event.duration == 0)
+        and not voice_of(score.sound, event).mute
     ]
     return np.array(sorted(heard), dtype=np.int64)

@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from audio.config.quantisation import beats_of_grid
+from audio.notes import Note
 from audio.score import Score
 from audio.tempo_plan import TempoPlan, TempoSource
 
@@ -28,7 +29,9 @@ class TempoReport:
         frame_error: greatest distance of a note's time in the file from its time in the film [s].
         beat_error: distance of the last beat of the file from that of the exact tempo [s].
         grid: note value of the quantisation, or a sixteenth.
-        on_grid: share of the notes within half a frame of that grid; None without a tempo.
+        on_grid: share of the notes within half a frame of that grid, without those that a dance
+            makes in passing; None without a tempo.
+        passing: number of the latter.
     """
 
     source: TempoSource
@@ -42,28 +45,30 @@ class TempoReport:
     beat_error: Fraction
     grid: str
     on_grid: float | None
+    passing: int
 
 
-def tempo_report(score: Score, plan: TempoPlan, onsets: Sequence[Fraction]) -> TempoReport:
+def tempo_report(score: Score, plan: TempoPlan, notes: Sequence[Note]) -> TempoReport:
     """Return the report of a score's tempo.
 
     Args:
         score: the score.
         plan: its tempo, meter and bars.
-        onsets: times of its notes [s].
+        notes: of its events.
     """
     grid = plan.grid
     end = grid.tick(score.frames + 1)
     track = grid.tempo_track(end)
-    times = {*onsets, score.frames / score.rate}
+    times = {*(note.onset for note in notes), score.frames / score.rate}
     errors = [abs(track.seconds(grid.tick_at(time)) - time) for time in times]
     has_beats = plan.source != "none"
     beats = plan.clock.beat(score.frames / score.rate)
     bpm = 60 / plan.clock.spans[0].length if has_beats else 60_000_000 / grid.tempo
     step = score.sound.quantise.grid if score.sound.quantise is not None else "1/16"
     on_grid = None
-    if has_beats and onsets:
-        distances = np.abs(plan.grid_distances(onsets, beats_of_grid(step)))
+    meant = [note.onset for note in notes if not note.event.is_passing]
+    if has_beats and meant:
+        distances = np.abs(plan.grid_distances(meant, beats_of_grid(step)))
         on_grid = float((distances <= 0.5 + 1e-9).mean())
     return TempoReport(
         source=plan.source,
@@ -77,4 +82,5 @@ def tempo_report(score: Score, plan: TempoPlan, onsets: Sequence[Fraction]) -> T
         beat_error=abs(grid.drift * beats) if has_beats else Fraction(0),
         grid=step,
         on_grid=on_grid,
+        passing=len(notes) - len(meant),
     )

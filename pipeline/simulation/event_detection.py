@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
@@ -10,11 +10,16 @@ from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch
 from pipeline.simulation.sound_detection.contact_sounds import ContactSounds
 from pipeline.simulation.sound_detection.motion_sounds import MotionSounds
-from pipeline.simulation.sound_detection.sound_sources import SoundSources, rigid_parts
+from pipeline.simulation.sound_detection.sound_sources import (
+    SoundSources,
+    garments,
+    rigid_parts,
+)
 from pipeline.simulation.sound_detection.vocal_sounds import VocalSounds
 from pipeline.simulation.troupe import Facts
+from pipeline.spec.character import Character
 from pipeline.spec.creature import Creature
-from pipeline.spec.group import Group
+from pipeline.spec.group import Flock, Group, Swarm
 from pipeline.spec.scene import Scene
 from pipeline.spec.script import ChangeMood
 
@@ -58,9 +63,22 @@ def sound_sources(
         channels=recorder.channels,
         figures=figures,
         groups=frozenset(m.name for m in scene.cast if isinstance(m, Group)),
+        people=frozenset(m.name for m in scene.cast if isinstance(m, Character)),
+        garments=garments(recorder.parts, recorder.nodes),
+        wings=dict(_wings(scene)),
         moods=moods_in_time(scene),
         seed=scene.seed,
     )
+
+
+def _wings(scene: Scene) -> Iterator[tuple[str, float]]:
+    """Yields the groups that fly, with the length of a wing [m]."""
+    for member in scene.cast:
+        rule = member.group if isinstance(member, Group) else None
+        if isinstance(rule, Flock):
+            yield member.name, 0.5 * rule.size
+        elif isinstance(rule, Swarm):
+            yield member.name, rule.size
 
 
 def moods_in_time(scene: Scene) -> dict[str, list[tuple[float, str]]]:

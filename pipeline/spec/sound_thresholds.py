@@ -190,8 +190,33 @@ class Boing(Cause):
     pause: Seconds = Field(0.2, description="None is heard again sooner than this [s].")
 
 
-class Breath(Cause):
-    """Creatures that breathe; heard only if it is asked for."""
+class Wings(MotionCause):
+    """Flocks and swarms in flight."""
+
+    above: Speed = Field(0.3, description="Mean speed of the members that begins it [m/s].")
+    pause: Seconds = Field(0.3, description="A shorter pause than this does not end it [s].")
+
+
+class NearCause(Cause):
+    """A cause that is heard near the camera alone."""
+
+    within: Annotated[Positive, Field(le=1000)] = Field(
+        8.0, description="Distance from the camera beyond which it is not heard [m]."
+    )
+
+
+class Rustle(MotionCause, NearCause):
+    """Clothes of limbs that move; heard only if it is asked for."""
+
+    heard: bool = Field(False, description="True to hear clothes.")
+    above: Speed = Field(
+        0.5, description="Speed of the limbs against the trunk that begins it [m/s]."
+    )
+    pause: Seconds = Field(0.3, description="A shorter pause than this does not end it [s].")
+
+
+class Breath(NearCause):
+    """Creatures and people that breathe; heard only if it is asked for."""
 
     heard: bool = Field(False, description="True to hear breathing.")
     per_minute: Annotated[Positive, Field(le=600)] | None = Field(
@@ -260,6 +285,8 @@ class Detect(ConfigModel):
     whistle: Whistle = Field(
         Whistle(), description="Thresholds of thin bodies that sing in the air."
     )
+    wings: Wings = Field(Wings(), description="Thresholds of flocks and swarms in flight.")
+    rustle: Rustle = Field(Rustle(), description="Whether clothes are heard, and from where.")
     boing: Boing = Field(Boing(), description="Thresholds of push-offs.")
     breath: Breath = Field(Breath(), description="Whether breathing is heard.")
     cry: Cry = Field(Cry(), description="Thresholds of cries.")

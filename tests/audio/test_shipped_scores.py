@@ -138,10 +138,10 @@ def test_touches_of_a_dance_are_on_the_beats_of_the_file(name: str, rate: Any) -
     (member, *_) = [member for _, member in scene.dancers]
     assert plan.clock.spans[0].time == Fraction(str(member.start))
     assert abs(plan.grid.seconds(plan.grid.bar_line) - plan.clock.spans[0].time) <= 1 / score.rate
-    onsets = [note.onset for note in notes_of(score) if not note.is_music]
-    near = np.abs(plan.grid_distances(onsets, Fraction(1)))
-    # Hands touch others and themselves between the beats, too.
-    meant = near[near <= 1]
-    assert len(meant) >= len(onsets) / 2
+    notes = [note for note in notes_of(score) if not note.is_music]
+    # Hands brush their own arms between the beats, too.
+    onsets = [note.onset for note in notes if not note.event.is_passing]
+    assert len(onsets) >= 0.75 * len(notes)
+    meant = np.abs(plan.grid_distances(onsets, Fraction(1, 4)))
     # To the resolution of the bar line.
     assert (meant <= 0.5 + 1 / 40).mean() >= 0.95

@@ -73,6 +73,9 @@ def test_no_events_are_silent_and_drums_are_played(font, step, score_of, tmp_pat
     assert write_wav(score_of(sound=config), tmp_path / "a.wav").lufs == -np.inf
     config["voices"] = [{"drum": "claves"}]
     assert write_wav(score_of([step(1)], sound=config), tmp_path / "b.wav").lufs > -60
+    # A second drummer is on a second port.
+    both = score_of([step(1), step(9, who="other")], sound=config)
+    assert write_wav(both, tmp_path / "c.wav").lufs > -60
 
 
 @PLAYS

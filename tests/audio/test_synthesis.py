@@ -170,7 +170,7 @@ def test_a_configured_length_ends_the_ring(step, render):
     "cause",
     [
         *("swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath", "cry"),
-        *("laugh", "gasp", "call", "growl", "whine"),
+        *("laugh", "gasp", "call", "growl", "whine", "wings", "rustle"),
     ],
 )
 def test_motion_sounds_start_on_their_frame_and_have_their_duration(step, render, cause):

@@ -33,6 +33,8 @@ CAUSE_COLORS = {
     "squawk": "#3b6b34",
     "swoosh": "#2f8f9d",
     "whistle": "#74c4c9",
+    "wings": "#5b7f95",
+    "rustle": "#b08d9e",
     "boing": "#e07a3f",
     "breath": "#c2577f",
     "cry": "#d64ba0",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
+from math import inf
 from operator import attrgetter
 from pathlib import Path
 
@@ -15,6 +17,7 @@ from pipeline.foreign_files.safe_file import ForeignFileError
 from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.ambience_choice import ambience_of
 from pipeline.production.sound.listener import Listener
+from pipeline.production.sound.passing_touches import is_passing, touched_parts
 from pipeline.production.sound.scene_course import scene_course
 from pipeline.production.sound.struck_bodies import StruckBodies, hollow_walls
 from pipeline.simulation.clock import Clock
@@ -22,6 +25,7 @@ from pipeline.simulation.take import NEVER_GIVEN, SoundEvent, Take
 from pipeline.spec.dance import Dance
 from pipeline.spec.dancer import Dancer
 from pipeline.spec.scene import Scene
+from pipeline.spec.sound_thresholds import NearCause
 from render.config import Camera
 from render.shot import CameraPose
 
@@ -45,10 +49,15 @@ def build_score(
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
     bodies = StruckBodies(take, hollow_walls(scene.cast))
     audible = [event for event in take.events if event.frame <= header.frames]
+    touched = touched_parts(scene)
+    placed = (
+        replace(_score_event(event, clock, listener, bodies), is_passing=is_passing(event, touched))
+        for event in audible
+    )
     score = Score(
         rate=header.rate,
         frames=header.frames,
-        events=tuple(_score_event(event, clock, listener, bodies) for event in audible),
+        events=tuple(event for event in placed if event.distance <= _reach(scene, event.cause)),
         sound=scene.sound,
         seed=header.seed,
         title=scene.title,
@@ -60,6 +69,12 @@ def build_score(
         course=scene_course(take) if _is_generated(scene) else SceneCourse(),
     )
     return score, len(take.events) - len(audible)
+
+
+def _reach(scene: Scene, cause: str) -> float:
+    """Return the distance from the camera up to which a cause is heard [m]."""
+    config = getattr(scene.sound.detect, cause, None)
+    return config.within if isinstance(config, NearCause) else inf
 
 
 def _is_generated(scene: Scene) -> bool:

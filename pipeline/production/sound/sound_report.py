@@ -60,6 +60,7 @@ def _tempo_facts(tempo: TempoReport) -> dict[str, Any]:
         "greatest_time_error_us": round(float(1_000_000 * tempo.frame_error), 3),
         "beat_error_at_the_end_us": round(float(1_000_000 * tempo.beat_error), 3),
         **({} if share is None else {f"share_of_notes_on_{tempo.grid}": round(share, 4)}),
+        **({"notes_in_passing": tempo.passing} if tempo.passing else {}),
     }
 
 

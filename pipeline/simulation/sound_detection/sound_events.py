@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.sound_detection.active_intervals import ActiveInterval
-from pipeline.simulation.sound_detection.sound_sources import RigidPart
+from pipeline.simulation.sound_detection.sound_sources import SoundingPart
 from pipeline.simulation.take import Contact, Place, SoundEvent
 
 STEP_TOLERANCE = 1e-6
@@ -41,7 +41,7 @@ def contact_event(contact: Contact, cause: str, clock: Clock) -> SoundEvent:
 
 
 def interval_event(
-    interval: ActiveInterval, cause: str, part: RigidPart, clock: Clock
+    interval: ActiveInterval, cause: str, part: SoundingPart, clock: Clock
 ) -> SoundEvent:
     """Return the event of an interval whose values are a strength [m/s] and a place [m]."""
     steps = interval.start * (clock.steps // clock.samples)

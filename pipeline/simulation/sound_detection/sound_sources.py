@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from audio.acoustic_materials import family_name
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.spatial import Array
@@ -16,8 +17,8 @@ from pipeline.simulation.take import Channel, Mesh, Node, Part
 
 
 @dataclass(frozen=True, eq=False)
-class RigidPart:
-    """A visible part that moves with one node.
+class SoundingPart:
+    """A part that sounds where one node is.
 
     Attributes:
         node: index of the node.
@@ -25,7 +26,6 @@ class RigidPart:
         part: name.
         material: name.
         size: characteristic length [m].
-        mesh: surface.
     """
 
     node: int
@@ -33,6 +33,16 @@ class RigidPart:
     part: str
     material: str
     size: float
+
+
+@dataclass(frozen=True, eq=False)
+class RigidPart(SoundingPart):
+    """A visible part that moves with one node.
+
+    Attributes:
+        mesh: surface.
+    """
+
     mesh: Mesh
 
     @cached_property
@@ -52,6 +62,22 @@ class RigidPart:
     def _spread(self) -> Array:
         corners = self.mesh.vertices.astype(float)
         return corners - corners.mean(axis=0)
+
+
+def garments(parts: Sequence[Part], nodes: Sequence[Node]) -> dict[str, SoundingPart]:
+    """Return the largest garment of each performer that wears any, at its first node."""
+    roots = dict[str, int]()
+    for i, node in enumerate(nodes):
+        roots.setdefault(node.performer, i)
+    worn = dict[str, SoundingPart]()
+    for part in parts:
+        if part.performer not in roots or family_name(part.material) != "cloth":
+            continue
+        if part.performer not in worn or part.size > worn[part.performer].size:
+            worn[part.performer] = SoundingPart(
+                roots[part.performer], part.performer, part.name, part.material, part.size
+            )
+    return worn
 
 
 def rigid_parts(parts: Sequence[Part], meshes: Sequence[Mesh]) -> dict[int, RigidPart]:
@@ -78,6 +104,9 @@ class SoundSources:
         channels: of all performers.
         figures: of the creatures, by name.
         groups: names of groups.
+        people: names of people, who have a head, a chest and limbs.
+        garments: the largest one of each performer that wears any.
+        wings: length of a wing of the members of each group that flies [m].
         moods: of creatures, each with the time from which it holds [s], in the order of time.
         seed: of the scene.
     """
@@ -88,6 +117,9 @@ class SoundSources:
     channels: Sequence[Channel]
     figures: Mapping[str, Figure]
     groups: frozenset[str]
+    people: frozenset[str] = frozenset()
+    garments: Mapping[str, SoundingPart] = field(default_factory=dict)
+    wings: Mapping[str, float] = field(default_factory=dict)
     moods: Mapping[str, Sequence[tuple[float, str]]] = field(default_factory=dict)
     seed: int = 0
 
@@ -103,6 +135,11 @@ class SoundSources:
     def root(self, performer: str) -> int:
         """Return the index of the first node of a performer."""
         return self.nodes_by_performer[performer][0]
+
+    @cached_property
+    def node_numbers(self) -> Mapping[str, int]:
+        """Indices of the nodes by name."""
+        return {node.name: i for i, node in enumerate(self.nodes)}
 
     @cached_property
     def nodes_by_performer(self) -> Mapping[str, Sequence[int]]:

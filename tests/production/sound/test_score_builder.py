@@ -134,3 +134,17 @@ def test_every_detected_cause_is_audible(scene: Scene, take: Take, cause: str) -
     assert np.abs(sound).max() == pytest.approx(1.0)
     # Only impacts sound by their materials alone.
     assert (cause_voice(cause) is None) == (cause in ("footfall", "collision"))
+
+
+@pytest.mark.parametrize("cause", ["breath", "rustle"])
+def test_breath_and_clothes_are_heard_near_the_camera_alone(
+    scene: Scene, take: Take, cause: str
+) -> None:
+    near, far = (
+        replace(take.events[0], cause=cause, frame=1, step=0, fraction=0.0, place=(0, 0, -z))
+        for z in (7.9, 8.1)
+    )
+    poses = [AHEAD] * take.header.frames
+    score, _ = build_score(scene, replace(take, events=(near, far)), poses)
+    (heard_one,) = score.events
+    assert heard_one.distance == pytest.approx(7.9)

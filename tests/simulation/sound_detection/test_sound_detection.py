@@ -321,6 +321,46 @@ def test_breathing_is_optional_and_follows_the_gait() -> None:
     np.testing.assert_allclose(times, [10, 20], atol=1e-6)
 
 
+def test_a_swarm_is_heard_in_flight_as_one() -> None:
+    swarms = (
+        "{name: flies, group: {rule: swarm, count: 3, size: 0.02}, at: [1, 1, 0]}",
+        "{name: gnats, group: {rule: swarm, count: 2}, at: [3, 1, 0]}",
+    )
+    take = simulate(scene_of(*swarms, duration=1, more="sound: {detect: {wings: {who: 'f*'}}}"))
+    (wings,) = events_of(take, "wings")
+    assert (wings.who, wings.part, wings.frame, wings.size) == ("flies", "flies.wings", 1, 0.02)
+    nodes = [k for k, node in enumerate(take.nodes) if node.performer == "flies"]
+    middle = take.positions[wings.track[0], nodes].mean(axis=0)
+    np.testing.assert_allclose(wings.places[0], middle, atol=1e-5)
+    assert 0.3 < wings.strength < 5.0
+
+
+def test_clothes_rustle_on_request_while_limbs_move() -> None:
+    walkers = "{name: bob, figure: person, walk: {}}", "{name: bug, figure: beetle, at: [3, 3]}"
+    ask = "sound: {detect: {rustle: {heard: true}}}"
+    assert events_of(simulate(scene_of(*walkers, duration=1)), "rustle") == []
+    (rustle,) = events_of(simulate(scene_of(*walkers, duration=1, more=ask)), "rustle")
+    assert rustle.who == "bob"
+    assert rustle.material.endswith("cloth")
+    standing = "{name: bob, figure: person}"
+    assert events_of(simulate(scene_of(standing, duration=1, more=ask)), "rustle") == []
+
+
+@pytest.mark.nightly
+def test_a_person_breathes_faster_when_it_runs() -> None:
+    ask = "sound: {detect: {breath: {heard: true}}}\n"
+    run = "script: [{at: 0, who: ann, do: {go_to: [40, 0]}}]\n"
+    person = "{name: ann, character: adult}"
+
+    def breaths(more: str) -> int:
+        take = simulate(scene_of(person, duration=20, more=ask + more))
+        return len(events_of(take, "breath"))
+
+    rest = breaths("")
+    assert 4 <= rest <= 7
+    assert breaths(run) > 1.3 * rest
+
+
 def test_creatures_call_on_request_in_the_voice_of_their_mood() -> None:
     creatures = (
         "{name: bob, figure: person, mood: sad, walk: {}}",

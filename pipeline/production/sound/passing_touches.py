@@ -1,0 +1,59 @@
+"""Passing touches: what a dancer's hand brushes on its way to what it is meant to touch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pipeline.simulation.take import SoundEvent
+from pipeline.spec.dance import BODY_PLACES
+from pipeline.spec.scene import Scene
+
+PARTS: Mapping[str, str] = {
+    "shoulder": "yoke",
+    "head": "head",
+    "nape": "neck",
+    "chest": "breast",
+    "belly": "belly",
+    "ribs": "ribs",
+    "low_ribs": "ribs",
+    "hip": "pelvis",
+}
+"""Parts of a dancer's body by the start of the names of places on it."""
+
+LIMBS = frozenset(
+    f"{part}_{side}" for part in ("upper_arm", "forearm", "thigh", "shin") for side in "lr"
+)
+"""Parts of its limbs, on which no place is."""
+
+
+def touched_parts(scene: Scene) -> dict[str, frozenset[str]]:
+    """Return the parts of their own body that the dances of dancers touch, by the dancer's name."""
+    touched = {}
+    for _, member in scene.dancers:
+        dance = scene.dances.get(member.dance)
+        if member.name is None or dance is None:
+            continue
+        places = {task.touch for task in dance.subtasks if task.touch in BODY_PLACES}
+        parts = {
+            part
+            for place in places
+            for start, part in PARTS.items()
+            if place is not None and place.startswith(start)
+        }
+        touched[member.name] = frozenset(parts)
+    return touched
+
+
+def is_passing(event: SoundEvent, touched: Mapping[str, frozenset[str]]) -> bool:
+    """Return whether a dancer's hand meets a part of its own body that its dance never touches.
+
+    Args:
+        event: of the take.
+        touched: see `touched_parts`.
+    """
+    own = f"{event.who}."
+    other = event.other.removeprefix(own)
+    is_hand = event.part.removeprefix(own).startswith("hand_")
+    if not is_hand or event.who not in touched or other not in {*PARTS.values(), *LIMBS}:
+        return False
+    return other not in touched[event.who]

@@ -12,14 +12,15 @@ from pipeline.simulation.people.body_mesh import (
     bare_arms,
     bare_shins,
     shirt,
-    shoes,
     sleeves,
     trousers,
 )
+from pipeline.simulation.people.footwear import shoes
 from pipeline.simulation.people.garments import (
     bib,
     coat_skirt,
     hood,
+    lapels,
     skirt,
     stripes,
     suit_front,
@@ -38,9 +39,11 @@ from pipeline.simulation.people.head_mesh import (
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
-from pipeline.simulation.people.wardrobe import Clothes, Garment, Hair, Stature, tint_colors
+from pipeline.simulation.people.tints import tint_colors
+from pipeline.simulation.people.wardrobe import Clothes, Garment, Stature
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
+from pipeline.spec.costume import HairStyle
 
 EYEBALL_MATERIAL = "eye white"
 
@@ -79,11 +82,16 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
         "eyes": EYEBALL_MATERIAL,
     }
     sleeves_and_legs = (clothes.short_sleeves, clothes.shorts)
-    shape = (clothes.style, *sleeves_and_legs, clothes.build, clothes.garments)
-    face = clothes.skin, clothes.iris
+    shape = (
+        (clothes.style, clothes.hair_length),
+        *sleeves_and_legs,
+        clothes.build,
+        clothes.garments,
+    )
+    colors = clothes.skin, clothes.iris, clothes.shoes
     return tuple(
         MaterialLayer(name, mesh, materials[name])
-        for name, mesh in _cached_meshes(proportions, *shape, *face)
+        for name, mesh in _cached_meshes(proportions, *shape, *colors)
     )
 
 
@@ -113,15 +121,15 @@ def layer_parts(
 @lru_cache(maxsize=MESH_CACHE_SIZE)
 def _cached_meshes(
     proportions: Proportions,
-    style: Hair,
+    hair: tuple[HairStyle, float],
     short_sleeves: bool,
     shorts: bool,
     stature: Stature,
     garments: tuple[Garment, ...],
-    skin: str,
-    iris: str,
+    *colors: str,
 ) -> tuple[tuple[str, Mesh], ...]:
-    tints = tint_colors(skin, iris)
+    tints = tint_colors(*colors)
+    style, length = hair
     build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
     head = Head(build)
     layers = [
@@ -129,8 +137,9 @@ def _cached_meshes(
         for name, patches in _layers(build, head, short_sleeves, shorts, garments)
     ]
     locks = [] if style == "none" else [hair_patch(head, style)]
-    hair = [*(head_hair(head, style, patch) for patch in locks), brow_hair(head, brows(head))]
-    combed = _mesh(merge_patches([*locks, brows(head)]), tints, np.concatenate(hair))
+    grown = [*(length * head_hair(head, style, patch) for patch in locks)]
+    grown.append(brow_hair(head, brows(head)))
+    combed = _mesh(merge_patches([*locks, brows(head)]), tints, np.concatenate(grown))
     return (*layers, ("hair", combed))
 
 
@@ -147,6 +156,8 @@ def _layers(
     tucked = not {"skirt", "coat", "tucked"}.isdisjoint(garments)
     over = {"coat": coat_skirt, "hood": hood}
     worn = [over[word](build) for word in garments if word in over]
+    if "suit" in garments:
+        worn.append(lapels(build))
     yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
     legs = skirt(build) if "skirt" in garments else trousers(build, shorts)
     yield "trousers", [legs, *([bib(build)] if "bib" in garments else [])]

@@ -7,39 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
-import numpy as np
-
+from pipeline.simulation.people.tints import LIPS
 from pipeline.simulation.seeds import generator
-from pipeline.simulation.spatial import Array
-from pipeline.spec.costume import COSTUMES, Costume
-from render.color import linear
-from render.config import MATERIALS
-
-Hair = Literal["short", "bob", "bun", "long", "none"]
+from pipeline.spec.costume import COSTUMES, Costume, HairStyle
 
 Stature = Literal["slim", "medium", "sturdy"]
 
 Garment = Literal["skirt", "coat", "hood", "suit", "bib", "stripes", "tucked"]
 
 Word = TypeVar("Word", bound=str)
-
-LIPS = {
-    "fair skin": "lips",
-    "skin": "lips",
-    "tan skin": "lips",
-    "brown skin": "dark lips",
-    "dark skin": "dark lips",
-}
-"""Skin material -> lip material."""
-
-BLUSH = np.array([1.02, 0.76, 0.72])
-"""Colour of cheeks in that of the skin."""
-
-HOLLOW, PUPIL, TOOTH = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002), (0.62, 0.57, 0.48)
-"""Colours of the inside of a mouth, of pupils and of teeth, linear."""
-
-LIMBUS_SHADE = 0.4
-"""Colour of the rim of an iris, in that of the iris."""
 
 LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
 
@@ -56,9 +32,9 @@ SHIRTS = (
 
 TROUSERS = ("denim", "black cloth", "grey cloth", "beige cloth", "navy cloth")
 
-STYLES: tuple[Hair, ...] = ("short", "short", "bob", "bun", "long")
+STYLES: tuple[HairStyle, ...] = ("short", "short", "bob", "bun", "long")
 
-LONGER: tuple[Hair, ...] = ("bob", "bun", "long")
+LONGER: tuple[HairStyle, ...] = ("bob", "bun", "long")
 
 STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
 
@@ -83,7 +59,7 @@ class Outfit:
     shirts: Sequence[str] = SHIRTS
     trousers: Sequence[str] = TROUSERS
     shoes: Sequence[str] = SHOES
-    styles: Sequence[Hair] = STYLES
+    styles: Sequence[HairStyle] = STYLES
     short_sleeves: bool = False
     shorts: bool = False
 
@@ -162,6 +138,7 @@ class Clothes:
         build: stature.
         garments: over shirt and trousers, or in place of these.
         accent: material of ties and stripes.
+        hair_length: factor on the length of the hair.
     """
 
     skin: str = "fair skin"
@@ -170,24 +147,13 @@ class Clothes:
     shirt: str = "red cloth"
     trousers: str = "denim"
     shoes: str = "leather"
-    style: Hair = "short"
+    style: HairStyle = "short"
     short_sleeves: bool = True
     shorts: bool = False
     build: Stature = "medium"
     garments: tuple[Garment, ...] = ()
     accent: str = "white cloth"
-
-
-def tint_colors(skin: str, iris: str) -> Array:
-    """Return the linear colours (8, 3) of the tints of a head.
-
-    Args:
-        skin: material.
-        iris: material.
-    """
-    own, lip, eye = (linear(MATERIALS[name].color) for name in (skin, LIPS.get(skin, "lips"), iris))
-    rows = (own, lip, HOLLOW, BLUSH * own, eye, LIMBUS_SHADE * eye, PUPIL, TOOTH)
-    return np.array(rows)
+    hair_length: float = 1.0
 
 
 def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, Clothes]:

@@ -44,15 +44,20 @@ export async function askBytes(name, message = {}) {
 export function latest(send) {
   let waiting = null;
   let busy = false;
-  return async function (message) {
+  const put = async (message) => {
     waiting = { message };
     if (busy) return;
     busy = true;
-    while (waiting) {
-      const { message: next } = waiting;
-      waiting = null;
-      await send(next);
+    try {
+      while (waiting) {
+        const { message: next } = waiting;
+        waiting = null;
+        await send(next);
+      }
+    } finally {
+      busy = false;
     }
-    busy = false;
   };
+  put.isBusy = () => busy;
+  return put;
 }

@@ -96,7 +96,15 @@ export class Editor {
     this.posing.refresh();
     this.analyse(this.#message());
     clearTimeout(this.walkTimer);
-    this.walkTimer = setTimeout(() => this.walk(this.#message()), WALK_DELAY);
+    this.walkTimer = setTimeout(() => {
+      this.walkTimer = null;
+      this.walk(this.#message());
+    }, WALK_DELAY);
+  }
+
+  // Whether all that was changed is analysed and walks.
+  get isIdle() {
+    return !this.walkTimer && !this.analyse.isBusy() && !this.walk.isBusy();
   }
 
   #message() {
@@ -230,7 +238,6 @@ export class Editor {
       const { links, masses } = this.analysis ?? {};
       this.analysis = { links, masses, ...answer };
       this.problems = [];
-      if (message.is_moving) this.metrics.analysis.push(performance.now() - message.asked);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.problems = Object.keys(this.drawing.nodes).length ? error.problems : [];
@@ -239,6 +246,7 @@ export class Editor {
     this.#showAnalysis();
     if (!message.is_moving) this.posing.refresh();
     this.draw();
+    if (message.is_moving) this.metrics.analysis.push(performance.now() - message.asked);
   }
 
   async #walk(message) {
@@ -259,9 +267,11 @@ export class Editor {
   }
 
   #tick(now) {
-    const seconds = Math.min((now - this.last) / 1000, 0.1);
+    const duration = now - this.last;
+    const seconds = Math.min(duration / 1000, 0.1);
     this.last = now;
     if (!document.getElementById("figure").hidden && this.walked && this.playing && !this.drag && !this.posing.isOn) {
+      this.viewer.tookFrame(duration);
       this.seek((this.viewer.time + seconds) % this.walked.seconds);
     }
     requestAnimationFrame((next) => this.#tick(next));
@@ -644,7 +654,6 @@ export class Editor {
   }
 
   #move(event) {
-    const started = performance.now();
     this.pointer = this.toSheet(event);
     const { drag } = this;
     if (!drag) {
@@ -676,7 +685,7 @@ export class Editor {
     }
     this.draw();
     if (drag.kind === "nodes" || drag.kind === "radius") {
-      this.metrics.drawing.push(performance.now() - started);
+      this.metrics.drawing.push(performance.now() - event.timeStamp);
       this.analyse(this.#message());
     }
   }

@@ -3,11 +3,10 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
-import { Detail, GPU_TRIANGLES, isSoftware, shareSkeletons, SOFTWARE_TRIANGLES } from "./detail.js";
+import { Detail, shareSkeletons } from "./detail.js";
+import { isNamedSoftware, Pace } from "./pace.js";
 
 const REST = 180; // ms after which a view that moved no more is drawn in full
-const SLOW = 24; // ms of a frame of which there are too many triangles
-const FRAMES = 12; // that are looked at for that
 const AXIS = new THREE.Vector3();
 const PLACE = new THREE.Vector3();
 const TURN = new THREE.Quaternion();
@@ -26,10 +25,9 @@ export class Viewer {
   constructor(canvas, { onTheSpot = false } = {}) {
     this.canvas = canvas;
     this.onTheSpot = onTheSpot;
-    this.isSoftware = isSoftware();
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware });
-    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, 2));
-    this.budget = this.isSoftware ? SOFTWARE_TRIANGLES : GPU_TRIANGLES;
+    this.pace = new Pace(isNamedSoftware());
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.pace.isLight });
+    this.renderer.setPixelRatio(this.pace.isLight ? 1 : Math.min(devicePixelRatio, 2));
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(onTheSpot ? "#e9ecef" : "#c9d9e6");
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.02, 400);
@@ -47,7 +45,6 @@ export class Viewer {
     this.roots = new Map();
     this.nodes = new Map();
     this.scale = 1;
-    this.slow = 0;
     this.time = 0;
     this.filmCamera = null;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -91,17 +88,14 @@ export class Viewer {
         const [first, second, share] = name.split("~");
         if (share > 0) this.helpers.push({ object, first, second, share: Number(share) });
       }
-      if (object.isMesh && this.isSoftware) {
-        if (performerOf(object)) object.material = plain(object.material);
-        else this.#light(object);
-      }
       // Of the rest pose, which motion replaces.
       object.userData.place = object.position.clone();
     });
     const meshes = [];
     this.model.traverse((object) => object.isMesh && meshes.push(object));
     shareSkeletons(meshes);
-    this.detail = new Detail(this.model, this.roots, this.budget);
+    if (this.pace.isLight) this.#lighten();
+    this.detail = new Detail(this.model, this.roots, this.pace.budget);
     this.mixer = new THREE.AnimationMixer(this.model);
     if (gltf.animations.length) {
       this.action = this.mixer.clipAction(gltf.animations[0]);
@@ -112,6 +106,16 @@ export class Viewer {
     this.seek(this.time);
     if (isFirst || this.onTheSpot) this.fit(isFirst);
     this.draw();
+  }
+
+  // Gives all meshes materials that take little to draw.
+  #lighten() {
+    this.model.traverse((object) => {
+      if (!object.isMesh) return;
+      object.material.dispose();
+      if (performerOf(object)) object.material = plain(object.material);
+      else this.#light(object);
+    });
   }
 
   // Gives a mesh that stands still the light at its vertices: it covers most of the picture, and
@@ -310,17 +314,16 @@ export class Viewer {
     if (isMoving) this.resting = setTimeout(() => this.draw(), REST);
     // Edges are smoothed by more pixels where the context cannot, as soon as there is time.
     const ratio = isMoving ? 1 : 2;
-    if (this.isSoftware && this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    if (this.pace.isLight && this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.detail?.choose(this.above ?? this.camera, isMoving);
     this.renderer.render(this.scene, this.above ?? this.camera);
   }
 
-  // A frame of a motion that took so long [ms]: where all are slow there are too many triangles.
+  // Takes in how long a frame of a motion took [ms].
   tookFrame(duration) {
-    this.slow = duration > SLOW ? this.slow + 1 : 0;
-    if (this.slow < FRAMES || this.budget <= SOFTWARE_TRIANGLES) return;
-    this.slow = 0;
-    this.budget = Math.max(this.budget / 2, SOFTWARE_TRIANGLES);
-    if (this.detail) this.detail.budget = this.budget;
+    const wasLight = this.pace.isLight;
+    if (!this.model || !this.pace.took(duration, this.triangles)) return;
+    this.detail.budget = this.pace.budget;
+    if (this.pace.isLight && !wasLight) this.#lighten();
   }
 }

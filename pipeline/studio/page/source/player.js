@@ -211,15 +211,17 @@ export class Player {
   }
 
   pause() {
+    clearTimeout(this.hearing);
     this.playing = false;
     this.audio.pause();
     this.#refresh();
   }
 
   hear(event) {
+    this.pause();
     this.seek(Math.max(event.time - 0.05, 0));
     this.play();
-    setTimeout(() => this.pause(), HEARD * 1000);
+    this.hearing = setTimeout(() => this.pause(), HEARD * 1000);
     this.report(`${event.cause} of ${event.who} at ${event.time.toFixed(2)} s`);
   }
 

@@ -6,6 +6,8 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { Detail, shareSkeletons } from "./detail.js";
 import { isNamedSoftware, Pace } from "./pace.js";
 
+const GROWN = 0.08; // share by which a creature grows or shrinks until it is looked at anew
+const AWAY = { spot: 1.35, scene: 1.75 }; // sizes of what is looked at, from its middle
 const REST = 180; // ms after which a view that moved no more is drawn in full
 const AXIS = new THREE.Vector3();
 const PLACE = new THREE.Vector3();
@@ -145,16 +147,18 @@ export class Viewer {
     return box;
   }
 
-  // Looks at the creatures; where nothing forces it, only when their size has become another.
+  // Looks at the creatures; where nothing forces it, only when their size has become another, and
+  // from where they were seen.
   fit(isForced = true) {
-    const box = this.bounds();
+    const box = this.onTheSpot ? new THREE.Box3().setFromObject(this.model) : this.bounds();
     if (box.isEmpty()) return;
     const middle = box.getCenter(new THREE.Vector3());
     const size = Math.max(box.getSize(new THREE.Vector3()).length(), 0.5);
-    if (!isForced && Math.abs(Math.log(size / this.fitted)) < 0.25) return;
+    if (!isForced && Math.abs(Math.log(size / this.fitted)) < GROWN) return;
     this.fitted = size;
+    const from = isForced ? new THREE.Vector3(0.9, 0.55, 1.1) : this.camera.position.clone().sub(this.controls.target);
     this.controls.target.copy(middle);
-    this.camera.position.copy(middle).add(new THREE.Vector3(0.9, 0.55, 1.1).multiplyScalar(size * 1.15));
+    this.camera.position.copy(middle).addScaledVector(from.normalize(), size * (this.onTheSpot ? AWAY.spot : AWAY.scene));
     this.camera.near = size / 100;
     this.camera.updateProjectionMatrix();
     this.controls.update();

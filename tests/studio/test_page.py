@@ -153,7 +153,7 @@ def test_a_six_legged_figure_is_drawn_from_nothing_and_walks(page: Page) -> None
     assert len(page.value("[...studio.editor.selected]")) == 5
     page.page.fill("#node-radius", "0.2")
     page.page.press("#node-radius", "Enter")
-    page.wait("studio.editor.walks > 0")
+    page.wait("studio.editor.walks > 0 && studio.editor.isIdle")
     analysis = page.value("studio.editor.analysis")
     assert [limb["kind"] for limb in analysis["limbs"]].count("leg") == 6
     page.page.keyboard.press("Escape")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.resources
 import json
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
@@ -51,9 +52,35 @@ ASSETS = {
 Json = dict[str, Any]
 
 
+MAX_PAGES = 4
+"""Pages whose takes are kept; opening another one forgets that used longest ago."""
+
+
+@dataclass(slots=True)
+class OpenPage:
+    """What one page of the browser simulates and shows.
+
+    Attributes:
+        walks: simulations of a drawn figure.
+        takes: simulations of a scene.
+        play: number and play of the scene that is shown.
+        first: first frames of what is being simulated.
+    """
+
+    walks: Newest = field(default_factory=Newest)
+    takes: Newest = field(default_factory=Newest)
+    play: tuple[int, ScenePlay] | None = None
+    first: Requested = field(default_factory=Requested)
+
+    def stop(self) -> None:
+        """End what is being simulated."""
+        self.walks.stop()
+        self.takes.stop()
+
+
 @dataclass(slots=True)
 class Studio:
-    """What is open on the page.
+    """What is open in the browser.
 
     Attributes:
         project: folder of documents.
@@ -64,11 +91,9 @@ class Studio:
     project: Project
     first: str | None
     token: str
-    _walks: Newest = field(default_factory=Newest)
-    _takes: Newest = field(default_factory=Newest)
-    _play: tuple[int, ScenePlay] | None = None
+    _pages: dict[str, OpenPage] = field(default_factory=dict)
+    _opening: threading.Lock = field(default_factory=threading.Lock)
     _plays: int = 0
-    _first: Requested = field(default_factory=Requested)
     _queue: RenderQueue = field(init=False)
     _specimens: Specimens = field(init=False)
 
@@ -79,10 +104,24 @@ class Studio:
         )
 
     def stop(self) -> None:
-        """End what is being simulated."""
-        self._walks.stop()
-        self._takes.stop()
+        """End what is being simulated and rendered."""
+        with self._opening:
+            pages = list(self._pages.values())
+        for page in pages:
+            page.stop()
         self._queue.stop_all()
+
+    def _page(self, message: Json) -> OpenPage:
+        """Return the page that sent a message, which is then the one used last."""
+        name = message.get("page", "")
+        if not isinstance(name, str):
+            raise UsageError("`page` is no text")
+        with self._opening:
+            page = self._pages.pop(name, None) or OpenPage()
+            self._pages[name] = page
+            if len(self._pages) > MAX_PAGES:
+                self._pages.pop(next(iter(self._pages))).stop()
+        return page
 
     def library(self, _: Json) -> Json:
         """Return the documents of the project and of the library, and its other entries."""
@@ -136,7 +175,7 @@ class Studio:
     def walk(self, message: Json) -> Response:
         """Return the walk of a drawing as binary glTF, its facts in a header."""
         config = self._figure(message)
-        made = self._walks.run(lambda wanted: figure_walk(config, {}, wanted))
+        made = self._page(message).walks.run(lambda wanted: figure_walk(config, {}, wanted))
         return _glb(made.glb, made.facts)
 
     def text_of(self, message: Json) -> Json:
@@ -158,36 +197,24 @@ class Studio:
     def take(self, message: Json) -> Json:
         """Simulate the text of a scene; return its facts and the number to ask for more with."""
         scene = read_scene(_text(message, "text"), "scene", self._folder(message))
-        first = FirstFrames(scene)
-        self._first.put(message.get("request"), first)
+        first, page = FirstFrames(scene), self._page(message)
+        page.first.put(message.get("request"), first)
         try:
-            play = self._takes.run(lambda wanted: self._played(scene, wanted, first))
+            play = page.takes.run(lambda wanted: _played(page, scene, wanted, first))
         finally:
             first.end()
-        self._plays += 1
-        self._play = self._plays, play
-        return {"play": self._plays, **play.facts}
-
-    def _played(
-        self, scene: Scene, still_wanted: Callable[[], None], first: FirstFrames
-    ) -> ScenePlay:
-        """Return the play of a scene, simulated only if the one that is shown has another take."""
-        key = take_key(scene)
-        if self._play is not None and self._play[1].take.header.key == key:
-            return ScenePlay(scene, self._play[1].take)
-
-        def see(simulation: Simulation) -> None:
-            still_wanted()
-            first.see(simulation)
-
-        return ScenePlay(scene, Simulation(scene, key).run(see))
+        with self._opening:
+            self._plays += 1
+            number = self._plays
+            page.play = number, play
+        return {"play": number, **play.facts}
 
     def first_frames(self, message: Json) -> Response:
         """Return the first frames of a take that is being made as binary glTF, and their length."""
         after = message.get("after", 0)
         if not isinstance(after, int):
             raise UsageError("`after` is no number of frames")
-        beginning = self._first.get(message.get("request")).wait(after)
+        beginning = self._page(message).first.get(message.get("request")).wait(after)
         return _glb(beginning.glb, beginning.facts)
 
     def channels(self, message: Json) -> Json:
@@ -215,7 +242,7 @@ class Studio:
 
     def schema(self, message: Json) -> Json:
         """Return the schema of scenes or figures."""
-        return figure_schema() if message.get("kind") == "figure" else schema()
+        return _schema_of(message.get("kind") == "figure")
 
     def new_scene(self, message: Json) -> Json:
         """Write a starter scene into the project and return it."""
@@ -252,9 +279,10 @@ class Studio:
         return Response(picture, media_type="image/png")
 
     def _shown(self, message: Json) -> ScenePlay:
-        if self._play is None or message.get("play") != self._play[0]:
+        play = self._page(message).play
+        if play is None or message.get("play") != play[0]:
             raise Superseded
-        return self._play[1]
+        return play[1]
 
     def _figure(self, message: Json) -> Figure:
         drawing = DrawnFigure.from_json(message.get("drawing"))
@@ -264,6 +292,21 @@ class Studio:
     def _folder(self, message: Json) -> Path:
         name = message.get("name")
         return self.project.path_of(name).parent if name else self.project.folder
+
+
+def _played(
+    page: OpenPage, scene: Scene, still_wanted: Callable[[], None], first: FirstFrames
+) -> ScenePlay:
+    """Return the play of a scene, simulated only if the one that is shown has another take."""
+    key = take_key(scene)
+    if page.play is not None and page.play[1].take.header.key == key:
+        return ScenePlay(scene, page.play[1].take)
+
+    def see(simulation: Simulation) -> None:
+        still_wanted()
+        first.see(simulation)
+
+    return ScenePlay(scene, Simulation(scene, key).run(see))
 
 
 def _document(document: Document) -> Json:
@@ -291,6 +334,12 @@ def _document(document: Document) -> Json:
 def _figure_of(text: str) -> Figure:
     """Return the figure of a text, which stays the same while its drawing changes."""
     return figure_of_text(text)
+
+
+@lru_cache
+def _schema_of(is_figure: bool) -> Json:
+    """Return a schema, which takes a third of a second to make and never changes."""
+    return figure_schema() if is_figure else schema()
 
 
 def _text(message: Json, key: str) -> str:

@@ -17,6 +17,7 @@ from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import library, read_scene
 from pipeline.studio import first_frames
+from pipeline.studio.app import MAX_PAGES
 from pipeline.studio.drawing import DrawnFigure
 from pipeline.studio.figure_analysis import with_drawing
 from pipeline.studio.figure_text import figure_of_text
@@ -259,16 +260,41 @@ def test_channels_and_minds_of_a_performer_are_curves_and_strips(served: Served)
     assert (status, refused["error"]) == (422, "there is no performer 'nobody'")
 
 
+def _shown_take(served: Served, page: str = "") -> Take:
+    play = served.studio._pages[page].play
+    assert play is not None
+    return play[1].take
+
+
+def test_pages_beside_each_other_keep_their_own_takes(served: Served) -> None:
+    longer = SCENE.replace("frames: 8", "frames: 9")
+    shown = {}
+    for page, text in (("a", SCENE), ("b", longer)):
+        status, facts = served.ask("take", text=text, page=page)
+        assert status == 200
+        shown[page] = facts["play"]
+    # Not superseded by the other page's.
+    assert served.ask("channels", play=shown["a"], who="bug", page="a")[0] == 200
+    assert _shown_take(served, "a").header.frames == 8
+    assert served.ask("channels", play=shown["a"], who="bug", page="b")[0] == 409
+    for k in range(MAX_PAGES):
+        assert served.ask("channels", play=0, who="bug", page=f"other {k}")[0] == 409
+    # Those used longest ago are forgotten.
+    assert len(served.studio._pages) == MAX_PAGES
+    assert served.ask("channels", play=shown["a"], who="bug", page="a")[0] == 409
+    assert served.ask("take", text=SCENE, page=3)[0] == 422
+
+
 def test_a_change_of_the_camera_keeps_the_take(served: Served) -> None:
     status, first = served.ask("take", text=SCENE, name="walk.yaml")
-    take = served.studio._play[1].take
+    take = _shown_take(served)
     text = SCENE + "camera: {follow: bug, view: side}\n"
     status, second = served.ask("take", text=text, name="walk.yaml")
     assert status == 200
     assert second["play"] > first["play"]
-    assert served.studio._play[1].take is take
+    assert _shown_take(served) is take
     served.ask("take", text=SCENE.replace("frames: 8", "frames: 9"), name="walk.yaml")
-    assert served.studio._play[1].take is not take
+    assert _shown_take(served) is not take
 
 
 def test_first_frames_grow_and_are_the_beginning_of_the_take(

@@ -71,9 +71,8 @@ class _Writer:
         self._file = BinaryFile()
         self._rotations = unit_rotations(take)
         header = take.header
-        times = np.arange(len(take.positions)) / float(header.rate * header.samples)
-        self._times = self._file.accessor(times.astype(np.float32), bounds=True)
-        self._start = self._file.accessor(times[:1].astype(np.float32), bounds=True)
+        self._seconds = np.arange(len(take.positions)) / float(header.rate * header.samples)
+        self._inputs: dict[int, int] = {}
         self._samplers: list[dict[str, Any]] = []
         self._channels: list[dict[str, Any]] = []
         self._made: dict[str, int] = {}
@@ -131,13 +130,20 @@ class _Writer:
         still = bool((values == values[:1]).all())
         keys = np.ascontiguousarray(values[:1] if still else values, dtype=np.float32)
         sampler = {
-            "input": self._start if still else self._times,
+            "input": self._input(len(keys)),
             "output": self._file.accessor(keys),
             "interpolation": "STEP" if steps else "LINEAR",
         }
         self._samplers.append(sampler)
         target = {"node": node, "path": path}
         self._channels.append({"sampler": len(self._samplers) - 1, "target": target})
+
+    def _input(self, count: int) -> int:
+        """Return the accessor of the times of the first rows [s]; only those in use are written."""
+        if count not in self._inputs:
+            times = self._seconds[:count].astype(np.float32)
+            self._inputs[count] = self._file.accessor(times, bounds=True)
+        return self._inputs[count]
 
     def _add_helpers(self, parts: list[Part], bindings: list[Binding]) -> None:
         """Add the joints that stand between two nodes."""

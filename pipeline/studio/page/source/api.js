@@ -4,6 +4,9 @@ const script = document.getElementById("studio-script");
 const token = script.dataset.token;
 // So that the token stands in no history and no screenshot.
 history.replaceState(null, "", "/");
+// So that pages that are open beside each other keep their own takes, also when they are loaded again.
+sessionStorage.studioPage ??= crypto.randomUUID();
+const page = sessionStorage.studioPage;
 
 export class Refusal extends Error {
   constructor(status, answer) {
@@ -14,11 +17,16 @@ export class Refusal extends Error {
 }
 
 async function request(name, message) {
-  const response = await fetch(`/api/${name}`, {
-    method: "POST",
-    headers: { "content-type": "application/json", "x-studio-token": token },
-    body: JSON.stringify(message),
-  });
+  let response;
+  try {
+    response = await fetch(`/api/${name}`, {
+      method: "POST",
+      headers: { "content-type": "application/json", "x-studio-token": token },
+      body: JSON.stringify({ ...message, page }),
+    });
+  } catch {
+    throw new Refusal(0, { error: "pronk studio does not answer; start it again and open its new address" });
+  }
   if (response.ok) return response;
   const text = await response.text();
   let answer;
@@ -44,15 +52,20 @@ export async function askBytes(name, message = {}) {
 export function latest(send) {
   let waiting = null;
   let busy = false;
-  return async function (message) {
+  const put = async (message) => {
     waiting = { message };
     if (busy) return;
     busy = true;
-    while (waiting) {
-      const { message: next } = waiting;
-      waiting = null;
-      await send(next);
+    try {
+      while (waiting) {
+        const { message: next } = waiting;
+        waiting = null;
+        await send(next);
+      }
+    } finally {
+      busy = false;
     }
-    busy = false;
   };
+  put.isBusy = () => busy;
+  return put;
 }

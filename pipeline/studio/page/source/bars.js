@@ -16,25 +16,31 @@ export class Bars {
     this.strips = [];
     this.time = 0;
     this.left = 110;
+    // The sound event whose mark is at the mouse.
+    const markAt = (event) => {
+      const box = canvas.getBoundingClientRect();
+      if (event.clientY - box.top >= 16) return null;
+      const time = at(event);
+      const [near] = this.events
+        .map((sound) => [Math.abs(sound.time - time), sound])
+        .sort((a, b) => a[0] - b[0]);
+      return near && near[0] < this.seconds / 60 ? near[1] : null;
+    };
     const at = (event) => {
       const box = canvas.getBoundingClientRect();
       return ((event.clientX - box.left - this.left) / (box.width - this.left - 8)) * this.seconds;
     };
     canvas.addEventListener("pointerdown", (event) => {
-      const box = canvas.getBoundingClientRect();
-      if (event.clientY - box.top < 16 && pick) {
-        const time = at(event);
-        const near = this.events
-          .map((sound) => [Math.abs(sound.time - time), sound])
-          .sort((a, b) => a[0] - b[0])[0];
-        if (near && near[0] < this.seconds / 60) return pick(near[1]);
-      }
+      const mark = pick && markAt(event);
+      if (mark) return pick(mark);
       canvas.setPointerCapture(event.pointerId);
       this.isHeld = true;
       seek(Math.min(Math.max(at(event), 0), this.known));
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (this.isHeld) seek(Math.min(Math.max(at(event), 0), this.known));
+      if (this.isHeld) return seek(Math.min(Math.max(at(event), 0), this.known));
+      const mark = markAt(event);
+      canvas.title = mark ? `${mark.cause} of ${mark.who} at ${mark.time.toFixed(2)} s` : "";
     });
     canvas.addEventListener("pointerup", () => (this.isHeld = false));
     new ResizeObserver(() => this.draw()).observe(canvas);

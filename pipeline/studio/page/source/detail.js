@@ -7,27 +7,33 @@
 import * as THREE from "three";
 
 const LEVELS = 5; // each with half of the triangles of the one before
-const CELL = 3.1; // area of a triangle, in squares of the cell it leaves, as measured
+const CELL = 3.1; // area of a triangle, in squares of the cell it leaves, as measured; where it starts
+const TRIES = 6; // cells of growing size until there are few enough triangles
 const LEAST = 24; // triangles of a mesh that is not made coarser
 const STEADY = 0.1; // levels within which a performer keeps its own
-const RENDERER_NAMES = /swiftshader|llvmpipe|softpipe|software|basic render/i;
-export const SOFTWARE_TRIANGLES = 20000;
-export const GPU_TRIANGLES = 800000;
 
-// Whether pages are drawn without a graphics processor.
-export function isSoftware() {
-  const context = document.createElement("canvas").getContext("webgl2");
-  const info = context?.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? context.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
-  context?.getExtension("WEBGL_lose_context")?.loseContext();
-  return RENDERER_NAMES.test(name);
+// A mesh with at most so many triangles, on the vertices of another, where that has enough vertices.
+export function coarse(geometry, triangles) {
+  const { position } = geometry.attributes;
+  let cell = Math.sqrt((CELL * areaOf(position, geometry.index.array)) / triangles);
+  let kept = clustered(geometry, cell);
+  for (let k = 1; k < TRIES && kept.length / 3 > triangles; k++) {
+    cell *= Math.max(Math.sqrt(kept.length / 3 / triangles), 1.05);
+    const fewer = clustered(geometry, cell);
+    // Nothing of a small part would be left.
+    if (!fewer.length) break;
+    kept = fewer;
+  }
+  const made = new THREE.BufferGeometry();
+  for (const [name, attribute] of Object.entries(geometry.attributes)) made.setAttribute(name, attribute);
+  made.setIndex(kept.length ? kept : Array.from(geometry.index.array));
+  return made;
 }
 
-// A mesh with about so many triangles, on the vertices of another.
-export function coarse(geometry, triangles) {
+// The triangles that are left where all vertices of a cell are one.
+function clustered(geometry, cell) {
   const { position, skinIndex, skinWeight } = geometry.attributes;
   const index = geometry.index.array;
-  const cell = Math.sqrt((CELL * areaOf(position, index)) / triangles);
   const clusters = new Map();
   const owner = new Int32Array(position.count);
   const { min, max } = new THREE.Box3().setFromBufferAttribute(position);
@@ -58,10 +64,7 @@ export function coarse(geometry, triangles) {
     const [a, b, c] = [owner[index[i]], owner[index[i + 1]], owner[index[i + 2]]];
     if (a !== b && b !== c && c !== a) kept.push(listed[a].best, listed[b].best, listed[c].best);
   }
-  const made = new THREE.BufferGeometry();
-  for (const [name, attribute] of Object.entries(geometry.attributes)) made.setAttribute(name, attribute);
-  made.setIndex(kept.length ? kept : Array.from(index));
-  return made;
+  return kept;
 }
 
 function areaOf(position, index) {
@@ -107,9 +110,10 @@ export class Detail {
     for (const one of this.performers) {
       const allowed = Math.max((left * one.share) / whole, 1);
       const wished = isMoving ? Math.min(Math.max(Math.log2(one.triangles / allowed), 0), LEVELS) : 0;
-      // The next coarser one, unless it is hardly too many.
-      const level = Math.max(Math.ceil(wished - STEADY), 0);
-      if (level !== one.level && (!isMoving || Math.abs(wished - one.level) > STEADY)) this.#set(one, level);
+      // A finer one only when it is clearly allowed.
+      const isSteady = isMoving && wished <= one.level && wished > one.level - 1 - STEADY;
+      const level = Math.ceil(wished);
+      if (level !== one.level && !isSteady) this.#set(one, level);
     }
   }
 

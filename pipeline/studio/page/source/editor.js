@@ -10,6 +10,8 @@ const STICKY = 8; // pixels within which a node snaps to an axis, to a line of t
 const UNDO_STEPS = 1000;
 const WALK_DELAY = 500; // ms after the last change
 const NEW_RADIUS = 0.08;
+const CLICK = 4; // pixels that a click may move
+const BESIDE = 0.2; // m towards the tail, of a node that the keyboard makes
 const [BODY, FAINT, INK, WARNING, ACCENT] = ["#64748b", "#8a94a0", "#1f2933", "#b4442f", "#2d6fb4"];
 
 export class Editor {
@@ -96,7 +98,15 @@ export class Editor {
     this.posing.refresh();
     this.analyse(this.#message());
     clearTimeout(this.walkTimer);
-    this.walkTimer = setTimeout(() => this.walk(this.#message()), WALK_DELAY);
+    this.walkTimer = setTimeout(() => {
+      this.walkTimer = null;
+      this.walk(this.#message());
+    }, WALK_DELAY);
+  }
+
+  // Whether all that was changed is analysed and walks.
+  get isIdle() {
+    return !this.walkTimer && !this.analyse.isBusy() && !this.walk.isBusy();
   }
 
   #message() {
@@ -230,7 +240,6 @@ export class Editor {
       const { links, masses } = this.analysis ?? {};
       this.analysis = { links, masses, ...answer };
       this.problems = [];
-      if (message.is_moving) this.metrics.analysis.push(performance.now() - message.asked);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.problems = Object.keys(this.drawing.nodes).length ? error.problems : [];
@@ -239,6 +248,7 @@ export class Editor {
     this.#showAnalysis();
     if (!message.is_moving) this.posing.refresh();
     this.draw();
+    if (message.is_moving) this.metrics.analysis.push(performance.now() - message.asked);
   }
 
   async #walk(message) {
@@ -259,9 +269,11 @@ export class Editor {
   }
 
   #tick(now) {
-    const seconds = Math.min((now - this.last) / 1000, 0.1);
+    const duration = now - this.last;
+    const seconds = Math.min(duration / 1000, 0.1);
     this.last = now;
     if (!document.getElementById("figure").hidden && this.walked && this.playing && !this.drag && !this.posing.isOn) {
+      this.viewer.tookFrame(duration);
       this.seek((this.viewer.time + seconds) % this.walked.seconds);
     }
     requestAnimationFrame((next) => this.#tick(next));
@@ -581,11 +593,11 @@ export class Editor {
     this.canvas.setPointerCapture(event.pointerId);
     const place = this.toSheet(event);
     const node = this.hit(event);
-    if (event.button === 1 || (event.button === 0 && event.getModifierState(" "))) {
-      if (event.button === 1 && node && node.side > 0) {
-        return this.change((drawing) => sheet.remove(drawing, [node.name]));
-      }
-      this.drag = { kind: "pan", x: event.clientX, y: event.clientY };
+    if (event.button === 1) {
+      // A click draws or deletes (Sims 1987, A.1), a drag moves the board.
+      event.preventDefault();
+      const [x, y] = [event.clientX, event.clientY];
+      this.drag = { kind: "pan", x, y, start: [x, y], click: () => this.#middleAt(place, node) };
       return;
     }
     if (event.button === 2) {
@@ -602,7 +614,7 @@ export class Editor {
       this.drag = { kind: "radius", name: handle, before: JSON.stringify(this.drawing) };
     } else if (node) {
       if (event.shiftKey) return this.#toggleNode(node.source);
-      if (!this.selected.has(node.source)) this.select(event.altKey ? [node.source] : [node.source]);
+      if (!this.selected.has(node.source)) this.select([node.source]);
       this.drag = {
         kind: "nodes",
         side: node.side,
@@ -622,6 +634,15 @@ export class Editor {
     }
   }
 
+  #middleAt(place, node) {
+    if (this.loose) {
+      this.#drawAt(place, node);
+      this.loose = null;
+    } else if (node?.side > 0) this.change((drawing) => sheet.remove(drawing, [node.name]));
+    else if (!node) this.#create(this.snapped(place));
+    this.draw();
+  }
+
   #toggleNode(name) {
     if (!this.selected.has(name)) return this.select([name], true);
     this.select([...this.selected].filter((one) => one !== name));
@@ -636,15 +657,44 @@ export class Editor {
       this.loose = from ? null : node.name;
       return this.draw();
     }
+    this.loose = this.#create(at, from);
+    this.draw();
+  }
+
+  // Makes a node, connected with another where one is given, and selects it.
+  #create(at, from = null) {
+    let made = null;
     this.change((drawing) => {
-      this.loose = sheet.create(drawing, at, from ? (drawing.nodes[from].radius ?? NEW_RADIUS) : NEW_RADIUS);
-      if (from) sheet.connect(drawing, from, this.loose);
+      made = sheet.create(drawing, at, (from && drawing.nodes[from].radius) || NEW_RADIUS);
+      if (from) sheet.connect(drawing, from, made);
     });
-    this.select([this.loose]);
+    this.select([made]);
+    return made;
+  }
+
+  // By the keyboard: a node beside the one that is selected, connected with it.
+  createBeside() {
+    const from = this.selected.size === 1 ? [...this.selected][0] : null;
+    const [x, y] = from ? this.drawing.nodes[from].at : [0, 0];
+    this.#create(this.snapped(from ? [x, y + BESIDE] : [x, y]), from);
+  }
+
+  // Selects the next node of the drawing, or the one before.
+  selectNext(step) {
+    const names = Object.keys(this.drawing.nodes);
+    if (!names.length) return;
+    const at = names.indexOf([...this.selected].pop());
+    const next = at < 0 ? (step > 0 ? 0 : -1) : at + step;
+    this.select([names.at(next % names.length)]);
+  }
+
+  scaleRadii(factor) {
+    if (!this.selected.size) return;
+    const sizes = [...this.selected].map((name) => [name, Number((this.radiusOf(name) * factor).toFixed(4))]);
+    this.change((drawing) => sizes.forEach(([name, size]) => (drawing.nodes[name].radius = size)));
   }
 
   #move(event) {
-    const started = performance.now();
     this.pointer = this.toSheet(event);
     const { drag } = this;
     if (!drag) {
@@ -660,6 +710,7 @@ export class Editor {
       this.view.x -= (event.clientX - drag.x) / this.view.scale;
       this.view.y -= (event.clientY - drag.y) / this.view.scale;
       Object.assign(drag, { x: event.clientX, y: event.clientY });
+      if (drag.click && Math.hypot(drag.x - drag.start[0], drag.y - drag.start[1]) > CLICK) drag.click = null;
     } else if (drag.kind === "area") {
       if (drag.outline) drag.points.push([x, y]);
       else drag.points[1] = [x, y];
@@ -676,7 +727,7 @@ export class Editor {
     }
     this.draw();
     if (drag.kind === "nodes" || drag.kind === "radius") {
-      this.metrics.drawing.push(performance.now() - started);
+      this.metrics.drawing.push(performance.now() - event.timeStamp);
       this.analyse(this.#message());
     }
   }
@@ -685,6 +736,7 @@ export class Editor {
     const { drag } = this;
     this.drag = null;
     if (!drag) return;
+    if (drag.click) return drag.click();
     if (drag.before && drag.before !== JSON.stringify(this.drawing)) {
       this.commit(drag.before);
     } else if (drag.kind === "area") {
@@ -709,6 +761,10 @@ export class Editor {
       v: () => this.#setTool("select"),
       d: () => this.#setTool("draw"),
       l: () => this.toggle("lasso"),
+      n: () => this.createBeside(),
+      ",": () => this.selectNext(-1),
+      ".": () => this.selectNext(1),
+      e: () => this.scaleRadii(event.shiftKey ? 1 / 1.1 : 1.1),
       f: () => this.fit(),
       p: () => this.previousSet(),
       g: () => (event.shiftKey ? this.ungroup() : this.group()),

@@ -52,14 +52,8 @@ async function guarded(work) {
 
 const open = (name) =>
   guarded(async () => {
-    if (shown?.isDirty && !confirm("What was changed is not saved. Open another document?")) return;
-    let document_;
-    try {
-      document_ = await ask("open", { name });
-    } catch (error) {
-      if (!(error instanceof Refusal) || !error.problems.length) throw error;
-      return report(error.message.split("\n")[0], true);
-    }
+    if (shown?.isDirty && !confirm("What was changed is not saved. Open another document?")) return false;
+    const document_ = await ask("open", { name });
     show(document_.kind === "figure" ? "figure" : "scene");
     if (document_.kind === "figure") editor.open(document_);
     else await player.open(document_);
@@ -80,7 +74,16 @@ const save = () =>
     const message = { name, text: document_.text, before };
     if (shown === editor) message.drawing = editor.drawing;
     else message.text = player.editor.text;
-    const saved = await ask("save", message);
+    let saved;
+    try {
+      saved = await ask("save", message);
+    } catch (error) {
+      if (!(error instanceof Refusal) || before === null) throw error;
+      // Another program may have written the file since it was opened.
+      const now = await ask("open", { name });
+      if (now.text === before || !confirm(`${name} was changed by another program. Replace it?`)) throw error;
+      saved = await ask("save", { ...message, before: now.text });
+    }
     Object.assign(document_, saved);
     if (shown === editor) {
       editor.saved = JSON.stringify(editor.drawing);
@@ -128,5 +131,9 @@ window.addEventListener("beforeunload", (event) => shown?.isDirty && event.preve
 
 window.studio = { editor, player, library };
 const { first } = await ask("library");
-await open(first);
+if (!(await open(first))) {
+  const { textContent } = $("status");
+  await showLibrary();
+  report(textContent, true);
+}
 window.studio.isReady = true;

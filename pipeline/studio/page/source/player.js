@@ -50,6 +50,8 @@ export class Player {
   }
 
   #changed() {
+    this.changed = performance.now();
+    this.changeShown = null;
     this.onChange?.();
     this.map?.draw();
     this.check(this.#message());
@@ -70,12 +72,13 @@ export class Player {
 
   async simulate() {
     const started = performance.now();
+    const { changed } = this;
     this.report("simulating …");
     try {
       const request = crypto.randomUUID();
       this.request = request;
       const whole = ask("take", { ...this.#message(), request });
-      this.#showFirst(request, started);
+      this.#showFirst(request, changed);
       const facts = await whole;
       const { bytes } = await askBytes("take.glb", { play: facts.play });
       this.request = null;
@@ -90,6 +93,7 @@ export class Player {
       await this.#showChannels(facts.performers.includes(this.who) ? this.who : "");
       this.report(`${facts.frames} frames in ${((performance.now() - started) / 1000).toFixed(1)} s`);
       this.takes = (this.takes ?? 0) + 1;
+      this.#noteShown(changed);
       this.film = null;
       await this.#fetchSound(facts.play);
     } catch (error) {
@@ -101,7 +105,7 @@ export class Player {
   }
 
   // What is simulated so far, more and more of it while the rest is.
-  async #showFirst(request, started) {
+  async #showFirst(request, changed) {
     this.beginnings = [];
     try {
       for (let after = 0; this.request === request; ) {
@@ -114,7 +118,7 @@ export class Player {
         this.facts = { ...facts, play: null, events: [], notes: [], performers: [], gait: [] };
         this.bars.show({ seconds: facts.whole, known: facts.seconds });
         this.seek(Math.min(this.viewer.time, facts.seconds));
-        this.firstShown ??= performance.now() - started;
+        this.#noteShown(changed);
         this.beginnings.push(facts.frames);
         this.report(`simulating …; the first ${facts.seconds.toFixed(1)} s of ${facts.whole.toFixed(1)} s are there`);
         after = facts.frames;
@@ -125,12 +129,16 @@ export class Player {
     }
   }
 
+  // How long the frames of a change took to be shown [ms], until the next change.
+  #noteShown(changed) {
+    if (changed === this.changed) this.changeShown ??= performance.now() - changed;
+  }
+
   // The sound and the channels are those of the take before.
   #begin() {
     this.pause();
     this.hasSound = false;
     this.film = null;
-    this.firstShown = null;
     this.bars.showChannels({ curves: [], strips: [] });
   }
 
@@ -203,15 +211,17 @@ export class Player {
   }
 
   pause() {
+    clearTimeout(this.hearing);
     this.playing = false;
     this.audio.pause();
     this.#refresh();
   }
 
   hear(event) {
+    this.pause();
     this.seek(Math.max(event.time - 0.05, 0));
     this.play();
-    setTimeout(() => this.pause(), HEARD * 1000);
+    this.hearing = setTimeout(() => this.pause(), HEARD * 1000);
     this.report(`${event.cause} of ${event.who} at ${event.time.toFixed(2)} s`);
   }
 

@@ -9,7 +9,7 @@ export class Renders {
     this.report = report;
     this.box = document.getElementById("renders");
     this.pictures = new Map();
-    setInterval(() => this.box.hidden || this.refresh(), REFRESH);
+    setInterval(() => this.box.hidden || this.#refreshQuietly(), REFRESH);
   }
 
   async refresh() {
@@ -21,6 +21,15 @@ export class Renders {
     this.box.replaceChildren(...(articles.length ? articles : [none]));
     for (const one of renders) {
       if (one.state === "rendering" || !this.pictures.has(one.number)) await this.#picture(one);
+    }
+  }
+
+  async #refreshQuietly() {
+    try {
+      await this.refresh();
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      this.report(error.message.split("\n")[0], true);
     }
   }
 

@@ -3,11 +3,12 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
-import { Detail, GPU_TRIANGLES, isSoftware, shareSkeletons, SOFTWARE_TRIANGLES } from "./detail.js";
+import { Detail, shareSkeletons } from "./detail.js";
+import { isNamedSoftware, Pace } from "./pace.js";
 
+const GROWN = 0.08; // share by which a creature grows or shrinks until it is looked at anew
+const AWAY = { spot: 1.35, scene: 1.75 }; // sizes of what is looked at, from its middle
 const REST = 180; // ms after which a view that moved no more is drawn in full
-const SLOW = 24; // ms of a frame of which there are too many triangles
-const FRAMES = 12; // that are looked at for that
 const AXIS = new THREE.Vector3();
 const PLACE = new THREE.Vector3();
 const TURN = new THREE.Quaternion();
@@ -26,10 +27,9 @@ export class Viewer {
   constructor(canvas, { onTheSpot = false } = {}) {
     this.canvas = canvas;
     this.onTheSpot = onTheSpot;
-    this.isSoftware = isSoftware();
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware });
-    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, 2));
-    this.budget = this.isSoftware ? SOFTWARE_TRIANGLES : GPU_TRIANGLES;
+    this.pace = new Pace(isNamedSoftware());
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.pace.isLight });
+    this.renderer.setPixelRatio(this.pace.isLight ? 1 : Math.min(devicePixelRatio, 2));
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(onTheSpot ? "#e9ecef" : "#c9d9e6");
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.02, 400);
@@ -47,7 +47,6 @@ export class Viewer {
     this.roots = new Map();
     this.nodes = new Map();
     this.scale = 1;
-    this.slow = 0;
     this.time = 0;
     this.filmCamera = null;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -91,17 +90,14 @@ export class Viewer {
         const [first, second, share] = name.split("~");
         if (share > 0) this.helpers.push({ object, first, second, share: Number(share) });
       }
-      if (object.isMesh && this.isSoftware) {
-        if (performerOf(object)) object.material = plain(object.material);
-        else this.#light(object);
-      }
       // Of the rest pose, which motion replaces.
       object.userData.place = object.position.clone();
     });
     const meshes = [];
     this.model.traverse((object) => object.isMesh && meshes.push(object));
     shareSkeletons(meshes);
-    this.detail = new Detail(this.model, this.roots, this.budget);
+    if (this.pace.isLight) this.#lighten();
+    this.detail = new Detail(this.model, this.roots, this.pace.budget);
     this.mixer = new THREE.AnimationMixer(this.model);
     if (gltf.animations.length) {
       this.action = this.mixer.clipAction(gltf.animations[0]);
@@ -112,6 +108,16 @@ export class Viewer {
     this.seek(this.time);
     if (isFirst || this.onTheSpot) this.fit(isFirst);
     this.draw();
+  }
+
+  // Gives all meshes materials that take little to draw.
+  #lighten() {
+    this.model.traverse((object) => {
+      if (!object.isMesh) return;
+      object.material.dispose();
+      if (performerOf(object)) object.material = plain(object.material);
+      else this.#light(object);
+    });
   }
 
   // Gives a mesh that stands still the light at its vertices: it covers most of the picture, and
@@ -141,16 +147,18 @@ export class Viewer {
     return box;
   }
 
-  // Looks at the creatures; where nothing forces it, only when their size has become another.
+  // Looks at the creatures; where nothing forces it, only when their size has become another, and
+  // from where they were seen.
   fit(isForced = true) {
-    const box = this.bounds();
+    const box = this.onTheSpot ? new THREE.Box3().setFromObject(this.model) : this.bounds();
     if (box.isEmpty()) return;
     const middle = box.getCenter(new THREE.Vector3());
     const size = Math.max(box.getSize(new THREE.Vector3()).length(), 0.5);
-    if (!isForced && Math.abs(Math.log(size / this.fitted)) < 0.25) return;
+    if (!isForced && Math.abs(Math.log(size / this.fitted)) < GROWN) return;
     this.fitted = size;
+    const from = isForced ? new THREE.Vector3(0.9, 0.55, 1.1) : this.camera.position.clone().sub(this.controls.target);
     this.controls.target.copy(middle);
-    this.camera.position.copy(middle).add(new THREE.Vector3(0.9, 0.55, 1.1).multiplyScalar(size * 1.15));
+    this.camera.position.copy(middle).addScaledVector(from.normalize(), size * (this.onTheSpot ? AWAY.spot : AWAY.scene));
     this.camera.near = size / 100;
     this.camera.updateProjectionMatrix();
     this.controls.update();
@@ -310,17 +318,16 @@ export class Viewer {
     if (isMoving) this.resting = setTimeout(() => this.draw(), REST);
     // Edges are smoothed by more pixels where the context cannot, as soon as there is time.
     const ratio = isMoving ? 1 : 2;
-    if (this.isSoftware && this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    if (this.pace.isLight && this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.detail?.choose(this.above ?? this.camera, isMoving);
     this.renderer.render(this.scene, this.above ?? this.camera);
   }
 
-  // A frame of a motion that took so long [ms]: where all are slow there are too many triangles.
+  // Takes in how long a frame of a motion took [ms].
   tookFrame(duration) {
-    this.slow = duration > SLOW ? this.slow + 1 : 0;
-    if (this.slow < FRAMES || this.budget <= SOFTWARE_TRIANGLES) return;
-    this.slow = 0;
-    this.budget = Math.max(this.budget / 2, SOFTWARE_TRIANGLES);
-    if (this.detail) this.detail.budget = this.budget;
+    const wasLight = this.pace.isLight;
+    if (!this.model || !this.pace.took(duration, this.triangles)) return;
+    this.detail.budget = this.pace.budget;
+    if (this.pace.isLight && !wasLight) this.#lighten();
   }
 }

@@ -234,6 +234,26 @@ def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) 
 
 
 @compiled
+def minimum_jerk(u: float) -> float:
+    """Return the fraction of a minimum-jerk motion at a fraction u of its time.
+
+    Source: Flash and Hogan 1985.
+    """
+    return u * u * u * (10.0 + u * (6.0 * u - 15.0))
+
+
+@compiled
+def _swing_progress(person: Record, u: float) -> float:
+    """Return the fraction of its way that a foot has gone at a fraction u of its swing.
+
+    Runners swing their feet more evenly: minimum jerk, a quarter faster at its middle, would turn
+    their legs faster than hips do. A walking foot that lands so would slide.
+    """
+    run = run_blend(ground_speed(person), leg_length(person))
+    return (1.0 - run) * minimum_jerk(u) + run * smoothstep(u)
+
+
+@compiled
 def _detoured(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[float, float]:
     """Return x and z of a foot on its way round the other leg to the ankle's end place.
 
@@ -314,9 +334,7 @@ def _swing(
         return
     if u < 0.75:
         _choose_landing(person, k, 1.0 - u, 1.0 - math.exp(-RETARGET_RATE * dt), frame, vertices)
-    # Feet swing rather evenly; minimum jerk, a quarter faster at its middle, would turn a runner's
-    # legs faster than hips do.
-    s = smoothstep(u)
+    s = _swing_progress(person, u)
     toes = (
         TOE_LIFT_ANGLE
         * person.walk_blend

@@ -20,7 +20,6 @@ from pipeline.simulation.characters.collision_avoidance import slide_feet, stop_
 from pipeline.simulation.characters.crowd_avoidance import avoid_people
 from pipeline.simulation.characters.gait_timing import (
     froude,
-    ground_speed,
     leg_length,
     smoothstep,
     spring_step,
@@ -78,7 +77,7 @@ def update_stun(person: Record, nodes: Records, links: Records, owners: Records,
 # Gaze.
 GAZE_RATE = 8.0  # [rad/s]
 MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
-MAX_WALKING_GAZE_YAW = math.radians(75.0)  # against the direction of walking
+MAX_WALKING_GAZE_YAW = math.radians(65.0)  # against the direction of walking
 STRAIGHT_BACKWARD = math.radians(140.0)  # direction of walking from which either shoulder serves
 WALKING_GAZE_FROUDE = 0.12  # speed from which that holds, in √(g l)
 MAX_HEAD_SPEED = math.radians(290.0)  # against the pelvis [rad/s]

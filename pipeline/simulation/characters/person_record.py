@@ -61,8 +61,8 @@ PERSON = np.dtype(
         ("acceleration", "f8", 2),
         ("heading", "f8"),
         ("yaw_rate", "f8"),
-        # Gait clock [cycles], stance fraction of a cycle, whether the clock runs, and the blend from
-        # standing to walking, 0 to 1.
+        # Gait clock [cycles], stance fraction of a cycle, whether the clock runs, and the blend
+        # from standing to walking, 0 to 1.
         ("phase", "f8"),
         ("duty", "f8"),
         ("stepping", "?"),

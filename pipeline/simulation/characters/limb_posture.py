@@ -229,7 +229,6 @@ KNEE_CLEARANCE = 0.094  # of knees that pass one another, in heights: two thighs
 KNEE_RANGE = 3.0  # distance ahead within which knees part, in knee clearances
 MAX_THIGH_LEAN = 0.6  # sine of the lean beyond which no more clearance is made
 PARTING_BLEND = 0.3  # of a swing, in which it comes to yield to the other knee alone
-PARTING_ROUNDS = 2
 
 
 @compiled
@@ -268,14 +267,20 @@ def _part_knees(person: Record) -> None:
     """
     right = (math.sin(person.heading), 0.0, math.cos(person.heading))
     share = 0.5 + 0.5 * (_middle_of_swing(person, 1) - _middle_of_swing(person, 0))
-    for _ in range(PARTING_ROUNDS):
-        deficits = (_knee_deficit(person, 0, right), _knee_deficit(person, 1, right))
-        for k in range(2):
-            distance = deficits[k] * (share if k == 1 else 1.0 - share)
-            if distance > 0.0:
-                hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
-                knee = _turned_outward(person, k, hip, ankle, distance, right)
-                put(person.targets, KNEE + k, knee)
+    deficits = (_knee_deficit(person, 0, right), _knee_deficit(person, 1, right))
+    _move_outward(person, 0, (1.0 - share) * deficits[0], right)
+    _move_outward(person, 1, share * deficits[1], right)
+    for k in range(2):
+        _move_outward(person, k, _knee_deficit(person, k, right), right)
+
+
+@compiled
+def _move_outward(person: Record, k: int, distance: float, right: Vector) -> None:
+    """Move a knee outward by a distance, if it is more than 0, as far as it goes [m]."""
+    if distance > 0.0:
+        hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
+        knee = _turned_outward(person, k, hip, ankle, distance, right)
+        put(person.targets, KNEE + k, knee)
 
 
 @compiled

@@ -49,7 +49,9 @@ from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
 from pipeline.simulation.people.proportions import SEGMENTS
 
 MAX_LEG_STRETCH = 0.996  # of its length; a quite straight leg cannot be bent
-WALKING_SLACK = 0.008  # less of it in walking: muscles let a pelvis come a little above its place
+# Less of it in walking, and still less in running: muscles let a pelvis come a little above its
+# place, and a knee that straightens quite has no direction.
+WALKING_SLACK, RUNNING_SLACK = 0.002, 0.006
 
 # The pelvis in walking: sideways and vertical amplitude in leg lengths, rotation and tilt.
 SWAY, BOB = 0.022, 0.028
@@ -230,7 +232,8 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
 
     When the leg that held the pelvis down swings, the pelvis rises smoothly.
     """
-    stretch = MAX_LEG_STRETCH - WALKING_SLACK * person.walk_blend
+    running = run_blend(ground_speed(person), leg_length(person))
+    stretch = MAX_LEG_STRETCH - person.walk_blend * (WALKING_SLACK + RUNNING_SLACK * running)
     leg_bones = stretch * (person.thigh + person.shin)
     highest = height
     for k in range(2):

@@ -44,7 +44,7 @@ STRIDE_RATE_POWER = 0.57
 SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
-LENGTHENING, SHORTENING = 3.0, 6.0  # of the stance fraction, rates at which it follows [1/s]
+LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 
 
 @compiled
@@ -120,7 +120,7 @@ def follow_duty_factor(person: Record, dt: float) -> None:
     A runner who slows to a walk would otherwise hurry a foot in mid-swing to the end of its way.
     """
     change = duty_factor(ground_speed(person), leg_length(person)) - person.duty
-    person.duty += change * (1.0 - math.exp(-(LENGTHENING if change > 0.0 else SHORTENING) * dt))
+    person.duty += change * (1.0 - math.exp(-LENGTHENING_RATE * dt) if change > 0.0 else 1.0)
 
 
 @compiled

@@ -243,6 +243,17 @@ def minimum_jerk(u: float) -> float:
 
 
 @compiled
+def _swing_progress(person: Record, u: float) -> float:
+    """Return the fraction of its way that a foot has gone at a fraction u of its swing.
+
+    Runners swing their feet more evenly: minimum jerk, a quarter faster at its middle, would turn
+    their legs faster than hips do. A walking foot that lands so would slide.
+    """
+    run = run_blend(ground_speed(person), leg_length(person))
+    return (1.0 - run) * minimum_jerk(u) + run * smoothstep(u)
+
+
+@compiled
 def _detoured(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[float, float]:
     """Return x and z of a foot on its way round the other leg to the ankle's end place.
 
@@ -323,7 +334,7 @@ def _swing(
         return
     if u < 0.75:
         _choose_landing(person, k, 1.0 - u, 1.0 - math.exp(-RETARGET_RATE * dt), frame, vertices)
-    s = minimum_jerk(u)
+    s = _swing_progress(person, u)
     toes = (
         TOE_LIFT_ANGLE
         * person.walk_blend

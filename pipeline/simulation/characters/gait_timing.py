@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 
+from pipeline.simulation.characters.person_record import STANDING_DUTY
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 
@@ -43,6 +44,7 @@ STRIDE_RATE_POWER = 0.57
 SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
 RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
 RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
+LENGTHENING_RATE = 3.0  # at which the stance fraction follows a speed that falls [1/s]
 
 
 @compiled
@@ -80,7 +82,7 @@ def duty_factor(speed: float, leg: float) -> float:
     """Return the stance fraction of a cycle; below one half there is flight."""
     froude_number = froude(speed, leg)
     running = run_blend(speed, leg)
-    walk = 0.72 - 0.21 * min(froude_number, 0.75)
+    walk = STANDING_DUTY - 0.21 * min(froude_number, 0.75)
     return (1.0 - running) * walk + running * max(0.46 - 0.09 * froude_number, 0.28)
 
 
@@ -108,7 +110,17 @@ def gait_pace(person: Record) -> tuple[float, float]:
     leg = leg_length(person)
     speed = ground_speed(person)
     # In turns and after pushes, steps are as brisk as in a slow walk.
-    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty_factor(speed, leg)
+    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), person.duty
+
+
+@compiled
+def follow_duty_factor(person: Record, dt: float) -> None:
+    """Let the stance fraction of a cycle follow the speed.
+
+    A runner who slows to a walk would otherwise hurry a foot in mid-swing to the end of its way.
+    """
+    change = duty_factor(ground_speed(person), leg_length(person)) - person.duty
+    person.duty += change * (1.0 - math.exp(-LENGTHENING_RATE * dt) if change > 0.0 else 1.0)
 
 
 @compiled

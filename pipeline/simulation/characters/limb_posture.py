@@ -17,7 +17,9 @@ from pipeline.simulation.characters.gait_timing import (
     gait_pace,
     ground_speed,
     leg_length,
+    leg_phase,
     run_blend,
+    smoothstep,
     spring_step,
     wrap_angle,
 )
@@ -226,6 +228,7 @@ MAX_KNEE_INWARD = 0.1  # [rad], so that knees do not strike one another
 KNEE_CLEARANCE = 0.094  # of knees that pass one another, in heights: two thighs side by side
 KNEE_RANGE = 3.0  # distance ahead within which knees part, in knee clearances
 MAX_THIGH_LEAN = 0.6  # sine of the lean beyond which no more clearance is made
+PARTING_BLEND = 0.3  # of a swing, in which it comes to yield to the other knee alone
 
 
 @compiled
@@ -258,25 +261,51 @@ def hold_legs(person: Record) -> None:
 
 @compiled
 def _part_knees(person: Record) -> None:
-    """Turn knees outward that would collide, that of the swinging leg first."""
-    ahead = (math.cos(person.heading), 0.0, -math.sin(person.heading))
+    """Turn knees outward that would collide, that of the swinging leg more.
+
+    A knee that is as far outward as it goes leaves the rest to the other one.
+    """
     right = (math.sin(person.heading), 0.0, math.cos(person.heading))
+    share = 0.5 + 0.5 * (_middle_of_swing(person, 1) - _middle_of_swing(person, 0))
+    deficits = (_knee_deficit(person, 0, right), _knee_deficit(person, 1, right))
+    _move_outward(person, 0, (1.0 - share) * deficits[0], right)
+    _move_outward(person, 1, share * deficits[1], right)
+    for k in range(2):
+        _move_outward(person, k, _knee_deficit(person, k, right), right)
+
+
+@compiled
+def _move_outward(person: Record, k: int, distance: float, right: Vector) -> None:
+    """Move a knee outward by a distance, if it is more than 0, as far as it goes [m]."""
+    if distance > 0.0:
+        hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
+        knee = _turned_outward(person, k, hip, ankle, distance, right)
+        put(person.targets, KNEE + k, knee)
+
+
+@compiled
+def _middle_of_swing(person: Record, k: int) -> float:
+    """Return 1 in most of a foot's swing, 0 where it stands, gradual in between."""
+    if person.foot_state[k] != SWING or not person.stepping:
+        return 0.0
+    _, stance = gait_pace(person)
+    u = leg_phase(person, k) / (1.0 - stance)
+    return smoothstep(min(u, 1.0 - u) / PARTING_BLEND)
+
+
+@compiled
+def _knee_deficit(person: Record, k: int, right: Vector) -> float:
+    """Return the clearance that a knee lacks to the other one, less than 0 if none [m]."""
+    ahead = (right[2], 0.0, -right[0])
     clearance = KNEE_CLEARANCE * person.height
-    first = 0 if person.foot_state[0] == SWING else 1
-    for n in range(2):
-        k = first if n == 0 else 1 - first
-        side = 1.0 if k == 1 else -1.0
-        offset = minus(row(person.targets, KNEE + k), row(person.targets, KNEE + 1 - k))
-        closeness = max(1.0 - (dot(offset, ahead) / (KNEE_RANGE * clearance)) ** 2, 0.0)
-        # Thighs that lean to a side are nearer to one another than their knees.
-        thigh = minus(row(person.targets, KNEE + k), row(person.targets, HIP + k))
-        lean = min(abs(dot(thigh, right)) / person.thigh, MAX_THIGH_LEAN)
-        deficit = clearance / math.sqrt(1.0 - lean * lean) * closeness * closeness - side * dot(
-            offset, right
-        )
-        if deficit > 0.0:
-            hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
-            put(person.targets, KNEE + k, _turned_outward(person, k, hip, ankle, deficit, right))
+    side = 1.0 if k == 1 else -1.0
+    offset = minus(row(person.targets, KNEE + k), row(person.targets, KNEE + 1 - k))
+    closeness = max(1.0 - (dot(offset, ahead) / (KNEE_RANGE * clearance)) ** 2, 0.0)
+    # Thighs that lean to a side are nearer to one another than their knees.
+    thigh = minus(row(person.targets, KNEE + k), row(person.targets, HIP + k))
+    lean = min(abs(dot(thigh, right)) / person.thigh, MAX_THIGH_LEAN)
+    needed = clearance / math.sqrt(1.0 - lean * lean) * closeness * closeness
+    return needed - side * dot(offset, right)
 
 
 @compiled

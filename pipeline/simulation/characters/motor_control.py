@@ -20,14 +20,18 @@ from pipeline.simulation.characters.collision_avoidance import slide_feet, stop_
 from pipeline.simulation.characters.crowd_avoidance import avoid_people
 from pipeline.simulation.characters.gait_timing import (
     froude,
-    ground_speed,
     leg_length,
     smoothstep,
     spring_step,
     wrap_angle,
 )
 from pipeline.simulation.characters.limb_posture import advance_stoop, hold_arms, hold_legs
-from pipeline.simulation.characters.pelvis_motion import advance_sitting, halt, lead_pelvis
+from pipeline.simulation.characters.pelvis_motion import (
+    advance_sitting,
+    goal_velocity,
+    halt,
+    lead_pelvis,
+)
 from pipeline.simulation.characters.person_record import (
     ELBOW,
     FOOT,
@@ -73,9 +77,11 @@ def update_stun(person: Record, nodes: Records, links: Records, owners: Records,
 # Gaze.
 GAZE_RATE = 8.0  # [rad/s]
 MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
-MAX_WALKING_GAZE_YAW = math.radians(75.0)  # against the direction of walking, forwards
+MAX_WALKING_GAZE_YAW = math.radians(65.0)  # against the direction of walking
+STRAIGHT_BACKWARD = math.radians(140.0)  # direction of walking from which either shoulder serves
 WALKING_GAZE_FROUDE = 0.12  # speed from which that holds, in √(g l)
 MAX_HEAD_SPEED = math.radians(290.0)  # against the pelvis [rad/s]
+CARRY_SPAN = math.radians(20.0)  # turn of the head that is left, from which the trunk carries it
 MAX_GAZE_UP, MAX_GAZE_DOWN = math.radians(45.0), math.radians(50.0)
 
 
@@ -95,12 +101,25 @@ def _way_yaw(person: Record) -> float:
 
 @compiled
 def _within_view_of_way(person: Record, aside: float) -> float:
-    """Return a gaze yaw against the pelvis such that a person walking forwards sees its way."""
-    way = wrap_angle(math.atan2(-person.velocity[1], person.velocity[0]) - person.heading)
-    speed = froude(ground_speed(person), leg_length(person))
+    """Return a gaze yaw against the pelvis such that a person sees its way.
+
+    The head turns to the way before the person sets out, and keeps to the present way until it has
+    slowed down. Who walks backward looks over a shoulder.
+    """
+    aside = _within_view(person, aside, goal_velocity(person))
+    return _within_view(person, aside, (person.velocity[0], person.velocity[1]))
+
+
+@compiled
+def _within_view(person: Record, aside: float, velocity: tuple[float, float]) -> float:
+    """Return a gaze yaw against the pelvis that is nearer to the direction of a velocity."""
+    way = wrap_angle(math.atan2(-velocity[1], velocity[0]) - person.heading)
+    speed = froude(math.hypot(velocity[0], velocity[1]), leg_length(person))
     walking = smoothstep(speed / WALKING_GAZE_FROUDE)
-    if walking == 0.0 or abs(way) > 0.5 * math.pi:
-        return aside
+    gaze = wrap_angle(person.gaze[0] - person.heading)
+    if abs(way) > STRAIGHT_BACKWARD and way * gaze < 0.0:
+        # Over the shoulder over which the person looks already.
+        way -= math.copysign(2.0 * math.pi, way)
     nearest = min(max(aside, way - MAX_WALKING_GAZE_YAW), way + MAX_WALKING_GAZE_YAW)
     return aside + walking * (nearest - aside)
 
@@ -124,6 +143,9 @@ def turn_head(person: Record, dt: float) -> None:
     aside = _within_view_of_way(person, min(max(aside, -limit), limit))
     pitch = min(max(pitch, -MAX_GAZE_DOWN), MAX_GAZE_UP)
     yaw_now, rate = wrap_angle(person.gaze[0] - person.heading), person.gaze_rate[0]
+    # A trunk that turns to where the head turns carries it along.
+    carried = (aside - yaw_now) * math.copysign(1.0, person.yaw_rate) / CARRY_SPAN
+    yaw_now += min(max(carried, 0.0), 1.0) * person.yaw_rate * dt
     # A critically damped spring with a constant offset d settles at a speed of omega d / 2.
     farthest = 2.0 * MAX_HEAD_SPEED / GAZE_RATE
     aside = yaw_now + min(max(aside - yaw_now, -farthest), farthest)

@@ -12,6 +12,7 @@ import math
 
 from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gait_timing import (
+    follow_duty_factor,
     froude,
     ground_speed,
     leg_length,
@@ -47,6 +48,7 @@ def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
     _advance_place(person, nodes, wx, wz, dt)
+    follow_duty_factor(person, dt)
     relative_speed = froude(ground_speed(person), leg_length(person))
     walk_target = smoothstep(relative_speed / 0.3) if person.stepping else 0.0
     person.walk_blend, person.walk_blend_rate = spring_step(
@@ -155,6 +157,7 @@ def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: flo
     if size > limit:
         gain_x, gain_z = gain_x * limit / size, gain_z * limit / size
     person.acceleration[0], person.acceleration[1] = gain_x, gain_z
+    slowed = ground_speed(person) - limit * dt
     node = nodes[person.node + PELVIS]
     is_sitting = person.posture == SITTING or person.sit_blend > 0.03
     for c in range(2):
@@ -172,7 +175,8 @@ def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: flo
         # The targets move over to the body, which is no motion of their own.
         for k in range(FOOT):
             person.previous_targets[k, axis] += shift
-    limit = max(1.1 * person.pace, STAGGER_FROUDE * math.sqrt(GRAVITY * leg))
+    # A runner whose pace changes brakes with its legs; a shove adds no more than a stagger.
+    limit = max(1.1 * person.pace, STAGGER_FROUDE * math.sqrt(GRAVITY * leg), slowed)
     share = min(limit / max(ground_speed(person), 1e-9), 1.0)
     person.velocity[0], person.velocity[1] = share * person.velocity[0], share * person.velocity[1]
     if not person.stepping and person.posture != SITTING and person.sit_blend < 0.03:

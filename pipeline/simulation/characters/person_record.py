@@ -35,6 +35,9 @@ STANDING, SITTING = 0, 1
 HANG_SWING, HANG_BEND, HANG_OUTWARD = 0.02, np.radians(14.0), 0.13
 """Angles of hanging arms: ahead, in the elbow, outward [rad]."""
 
+STANDING_DUTY = 0.72
+"""Stance fraction of a cycle of the slowest walk."""
+
 MAX_ARM_STRETCH = 0.995
 """Longest reach of an arm, in the sum of its links."""
 
@@ -58,8 +61,10 @@ PERSON = np.dtype(
         ("acceleration", "f8", 2),
         ("heading", "f8"),
         ("yaw_rate", "f8"),
-        # Gait clock [cycles], whether it runs, and the blend from standing to walking, 0 to 1.
+        # Gait clock [cycles], stance fraction of a cycle, whether the clock runs, and the blend
+        # from standing to walking, 0 to 1.
         ("phase", "f8"),
+        ("duty", "f8"),
         ("stepping", "?"),
         ("walk_blend", "f8"),
         ("walk_blend_rate", "f8"),
@@ -192,6 +197,7 @@ def persons_of(
         person.at[:] = at[i]
         person.floor = ground[i]
         person.gaze[:] = headings[i], 0.0
+        person.duty = STANDING_DUTY
         person.pace = 0.42 * np.sqrt(9.81 * person.hip_height)
         nodes = standing_nodes(own, at[i], headings[i], ground[i])
         person.targets[:] = person.previous_targets[:] = nodes

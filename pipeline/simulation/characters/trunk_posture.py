@@ -49,6 +49,9 @@ from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
 from pipeline.simulation.people.proportions import SEGMENTS
 
 MAX_LEG_STRETCH = 0.996  # of its length; a quite straight leg cannot be bent
+# Less of it in walking, and still less in running: muscles let a pelvis come a little above its
+# place, and a knee that straightens quite has no direction.
+WALKING_SLACK, RUNNING_SLACK = 0.002, 0.006
 
 # The pelvis in walking: sideways and vertical amplitude in leg lengths, rotation and tilt.
 SWAY, BOB = 0.022, 0.028
@@ -60,6 +63,8 @@ EARLY_LOWERING = 0.4  # remaining swing from which the pelvis comes down for a f
 SHIFT_RATE, SHIFT_BLEND_RATE = 0.05, 3.0
 SHIFT_ASIDE, SHIFT_AHEAD = 0.04, 0.014
 SHIFT_TILT = math.radians(1.5)  # of the pelvis, the free hip down
+STEPPING_BLEND = 0.1  # of walking, up to which a person steps in place
+BUSY_SHIFT = 0.4  # of a weight shift with the hands at work, in one with free hands
 DRIFT_PERIODS = 2.44  # of the slow drift that makes no two shifts alike, in shifts
 
 SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
@@ -156,21 +161,22 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
 def _weight_shift(person: Record, dt: float) -> tuple[float, float]:
     """Return the weight shift of a standing person to the right and ahead, each -1 to 1.
 
-    There is none while the person walks, sits, bows, kicks or has its hands at work.
+    There is none while the person walks (steps in place are not walking), sits, bows or kicks, and
+    less with the hands at work.
     """
     is_idle = (
-        not person.stepping
+        person.walk_blend < STEPPING_BLEND
         and person.posture == STANDING
         and person.sit_blend == 0.0
         and person.kick_foot < 0
         and person.bow < 0.02
-        and person.arm_mode[0] < PLACED
-        and person.arm_mode[1] < PLACED
     )
+    free = person.arm_mode[0] < PLACED and person.arm_mode[1] < PLACED
+    target = (1.0 if free else BUSY_SHIFT) if is_idle else 0.0
     person.shift_blend, person.shift_blend_rate = spring_step(
         person.shift_blend,
         person.shift_blend_rate,
-        1.0 if is_idle else 0.0,
+        target,
         SHIFT_BLEND_RATE,
         dt,
     )
@@ -226,7 +232,9 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
 
     When the leg that held the pelvis down swings, the pelvis rises smoothly.
     """
-    leg_bones = 0.995 * (person.thigh + person.shin)
+    running = run_blend(ground_speed(person), leg_length(person))
+    stretch = MAX_LEG_STRETCH - person.walk_blend * (WALKING_SLACK + RUNNING_SLACK * running)
+    leg_bones = stretch * (person.thigh + person.shin)
     highest = height
     for k in range(2):
         if person.foot_state[k] == STANCE:
@@ -234,11 +242,18 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
             z = person.ankles[k, 2] - person.targets[HIP + k, 2]
             away = min(x * x + z * z, 0.75 * leg_bones * leg_bones)
             top = person.ankles[k, 1] + math.sqrt(leg_bones * leg_bones - away) - person.floor
-            highest = min(highest, top)
+            highest = min(highest, top - _hip_rise(person, k))
         else:
             highest = min(highest, height - _early_lowering(person, k, height, leg_bones))
     person.pelvis_drop = max(height - highest, person.pelvis_drop * math.exp(-RISE_RATE * dt))
     return height - person.pelvis_drop
+
+
+@compiled
+def _hip_rise(person: Record, k: int) -> float:
+    """Return the height of a hip above the middle of the tilted pelvis [m]."""
+    rise: float = person.targets[HIP + k, 1] - person.targets[PELVIS, 1]
+    return rise
 
 
 @compiled
@@ -256,6 +271,7 @@ def _early_lowering(person: Record, k: int, height: float, bones: float) -> floa
     z = person.landing_place[k, 2] - person.targets[HIP + k, 2] - person.velocity[1] * time
     away = min(x * x + z * z, 0.75 * bones * bones)
     top = person.landing_place[k, 1] + math.sqrt(bones * bones - away) - person.floor
+    top -= _hip_rise(person, k)
     return max(height - top, 0.0) * smoothstep(1.0 - left / EARLY_LOWERING)
 
 

@@ -84,6 +84,24 @@ def test_a_walker_that_looks_at_something_behind_still_sees_the_way() -> None:
     assert np.abs(np.diff(gaze)).max() * STEPS < MAX_HEAD_SPEED + 0.1
 
 
+def test_a_person_turning_on_the_spot_and_one_in_a_hug_shift_their_weight() -> None:
+    turns = "".join(
+        f"  - {{at: {0.3 + 1.6 * k:.1f}, who: a, do: {{turn_deg: 180}}}}\n" for k in range(4)
+    )
+    play = play_scene(
+        "duration: 7\ncast:\n  - {name: a, character: child, at: [-3, 0]}\n"
+        "  - {name: b, character: adult}\n"
+        "  - {name: c, character: adult, at: [0.9, 0], heading_deg: 180}\n"
+        f"script:\n{turns}"
+        "  - {at: 0.1, who: b, do: {hug: c}}\n  - {at: 0.1, who: c, do: {hug: b}}\n"
+    )
+    for name in "abc":
+        pelvis = play.joint(name, "pelvis")
+        for start in range(3 * STEPS, len(pelvis) - 4 * STEPS + 1, STEPS):
+            four_seconds = pelvis[start : start + 4 * STEPS]
+            assert np.linalg.norm(four_seconds - four_seconds[0], axis=1).max() > 0.01
+
+
 def test_the_head_leads_the_trunk_into_a_turn() -> None:
     play = play_scene(
         "duration: 3\ncast: [{name: a, character: adult}]\n"

@@ -173,6 +173,34 @@ def test_a_far_landing_place_in_a_turn_does_not_throw_the_body(kind: str, speed:
     assert np.abs(lists).max() < math.radians(9.0)
 
 
+def knee_turn_speeds(play: Play, name: str, side: str) -> Array:
+    """Return (K - 1,) the speeds at which a knee turns about the line from hip to foot [m/s]."""
+    hip, knee, foot = (play.joint(name, f"{joint}_{side}") for joint in ("hip", "knee", "foot"))
+    line = (foot - hip) / np.linalg.norm(foot - hip, axis=1, keepdims=True)
+    off = knee - hip - ((knee - hip) * line).sum(axis=1, keepdims=True) * line
+    radius = np.linalg.norm(off, axis=1)
+    direction = off / np.maximum(radius, 1e-6)[:, None]
+    cosine = np.clip((direction[1:] * direction[:-1]).sum(axis=1), -1.0, 1.0)
+    speeds: Array = np.arccos(cosine) * 0.5 * (radius[1:] + radius[:-1]) * STEPS
+    return speeds
+
+
+@pytest.mark.parametrize(("kind", "speed"), [("child", 2.6), ("adult", 1.3)])
+def test_knees_of_runners_and_turning_walkers_do_not_swivel(kind: str, speed: float) -> None:
+    places = [(2.0, 0.3), (-1.0, 1.2), (-1.5, -1.0), (1.0, 0.5)]
+    orders = "".join(
+        f"  - {{at: {0.1 + 1.4 * k:.1f}, who: a, do: {{go_to: [{x}, {z}]}}}}\n"
+        for k, (x, z) in enumerate(places)
+    )
+    play = play_scene(
+        f"duration: 6\ncast: [{{name: a, character: {kind}, at: [-2, 0]}}]\n"
+        f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n{orders}"
+    )
+    moved = np.linalg.norm(np.diff(play.joint("a", "pelvis"), axis=0), axis=1).max() * STEPS
+    assert moved > 0.7 * speed
+    assert max(knee_turn_speeds(play, "a", side).max() for side in "lr") < 2.0
+
+
 def test_joints_never_bend_backwards() -> None:
     from tests.simulation.characters.scripted_people import play_scene
 

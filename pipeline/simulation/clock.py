@@ -40,6 +40,11 @@ class Clock:
         return self.frames * self.steps
 
     @property
+    def row_time(self) -> float:
+        """Time between rows of the take [s]."""
+        return float(self.dt) * self.steps / self.samples
+
+    @property
     def rows(self) -> int:
         """Number of rows of the take."""
         return self.frames * self.samples + 1

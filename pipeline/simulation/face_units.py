@@ -1,6 +1,7 @@
-"""Face units: the muscles of a face as numbers, after the action units of the FACS.
+"""Face units: the muscles of a face as numbers, after the action units of the FACS, and hands.
 
 A unit is 0 at rest and 1 at its full action. Gaze has two more: turns of the eyes against the head.
+The shapes of hands follow them.
 
 Source: Ekman, Friesen and Hager 2002.
 """
@@ -27,8 +28,19 @@ UNITS = (
 GAZE = ("gaze_left", "gaze_up")
 """Turns of the eyes against the head [rad], behind the units."""
 
-COLUMNS = (*UNITS, *GAZE)
-"""All numbers of a face."""
+HAND_SHAPES = ("grip", "fist", "flat")
+"""Shapes that a hand takes in place of being at ease."""
+
+HANDS = tuple(f"{shape}_{side}" for shape in HAND_SHAPES for side in "lr")
+"""Units of both hands, behind the gaze."""
+
+COLUMNS = (*UNITS, *GAZE, *HANDS)
+"""All numbers of a face and of hands."""
 
 EYE_TURN = len(UNITS)
 """Target of vertices that turn with an eye; their offsets are from its middle."""
+
+
+def hand_unit(shape: str, side: str) -> int:
+    """Return the number of a hand's unit; `side` is "l" or "r"."""
+    return COLUMNS.index(f"{shape}_{side}")

@@ -20,7 +20,7 @@ class Rows:
         alive: (n, J) whether a node exists.
         values: (n, C) channel values.
         scales: (n, N, 3) scales of the scaled nodes.
-        expressions: (n, F, 15) of the faces, in the order of `face_units.COLUMNS`.
+        expressions: (n, F, 21) of faces and hands, in the order of `face_units.COLUMNS`.
     """
 
     positions: Array

@@ -19,7 +19,7 @@ LEAST_ACTION = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class UnitMove:
-    """What one unit of one face does at its full action.
+    """What one unit of one face, or of a hand, does at its full action.
 
     Attributes:
         face: its number.
@@ -62,7 +62,9 @@ class FaceMotions:
                 continue
             face, units = numbers[performer], mesh.targets[:, 1]
             vertices, offsets = mesh.targets[:, 0] + start, mesh.offsets.astype(float)
-            for unit in np.unique(units).tolist():
+            # Takes of before may know fewer units.
+            known = units[units < take.expressions.shape[-1]]
+            for unit in np.unique(known).tolist():
                 own = units == unit
                 if unit == EYE_TURN:
                     eyes.append(vertices[own])

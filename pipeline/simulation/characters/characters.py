@@ -21,13 +21,12 @@ from pipeline.simulation.characters.character_plans import (
     start_nodes,
 )
 from pipeline.simulation.characters.contact_response import new_touch_log
-from pipeline.simulation.characters.face_tracker import FaceInputs, FaceTracker
 from pipeline.simulation.characters.mind.mind_scheduler import MindScheduler
 from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.pain_reflex import PainReflexes
 from pipeline.simulation.characters.person_controller import CharacterView
-from pipeline.simulation.characters.person_record import persons_of
-from pipeline.simulation.characters.pose_output import BallRotations, frame_poser
+from pipeline.simulation.characters.person_record import PLACED, REACHING, persons_of
+from pipeline.simulation.characters.pose_output import BallRotations, eye_aims, frame_poser
 from pipeline.simulation.characters.solid_arrays import SolidTracker
 from pipeline.simulation.characters.step_report import ContactReporter, SignalDetector, footfalls
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
@@ -38,6 +37,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.members import MemberState
 from pipeline.simulation.obstacles import Obstacle, SolidMotion
+from pipeline.simulation.people.face_tracker import FaceInputs, FaceTracker
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
@@ -45,10 +45,13 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Face
 from pipeline.simulation.troupe import Facts, Troupe, World
 from pipeline.spec.character import Character
-from pipeline.spec.expression import EMOTIONS
+from pipeline.spec.character_kinds import PEOPLE
 
 SUB_STEP_RATE = 240.0
 """Least number of sub-steps per second."""
+
+LED_HAND_FLATNESS = 0.7
+"""How far a hand is stretched that reaches for a place, or lies there."""
 
 
 class Characters(Troupe):
@@ -79,7 +82,10 @@ class Characters(Troupe):
         self.reflexes = PainReflexes(self.dispatcher, obediences)
         self.minds = self._start_minds(view)
         channels = self.minds.channels if self.minds is not None else ()
-        faces = tuple(Face(cast[int(owner)].name) for owner in self.persons["owner"])
+        # The acting people first, in the order of their records, then the limp ones.
+        limp = [k for k, one in enumerate(cast) if one.character in PEOPLE and not one.acts]
+        self._faced = np.array([*self.persons["owner"].tolist(), *limp], dtype=np.int64)
+        faces = tuple(Face(cast[k].name) for k in self._faced.tolist())
         self.inventory = replace(self._poser.inventory, channels=channels, faces=faces)
         balls = [thing.nodes[0] for thing in self._poser.things if thing.axes is None]
         self._balls = np.array(balls, dtype=np.int64)
@@ -87,13 +93,10 @@ class Characters(Troupe):
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.arrays.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
-        row_time = dt * world.clock.steps / world.clock.samples
-        self._faces = FaceTracker(self._names, world.seed, row_time)
-        self._face_inputs: list[FaceInputs] = []
-        self._owners, self._unfelt = (
-            np.array(owners, dtype=np.int64),
-            np.zeros((len(owners), len(EMOTIONS))),
+        self._faces = FaceTracker(
+            [face.performer for face in faces], world.seed, world.clock.row_time
         )
+        self._face_inputs: list[FaceInputs] = []
         # Rows to write: nodes, rotations of balls, records of acting people.
         self._rows: list[tuple[Array, Array, Records]] = []
         self._values: list[Array] = []
@@ -239,10 +242,19 @@ class Characters(Troupe):
         self._face_inputs.append(self._face_input())
 
     def _face_input(self) -> FaceInputs:
-        """Return what moves faces now."""
-        pain = self.arrays.owners["pain"][self._owners]
-        felt = self._unfelt if self.minds is None else self.minds.felt.copy()
-        return FaceInputs(felt, self.dispatcher.expressions, pain)
+        """Return what moves faces and hands now."""
+        count, persons = len(self.persons), self.persons
+        found = FaceInputs.calm(len(self._faced))
+        found.pain[:] = self.arrays.owners["pain"][self._faced]
+        if self.minds is not None:
+            found.felt[:count] = self.minds.felt
+        found.told[:count] = self.dispatcher.expressions
+        found.eyes[:count] = eye_aims(persons)
+        found.stun[:count] = persons["stun"]
+        found.grips[:count] = self.dispatcher.gripping()
+        is_led = np.isin(persons["arm_mode"], (REACHING, PLACED))
+        found.flat[:count] = np.maximum(persons["embrace_blend"], LED_HAND_FLATNESS * is_led)
+        return found
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept, at once because the calls dominate the cost."""
@@ -253,7 +265,7 @@ class Characters(Troupe):
         posed = self._poser.pose(np.array(nodes), np.array(turned), persons, self.world.ground)
         rows.rotations[:], rows.positions[:] = posed
         rows.alive[:] = True
-        rows.expressions[:] = self._faces.faces(self._face_inputs, persons)
+        rows.expressions[:] = self._faces.faces(self._face_inputs)
         self._face_inputs.clear()
         if self._values:
             rows.values[:] = self._values

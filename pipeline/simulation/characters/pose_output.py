@@ -26,6 +26,7 @@ from pipeline.simulation.people.body_frames import (
     frame_origins,
     frames_from_joints,
 )
+from pipeline.simulation.people.face_tracker import MAX_EYE_DOWN, MAX_EYE_SIDE, MAX_EYE_UP
 from pipeline.simulation.people.person_mesh import layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.people.wardrobe import Clothes
@@ -38,6 +39,7 @@ FEET, HANDS, FOREARMS = (
     [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")
 )
 CHEST = FRAMES.index("chest")
+HEAD = JOINTS.index("head")
 
 ROLLING_HEIGHT = 0.02, 1e-3
 """Height over the ground up to which a ball rolls: in radii, plus [m]."""
@@ -48,6 +50,24 @@ def gaze_directions(persons: Records) -> Array:
     yaw, pitch = persons["gaze"][..., 0], persons["gaze"][..., 1]
     level = np.cos(pitch)
     return np.stack([level * np.cos(yaw), np.sin(pitch), -level * np.sin(yaw)], axis=-1)
+
+
+def eye_aims(persons: Records) -> Array:
+    """Return (..., 2) the turns of the eyes to what is looked at: left and up [rad].
+
+    The head faces along the gaze of the record.
+    """
+    x, y, z = np.moveaxis(persons["look_at"] - persons["targets"][..., HEAD, :], -1, 0)
+    left = np.arctan2(-z, x) - persons["gaze"][..., 0]
+    left = np.remainder(left + np.pi, 2.0 * np.pi) - np.pi
+    up = np.arctan2(y, np.hypot(x, z)) - persons["gaze"][..., 1]
+    # What is behind is not looked at with the eyes alone.
+    looks = persons["has_look_target"] & (np.abs(left) < 0.5 * np.pi)
+    aims = np.stack(
+        [np.clip(left, -MAX_EYE_SIDE, MAX_EYE_SIDE), np.clip(up, -MAX_EYE_DOWN, MAX_EYE_UP)],
+        axis=-1,
+    )
+    return np.where(looks[..., None], aims, 0.0)
 
 
 def foot_rotations(persons: Records, ground: Ground) -> Array:

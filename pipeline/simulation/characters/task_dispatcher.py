@@ -49,6 +49,7 @@ from pipeline.simulation.characters.second_try import Regret, StepAside, place_a
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.order_outcome import Outcome
 from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts
 from pipeline.spec import script as spec
 from pipeline.spec.expression import EMOTIONS
@@ -68,6 +69,9 @@ SIDE_ORDERS = (
 ARM_TASKS = (Grab, GrabMember, CarryTo, ThrowAt, ChaseTarget)
 """Tasks that leave empty hands in the air when they are broken off."""
 
+
+WIDE_GRIP = 0.3
+"""How far hands close that hold a thing between them, in how far one closes around a thing."""
 
 LONGEST_FIRST_TRY = 4.0
 """Time at the place of an act after which there is no second try, for it has taken long [s]."""
@@ -124,6 +128,16 @@ class TaskDispatcher:
         self._usual_paces: list[float | None] = [None] * count
         self._waits = [False] * count
         self._posed_hands = {name: PosedHands(keys) for name, keys in (poses or {}).items() if keys}
+
+    def gripping(self) -> Array:
+        """Return how far the left and the right hand (P, 2) of the people close around things."""
+        grips = self.view.arrays.grips
+        found = (grips[self._grips, 1] >= 0).astype(float)
+        for k, controller in enumerate(self.controllers):
+            found[k, list(controller.held_members)] = 1.0
+        is_wide = found.all(axis=-1) | (grips[self._persons["grip"] + JOINED_GRIP, 1] >= 0)
+        found[is_wide] = WIDE_GRIP
+        return found
 
     def members_needed(self, orders: Orders) -> set[str]:
         """Return the names of the members whose states orders, tasks and glances need."""

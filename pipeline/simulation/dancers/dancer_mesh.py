@@ -17,7 +17,7 @@ from pipeline.simulation.people.person_mesh import layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Channel, Mesh, Node, Part
+from pipeline.simulation.take import Channel, Face, Mesh, Node, Part
 from pipeline.spec.dance import Drum
 
 DRUM_SEGMENTS = 48
@@ -96,8 +96,11 @@ def dancer_inventory(
         channels += [Channel(f"{appearance.name}.{joint}", "rad") for joint in torso.names]
         channels += [Channel(f"{appearance.name}.{joint}.torque", "N m") for joint in torso.names]
         solids += _solids(appearance, torso, first)
+    faces = tuple(Face(appearance.name) for appearance in appearances)
     return Inventory(
-        tuple(nodes), tuple(channels), tuple(meshes), tuple(parts), solids=tuple(solids)
+        *(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts)),
+        solids=tuple(solids),
+        faces=faces,
     )
 
 

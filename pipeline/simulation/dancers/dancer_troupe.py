@@ -23,6 +23,7 @@ from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions
 from pipeline.simulation.members import MemberState, members_named
 from pipeline.simulation.order_outcome import Outcome
+from pipeline.simulation.people.face_tracker import FaceTracker
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
@@ -65,6 +66,8 @@ class DancerTroupe(Troupe):
         self.dancing = [dancer.dancing for dancer in self.directed]
         torsos = [dancer.torso for dancer in self.dancing]
         self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
+        names = [member.name for member in self.members]
+        self._faces = FaceTracker(names, world.seed, clock.row_time)
         self._links = frame_links()
         self._rows: list[tuple[Array, Array, Array]] = []
         self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
@@ -132,6 +135,7 @@ class DancerTroupe(Troupe):
         for k, (R, p, values) in enumerate(self._rows):
             rows.rotations[k], rows.positions[k], rows.values[k] = R, p, values
         rows.alive[:] = True
+        rows.expressions[:] = self._faces.calm(len(self._rows))
         self._rows.clear()
 
     def facts(self) -> Facts:

@@ -25,7 +25,7 @@ from pipeline.simulation.people.dressed_figure import figure_layers, is_person
 from pipeline.simulation.people.person_mesh import layer_parts
 from pipeline.simulation.people.wardrobe import Clothes
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
+from pipeline.simulation.take import OWN, UNSEEN, Channel, Face, Mesh, Node, Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +147,7 @@ def describe_herd(
         *(Channel(name, "rad") for name in (*leg_joints, *free_joints.names)),
     )
     meshes, parts, looks = list[Mesh](), list[Part](), list[Mesh]()
+    faces = list[Face]()
     for c, figure in enumerate(herd.figures):
         first = int(np.argmax(table.owner == c))
         own = creature_solids(herd.names[c], figure, first, len(meshes), materials[c], rows)
@@ -158,7 +159,10 @@ def describe_herd(
             worn = layer_parts(herd.names[c], layers, first, len(meshes), rows)
             meshes.extend(worn[0])
             parts.extend(worn[1])
-    return Inventory(nodes, channels, tuple(meshes), tuple(parts), looks=tuple(looks))
+            faces.append(Face(herd.names[c]))
+    return Inventory(
+        *(nodes, channels, tuple(meshes), tuple(parts)), looks=tuple(looks), faces=tuple(faces)
+    )
 
 
 def creature_solids(

@@ -47,6 +47,7 @@ from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.members import MemberState, members_named
+from pipeline.simulation.people.face_tracker import FaceTracker
 from pipeline.simulation.row_slice import Rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -96,6 +97,8 @@ class WalkerTroupe(Troupe):
         self.inventory = describe_herd(
             herd, free_joints, table, materials, world.clothes, world.clock.rows
         )
+        faced = [face.performer for face in self.inventory.faces]
+        self._faces = FaceTracker(faced, world.seed, world.clock.row_time)
         self.step = 0
         looks = LookTargets(herd, cast)
         self.progress = start_progress(herd, trajectory, moods, world.clock.dt, looks)
@@ -222,6 +225,7 @@ class WalkerTroupe(Troupe):
             first = here.stop
         trajectory.route_set = present
         rows.alive[:] = True
+        rows.expressions[:] = self._faces.calm(len(self._buffered))
         self._buffered.clear()
 
     def facts(self) -> Facts:

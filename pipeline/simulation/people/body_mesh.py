@@ -9,26 +9,24 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.people.body_frames import FRAMES
+from pipeline.simulation.people.hand_mesh import fingers, palm
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
-    HEM_ROUNDING,
     Field,
-    half_space,
     offset_solid,
     oval_stack,
     round_cone,
-    smooth_intersection,
     smooth_union,
 )
 from pipeline.simulation.people.skinned_surface import (
     MIRROR,
+    MIRRORED_FRAMES,
     SkinnedPatch,
     Surface,
     cached_part,
     merge_patches,
     polygonise,
     ramp,
-    tube,
     with_mirror,
 )
 from pipeline.simulation.spatial import Array
@@ -58,22 +56,38 @@ SHOULDER_RADIUS = 0.0255
 def shirt(build: BodyMeasures, tucked: bool = False) -> SkinnedPatch:
     """Return the trunk of a shirt, between pelvis and chest."""
     girth, end = build.girth, build.level(TUCKED_HEM if tucked else SHIRT_HEM)
+    wide = build.shoulders + 0.05 * girth
+    low = (-0.1 * girth, end, -wide)
+    high = (0.1 * girth, build.level(0.87), wide)
+    field = shirt_field(build)
+    net = polygonise(field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=end)
+    by_pelvis = net.follow("pelvis", "chest", chest_share(build, net.vertices[:, 1]))
+    aside = np.abs(net.vertices[:, 2])
+    pull = SHIRT_PULL * ramp(aside, build.shoulders - 0.030 * girth, build.shoulders)
+    by_arm = net.follow("chest", "upper_arm_r", pull)
+    arms = np.where(net.vertices[:, 2:] < 0.0, MIRRORED_FRAMES[by_arm.frames], by_arm.frames)
+    is_shoulder = (pull > 0.0) & (by_pelvis.share == 1.0)
+    frames = np.where(is_shoulder[:, None], arms, by_pelvis.frames)
+    return SkinnedPatch(
+        net.vertices, net.faces, frames, np.where(is_shoulder, pull, by_pelvis.share)
+    )
+
+
+def shirt_field(build: BodyMeasures) -> Field:
+    """Return the solid of a trunk in a shirt, from below its hem to its collar."""
+    girth = build.girth
     torso = oval_stack(build.outline(TORSO, torso_breadths(build)))
     neck = np.array([-0.008 * girth, build.level(0.832), 0.02 * girth])
     tip = np.array([0.0, build.level(0.811), build.shoulders - 0.006 * girth])
     right, left = (
         round_cone(neck * m, tip * m, 0.030 * girth, SHOULDER_RADIUS * girth) for m in (1.0, MIRROR)
     )
-    hem = half_space((0.0, end, 0.0), (0.0, -1.0, 0.0))
-    field = smooth_intersection(
-        smooth_union([torso, right, left], 0.035 * girth), hem, HEM_ROUNDING * girth
-    )
-    wide = build.shoulders + 0.05 * girth
-    low = (-0.1 * girth, end - 0.03 * girth, -wide)
-    high = (0.1 * girth, build.level(0.87), wide)
-    net = polygonise(field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=end)
-    share = ramp(net.vertices[:, 1], build.level(0.585), build.level(0.70))
-    return net.follow("pelvis", "chest", share)
+    return smooth_union([torso, right, left], 0.035 * girth)
+
+
+def chest_share(build: BodyMeasures, heights: Array) -> Array:
+    """Return the share (n,) of the chest, against the pelvis, in cloth at some heights [m]."""
+    return ramp(heights, build.level(0.585), build.level(0.70))
 
 
 def torso_breadths(build: BodyMeasures) -> Array:
@@ -96,16 +110,6 @@ ARM = (
 
 SLEEVE_THICKNESS = 0.0042  # with the air in it
 
-FINGERS = (
-    (0.0225, 0.430, 0.040, 0.0073),
-    (0.0085, 0.426, 0.046, 0.0076),
-    (-0.0055, 0.428, 0.043, 0.0073),
-    (-0.0185, 0.434, 0.034, 0.0064),
-)
-"""From the index on: place ahead, height of the knuckle, length, radius."""
-
-FINGER_CURL = (0.10, 0.45, 0.75)  # bend of a relaxed finger's joints [rad]
-
 
 @cached_part
 def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
@@ -121,18 +125,32 @@ def sleeves(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     )
     end = build.level(0.715 if short_sleeves else 0.500)
     field = smooth_union([arm, shoulder], 0.02 * girth)
-    field = smooth_intersection(
-        field, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), HEM_ROUNDING * girth
-    )
     half_width = 0.045 * girth
     low, high = (
-        (-half_width, end - 0.02 * girth, z - half_width),
+        (-half_width, end, z - half_width),
         (half_width, top + 0.045 * girth, z + half_width),
     )
     surface = polygonise(
         field, low, high, 0.0150 * girth, stretch=1.0 if short_sleeves else 1.5, hem=end
     )
-    return with_mirror(surface.follow("upper_arm_r", "forearm_r", _below_elbow(build, surface)))
+    return with_mirror(_skinned_sleeve(build, surface))
+
+
+SLEEVE_PULL, SHIRT_PULL, PULL_REACH = 0.12, 0.30, 0.040
+"""Share of the chest in the top of a sleeve, that of the arm in the shoulder of a shirt, and how
+far below the joint the first ends, in girths.
+
+Where neither follows the other, a raised arm bulges beside a shoulder that stays."""
+
+
+def _skinned_sleeve(build: BodyMeasures, net: Surface) -> SkinnedPatch:
+    y, joint, reach = net.vertices[:, 1], build.level(0.818), PULL_REACH * build.girth
+    elbow = net.follow("upper_arm_r", "forearm_r", _below_elbow(build, net))
+    pull = SLEEVE_PULL * ramp(y, joint - reach, joint + 0.3 * reach)
+    by_chest = net.follow("upper_arm_r", "chest", pull)
+    upper = y > joint - reach
+    frames = np.where(upper[:, None], by_chest.frames, elbow.frames)
+    return SkinnedPatch(net.vertices, net.faces, frames, np.where(upper, pull, elbow.share))
 
 
 @cached_part
@@ -141,13 +159,13 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     girth, z = build.girth, build.shoulders
     top = 0.76 if short_sleeves else 0.545
     limb = oval_stack([row for row in build.outline(ARM) if row[0] <= build.level(top)], z)
-    field = smooth_union([limb, *_palm(build)], 0.012 * girth)
+    field = smooth_union([limb, palm(build)], 0.012 * girth)
     half_width = 0.042 * girth
     low, high = (
         (-half_width, build.level(0.395), z - half_width),
         (half_width, build.level(0.80), z + half_width),
     )
-    surface = polygonise(field, low, high, 0.0112 * girth, stretch=1.7)
+    surface = polygonise(field, low, high, 0.0092 * girth, stretch=1.7)
     y, wrist = surface.vertices[:, 1], build.level(0.486)
     elbow = _below_elbow(build, surface)
     hand = 1.0 - ramp(y, wrist - 0.012 * girth, wrist + 0.012 * girth)
@@ -156,43 +174,12 @@ def bare_arms(build: BodyMeasures, short_sleeves: bool) -> SkinnedPatch:
     low_part = y < 0.5 * (wrist + build.level(0.632))
     frames = np.where(low_part[:, None], by_wrist.frames, by_elbow.frames)
     arm = SkinnedPatch(surface.vertices, surface.faces, frames, np.where(low_part, hand, elbow))
-    return with_mirror(merge_patches([arm, *_fingers(build)]))
+    return with_mirror(merge_patches([arm, *fingers(build)]))
 
 
 def _below_elbow(build: BodyMeasures, net: Surface) -> Array:
     elbow, reach = build.level(0.632), 0.022 * build.girth
     return 1.0 - ramp(net.vertices[:, 1], elbow - reach, elbow + reach)
-
-
-def _palm(build: BodyMeasures) -> list[Field]:
-    g, z = build.girth, build.shoulders
-    level = build.level
-    palm = round_cone(
-        (0.003 * g, level(0.468), z),
-        (0.002 * g, level(0.436), z),
-        0.0150 * g,
-        0.0185 * g,
-        (1.35, 1.0, 0.62),
-    )
-    root, tip = (
-        (0.014 * g, level(0.466), z - 0.004 * g),
-        (0.034 * g, level(0.432), z - 0.010 * g),
-    )
-    return [palm, round_cone(root, tip, 0.0098 * g, 0.0072 * g)]
-
-
-def _fingers(build: BodyMeasures) -> list[SkinnedPatch]:
-    g, z = build.girth, build.shoulders
-    patches = []
-    for ahead, knuckle, length, radius in FINGERS:
-        points = [np.array([ahead * g, build.level(knuckle) + 0.006 * g, z])]
-        # Three phalanges of falling length.
-        for part, angle in zip((0.46, 0.31, 0.23), np.cumsum(FINGER_CURL), strict=True):
-            step = np.array([0.0, -np.cos(angle), -np.sin(angle)])
-            points.append(points[-1] + part * (length + 0.006) * g * step)
-        radii = radius * g * np.array([1.0, 1.0, 0.92, 0.75])
-        patches.append(tube(np.array(points), radii, 6).follow("hand_r"))
-    return patches
 
 
 SEAT = (
@@ -240,9 +227,6 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
     girth, end = build.girth, 0.330 if shorts else 0.046
     pelvis = oval_stack(build.outline(SEAT, build.hip_breadth))
     leg = oval_stack(build.outline(LEG), build.hips)
-    if shorts:
-        hem = half_space((0.0, build.level(end), 0.0), (0.0, -1.0, 0.0))
-        leg = smooth_intersection(leg, hem, HEM_ROUNDING * girth)
     whole = smooth_union([pelvis, leg], 0.030 * girth)
 
     def spread(places: Array) -> Array:
@@ -250,7 +234,7 @@ def trousers(build: BodyMeasures, shorts: bool) -> SkinnedPatch:
         return whole(np.stack([places[:, 0], y, z - _spread(build, y)], axis=-1))
 
     half_width = build.hips + 0.075 * girth + float(_spread(build, np.array([build.level(end)]))[0])
-    low = (-0.1 * girth, build.level(end) - 0.02 * girth, -half_width)
+    low = (-0.1 * girth, build.level(end), -half_width)
     high = (0.1 * girth, build.level(0.64), half_width)
     surface = polygonise(
         spread, low, high, 0.0165 * girth, stretch=1.1, symmetric=True, hem=build.level(end)
@@ -298,37 +282,3 @@ def bare_shins(build: BodyMeasures) -> SkinnedPatch:
     knee = build.level(0.285)
     share = 1.0 - ramp(surface.vertices[:, 1], knee - 0.028 * girth, knee + 0.028 * girth)
     return with_mirror(surface.follow("thigh_r", "shin_r", share))
-
-
-@cached_part
-def shoes(build: BodyMeasures) -> SkinnedPatch:
-    """Return both shoes."""
-    size, z = build.proportions.foot * build.proportions.height, build.hips
-    field = _shoe_field(size, z, build.level(0.050))
-    low = (-0.40 * size, -0.06 * size, z - 0.30 * size)
-    high = (0.85 * size, build.level(0.075), z + 0.30 * size)
-    return with_mirror(polygonise(field, low, high, 0.080 * size).follow("foot_r"))
-
-
-def _shoe_field(size: float, z: float, top: float) -> Field:
-    """Return a right shoe, its heel behind the ankle, its toes turned out a little."""
-    heel = round_cone(
-        (-0.12 * size, 0.15 * size, z), (0.10 * size, 0.15 * size, z), 0.150 * size, 0.155 * size
-    )
-    shaft = round_cone(
-        (-0.03 * size, 0.2 * size, z), (-0.03 * size, top, z), 0.150 * size, 0.125 * size
-    )
-    toe = (0.56 * size, 0.10 * size, z + 0.05 * size)
-    vamp = round_cone(
-        (0.05 * size, 0.20 * size, z), toe, 0.150 * size, 0.135 * size, (1.0, 0.85, 1.12)
-    )
-    ball = round_cone(
-        (0.36 * size, 0.09 * size, z + 0.03 * size),
-        toe,
-        0.165 * size,
-        0.14 * size,
-        (1.0, 0.8, 1.08),
-    )
-    upper = smooth_union([heel, shaft, vamp, ball], 0.08 * size)
-    upper = smooth_intersection(upper, half_space((0.0, top, 0.0), (0.0, 1.0, 0.0)), 0.03 * size)
-    return smooth_intersection(upper, half_space((0.0, 0.0, 0.0), (0.0, -1.0, 0.0)), 0.05 * size)

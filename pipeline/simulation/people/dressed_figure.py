@@ -114,14 +114,23 @@ def _on_links(layer: MaterialLayer, bones: _Bones) -> MaterialLayer:
     weights = mesh.weights.copy()
     weights[alone] = [1.0, 0.0]
     nodes[alone, 1] = np.where(nodes[alone, 0] == 0, bones.links[FRAMES.index("head")], 0)
-    hair = mesh.hair
+    # Hair, and what faces and hands move, turn with the frame that a vertex follows most.
+    own = bones.turns[mesh.nodes[np.arange(len(nodes)), mesh.weights.argmax(axis=1)]]
+    hair, offsets = mesh.hair, mesh.offsets
     if len(hair):
-        by_frame = bones.turns[mesh.nodes[np.arange(len(hair)), mesh.weights.argmax(axis=1)]]
-        hair = (by_frame * hair[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
+        hair = (own * hair[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
+    if len(offsets):
+        by_frame = own[mesh.targets[:, 0]]
+        offsets = (by_frame * offsets[:, None, :].astype(float)).sum(axis=-1).astype(np.float32)
     moved = replace(
-        mesh, vertices=places.astype(np.float32), nodes=nodes, weights=weights, hair=hair
+        mesh,
+        vertices=places.astype(np.float32),
+        nodes=nodes,
+        weights=weights,
+        hair=hair,
+        offsets=offsets,
     )
-    for array in (moved.vertices, moved.nodes, moved.weights, moved.hair):
+    for array in (moved.vertices, moved.nodes, moved.weights, moved.hair, moved.offsets):
         array.setflags(write=False)
     return replace(layer, mesh=moved)
 

@@ -7,24 +7,23 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.simulation.figures.solids import loft
 from pipeline.simulation.people.body_frames import FRAMES
-from pipeline.simulation.people.body_mesh import ARM, LEG, TORSO, torso_breadths
+from pipeline.simulation.people.body_mesh import ARM, LEG, chest_share, shirt_field
 from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
-    HEM_ROUNDING,
-    Field,
     ellipsoid,
-    half_space,
     offset_solid,
     oval_stack,
-    smooth_intersection,
 )
 from pipeline.simulation.people.skinned_surface import (
     SkinnedPatch,
+    Surface,
     cached_part,
     merge_patches,
     polygonise,
     ramp,
+    symmetric_field,
     tube,
     with_mirror,
 )
@@ -65,13 +64,10 @@ def _skirt(build: BodyMeasures, hem: float, grown: float) -> SkinnedPatch:
         result: Array = stack(places) + depth * np.cos(FOLDS * around)
         return result
 
-    field = smooth_intersection(
-        folded, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), HEM_ROUNDING * girth
-    )
     wide = build.hips + 0.15 * girth
-    low = (-0.15 * girth, end - 0.02 * girth, -wide)
+    low = (-0.15 * girth, end, -wide)
     high = (0.15 * girth, build.level(0.64), wide)
-    net = polygonise(field, low, high, 0.0145 * girth, stretch=1.4, symmetric=True, hem=end)
+    net = polygonise(folded, low, high, 0.0145 * girth, stretch=1.4, symmetric=True, hem=end)
     y, z = net.vertices[:, 1], net.vertices[:, 2]
     falling = 1.0 - ramp(y, build.level(0.40), build.level(0.55))
     share = falling * (0.62 + 0.26 * ramp(np.abs(z), 0.0, 0.06 * girth))
@@ -113,38 +109,65 @@ def hood(build: BodyMeasures) -> SkinnedPatch:
     return merge_patches([tube(rim, thick, 8).follow("chest"), hanging.follow("chest")])
 
 
+V_LOW, V_HIGH = 0.688, 0.850
+"""Ends of the opening of a jacket, as fractions of an adult's height."""
+
+TIE = ((0.688, 0.0105), (0.815, 0.0070), (0.830, 0.0078), (0.841, 0.0125), (0.850, 0.0100))
+"""Heights and half widths of a tie: its blade and its knot."""
+
+TIE_UNDER_LAPELS = 0.004
+"""How far the edges of a tie reach under the lapels, in girths."""
+
+
 @cached_part
 def suit_front(build: BodyMeasures) -> SkinnedPatch:
     """Return the shirt between the lapels of a jacket."""
+    levels = np.linspace(V_LOW, V_HIGH, 12)
+    edge = _opening(levels)
     g = build.girth
-    low, high = build.level(0.690), build.level(0.845)
-    slope = 0.030 * g / (high - low)
-    sides = [half_space((0.0, low, 0.0), (0.0, -slope, sign * 1.0)) for sign in (1.0, -1.0)]
-    return _panel(build, [*sides, half_space((0.02 * g, 0.0, 0.0), (-1.0, 0.0, 0.0))], 2.4)
+    angle = np.radians(np.linspace(12.0, 348.0, 21))
+    # Lower in front than in the neck.
+    line = np.stack(
+        [
+            -0.010 * g + 0.0365 * g * np.cos(angle),
+            build.level(0.857) - 0.007 * g * (1.0 + np.cos(angle)),
+            0.0365 * g * np.sin(angle),
+        ],
+        axis=-1,
+    )
+    collar = tube(line, np.full(len(line), 0.0080 * g), 6).follow("chest")
+    return merge_patches([_panel(build, levels, -edge, edge, 0.4), collar])
+
+
+@cached_part
+def lapels(build: BodyMeasures) -> SkinnedPatch:
+    """Return the lapels of a jacket, beside its opening."""
+    # A step in the outer edge: the collar above, the lapel below it.
+    rows = np.array(
+        [(0.690, 0.004), (0.730, 0.024), (0.772, 0.036), (0.786, 0.041), (0.787, 0.030),
+         (0.805, 0.034), (0.850, 0.040)]
+    )  # fmt: skip
+    levels = rows[:, 0]
+    return with_mirror(_panel(build, levels, _opening(levels) - 0.001, rows[:, 1], 1.5))
 
 
 @cached_part
 def tie(build: BodyMeasures) -> SkinnedPatch:
     """Return a tie, from the collar into the jacket."""
-    g = build.girth
-    sides = _between(0.0085 * g)
-    ends = [
-        half_space((0.0, build.level(0.70), 0.0), (0.0, -1.0, 0.0)),
-        half_space((0.02 * g, 0.0, 0.0), (-1.0, 0.0, 0.0)),
-    ]
-    return _panel(build, [*sides, *ends], 3.8)
+    levels = np.linspace(TIE[0][0], TIE[-1][0], 20)
+    half = np.minimum(np.interp(levels, *np.transpose(TIE)), _opening(levels) + TIE_UNDER_LAPELS)
+    return _panel(build, levels, -half, half, 0.9)
+
+
+def _opening(levels: Array) -> Array:
+    """Return half the width (n,) of the opening of a jacket at some heights, in girths."""
+    return 0.0015 + 0.0265 * (levels - V_LOW) / (V_HIGH - V_LOW)
 
 
 @cached_part
 def bib(build: BodyMeasures) -> SkinnedPatch:
     """Return the bib of dungarees, and its straps over the shoulders."""
     g = build.girth
-    sides = _between(0.056 * g)
-    ends = [
-        half_space((0.0, build.level(0.745), 0.0), (0.0, 1.0, 0.0)),
-        half_space((0.0, build.level(0.555), 0.0), (0.0, -1.0, 0.0)),
-        half_space((0.02 * g, 0.0, 0.0), (-1.0, 0.0, 0.0)),
-    ]
     line = (
         (0.062, 0.740, 0.044),
         (0.064, 0.780, 0.046),
@@ -157,25 +180,50 @@ def bib(build: BodyMeasures) -> SkinnedPatch:
     )
     points = np.array([(x * g, build.level(y), z * g) for x, y, z in line])
     strap = tube(points, np.full(len(points), 0.0085 * g), 6).follow("chest")
-    return merge_patches([_panel(build, [*sides, *ends], 1.0), with_mirror(strap)])
+    levels = np.linspace(0.555, 0.745, 12)
+    half = np.full(len(levels), 0.056)
+    return merge_patches([_panel(build, levels, -half, half, 1.0), with_mirror(strap)])
 
 
-def _between(half: float) -> list[Field]:
-    """Return the limits of what reaches as far to both sides [m]."""
-    return [half_space((0.0, 0.0, sign * half), (0.0, 0.0, sign)) for sign in (1.0, -1.0)]
+PANEL_COLUMNS = 9
+"""Vertices across a panel of cloth."""
 
 
-def _panel(build: BodyMeasures, limits: list[Field], worn: float) -> SkinnedPatch:
-    """Return cloth on the trunk within some limits, above another cloth by `worn` layers."""
+def _panel(
+    build: BodyMeasures, levels: Array, inner: Array, outer: Array, worn: float
+) -> SkinnedPatch:
+    """Return cloth on the front of the shirt between two edges, with clean borders.
+
+    Args:
+        build: measures of the person.
+        levels: (n,) heights, upward, as fractions of an adult's height.
+        inner: (n,) one edge at these heights, to the right, in girths.
+        outer: (n,) the other edge, further right.
+        worn: how far it lies above the shirt, in layers of cloth.
+    """
     g = build.girth
-    field = offset_solid(oval_stack(build.outline(TORSO, torso_breadths(build))), worn * WORN * g)
-    for limit in limits:
-        field = smooth_intersection(field, limit, 0.004 * g)
-    low = (0.0, build.level(0.53), -0.08 * g)
-    high = (0.11 * g, build.level(0.87), 0.08 * g)
-    net = polygonise(field, low, high, 0.0105 * g, stretch=1.3, symmetric=True)
-    share = ramp(net.vertices[:, 1], build.level(0.585), build.level(0.70))
-    return net.follow("pelvis", "chest", share)
+    across = np.linspace(0.0, 1.0, PANEL_COLUMNS)
+    z = g * (inner[:, None] + (outer - inner)[:, None] * across)
+    y = np.repeat(build.levels(levels)[:, None], PANEL_COLUMNS, axis=1)
+    above = _front_of_shirt(build, y, z) + worn * WORN * g
+    # Its back is inside the shirt.
+    sheets = [np.stack([x, y, z], axis=-1) for x in (above, above - (worn + 2.0) * WORN * g)]
+    rings = np.concatenate([sheets[1], sheets[0][:, ::-1]], axis=1)
+    solid = loft(rings, rings[[0, -1]].mean(axis=1))
+    return Surface(solid.vertices, solid.faces).follow(
+        "pelvis", "chest", chest_share(build, solid.vertices[:, 1])
+    )
+
+
+def _front_of_shirt(build: BodyMeasures, y: Array, z: Array) -> Array:
+    """Return X of the front of the shirt at heights and places to the right, of one shape [m]."""
+    field = symmetric_field(shirt_field(build))
+    low, high = np.zeros(y.size), np.full(y.size, 0.15 * build.girth)
+    for _ in range(24):
+        middle = 0.5 * (low + high)
+        inside = field(np.stack([middle, y.ravel(), z.ravel()], axis=-1)) < 0.0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return high.reshape(y.shape)
 
 
 @cached_part

@@ -42,10 +42,8 @@ from pipeline.simulation.people.skinned_surface import (
     tube,
     with_mirror,
 )
+from pipeline.simulation.people.tints import BLUSH, HOLLOW, IRIS, LIMBUS, LIP, PUPIL, TOOTH
 from pipeline.simulation.spatial import Array, normalized
-
-LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH = range(1, 8)
-"""Tints of vertices; 0 is the colour of the material."""
 
 LEAST_MOVE = 4e-4
 """Least move of a vertex by a unit that is kept [heads]."""

@@ -12,14 +12,15 @@ from pipeline.simulation.people.body_mesh import (
     bare_arms,
     bare_shins,
     shirt,
-    shoes,
     sleeves,
     trousers,
 )
+from pipeline.simulation.people.footwear import shoes
 from pipeline.simulation.people.garments import (
     bib,
     coat_skirt,
     hood,
+    lapels,
     skirt,
     stripes,
     suit_front,
@@ -38,7 +39,8 @@ from pipeline.simulation.people.head_mesh import (
 )
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
-from pipeline.simulation.people.wardrobe import Clothes, Garment, Hair, Stature, tint_colors
+from pipeline.simulation.people.tints import tint_colors
+from pipeline.simulation.people.wardrobe import Clothes, Garment, Hair, Stature
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
 
@@ -80,10 +82,10 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
     }
     sleeves_and_legs = (clothes.short_sleeves, clothes.shorts)
     shape = (clothes.style, *sleeves_and_legs, clothes.build, clothes.garments)
-    face = clothes.skin, clothes.iris
+    colors = clothes.skin, clothes.iris, clothes.shoes
     return tuple(
         MaterialLayer(name, mesh, materials[name])
-        for name, mesh in _cached_meshes(proportions, *shape, *face)
+        for name, mesh in _cached_meshes(proportions, *shape, *colors)
     )
 
 
@@ -118,10 +120,9 @@ def _cached_meshes(
     shorts: bool,
     stature: Stature,
     garments: tuple[Garment, ...],
-    skin: str,
-    iris: str,
+    *colors: str,
 ) -> tuple[tuple[str, Mesh], ...]:
-    tints = tint_colors(skin, iris)
+    tints = tint_colors(*colors)
     build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
     head = Head(build)
     layers = [
@@ -147,6 +148,8 @@ def _layers(
     tucked = not {"skirt", "coat", "tucked"}.isdisjoint(garments)
     over = {"coat": coat_skirt, "hood": hood}
     worn = [over[word](build) for word in garments if word in over]
+    if "suit" in garments:
+        worn.append(lapels(build))
     yield "shirt", [shirt(build, tucked), sleeves(build, short_sleeves), *worn]
     legs = skirt(build) if "skirt" in garments else trousers(build, shorts)
     yield "trousers", [legs, *([bib(build)] if "bib" in garments else [])]

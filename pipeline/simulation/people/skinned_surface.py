@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.face_units import COLUMNS
 from pipeline.simulation.figures.solids import loft, surface_nets
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.signed_distance import Field
@@ -64,7 +65,7 @@ class SkinnedPatch:
         faces: (F, 3), counter-clockwise from outside.
         frames: (V, 2) numbers in `FRAMES`.
         share: (V,) of the second frame; the first has the rest.
-        targets: (n, 2) vertex, and the unit of the face that moves it.
+        targets: (n, 2) vertex, and the unit of the face or of a hand that moves it.
         offsets: (n, 3) by which it moves at the unit's full action [m].
         tint: (V, 2) number of another colour than the material's, and its share; (0, 2) for none.
     """
@@ -89,19 +90,23 @@ class SkinnedPatch:
             self.faces[:, ::-1],
             MIRRORED_FRAMES[self.frames],
             self.share,
-            self.targets,
+            np.stack([self.targets[:, 0], MIRRORED_UNITS[self.targets[:, 1]]], axis=-1),
             self.offsets * MIRROR,
             self.tint,
         )
 
 
-def _other_side(name: str) -> int:
-    stem, _, side = name.rpartition("_")
-    return FRAMES.index(f"{stem}_{'lr'[side == 'l']}" if stem and side in "lr" else name)
+def _other_sides(names: Sequence[str]) -> NDArray[np.int64]:
+    """Return for each name the number of the one on the other side of the body."""
+    found = list[int]()
+    for name in names:
+        stem, _, side = name.rpartition("_")
+        found.append(names.index(f"{stem}_{'lr'[side == 'l']}" if stem and side in "lr" else name))
+    return np.array(found)
 
 
-MIRRORED_FRAMES = np.array([_other_side(name) for name in FRAMES])
-"""For each frame the one on the other side of the body."""
+MIRRORED_FRAMES, MIRRORED_UNITS = _other_sides(FRAMES), _other_sides(COLUMNS)
+"""For each frame, and for each unit, the one on the other side of the body."""
 
 
 def merge_patches(patches: Sequence[SkinnedPatch]) -> SkinnedPatch:
@@ -145,7 +150,7 @@ def polygonise(
         cell: distance of the samples [m].
         stretch: factor of the distance in height.
         symmetric: whether both sides of the body are alike, and sampled alike.
-        hem: height of an edge, placed in the middle between samples so that it is even [m].
+        hem: height at which the solid is cut off by an even edge, in place of the box's [m].
     """
     if symmetric:
         field = symmetric_field(field)
@@ -155,13 +160,60 @@ def polygonise(
         for k, ends in enumerate(zip(low, high, steps, strict=True))
     ]
     if hem is not None:
-        axes[1] = axes[1] + (hem - axes[1][0] + 0.5 * steps[1]) % steps[1]
+        axes[1] = _hemmed_samples(hem, high[1], steps[1])
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     values = field(grid.reshape(-1, 3)).reshape(grid.shape[:3])
+    if hem is not None:
+        # All below the edge is cut away.
+        values[:, 0] = cell
     _fill_pinches(values)
     vertices, faces = surface_nets(values, np.zeros(3), 1.0)
-    places = grid[0, 0, 0] + vertices * steps
-    return Surface(_project_to_surface(field, places, 0.25 * cell), faces)
+    places = np.stack(
+        [np.interp(vertices[:, k], np.arange(len(axes[k])), axes[k]) for k in range(3)], axis=-1
+    )
+    if hem is None:
+        return Surface(_project_to_surface(field, places, 0.25 * cell), faces)
+    lowest = vertices[:, 1] < 1.0
+    places[~lowest] = _project_to_surface(field, places[~lowest], 0.25 * cell)
+    places[lowest] = _hem_edge(field, places[lowest], vertices[lowest], values, (hem, cell))
+    return Surface(places, faces)
+
+
+HEM_FOLD = 0.35
+"""Height of the first row above an edge, in a cell: the light turns there and no higher."""
+
+
+def _hemmed_samples(hem: float, top: float, step: float) -> Array:
+    """Return heights of samples of which the first two lie just below and above an edge [m]."""
+    near = 0.01 * step
+    fold = hem + near + HEM_FOLD * step
+    rest = fold + step * np.arange(1, int(np.ceil(max(top - fold, 0.0) / step)) + 1)
+    return np.array([hem - near, hem + near, fold, *rest])
+
+
+def _hem_edge(
+    field: Field, places: Array, cells: Array, values: Array, edge: tuple[float, float]
+) -> Array:
+    """Return the lowest vertices (n, 3) of cut cloth: an even edge, hollow inside.
+
+    Args:
+        field: of the cloth, not cut.
+        places: (n, 3) vertices in the lowest cells [m].
+        cells: (n, 3) the same in cells.
+        values: samples.
+        edge: height of the edge, and size of a cell [m].
+    """
+    hem, cell = edge
+    i, _, k = np.floor(cells).astype(int).T
+    upper = np.stack([values[i + a, 1, k + b] for a in (0, 1) for b in (0, 1)])
+    is_wall = (upper > 0.0).any(axis=0)
+    level = np.array([1.0, 0.0, 1.0])
+    found = places.copy()
+    found[:, 1] = hem
+    for _ in range(2):
+        found[is_wall] = _project_to_surface(field, found[is_wall], 0.6 * cell, level)
+    found[~is_wall, 1] += cell
+    return found
 
 
 def symmetric_field(field: Field) -> Field:
@@ -216,10 +268,13 @@ def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
     return low + step * np.arange(int(np.ceil((high - low) / step)) + 1, dtype=float)
 
 
-def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
+def _project_to_surface(
+    field: Field, places: Array, limit: float, ways: Array | None = None
+) -> Array:
     """Return places drawn onto the zero surface of a field, by a limit at most [m].
 
     A net lies inside of round solids, by its cells' size; drawn out, few vertices are enough.
+    `ways` (3,) is 0 along axes along which nothing moves.
     """
     step = 0.2 * limit
     for _ in range(2):
@@ -227,6 +282,7 @@ def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
             [(field(places + d) - field(places - d)) / (2.0 * step) for d in step * np.eye(3)],
             axis=-1,
         )
+        slope = slope if ways is None else ways * slope
         square = np.maximum((slope * slope).sum(axis=-1), 0.04)
         move = -(field(places) / square)[:, None] * slope
         length = np.sqrt((move * move).sum(axis=-1, keepdims=True))

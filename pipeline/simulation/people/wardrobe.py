@@ -7,13 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
-import numpy as np
-
+from pipeline.simulation.people.tints import LIPS
 from pipeline.simulation.seeds import generator
-from pipeline.simulation.spatial import Array
 from pipeline.spec.costume import COSTUMES, Costume
-from render.color import linear
-from render.config import MATERIALS
 
 Hair = Literal["short", "bob", "bun", "long", "none"]
 
@@ -22,24 +18,6 @@ Stature = Literal["slim", "medium", "sturdy"]
 Garment = Literal["skirt", "coat", "hood", "suit", "bib", "stripes", "tucked"]
 
 Word = TypeVar("Word", bound=str)
-
-LIPS = {
-    "fair skin": "lips",
-    "skin": "lips",
-    "tan skin": "lips",
-    "brown skin": "dark lips",
-    "dark skin": "dark lips",
-}
-"""Skin material -> lip material."""
-
-BLUSH = np.array([1.02, 0.76, 0.72])
-"""Colour of cheeks in that of the skin."""
-
-HOLLOW, PUPIL, TOOTH = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002), (0.62, 0.57, 0.48)
-"""Colours of the inside of a mouth, of pupils and of teeth, linear."""
-
-LIMBUS_SHADE = 0.4
-"""Colour of the rim of an iris, in that of the iris."""
 
 LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
 
@@ -176,18 +154,6 @@ class Clothes:
     build: Stature = "medium"
     garments: tuple[Garment, ...] = ()
     accent: str = "white cloth"
-
-
-def tint_colors(skin: str, iris: str) -> Array:
-    """Return the linear colours (8, 3) of the tints of a head.
-
-    Args:
-        skin: material.
-        iris: material.
-    """
-    own, lip, eye = (linear(MATERIALS[name].color) for name in (skin, LIPS.get(skin, "lips"), iris))
-    rows = (own, lip, HOLLOW, BLUSH * own, eye, LIMBUS_SHADE * eye, PUPIL, TOOTH)
-    return np.array(rows)
 
 
 def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, Clothes]:

@@ -1,7 +1,8 @@
-"""Face tracker: the faces of acting people, from what they feel, are told to show, and look at.
+"""Face tracker: the faces of people, from what they feel, are told to show, and look at, and hands.
 
 Feelings rise fast and fade slowly. Eyes jump to what is looked at before the head has turned, and
-rest on it while the head follows; lids blink, and go down with the gaze.
+rest on it while the head follows; lids blink, and go down with the gaze. Who is angry makes fists,
+unless its hands have something to do.
 
 Source: Bentivoglio et al. 1997 for the rate of blinks.
 """
@@ -9,22 +10,20 @@ Source: Bentivoglio et al. 1997 for the rate of blinks.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.expressions import face_of
-from pipeline.simulation.face_units import COLUMNS, UNITS
-from pipeline.simulation.people.proportions import JOINTS
+from pipeline.simulation.face_units import HAND_SHAPES, HANDS, UNITS
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.spec.expression import EMOTIONS
 
 BLINK, WIDE = UNITS.index("blink"), UNITS.index("lids_wide")
 PAIN = EMOTIONS.index("pain")
-HEAD = JOINTS.index("head")
+ANGER = EMOTIONS.index("anger")
 
 RISE_TIME, FADE_TIME = 0.12, 0.5
 """Time constants of an expression that comes and goes [s]."""
@@ -53,6 +52,9 @@ LID_FOLLOWS = 1.3
 STUNNED_LIDS = 0.7
 """Share of their way by which the lids of a stunned person are down."""
 
+HAND_TIME = 0.12
+"""Time constant of a hand that takes another shape [s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class FaceInputs:
@@ -62,15 +64,29 @@ class FaceInputs:
         felt: (P, 6) emotions of minds, from 0 to 1.
         told: (P, 6) emotions that orders ask for; NaN where no order asks.
         pain: (P,) felt since the start.
+        eyes: (P, 2) turns of the eyes that are wanted, left and up [rad].
+        stun: (P,) slackness after a blow, 0 to 1.
+        grips: (P, 2) how far the left and the right hand grip, 0 to 1.
+        flat: (P, 2) how far they are stretched.
     """
 
     felt: Array
     told: Array
     pain: Array
+    eyes: Array
+    stun: Array
+    grips: Array
+    flat: Array
+
+    @staticmethod
+    def calm(count: int) -> FaceInputs:
+        """Return what moves the faces of people that feel nothing and look ahead."""
+        six, two, one = (np.zeros((count, n)) for n in (len(EMOTIONS), 2, 1))
+        return FaceInputs(six, six + np.nan, one[:, 0], two, one[:, 0], two, two)
 
 
 class FaceTracker:
-    """The state of the faces of P acting people.
+    """The state of the faces and hands of P people.
 
     Args:
         names: of the people.
@@ -84,31 +100,34 @@ class FaceTracker:
         self._shown = np.zeros((count, len(EMOTIONS)))
         self._hurt, self._pain = np.zeros(count), np.zeros(count)
         self._eyes = np.zeros((count, 2))
+        self._hands = np.zeros((count, len(HANDS)))
         self._blinked = np.full(count, -np.inf)
         self._due = np.array([rng.uniform(0.2, BLINK_PAUSE[1]) for rng in self._rngs])
 
-    def faces(self, inputs: Sequence[FaceInputs], persons: Records) -> NDArray[np.float32]:
-        """Return the faces (K, P, n) of the next rows, in the order of `COLUMNS`.
+    def faces(self, inputs: Sequence[FaceInputs]) -> NDArray[np.float32]:
+        """Return the faces and hands (K, P, n) of the next rows, in the order of `COLUMNS`.
 
         Args:
             inputs: of each row.
-            persons: (K, P) `PERSON` records.
         """
-        felt, told = (np.array([getattr(row, name) for row in inputs]) for name in ("felt", "told"))
-        hurt = self._hurts(np.array([row.pain for row in inputs]))
-        emotions = self._emotions(np.where(np.isnan(told), felt, told), hurt)
-        eyes = self._eyes_along(_eye_aims(persons))
-        shut = np.maximum(
-            self._blinks(len(inputs)), STUNNED_LIDS * np.minimum(persons["stun"], 1.0)
-        )
-        found = np.zeros((*hurt.shape, len(COLUMNS)), np.float32)
+        names = (field.name for field in fields(FaceInputs))
+        rows = FaceInputs(*(np.array([getattr(row, name) for row in inputs]) for name in names))
+        hurt = self._hurts(rows.pain)
+        emotions = self._emotions(np.where(np.isnan(rows.told), rows.felt, rows.told), hurt)
+        eyes, self._eyes = _following(rows.eyes, self._eyes, EYE_TIME, self._dt)
+        shut = np.maximum(self._blinks(len(inputs)), STUNNED_LIDS * np.minimum(rows.stun, 1.0))
         units = face_of(emotions)
         lowered = np.clip(-LID_FOLLOWS * eyes[..., 1], 0.0, 1.0)
         units[..., BLINK] = 1.0 - (1.0 - units[..., BLINK]) * (1.0 - lowered) * (1.0 - shut)
         units[..., WIDE] *= 1.0 - shut
-        found[..., : len(UNITS)], found[..., len(UNITS) :] = units, eyes
+        shapes = _hand_shapes(rows, emotions[..., ANGER])
+        hands, self._hands = _following(shapes, self._hands, HAND_TIME, self._dt)
         self._rows += len(inputs)
-        return found
+        return np.concatenate([units, eyes, hands], axis=-1).astype(np.float32)
+
+    def calm(self, count: int) -> NDArray[np.float32]:
+        """Return the faces (K, P, n) of some rows of people that feel nothing and look ahead."""
+        return self.faces([FaceInputs.calm(len(self._rngs))] * count)
 
     def _hurts(self, pain: Array) -> Array:
         """Return how much pain shows (K, P), from 0 to 1, from the pain felt since the start."""
@@ -136,14 +155,6 @@ class FaceTracker:
         self._shown = shown
         return target
 
-    def _eyes_along(self, aims: Array) -> Array:
-        """Return the turns of the eyes (K, P, 2) on the way to their aims [rad]."""
-        share, eyes = 1.0 - np.exp(-self._dt / EYE_TIME), self._eyes
-        for k, aim in enumerate(aims):
-            eyes = aims[k] = eyes + share * (aim - eyes)
-        self._eyes = eyes
-        return aims
-
     def _blinks(self, count: int) -> Array:
         """Return how shut lids are in the next rows (K, P), from 0 to 1."""
         times = self._dt * (self._rows + np.arange(count))
@@ -158,19 +169,25 @@ class FaceTracker:
         return np.clip(np.minimum(closing, opening), 0.0, 1.0)
 
 
-def _eye_aims(persons: Records) -> Array:
-    """Return (..., 2) the turns of the eyes to what is looked at: left and up [rad].
+def _following(aims: Array, start: Array, time: float, dt: float) -> tuple[Array, Array]:
+    """Return values (K, P, n) on the way to their aims, from (P, n) `start`, and the last ones.
 
-    The head faces along the gaze of the record.
+    Args:
+        aims: (K, P, n).
+        start: (P, n).
+        time: time constant [s].
+        dt: time between rows [s].
     """
-    x, y, z = np.moveaxis(persons["look_at"] - persons["targets"][..., HEAD, :], -1, 0)
-    left = np.arctan2(-z, x) - persons["gaze"][..., 0]
-    left = np.remainder(left + np.pi, 2.0 * np.pi) - np.pi
-    up = np.arctan2(y, np.hypot(x, z)) - persons["gaze"][..., 1]
-    # What is behind is not looked at with the eyes alone.
-    looks = persons["has_look_target"] & (np.abs(left) < 0.5 * np.pi)
-    aims = np.stack(
-        [np.clip(left, -MAX_EYE_SIDE, MAX_EYE_SIDE), np.clip(up, -MAX_EYE_DOWN, MAX_EYE_UP)],
-        axis=-1,
-    )
-    return np.where(looks[..., None], aims, 0.0)
+    share, found = 1.0 - np.exp(-dt / time), np.empty_like(aims)
+    for k, aim in enumerate(aims):
+        start = found[k] = start + share * (aim - start)
+    return found, start
+
+
+def _hand_shapes(rows: FaceInputs, anger: Array) -> Array:
+    """Return the shapes (K, P, n) that hands aim at, in the order of `HANDS`."""
+    grip = np.clip(rows.grips, 0.0, 1.0)
+    flat = np.clip(rows.flat, 0.0, 1.0) * (1.0 - grip)
+    fist = anger[..., None] * (1.0 - grip) * (1.0 - flat)
+    shapes = {"grip": grip, "fist": fist, "flat": flat}
+    return np.concatenate([shapes[name] for name in HAND_SHAPES], axis=-1)

@@ -1,0 +1,52 @@
+"""Tints: colours of parts of a person that are not of their material's colour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.spatial import Array
+from render.color import linear
+from render.config import MATERIALS
+
+LIP, HOLLOW, BLUSH, IRIS, LIMBUS, PUPIL, TOOTH, SOLE = range(1, 9)
+"""Tints of vertices, the rows of `tint_colors`; 0 is the colour of the material."""
+
+LIPS = {
+    "fair skin": "lips",
+    "skin": "lips",
+    "tan skin": "lips",
+    "brown skin": "dark lips",
+    "dark skin": "dark lips",
+}
+"""Skin material -> lip material."""
+
+BLUSH_SHADE = np.array([1.02, 0.76, 0.72])
+"""Colour of cheeks in that of the skin."""
+
+HOLLOW_COLOR, PUPIL_COLOR = (0.035, 0.008, 0.007), (0.002, 0.002, 0.002)
+TOOTH_COLOR = (0.62, 0.57, 0.48)
+"""Colours of the inside of a mouth, of pupils and of teeth, linear."""
+
+LIMBUS_SHADE = 0.4
+"""Colour of the rim of an iris, in that of the iris."""
+
+PALE_SOLES = ("white cloth",)
+"""Materials of shoes whose soles are of rubber and pale; others have dark soles of leather."""
+
+PALE_SOLE, DARK_SOLE = (0.52, 0.50, 0.46), (0.022, 0.015, 0.011)
+"""Colours of soles, linear."""
+
+
+def tint_colors(skin: str, iris: str, shoes: str) -> Array:
+    """Return the linear colours (9, 3) of the tints of a person.
+
+    Args:
+        skin: material.
+        iris: material.
+        shoes: material.
+    """
+    own, lip, eye = (linear(MATERIALS[name].color) for name in (skin, LIPS.get(skin, "lips"), iris))
+    mouth = (lip, HOLLOW_COLOR, BLUSH_SHADE * own)
+    eyes = (eye, LIMBUS_SHADE * eye, PUPIL_COLOR)
+    sole = PALE_SOLE if shoes in PALE_SOLES else DARK_SOLE
+    return np.array((own, *mouth, *eyes, TOOTH_COLOR, sole))

@@ -59,6 +59,11 @@ class Material(PresetModel):
     metallic: Unit = Field(0.0, description="0 is a dielectric, 1 is bare metal.")
     clearcoat: Unit = Field(0.0, description="Weight of a clear, glossy coat.")
     sheen: Unit = Field(0.0, description="Weight of a soft gloss at the rim, as of velvet.")
+    subsurface: Unit = Field(
+        0.0,
+        description="How far light that scatters below the surface, as in skin, softens the edge "
+        "of its shade: red most.",
+    )
     transmission: Unit = Field(
         0.0, description="Share of the light that goes through, as in glass."
     )
@@ -99,10 +104,11 @@ class Material(PresetModel):
     @model_validator(mode="after")
     def _translucent_is_dull(self) -> Material:
         shines = self.metallic or self.clearcoat or self.sheen or self.transmission
+        shines = shines or self.subsurface
         if self.translucency and (shines or self.roughness < DIFFUSE_ROUGHNESS):
             raise ValueError(
                 f"translucency needs a dull surface: roughness of at least {DIFFUSE_ROUGHNESS:g}, "
-                "and no metallic, clearcoat, sheen or transmission"
+                "and no metallic, clearcoat, sheen, subsurface or transmission"
             )
         return self
 

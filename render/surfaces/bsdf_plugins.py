@@ -18,6 +18,13 @@ from render.config import Material
 from render.surfaces.mitsuba_bsdf import opaque_bsdf
 from render.surfaces.patterns import Shader
 
+SUBSURFACE_FALLOFF = (0.30, 0.06, -0.08)
+"""By how much the power of the cosine with which skin darkens differs from Lambert's 1: red, green,
+blue. Red goes farthest below the surface, and around the edge of a shade."""
+
+LEAST_COSINE = 0.02
+"""Cosine from which on light that grazes a surface is no longer strengthened."""
+
 
 def plugin(methods: type, base: str) -> Any:
     """Return a new object of Mitsuba's class `base` with these methods.
@@ -81,6 +88,7 @@ def glossy_bsdf(material: Material, shader: Shader, values: dict[str, Any]) -> A
     paint, surface = plugin(_Paint, "Texture"), plugin(_GlossyBsdf, "BSDF")
     surface.paint, surface.base = paint, mi.load_dict(opaque_bsdf(material, paint))
     surface.shader, surface.values = shader, values
+    surface.falloff = tuple(material.subsurface * share for share in SUBSURFACE_FALLOFF)
     surface.set_flags()
     return surface
 
@@ -226,6 +234,7 @@ class _GlossyBsdf(_ShadedBsdf):
 
     paint: Any
     base: Any
+    falloff: tuple[float, ...]
 
     def set_flags(self) -> None:
         """Copy the flags of the wrapped BSDF, for both sides."""
@@ -240,13 +249,14 @@ class _GlossyBsdf(_ShadedBsdf):
         here, frame, side = self._painted(si)
         found, weight = self.base.sample(ctx, here, sample1, sample2, active)
         self.paint.color = None
-        return _from_bent(found, weight, frame, side)
+        return _from_bent(found, self._softened(weight, found.wo), frame, side)
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         here, frame, side = self._painted(si)
         out, is_above = _to_bent(wo, frame, side, active)
         value, pdf = self.base.eval_pdf(ctx, here, out, is_above)
         self.paint.color = None
+        value = self._softened(value, out)
         return dr.select(is_above, value, 0.0), dr.select(is_above, pdf, 0.0)
 
     def eval_pdf_sample(
@@ -257,11 +267,24 @@ class _GlossyBsdf(_ShadedBsdf):
         value, pdf = self.base.eval_pdf(ctx, here, out, is_above)
         found, weight = self.base.sample(ctx, here, sample1, sample2, active)
         self.paint.color = None
+        value, weight = self._softened(value, out), self._softened(weight, found.wo)
         found, weight = _from_bent(found, weight, frame, side)
         return dr.select(is_above, value, 0.0), dr.select(is_above, pdf, 0.0), found, weight
 
     def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
         return dr.select(active, self.shader(si)[0], 0.0)
+
+    def _softened(self, value: Any, out: Any) -> Any:
+        """Return a value towards `out`, in the bent frame, with a soft edge of the shade.
+
+        A stand-in for scattering below the surface that needs no light from below the horizon. The
+        cosine of each channel gets a power p = 1 - falloff, and a factor (p + 1) / 2 with which its
+        integral over the hemisphere stays π: diffuse energy is neither lost nor gained.
+        """
+        if not any(self.falloff):
+            return value
+        cosine = dr.maximum(out.z, LEAST_COSINE)
+        return value * mi.Color3f(*((1.0 - 0.5 * f) * dr.power(cosine, -f) for f in self.falloff))
 
     def _painted(self, si: Any) -> tuple[Any, Any, Any]:
         """Return the interaction for the wrapped BSDF, the bent frame and the side."""

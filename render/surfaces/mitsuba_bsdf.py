@@ -54,6 +54,7 @@ VERTEX_COLOR = "vertex_color"
 def is_diffuse(material: Material) -> bool:
     """Whether a material is purely diffuse: rough, and neither metal nor coated."""
     shines = material.metallic or material.clearcoat or material.sheen or material.transmission
+    shines = shines or material.subsurface
     return material.roughness >= DIFFUSE_ROUGHNESS and not shines
 
 

@@ -130,6 +130,41 @@ def test_sampling_matches_evaluation_with_bent_normals(renderer: Renderer) -> No
         assert by_sampling <= 1.0
 
 
+def test_skin_has_a_soft_red_edge_of_its_shade_and_the_same_energy(renderer: Renderer) -> None:
+    del renderer
+    import drjit as dr
+    import mitsuba as mi
+
+    from render.surfaces.bsdf_plugins import glossy_bsdf
+
+    def look(si: Any) -> tuple[Any, Any]:
+        del si
+        return mi.Color3f(0.6), mi.Normal3f(0, 0, 1)
+
+    n = 400_000
+    si: Any = dr.zeros(mi.SurfaceInteraction3f, n)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(0, 0, 1))
+    si.n, si.wi = mi.Normal3f(0, 0, 1), mi.Vector3f(0, 0, 1)
+    rng = np.random.default_rng(8)
+    u, chosen = mi.Point2f(*rng.random((2, n))), mi.Float(rng.random(n))
+    around = mi.warp.square_to_uniform_hemisphere(mi.Point2f(*rng.random((2, n))))
+    grazing = np.array(around)[2] < 0.15
+    ctx, found = mi.BSDFContext(), {}
+    for name, share in (("plain", 0.0), ("skin", 1.0)):
+        config = material(
+            {"color": [0.8] * 3, "roughness": 0.9, "sheen": 0.01, "subsurface": share}
+        )
+        surface = glossy_bsdf(config, look, {})
+        _, weight = surface.sample(ctx, si, chosen, u)
+        value = np.array(surface.eval(ctx, si, around) * dr.two_pi)
+        # Sampled and evaluated alike.
+        np.testing.assert_allclose(np.array(weight).mean(axis=1), value.mean(axis=1), rtol=0.02)
+        found[name] = value.mean(axis=1), value[:, grazing].mean(axis=1)
+    np.testing.assert_allclose(found["skin"][0], found["plain"][0], rtol=0.02)
+    red, green, blue = found["skin"][1] / found["plain"][1]
+    assert red > 1.6 > 1.2 > green > 1.0 > blue > 0.7
+
+
 _MEANS = """
 import json, sys
 sys.path[:0] = [sys.argv[1]]

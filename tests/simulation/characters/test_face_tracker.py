@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +10,17 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.production.goldens.motion_digest import motion_digest
-from pipeline.simulation.characters.face_tracker import (
+from pipeline.simulation.characters.person_record import persons_of
+from pipeline.simulation.characters.pose_output import eye_aims
+from pipeline.simulation.expressions import EXPRESSIONS
+from pipeline.simulation.face_units import COLUMNS, EYE_TURN, HANDS, UNITS
+from pipeline.simulation.people.face_tracker import (
     BLINK,
     BLINK_PAUSE,
     MAX_EYE_SIDE,
     FaceInputs,
     FaceTracker,
 )
-from pipeline.simulation.characters.person_record import persons_of
-from pipeline.simulation.expressions import EXPRESSIONS
-from pipeline.simulation.face_units import EYE_TURN, UNITS
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -35,26 +36,29 @@ SMILE = UNITS.index("smile")
 
 def rows(count: int, **changes: Array) -> list[FaceInputs]:
     """Return the inputs of rows of one person; changes have a row each, (count, ...)."""
-    none = np.zeros((count, 1, len(EMOTIONS)))
-    values = {"felt": none, "told": none + np.nan, "pain": np.zeros((count, 1))}
-    values |= {name: value[:, None] for name, value in changes.items()}
-    return [FaceInputs(**{name: value[k] for name, value in values.items()}) for k in range(count)]
+    calm = FaceInputs.calm(1)
+    return [
+        replace(calm, **{name: value[k][None] for name, value in changes.items()})
+        for k in range(count)
+    ]
 
 
-def faces(inputs: list[FaceInputs], names: tuple[str, ...] = ("ann",), **record: object) -> Array:
-    """Return the faces (K, P, n) of people that stand, with these values of their records."""
-    count = len(names)
-    people = persons_of(
-        [ADULT] * count, [0] * count, np.zeros((count, 2)), np.zeros(count), np.zeros(count)
-    )
-    persons = np.tile(np.array(people), (len(inputs), 1))
-    for name, value in record.items():
-        persons[name] = value
-    all_of = [
-        FaceInputs(*(np.repeat(x, count, axis=0) for x in (row.felt, row.told, row.pain)))
+def faces(inputs: list[FaceInputs], names: tuple[str, ...] = ("ann",)) -> Array:
+    """Return the faces (K, P, n) of people that all have the inputs of one."""
+    several = [
+        FaceInputs(*(np.repeat(getattr(row, f.name), len(names), axis=0) for f in fields(row)))
         for row in inputs
     ]
-    return FaceTracker(names, 3, DT).faces(all_of, persons).astype(float)
+    return FaceTracker(names, 3, DT).faces(several).astype(float)
+
+
+def wanted_eyes(count: int, **record: object) -> Array:
+    """Return the turns of the eyes (count, 2) that a standing person's record asks for."""
+    people = persons_of([ADULT], [0], np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+    persons = np.tile(np.array(people), (count, 1))
+    for name, value in record.items():
+        persons[name] = value
+    return eye_aims(persons)[:, 0]
 
 
 def of(emotion: str) -> Array:
@@ -95,9 +99,8 @@ def test_eyes_reach_a_target_before_the_head_and_hold_it_while_the_head_follows(
     look = np.array([10.0 * np.cos(aim), 1.6, -10.0 * np.sin(aim)])
     targets = np.zeros((16, 3))
     targets[:, 1] = 1.6
-    eyes = faces(rows(count), gaze=gaze, look_at=look, has_look_target=True, targets=targets)[
-        :, 0, EYE_TURN
-    ]
+    wanted = wanted_eyes(count, gaze=gaze, look_at=look, has_look_target=True, targets=targets)
+    eyes = faces(rows(count, eyes=wanted))[:, 0, EYE_TURN]
     assert eyes[8] > 0.9 * MAX_EYE_SIDE
     assert eyes.max() <= MAX_EYE_SIDE + 1e-6
     # The gaze is held within a few degrees from where eyes and head together reach it.
@@ -119,6 +122,57 @@ def test_people_blink_about_seventeen_times_a_minute_each_by_itself() -> None:
     np.testing.assert_array_equal(alone[:, 0], shut[:, 1])
 
 
+def hand(shown: Array, unit: str) -> Array:
+    return shown[:, 0, COLUMNS.index(unit)]
+
+
+def test_an_angry_person_makes_fists_with_hands_that_have_nothing_to_do() -> None:
+    count = 120
+    anger, right = np.tile(of("anger"), (count, 1)), np.tile([0.0, 1.0], (count, 1))
+    free, holding = (
+        faces(rows(count, told=anger)),
+        faces(rows(count, told=anger, grips=right)),
+    )
+    assert hand(free, "fist_r")[-1] > 0.9
+    assert hand(holding, "fist_l")[-1] > 0.9
+    assert hand(holding, "fist_r")[-1] < 0.05
+    assert hand(holding, "grip_r")[-1] > 0.95
+    # A hand takes its time.
+    assert np.abs(np.diff(hand(holding, "grip_r"))).max() < 0.15
+    stretched = faces(rows(count, told=anger, flat=right))
+    assert hand(stretched, "flat_r")[-1] > 0.95
+    assert hand(stretched, "fist_r")[-1] < 0.05
+    calm = faces(rows(count))
+    assert not calm[..., [COLUMNS.index(name) for name in HANDS]].any()
+
+
+WALKERS = (
+    "  - {name: eve, figure: person}\n  - {name: cy, character: adult, limp: true, at: [6, 0]}\n"
+)
+OTHERS = (
+    "  - {name: doll, character: ragdoll, at: [9, 0]}\n",
+    "  - {name: dan, dancer: torso, dance: macarena, controller: joint-torque, at: [3, 0]}\n",
+)
+
+
+@pytest.mark.parametrize(
+    ("other", "faced"),
+    [
+        (OTHERS[0], {"eve", "cy"}),
+        pytest.param(OTHERS[1], {"eve", "cy", "dan"}, marks=pytest.mark.nightly),
+    ],
+)
+def test_walking_persons_limp_people_and_dancers_blink(other: str, faced: set[str]) -> None:
+    take = run_scene(WALKERS + other, 6.0).take()
+    assert {face.performer for face in take.faces} == faced
+    shut = take.expressions[:, :, BLINK].T
+    for face, own in zip(take.faces, shut, strict=True):
+        assert own.max() > 0.9, face.performer
+        assert own.min() == 0.0, face.performer
+    # Nobody blinks with another.
+    assert not (shut[0] == shut[1]).all()
+
+
 CAST = "  - {name: ann, character: adult}\n  - {name: ben, character: child, at: [2, 0]}\n"
 
 
@@ -132,7 +186,7 @@ def test_takes_hold_faces_and_motion_does_not_depend_on_them(tmp_path: Path) -> 
         take_of("  - {at: 0.1, who: ben, do: {express: joy, strength: 0.5}}\n"),
     )
     assert [face.performer for face in joyful.faces] == ["ann", "ben"]
-    assert joyful.expressions.shape == (len(joyful.positions), 2, len(UNITS) + 2)
+    assert joyful.expressions.shape == (len(joyful.positions), 2, len(COLUMNS))
     assert joyful.expressions[-1, 1, SMILE] == pytest.approx(0.5, abs=0.02)
     assert joyful.expressions[-1, 0, SMILE] == 0.0
     assert joyful.digest != plain.digest

@@ -111,15 +111,16 @@ def _beetle(axis: Axis) -> Iterator[Lump]:
     y = float(front[1])
     a = np.array([start - 0.62 * widest, y + 0.02 * widest, 0.0])
     b = np.array([end + 0.34 * length, y - 0.04 * widest, 0.0])
-    wide = 1.04 * widest
+    # They cover the whole of the back, and the roots of the legs.
+    wide = 1.26 * widest
     for side in (-1.0, 1.0):
         # Two wing cases side by side: the seam is the crease between them.
-        off = np.array([0.0, 0.0, 0.40 * wide * side])
+        off = np.array([0.0, 0.0, 0.46 * wide * side])
         case = cone(
-            *(a + off, b + off * 0.92, (0.60 * wide, 0.62 * wide), (0.56 * wide, 0.62 * wide)),
-            *(0.05 * wide, UP),
+            *(a + off, b + off * 0.90, (0.54 * wide, 0.54 * wide), (0.50 * wide, 0.50 * wide)),
+            *(0.025 * wide, UP),
         )
-        case.radii_a[0], case.radii_b[0] = 0.62 * widest, 0.34 * length
+        case.radii_a[0], case.radii_b[0] = 0.62 * widest, 0.38 * length
         yield case
     yield _plate(
         0.5 * (a + b) - [0.0, 0.26 * widest, 0.0], (0.5 * length, 0.42 * widest, 0.82 * widest)

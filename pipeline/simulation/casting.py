@@ -28,6 +28,7 @@ from pipeline.spec.body import Body, Many
 from pipeline.spec.cast import Member
 from pipeline.spec.character import Character
 from pipeline.spec.character_kinds import WEARERS
+from pipeline.spec.costume import HairLook
 from pipeline.spec.creature import Creature
 from pipeline.spec.dancer import Dancer
 from pipeline.spec.group import Group
@@ -79,7 +80,7 @@ def clothes_of(scene: Scene, figures: Mapping[str, Figure]) -> dict[str, Clothes
     """Returns what the people of a scene wear, dealt over all of them together.
 
     Raises:
-        SceneError: if a creature that is no person is given a costume.
+        SceneError: if a creature that is no person is given a costume or hair.
     """
     people: dict[str, Character | Creature | Dancer] = {m.name: m for _, m in scene.dancers}
     problems = []
@@ -88,18 +89,27 @@ def clothes_of(scene: Scene, figures: Mapping[str, Figure]) -> dict[str, Clothes
             people[member.name] = member
         elif isinstance(member, Creature) and is_person(figures[member.name]):
             people[member.name] = member
-        elif isinstance(member, Creature) and member.costume is not None:
-            message = f"the figure '{member.figure}' wears nothing; remove this, or {PERSON_HINT}"
-            problems.append(Problem(f"cast[{i}].costume", message))
+        elif isinstance(member, Creature):
+            for key, nothing in (("costume", "wears nothing"), ("hair", "has no such hair")):
+                if getattr(member, key) is not None:
+                    message = f"the figure '{member.figure}' {nothing}; remove this"
+                    problems.append(Problem(f"cast[{i}].{key}", f"{message}, or {PERSON_HINT}"))
     if problems:
         raise SceneError(problems)
     dealt = deal_clothes({name: member.costume for name, member in people.items()}, scene.seed)
-    return {
-        name: dealt[name]
-        if member.material is None
-        else replace(dealt[name], shirt=member.material)
-        for name, member in people.items()
-    }
+    return {name: _as_told(member, dealt[name]) for name, member in people.items()}
+
+
+def _as_told(member: Character | Creature | Dancer, dealt: Clothes) -> Clothes:
+    """Returns the clothes that a person is dealt, with what its author says."""
+    hair = member.hair or HairLook()
+    return replace(
+        dealt,
+        shirt=member.material or dealt.shirt,
+        style=hair.style or dealt.style,
+        hair=hair.material or dealt.hair,
+        hair_length=hair.length,
+    )
 
 
 def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

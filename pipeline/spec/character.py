@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Part, Traits
 from pipeline.spec.character_kinds import HANDS, PEOPLE, WEARERS, Kind
-from pipeline.spec.costume import Costume
+from pipeline.spec.costume import Costume, HairLook
 from pipeline.spec.keyframes import PoseKey, Turn
 from pipeline.spec.model_base import Fault, Number, raise_faults
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
@@ -27,6 +27,9 @@ class Character(Performer):
         None,
         description="What it wears; by the seed if left out, and all different while there are "
         "enough costumes.",
+    )
+    hair: HairLook | None = Field(
+        None, description="Hair on its head; by its name and the seed if left out."
     )
     at: At = Field(
         (0.0, 0.0),
@@ -94,9 +97,9 @@ class Character(Performer):
         if self.limp and self.character not in PEOPLE:
             message = f"a {self.character} never stands by itself; remove this"
             yield Fault(("limp",), message, at_key=True)
-        if self.costume is not None and self.character not in WEARERS:
-            message = f"a {self.character} wears nothing; remove this"
-            yield Fault(("costume",), message, at_key=True)
+        for key, nothing in (("costume", "wears nothing"), ("hair", "has no hair")):
+            if getattr(self, key) is not None and self.character not in WEARERS:
+                yield Fault((key,), f"a {self.character} {nothing}; remove this", at_key=True)
         if not self.acts:
             return
         for key in ("rotation_deg", "spin_deg", "velocity"):

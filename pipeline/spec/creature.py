@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from pipeline.spec.costume import Costume
+from pipeline.spec.costume import Costume, HairLook
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
     ConfigModel,
@@ -124,6 +124,9 @@ class Creature(Performer):
         None,
         description="What a figure with a person's skin wears; by the seed if left out, and all "
         "different while there are enough costumes.",
+    )
+    hair: HairLook | None = Field(
+        None, description="Hair on its head; by its name and the seed if left out."
     )
     mood: MoodMix = Field(
         {}, description="A mood by name, or weights of several: how it walks and carries itself."

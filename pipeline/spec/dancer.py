@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from audio.config.sound import Sound
-from pipeline.spec.costume import Costume
+from pipeline.spec.costume import Costume, HairLook
 from pipeline.spec.dance import ARM_JOINTS, TRUNK_JOINTS, Controller, Seconds
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (
@@ -237,6 +237,9 @@ class Dancer(Performer, DanceSettings):
         None,
         description="What it wears; by the seed if left out, and all different while there are "
         "enough costumes.",
+    )
+    hair: HairLook | None = Field(
+        None, description="Hair on its head; by its name and the seed if left out."
     )
     at: tuple[Coordinate, Coordinate] = Field(
         (0.0, 0.0), description="Where it stands, [x, z] on the ground [m]."

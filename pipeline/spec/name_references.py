@@ -134,7 +134,9 @@ def _owners(scene: object) -> Iterator[tuple[Path, Any]]:
         drums = value_at(value_at(dances, key), "drums")
         for drum in text_keys(drums):
             yield ("dances", key, "drums", drum), value_at(drums, drum)
-    yield from ((("cast", i), member) for i, member in _members(scene))
+    for i, member in _members(scene):
+        yield ("cast", i), member
+        yield ("cast", i, "hair"), value_at(member, "hair")
 
 
 def _camera_targets(scene: object) -> Iterator[Fault]:

@@ -40,9 +40,10 @@ from pipeline.simulation.people.head_mesh import (
 from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
 from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
 from pipeline.simulation.people.tints import tint_colors
-from pipeline.simulation.people.wardrobe import Clothes, Garment, Hair, Stature
+from pipeline.simulation.people.wardrobe import Clothes, Garment, Stature
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Part
+from pipeline.spec.costume import HairStyle
 
 EYEBALL_MATERIAL = "eye white"
 
@@ -81,7 +82,12 @@ def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialL
         "eyes": EYEBALL_MATERIAL,
     }
     sleeves_and_legs = (clothes.short_sleeves, clothes.shorts)
-    shape = (clothes.style, *sleeves_and_legs, clothes.build, clothes.garments)
+    shape = (
+        (clothes.style, clothes.hair_length),
+        *sleeves_and_legs,
+        clothes.build,
+        clothes.garments,
+    )
     colors = clothes.skin, clothes.iris, clothes.shoes
     return tuple(
         MaterialLayer(name, mesh, materials[name])
@@ -115,7 +121,7 @@ def layer_parts(
 @lru_cache(maxsize=MESH_CACHE_SIZE)
 def _cached_meshes(
     proportions: Proportions,
-    style: Hair,
+    hair: tuple[HairStyle, float],
     short_sleeves: bool,
     shorts: bool,
     stature: Stature,
@@ -123,6 +129,7 @@ def _cached_meshes(
     *colors: str,
 ) -> tuple[tuple[str, Mesh], ...]:
     tints = tint_colors(*colors)
+    style, length = hair
     build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
     head = Head(build)
     layers = [
@@ -130,8 +137,9 @@ def _cached_meshes(
         for name, patches in _layers(build, head, short_sleeves, shorts, garments)
     ]
     locks = [] if style == "none" else [hair_patch(head, style)]
-    hair = [*(head_hair(head, style, patch) for patch in locks), brow_hair(head, brows(head))]
-    combed = _mesh(merge_patches([*locks, brows(head)]), tints, np.concatenate(hair))
+    grown = [*(length * head_hair(head, style, patch) for patch in locks)]
+    grown.append(brow_hair(head, brows(head)))
+    combed = _mesh(merge_patches([*locks, brows(head)]), tints, np.concatenate(grown))
     return (*layers, ("hair", combed))
 
 

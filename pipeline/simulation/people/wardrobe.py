@@ -9,9 +9,7 @@ from typing import Literal, TypeVar
 
 from pipeline.simulation.people.tints import LIPS
 from pipeline.simulation.seeds import generator
-from pipeline.spec.costume import COSTUMES, Costume
-
-Hair = Literal["short", "bob", "bun", "long", "none"]
+from pipeline.spec.costume import COSTUMES, Costume, HairStyle
 
 Stature = Literal["slim", "medium", "sturdy"]
 
@@ -34,9 +32,9 @@ SHIRTS = (
 
 TROUSERS = ("denim", "black cloth", "grey cloth", "beige cloth", "navy cloth")
 
-STYLES: tuple[Hair, ...] = ("short", "short", "bob", "bun", "long")
+STYLES: tuple[HairStyle, ...] = ("short", "short", "bob", "bun", "long")
 
-LONGER: tuple[Hair, ...] = ("bob", "bun", "long")
+LONGER: tuple[HairStyle, ...] = ("bob", "bun", "long")
 
 STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
 
@@ -61,7 +59,7 @@ class Outfit:
     shirts: Sequence[str] = SHIRTS
     trousers: Sequence[str] = TROUSERS
     shoes: Sequence[str] = SHOES
-    styles: Sequence[Hair] = STYLES
+    styles: Sequence[HairStyle] = STYLES
     short_sleeves: bool = False
     shorts: bool = False
 
@@ -140,6 +138,7 @@ class Clothes:
         build: stature.
         garments: over shirt and trousers, or in place of these.
         accent: material of ties and stripes.
+        hair_length: factor on the length of the hair.
     """
 
     skin: str = "fair skin"
@@ -148,12 +147,13 @@ class Clothes:
     shirt: str = "red cloth"
     trousers: str = "denim"
     shoes: str = "leather"
-    style: Hair = "short"
+    style: HairStyle = "short"
     short_sleeves: bool = True
     shorts: bool = False
     build: Stature = "medium"
     garments: tuple[Garment, ...] = ()
     accent: str = "white cloth"
+    hair_length: float = 1.0
 
 
 def deal_clothes(wishes: Mapping[str, Costume | None], seed: int) -> dict[str, Clothes]:

@@ -29,13 +29,12 @@ from pipeline.simulation.people.wardrobe import (
     OUTFITS,
     Clothes,
     Garment,
-    Hair,
     Stature,
     deal_clothes,
 )
 from pipeline.simulation.spatial import Array, quaternion, rotation
 from pipeline.simulation.take import Node
-from pipeline.spec.costume import COSTUMES, Costume
+from pipeline.spec.costume import COSTUMES, Costume, HairStyle
 from render.config import MATERIALS
 
 DENSITY = 985.0
@@ -89,7 +88,7 @@ def posed_vertices(
 
 def test_every_clothing_option_occurs() -> None:
     tried = [clothes for _, clothes in ALL]
-    assert {c.style for c in tried} == set(get_args(Hair))
+    assert {c.style for c in tried} == set(get_args(HairStyle))
     assert {c.build for c in tried} == set(get_args(Stature))
 
 
@@ -272,7 +271,7 @@ def test_garments_are_closed_and_symmetric(proportions: Proportions, garment: Ga
 
 
 def test_hair_grows_from_the_head_and_leaves_the_eyes_free() -> None:
-    for style in get_args(Hair):
+    for style in get_args(HairStyle):
         layers = {one.name: one.mesh for one in person_layers(ADULT, Clothes(style=style))}
         hair = layers["hair"]
         length = np.linalg.norm(hair.hair, axis=-1)

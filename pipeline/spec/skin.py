@@ -93,6 +93,7 @@ class Skin(ConfigModel):
         "or plumage; chosen by its feet if left out.",
     )
     coat_length: Extent = Field(1.0, description="Length of the coat, in the usual one.")
+    head_size: Extent = Field(1.0, description="Size of an animal's head, in that drawn.")
     ear_length: Extent = Field(1.0, description="Length of the ears, in the usual one.")
     ear_width: Extent = Field(1.0, description="Width of the ears, in the usual one.")
     eye_size: Extent = Field(1.0, description="Size of the eyes, in the usual one.")

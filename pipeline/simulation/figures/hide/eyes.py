@@ -38,8 +38,6 @@ LID_OPENING, LID_CORNERS, LID_DROOP = 57.0, 13.0, 9.0
 LID_RINGS = ((0.0, 1.02), (3.0, 1.13), (24.0, 1.16), (58.0, 1.04))
 """Rings of lids: angle beyond their edge [degrees], and radius in that of the eye."""
 
-LID_COLOR = "#17100c"
-
 
 def _axes(head: Head, side: float) -> Array:
     """Return rows (3, 3): where an eye looks, up, and ahead."""
@@ -96,4 +94,4 @@ def eyelids(head: Head, side: float) -> tuple[Solid, Paint]:
     )
     # Both ends are inside the ball.
     solid = outward(loft(rings, np.stack([middle, middle - 0.5 * size * axes[0]])))
-    return solid, painted(len(solid.vertices), LID_COLOR)
+    return solid, painted(len(solid.vertices), head.skull.lid_color)

@@ -207,7 +207,7 @@ class Head:
             lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
         for side in (1.0, -1.0):
             off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
-            lay(paint, "#17100c", 0.92 * smoothstep((1.22 - off) / 0.25))
+            lay(paint, self.skull.lid_color, 0.92 * smoothstep((1.22 - off) / 0.25))
         return paint
 
 

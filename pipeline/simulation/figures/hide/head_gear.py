@@ -19,7 +19,7 @@ def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tupl
     skull = head.skull
     length = 1.35 * skull.ear_length * config.ear_length * chain.limb.length
     way = head.way(skull.ear_way, side)
-    opening = head.way((0.75, 0.0, 0.65), side)
+    opening = head.way(skull.ear_opening, side)
     width = length * skull.ear_width * config.ear_width / config.ear_length
     return ear(head.place(skull.ear, side), way, opening, length, width, skull.ear_fold)
 

@@ -34,12 +34,14 @@ class Skull:
         holes: nostrils and the like.
         ear: place of the root of the right ear.
         ear_way: direction of the right ear: along, up, to the side.
+        ear_opening: direction to which it is open.
         ear_length, ear_width: length of the ear in that drawn; width in its length.
         ear_fold: depth of the cup of an ear, in half of its width.
         horn: place of the root of the right horn.
         nose: place, radii and sRGB colour of a bare nose; None without.
         mouth: heights of the mouth line at its corner and its front; None without.
         lids: softness of the lids' union, in half of the eye's radius; 0 without lids.
+        lid_color: sRGB colour of the lids.
         whiskers: their length, in that of the head; 0 without.
         muzzle_from: place along the head from which the muzzle begins.
     """
@@ -53,6 +55,7 @@ class Skull:
     holes: tuple[Hole, ...] = ()
     ear: tuple[float, float, float] = (0.02, 0.75, 0.5)
     ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)
+    ear_opening: tuple[float, float, float] = (0.75, 0.0, 0.65)
     ear_length: float = 1.0
     ear_width: float = 0.38
     ear_fold: float = 0.55
@@ -61,6 +64,7 @@ class Skull:
     mouth: tuple[float, float, float, float] | None = None
     muzzle_from: float = 0.72
     lids: float = 0.25
+    lid_color: str = "#17100c"
     whiskers: float = 0.0
 
 
@@ -217,10 +221,12 @@ SKULLS: Mapping[str, Skull] = {
         eye=(0.50, 0.24, 0.80),
         eye_size=0.15,
         pupil="round",
+        lid_color="#3f3a35",
         iris="#8a5f2a",
         horn=(0.72, -0.40, 0.50),
-        ear=(0.10, 0.40, 0.72),
-        ear_way=(-0.66, -0.45, 0.72),
+        ear=(0.08, 0.20, 0.70),
+        ear_way=(-0.20, -0.60, 0.78),
+        ear_opening=(0.50, 0.60, 0.55),
         ear_length=1.0,
         ear_width=1.15,
         ear_fold=0.14,
@@ -236,6 +242,7 @@ SKULLS: Mapping[str, Skull] = {
         eye_size=0.40,
         look=(0.45, 0.45, 1.0),
         pupil="bar",
+        lid_color="#33461a",
         iris="#b08a1e",
         holes=(((1.28, 0.30, 0.30), (0.06, 0.08, 0.08)),),
         mouth=(0.15, -0.25, 1.6, -0.30),
@@ -252,6 +259,7 @@ SKULLS: Mapping[str, Skull] = {
         eye_size=0.20,
         look=(0.25, 0.1, 1.0),
         pupil="round",
+        lid_color="#2a3419",
         iris="#a5751c",
         holes=(((1.20, 0.35, 0.50), (0.08, 0.10, 0.10)),),
         mouth=(0.25, -0.26, 1.5, -0.30),

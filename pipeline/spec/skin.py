@@ -83,7 +83,7 @@ class Skin(ConfigModel):
     toes: Annotated[int, Field(ge=1, le=5)] | None = Field(
         None, description="Toes of a foot: 1 is a whole hoof, 2 a cloven one."
     )
-    claws: bool = Field(True, description="Whether paws have claws.")
+    claws: bool = Field(True, description="Whether paws and spread toes have claws.")
     horns: HornName = Field("curved", description="Shape of an animal's horns.")
     mane: Hair = Field("none", description="Mane along the neck.")
     tail: TailName = Field("plain", description="What an animal's tail is made of.")

@@ -83,7 +83,7 @@ class Skin(ConfigModel):
     toes: Annotated[int, Field(ge=1, le=5)] | None = Field(
         None, description="Toes of a foot: 1 is a whole hoof, 2 a cloven one."
     )
-    claws: bool = Field(True, description="Whether paws have claws.")
+    claws: bool = Field(True, description="Whether paws and spread toes have claws.")
     horns: HornName = Field("curved", description="Shape of an animal's horns.")
     mane: Hair = Field("none", description="Mane along the neck.")
     tail: TailName = Field("plain", description="What an animal's tail is made of.")
@@ -93,6 +93,7 @@ class Skin(ConfigModel):
         "or plumage; chosen by its feet if left out.",
     )
     coat_length: Extent = Field(1.0, description="Length of the coat, in the usual one.")
+    head_size: Extent = Field(1.0, description="Size of an animal's head, in that drawn.")
     ear_length: Extent = Field(1.0, description="Length of the ears, in the usual one.")
     ear_width: Extent = Field(1.0, description="Width of the ears, in the usual one.")
     eye_size: Extent = Field(1.0, description="Size of the eyes, in the usual one.")

@@ -76,6 +76,9 @@ BUSY_TASKS = (CarryTo, CarryEnd, ThrowAt)
 WIDE_GRIP = 0.3
 """How far hands close that hold a thing between them, in how far one closes around a thing."""
 
+WIDE_GRIP = 0.3
+"""How far hands close that hold a thing between them, in how far one closes around a thing."""
+
 LONGEST_FIRST_TRY = 4.0
 """Time at the place of an act after which there is no second try, for it has taken long [s]."""
 

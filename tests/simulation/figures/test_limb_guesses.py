@@ -249,7 +249,7 @@ def test_shipped_figures_have_the_limbs_that_they_were_drawn_with() -> None:
         "dog": four_legs | {"feeler": 2},
         "elephant": four_legs | {"feeler": 5},
         "frog": {"leg": 4, "head": 1},
-        "giraffe": four_legs | {"feeler": 4},
+        "giraffe": four_legs | {"feeler": 2, "horn": 2},
         "lizard": four_legs,
         "mouse": four_legs | {"feeler": 2},
         "hopper": {"leg": 1, "head": 1},

@@ -15,6 +15,7 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.hide.coat import Coat
+from pipeline.simulation.figures.hide.eyes import eyeball, eyelids
 from pipeline.simulation.figures.hide.feet import (
     foot_way,
     paw_claws,
@@ -24,7 +25,13 @@ from pipeline.simulation.figures.hide.feet import (
 )
 from pipeline.simulation.figures.hide.hair_lay import HairLay
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.head_gear import beak_solid, ear_solid, horn_solid
+from pipeline.simulation.figures.hide.head_gear import (
+    beak_solid,
+    ear_solid,
+    horn_solid,
+    mouth_solid,
+    whisker_solids,
+)
 from pipeline.simulation.figures.hide.lumps import Lump, ball, budgeted
 from pipeline.simulation.figures.hide.mane import hair_solid, mane_solid, tassel_lumps
 from pipeline.simulation.figures.hide.shanks import (
@@ -55,6 +62,9 @@ MAIN_TRIANGLES, FINE_TRIANGLES, FOOT_TRIANGLES = 3200, 1800, 340
 LIMB_TRIANGLES = 1000
 """Most triangles of the coarse mesh of a limb that has a material of its own."""
 
+NET_CELL = 0.55
+"""Cell of a coarse mesh with a net of patches, in the usual one: thin lines need more vertices."""
+
 CELLS = 96
 """Cells of the coarse mesh along the longest side of an animal, at first."""
 
@@ -65,6 +75,8 @@ DEFAULT_TOES = {"hooves": 1, "paws": 4, "toes": 4, "claws": 5, "plain": 0}
 """Toes of a foot that says no number."""
 
 DARK_HORN = "#2b231d"
+
+MOUTH_COLOR, WHISKER_COLOR = "#150c0a", "#d9d4cc"
 
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
 
@@ -108,9 +120,7 @@ class AnimalHide:
         self.head: Head | None = None
         if self.head_limb is not None:
             name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
-            self.head = Head.of(
-                self.stance.chains[self.head_limb], SKULLS[name], figure.skin.eye_size
-            )
+            self.head = Head.of(self.stance.chains[self.head_limb], SKULLS[name], figure.skin)
         self.skull_name = figure.skin.skull or DEFAULT_SKULLS[figure.feet]
         self.coat = Coat(self.stance, self.head)
         self.hair_lay = HairLay(self.coat)
@@ -238,8 +248,10 @@ class AnimalHide:
                 paint = painted(len(solid.vertices), "#b3a68f")
                 patch.skins.append(self.stance.rigid(solid, last, paint))
         elif feet in ("toes", "claws"):
-            for toe, claw in spread_toes(chain, toes):
+            for toe, claw in spread_toes(chain, toes, self.figure.skin.claws):
                 patch.skins.append(self.stance.rigid(toe, last))
+                if claw is None:
+                    continue
                 paint = painted(len(claw.vertices), DARK_HORN)
                 patch.skins.append(self.stance.rigid(claw, last, paint))
 
@@ -275,6 +287,7 @@ class AnimalHide:
         radius = max(self.head.radii)
         lumps = [*stub[-2:], *self.head.lumps()]
         bearer.fine.append((lumps, HEAD_CELL * radius, FINE_TRIANGLES, True))
+        self._add_features(bearer, last)
         if is_bird:
             patch = self.patches.setdefault(last, Patch())
             patch.skins.append(self.stance.rigid(beak_solid(self.head), last))
@@ -285,6 +298,18 @@ class AnimalHide:
             color = next((p.color for p in self.figure.skin.paint if p.where == "mane"), "#17120f")
             paint, locks = painted(len(solid.vertices), color), self.hair_lay.locks(solid, i)
             self.patches[0].skins.append(self.stance.hide(solid, [i], paint, locks))
+
+    def _add_features(self, patch: Patch, skull_link: int) -> None:
+        """Add lids, mouth and whiskers, which are finer than the mesh of a skull."""
+        head = self.head
+        assert head is not None
+        features = [eyelids(head, side) for side in (1.0, -1.0)] if head.skull.lids else []
+        mouth = mouth_solid(head)
+        if mouth is not None:
+            features.append((mouth, painted(len(mouth.vertices), MOUTH_COLOR)))
+        for solid in whisker_solids(head):
+            features.append((solid, painted(len(solid.vertices), WHISKER_COLOR)))
+        patch.skins += [self.stance.rigid(solid, skull_link, paint) for solid, paint in features]
 
     def _neck_shape(self, first: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return height and width of a neck at its ends, in the drawn radius."""
@@ -298,6 +323,7 @@ class AnimalHide:
         patch = self._patch(limb.links[0])
         patch.limbs.append(i)
         patch.covered.update(limb.links)
+        girths = self._girths(i).mean(axis=-1)
         if word in ("hair", "fan"):
             own = self._patch(limb.links[-1])
             if i not in own.limbs:
@@ -313,6 +339,7 @@ class AnimalHide:
                 own.limbs.append(i)
             own.covered.update(limb.links[first:after])
             points, radii = chain.points[first : after + 1], chain.radii[first : after + 1].copy()
+            radii *= girths[first : after + 1]
             if first == 0 and len(radii) > 1:
                 radii[0] = min(radii[0], 2.2 * radii[1])
             if first == 0:
@@ -387,6 +414,8 @@ class AnimalHide:
             high = np.max([np.maximum(g.a, g.b) + g.reach for g in patch.lumps], axis=0)
             cell = float((high - low).max()) / CELLS
             most = MAIN_TRIANGLES if patch is self.patches[0] else LIMB_TRIANGLES
+            if any(paint.where == "patches" for paint in self.figure.skin.paint):
+                cell, most = NET_CELL * cell, int(most / NET_CELL**2)
             yield self._meshed(patch, patch.lumps, cell, most, False)
         for lumps, cell, most, is_head in patch.fine:
             yield self._meshed(patch, lumps, cell, most, is_head)
@@ -412,5 +441,5 @@ class AnimalHide:
         for number, piece in enumerate(self.figure.pieces):
             if piece.material == EYE_MATERIAL and piece.link == skull_link:
                 side = -1.0 if piece.name.endswith("_l") else 1.0
-                solid, paint = self.head.eyeball(side, iris)
+                solid, paint = eyeball(self.head, side, iris)
                 yield number, self.stance.rigid(solid, skull_link, paint)

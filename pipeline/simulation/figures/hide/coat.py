@@ -164,7 +164,7 @@ class _Places:
         nearest, second = _cell_distances(p / step)
         if kind == "spots":
             return smoothstep((0.36 - nearest) / 0.10)
-        return smoothstep((second - nearest - 0.10) / 0.06)
+        return smoothstep((second - nearest - 0.09) / 0.06)
 
 
 def arc_share(points: Array, places: Array) -> Array:

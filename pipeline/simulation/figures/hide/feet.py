@@ -12,6 +12,9 @@ from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import UP, Array, cross, normalized
 
+CLAW_SIZE = 0.6
+"""Size of the claws of a paw, whose coat hides their roots."""
+
 LEVEL_LINK = 0.55
 """Sine of the slope up to which a foot points along its last link."""
 
@@ -49,7 +52,7 @@ def paw_lumps(chain: Chain, toes: int, girth: Array) -> Iterator[Lump]:
         yield cone(root, end, (0.62 * r, thick * r), (0.95 * thick * r, 0.92 * thick * r), 0.12 * r)
 
 
-def paw_claws(chain: Chain, toes: int, size: float = 1.0) -> Iterator[Solid]:
+def paw_claws(chain: Chain, toes: int, size: float = CLAW_SIZE) -> Iterator[Solid]:
     """Yield the claws of a paw."""
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
     side = cross(way, UP)
@@ -82,8 +85,8 @@ def toe_nails(chain: Chain, toes: int) -> Iterator[Solid]:
         yield tube(curve, r * np.array([0.24, 0.22, 0.08]), 6, 0.8)
 
 
-def spread_toes(chain: Chain, toes: int) -> Iterator[tuple[Solid, Solid]]:
-    """Yield the toes of a bird, a frog or a lizard with their claws."""
+def spread_toes(chain: Chain, toes: int, claws: bool) -> Iterator[tuple[Solid, Solid | None]]:
+    """Yield the toes of a bird, a frog or a lizard, and their claws where they have any."""
     r, tip, way = float(chain.radii[-1]), chain.points[-1], foot_way(chain)
     side = cross(way, UP)
     if toes == 2:
@@ -108,6 +111,9 @@ def spread_toes(chain: Chain, toes: int) -> Iterator[tuple[Solid, Solid]]:
             ]
         )
         toe = tube(curve, r * thick * np.array([0.75, 0.60, 0.52, 0.40]), 8)
+        if not claws:
+            yield toe, None
+            continue
         tipped = curve[-1] + 0.15 * r * ahead
         claw = np.array(
             [

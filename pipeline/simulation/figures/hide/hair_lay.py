@@ -41,6 +41,9 @@ LOCK_LENGTH = 3.0
 """Length of the hair of manes, brushes and tails, in that of the back of a short coat."""
 
 
+FEATURE_REACH = 0.7
+"""Length of the hair beside eyes, nostrils and mouth, in its distance from them: it hides none."""
+
 BRUSH = 2.2
 """Length of the hair of a bushy tail, in that of the back."""
 
@@ -136,4 +139,5 @@ class HairLay:
         share = np.interp(x, [-0.1, 0.25, 0.7, 1.0], [0.85, 0.5, 0.25, 0.15])
         bare = smoothstep(1.6 * head.paint(places)[:, 3])
         flow = -head.axes[0] - 0.5 * (1.0 - np.abs(normals[:, 1:2])) * UP
-        return flow, self.length * share * (1.0 - bare)
+        length = self.length * share * (1.0 - bare)
+        return flow, np.minimum(length, FEATURE_REACH * head.clearance(places))

@@ -1,35 +1,41 @@
-"""Heads of animals: skull, eyes, ears and horns."""
+"""Heads of animals: the skull, and where eyes and mouth are on it."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.figures.hide.lumps import Lump, ball, cone
-from pipeline.simulation.figures.hide.sheets import Paint, lay, linear_color, outward
+from pipeline.simulation.figures.hide.lumps import Lump, ball, cone, union_distance
+from pipeline.simulation.figures.hide.sheets import Paint, lay
 from pipeline.simulation.figures.hide.skulls import Skull
-from pipeline.simulation.figures.hide.stance import Chain, smoothstep
-from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.figures.hide.stance import Chain, segment_distance, smoothstep
 from pipeline.simulation.spatial import UP, Array, cross, normalized
-
-EYE_AROUND = 12
-
-EYE_ANGLES = np.radians([8, 15, 20, 26, 34, 41, 47, 54, 66, 88, 120, 150])
-"""Rings of an eyeball from where it looks [rad]: fine where pupil and iris end."""
-
-PUPIL_DEG, IRIS_DEG = 21.0, 46.0
+from pipeline.spec.skin import Skin as SkinConfig
 
 SOCKET, SOCKET_DEPTH = 1.20, 0.42
 """Radius of the lids, and depth of their middle below that of the eye, in the eye's radius."""
 
-SCLERA = "#1e1611"
-"""Colour of what is seen of an eye around its iris: animals show no white."""
-
-SUNK = 0.30
+SUNK = 0.36
 """Depth of the middle of an eye below the skull, in the eye's radius."""
+
+RAY_STEPS = 121
+"""Samples of a ray to the surface of a skull."""
+
+MOUTH_SIDE, MOUTH_FRONT = 7, 4
+"""Points of the mouth line along a side, and round the front of one."""
+
+FRONT = 0.92
+"""Place along a head from which the mouth line goes round its front."""
+
+SMILE = 0.16
+"""Height by which the corner of a mouth is turned up, in the radius there."""
+
+LIPS = 0.10
+"""Width of the dark lips on either side of the mouth line, in the radius of the muzzle."""
 
 HEAD_BLEND = 0.34
 """Width of the union of a head's lumps, in their radius."""
@@ -56,13 +62,15 @@ class Head:
     eye_scale: float = 1.0
 
     @staticmethod
-    def of(chain: Chain, skull: Skull, eye_scale: float) -> Head:
+    def of(chain: Chain, skull: Skull, config: SkinConfig) -> Head:
         """Return the head at the end of a chain."""
         along = chain.ways[-1]
         side = normalized(cross(along, UP)) if abs(along[1]) < 0.98 else np.array([0.0, 0.0, 1.0])
         axes = np.stack([along, cross(side, along), side])
-        radii = (float(chain.radii[-2]), float(chain.radii[-1]))
-        return Head(skull, chain.points[-2], axes, float(chain.lengths[-1]), radii, eye_scale)
+        size = config.head_size
+        radii = (size * float(chain.radii[-2]), size * float(chain.radii[-1]))
+        length = size * float(chain.lengths[-1])
+        return Head(skull, chain.points[-2], axes, length, radii, config.eye_size)
 
     def radius(self, along: float) -> float:
         """Return the drawn radius at a share of the head's length [m]."""
@@ -129,27 +137,61 @@ class Head:
         found = {}
         for side in (1.0, -1.0):
             at, look = self.place(self.skull.eye, side), self.way(self.skull.look, side)
-            steps = np.linspace(-1.0, 2.0, 121) * self.radius(self.skull.eye[0])
-            line = at + steps[:, None] * look
-            depth = np.min([bone.distance(line) for bone in rows], axis=0)
-            inside = np.flatnonzero(depth < -SUNK * self.eye_radius)
-            found[side] = line[inside[-1]] if len(inside) else at
+            hit = self._surface(rows, at, look, SUNK * self.eye_radius)
+            found[side] = at if hit is None else hit
         return found
+
+    def _surface(self, lumps: list[Lump], start: Array, way: Array, depth: float) -> Array | None:
+        """Return the outermost place (3,) on a ray that is so deep inside; None without one."""
+        steps = np.linspace(-1.0, 2.0, RAY_STEPS) * max(self.radii)
+        line = start + steps[:, None] * way
+        inside = np.flatnonzero(union_distance(lumps, line) < -depth)
+        return line[inside[-1]] if len(inside) else None
+
+    @cached_property
+    def mouth(self) -> Array | None:
+        """Places (n, 3) on the skin from the left corner of the mouth to the right one [m]."""
+        if self.skull.mouth is None:
+            return None
+        x0, y0, x1, y1 = self.skull.mouth
+        rows = list(self._bones())
+        half = []
+        turns = np.linspace(90.0, 0.0, MOUTH_FRONT + 1)[1:]
+        rays = [(x, 90.0) for x in np.linspace(x0, FRONT, MOUTH_SIDE)]
+        for x, turn in [*rays, *((FRONT, turn) for turn in turns)]:
+            share = (x - x0) / (x1 - x0) if turn == 90.0 else 1.0
+            y = y0 + (y1 - y0) * share + SMILE * max(1.0 - 3.0 * share, 0.0)
+            way = self.way((float(np.cos(np.radians(turn))), 0.0, float(np.sin(np.radians(turn)))))
+            hit = self._surface(rows, self.place((x, y, 0.0)), way, 0.0)
+            if hit is not None:
+                half.append((hit - self.back) @ self.axes.T)
+        if len(half) < 3:
+            return None
+        right = np.array(half)
+        both = np.concatenate([right * [1.0, 1.0, -1.0], right[-2::-1]])
+        result: Array = both @ self.axes + self.back
+        return result
+
+    def clearance(self, places: Array) -> Array:
+        """Return the distances (N,) of places (N, 3) from eyes, nostrils and mouth [m]."""
+        eyes = [
+            np.linalg.norm(places - self.eye(side), axis=-1) - SOCKET * self.eye_radius
+            for side in (1.0, -1.0)
+        ]
+        holes = [
+            np.linalg.norm(places - self.place(at, side), axis=-1) - max(radii) * self.radius(at[0])
+            for at, radii in self.skull.holes
+            for side in (1.0, -1.0)
+        ]
+        lips = [] if self.mouth is None else [line_distance(places, self.mouth)]
+        return np.maximum(np.min([*eyes, *holes, *lips], axis=0), 0.0)
 
     def paint(self, places: Array) -> Paint:
         """Return the paint of the head's surface at places (N, 3): nostrils, nose, mouth, lids."""
         paint = np.zeros((len(places), 4))
-        r = self.radii[1]
-        seen = (places - self.back) @ self.axes.T
-        if self.skull.mouth is not None:
-            x0, y0, x1, y1 = self.skull.mouth
-            a, b = self.place((x0, y0, 0.0)), self.place((x1, y1, 0.0))
-            (ax, ay, _), (bx, by, _) = ((p - self.back) @ self.axes.T for p in (a, b))
-            along = np.clip((seen[:, 0] - ax) / (bx - ax), 0.0, 1.0)
-            off = np.hypot(
-                seen[:, 1] - (ay + along * (by - ay)), np.maximum(ax - seen[:, 0], 0.0) * 1.0
-            )
-            lay(paint, "#241512", 0.9 * smoothstep(1.6 - off / (0.085 * r)))
+        if self.mouth is not None:
+            off = line_distance(places, self.mouth) / (LIPS * self.radii[1])
+            lay(paint, "#241512", 0.8 * smoothstep(1.5 - off))
         for at, radii in self.skull.holes:
             for side in (1.0, -1.0):
                 away = ((places - self.place(at, side)) @ self.axes.T) / (
@@ -165,32 +207,11 @@ class Head:
             lay(paint, color, smoothstep((1.28 - np.sqrt((away * away).sum(axis=-1))) / 0.22))
         for side in (1.0, -1.0):
             off = np.linalg.norm(places - self.eye(side), axis=-1) / self.eye_radius
-            lay(paint, "#17100c", 0.92 * smoothstep((1.22 - off) / 0.25))
+            lay(paint, self.skull.lid_color, 0.92 * smoothstep((1.22 - off) / 0.25))
         return paint
 
-    def eyeball(self, side: float, iris: str) -> tuple[Solid, Paint]:
-        """Return an eye with iris and pupil, and its paint."""
-        look = self.way(self.skull.look, side)
-        across = normalized(cross(look, self.axes[0]))
-        across = across if across[1] > 0 else -across
-        other = cross(look, across)
-        azimuth = np.arange(EYE_AROUND) * (2.0 * np.pi / EYE_AROUND)
-        flat = np.cos(azimuth)[:, None] * across + np.sin(azimuth)[:, None] * other
-        size = self.eye_radius
-        rings = self.eye(side) + size * (
-            np.cos(EYE_ANGLES)[:, None, None] * look + np.sin(EYE_ANGLES)[:, None, None] * flat
-        )
-        ends = np.stack([self.eye(side) + size * look, self.eye(side) - size * look])
-        solid = outward(loft(rings, ends))
-        angles = np.degrees(np.concatenate([np.repeat(EYE_ANGLES, EYE_AROUND), [0.0, np.pi]]))
-        turned = np.concatenate([np.tile(azimuth, len(EYE_ANGLES)), [0.0, 0.0]])
-        pupils = {"round": (1.0, 1.0), "slit": (1.7, 0.45), "bar": (0.65, 1.35)}
-        tall, wide = pupils[self.skull.pupil]
-        shape = np.hypot(np.cos(turned) / tall, np.sin(turned) / wide)
-        paint = np.concatenate(
-            [np.tile(linear_color(SCLERA), (len(angles), 1)), np.ones((len(angles), 1))], axis=1
-        )
-        lay(paint, "#0d0907", smoothstep((IRIS_DEG + 10.0 - angles) / 8.0))
-        lay(paint, iris, smoothstep((IRIS_DEG - angles) / 6.0))
-        lay(paint, "#050404", smoothstep((PUPIL_DEG - angles * shape) / 5.0 + 0.5))
-        return solid, paint
+
+def line_distance(places: Array, line: Array) -> Array:
+    """Return the distances (N,) of places (N, 3) from a polyline (n, 3) [m]."""
+    spans = itertools.pairwise(line)
+    return np.min([segment_distance(places, a, b, 0.0, 0.0) for a, b in spans], axis=0)

@@ -1,11 +1,13 @@
-"""What grows from a skull: ears, horns, tusks and beaks."""
+"""What is on a skull: ears, horns, tusks, beaks, the mouth line and whiskers."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from pipeline.simulation.figures.hide.head import Head
-from pipeline.simulation.figures.hide.sheets import ear, horn, outward
+from pipeline.simulation.figures.hide.sheets import ear, horn, outward, tube
 from pipeline.simulation.figures.hide.stance import Chain
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array, normalized
@@ -17,10 +19,19 @@ def ear_solid(head: Head, chain: Chain, side: float, config: SkinConfig) -> tupl
     skull = head.skull
     length = 1.35 * skull.ear_length * config.ear_length * chain.limb.length
     way = head.way(skull.ear_way, side)
-    opening = head.way((0.75, 0.0, 0.65), side)
+    opening = head.way(skull.ear_opening, side)
     width = length * skull.ear_width * config.ear_width / config.ear_length
     return ear(head.place(skull.ear, side), way, opening, length, width, skull.ear_fold)
 
+
+MOUTH_WIDTH = 0.065
+"""Half the width of the slit of a mouth, in the radius of the muzzle."""
+
+WHISKERS = ((0.25, 0.50), (-0.10, 0.25), (-0.30, 0.0), (-0.15, -0.22), (0.15, -0.45))
+"""Directions of the whiskers ahead and up, for one to the side."""
+
+WHISKER_RADIUS = 0.035
+"""Radius of a whisker at its root, in that of the muzzle: thinner ones would sparkle."""
 
 HORN_CURVES = {
     "straight": ((0.0, 0.0, 0.0), (-0.10, 0.5, 0.06), (-0.22, 1.0, 0.10)),
@@ -79,3 +90,25 @@ def beak_solid(head: Head) -> Solid:
         [rings[0].mean(axis=0) - 0.2 * r0 * along, rings[-1].mean(axis=0) + 0.05 * r0 * along]
     )
     return outward(loft(rings, ends))
+
+
+def mouth_solid(head: Head) -> Solid | None:
+    """Return the slit of the mouth, which lies in the skin; None without a mouth."""
+    if head.mouth is None:
+        return None
+    sizes = np.full(len(head.mouth), MOUTH_WIDTH * head.radii[1])
+    sizes[[0, -1]] *= 0.4
+    return tube(head.mouth, sizes, 5)
+
+
+def whisker_solids(head: Head) -> Iterator[Solid]:
+    """Yield the whiskers on both sides of a muzzle."""
+    length = head.skull.whiskers * head.length
+    for side in (1.0, -1.0) if length else ():
+        for k, (back, up) in enumerate(WHISKERS):
+            root = head.place((0.90 + 0.05 * (k % 2), 0.14 * up, 0.55), side)
+            way = head.way((back, up, 1.0), side)
+            bow = head.way((-0.5, -0.3, 0.0), side)
+            t = np.linspace(0.0, 1.0, 5)[:, None]
+            curve = root + length * (t * way + 0.22 * t * t * bow)
+            yield tube(curve, WHISKER_RADIUS * head.radii[1] * np.linspace(1.0, 0.3, 5), 3)

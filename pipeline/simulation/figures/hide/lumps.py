@@ -167,6 +167,14 @@ def mesh_lumps(lumps: Sequence[Lump], cell: float) -> Solid:
     return Solid(vertices, faces)
 
 
+def union_distance(lumps: Sequence[Lump], points: Array) -> Array:
+    """Return the approximate distances of points (..., 3) from the union of lumps [m]."""
+    values = np.full(points.shape[:-1], FAR)
+    for lump in lumps:
+        values = _joined(values, lump.distance(points), lump)
+    return values
+
+
 def _joined(before: Array, distance: Array, lump: Lump) -> Array:
     """Return the field with one more lump."""
     sign = -1.0 if lump.carved else 1.0

@@ -34,12 +34,15 @@ class Skull:
         holes: nostrils and the like.
         ear: place of the root of the right ear.
         ear_way: direction of the right ear: along, up, to the side.
+        ear_opening: direction to which it is open.
         ear_length, ear_width: length of the ear in that drawn; width in its length.
         ear_fold: depth of the cup of an ear, in half of its width.
         horn: place of the root of the right horn.
         nose: place, radii and sRGB colour of a bare nose; None without.
         mouth: heights of the mouth line at its corner and its front; None without.
         lids: softness of the lids' union, in half of the eye's radius; 0 without lids.
+        lid_color: sRGB colour of the lids.
+        whiskers: their length, in that of the head; 0 without.
         muzzle_from: place along the head from which the muzzle begins.
     """
 
@@ -48,10 +51,11 @@ class Skull:
     eye_size: float = 0.2
     look: tuple[float, float, float] = (0.25, 0.15, 1.0)
     pupil: str = "bar"
-    iris: str = "#5a3a1c"
+    iris: str = "#6e431c"
     holes: tuple[Hole, ...] = ()
     ear: tuple[float, float, float] = (0.02, 0.75, 0.5)
     ear_way: tuple[float, float, float] = (-0.25, 1.0, 0.35)
+    ear_opening: tuple[float, float, float] = (0.75, 0.0, 0.65)
     ear_length: float = 1.0
     ear_width: float = 0.38
     ear_fold: float = 0.55
@@ -60,6 +64,8 @@ class Skull:
     mouth: tuple[float, float, float, float] | None = None
     muzzle_from: float = 0.72
     lids: float = 0.25
+    lid_color: str = "#17100c"
+    whiskers: float = 0.0
 
 
 _DEER = Skull(
@@ -71,7 +77,7 @@ _DEER = Skull(
         ((0.88, 0.02, 0), (1.02, -0.04, 0), (0.86, 0.80), (0.82, 0.80)),
     ),
     eye=(0.33, 0.40, 0.74),
-    eye_size=0.24,
+    eye_size=0.33,
     holes=(((1.16, 0.18, 0.62), (0.10, 0.22, 0.18)),),
     ear=(0.02, 0.55, 0.62),
     ear_way=(-0.45, 0.75, 0.85),
@@ -94,7 +100,7 @@ SKULLS: Mapping[str, Skull] = {
             ((0.30, 0.58, 0.58), (0.40, 0.56, 0.54), (0.20, 0.16), (0.18, 0.16)),
         ),
         eye=(0.36, 0.36, 0.72),
-        eye_size=0.23,
+        eye_size=0.31,
         holes=(((1.14, 0.30, 0.80), (0.26, 0.36, 0.26)),),
         ear=(0.03, 0.72, 0.38),
         ear_way=(-0.05, 1.0, 0.16),
@@ -114,7 +120,7 @@ SKULLS: Mapping[str, Skull] = {
             ((0.28, 0.62, 0.52), (0.42, 0.60, 0.52), (0.26, 0.26), (0.22, 0.22)),
         ),
         eye=(0.36, 0.38, 0.74),
-        eye_size=0.20,
+        eye_size=0.31,
         holes=(((1.26, 0.34, 0.55), (0.16, 0.10, 0.30)),),
         ear=(0.02, 0.62, 0.62),
         ear_way=(-0.55, 0.9, 0.5),
@@ -131,10 +137,10 @@ SKULLS: Mapping[str, Skull] = {
             ((0.84, -0.02, 0), (1.02, -0.10, 0), (0.95, 0.90), (0.90, 0.90)),
         ),
         eye=(0.40, 0.36, 0.76),
-        eye_size=0.21,
+        eye_size=0.33,
         look=(0.3, 0.15, 1.0),
         pupil="round",
-        iris="#2a170c",
+        iris="#5a351a",
         holes=(((1.30, 0.22, 0.55), (0.14, 0.18, 0.22)),),
         ear=(0.06, 0.70, 0.46),
         ear_way=(-0.18, 1.0, 0.34),
@@ -152,10 +158,10 @@ SKULLS: Mapping[str, Skull] = {
             ((0.40, 0.48, 0.40), (0.46, 0.44, 0.36), (0.26, 0.26), (0.22, 0.22)),
         ),
         eye=(0.44, 0.34, 0.50),
-        eye_size=0.21,
+        eye_size=0.29,
         look=(1.0, 0.15, 0.72),
         pupil="round",
-        iris="#4a2a10",
+        iris="#8a5420",
         ear=(0.08, 0.66, 0.52),
         ear_way=(-0.1, 1.0, 0.35),
         ear_length=1.1,
@@ -173,15 +179,16 @@ SKULLS: Mapping[str, Skull] = {
             ((0.66, -0.75, 0), (0.90, -0.85, 0), (0.34, 0.44), (0.30, 0.40)),
         ),
         eye=(0.50, 0.30, 0.44),
-        eye_size=0.26,
+        eye_size=0.31,
         look=(1.0, 0.10, 0.36),
         pupil="slit",
-        iris="#8fa33a",
+        iris="#a3b53a",
         ear=(0.16, 0.78, 0.58),
         ear_way=(0.05, 1.0, 0.36),
         ear_length=1.15,
         ear_width=0.86,
         nose=((1.12, 0.10, 0.0), (0.28, 0.22, 0.30), "#a85a54"),
+        whiskers=0.9,
         mouth=(0.72, -0.62, 1.2, -0.52),
         muzzle_from=0.72,
     ),
@@ -192,15 +199,16 @@ SKULLS: Mapping[str, Skull] = {
             ((0.80, -0.25, 0.30), (0.90, -0.25, 0.28), (0.62, 0.56), (0.60, 0.56)),
         ),
         eye=(0.50, 0.42, 0.72),
-        eye_size=0.26,
+        eye_size=0.36,
         look=(0.45, 0.3, 1.0),
         pupil="round",
-        iris="#0c0808",
+        iris="#1c100c",
         ear=(0.16, 0.62, 0.66),
         ear_way=(-0.15, 0.9, 0.62),
         ear_length=1.3,
         ear_width=1.0,
         nose=((1.10, 0.10, 0.0), (0.50, 0.52, 0.55), "#c97f78"),
+        whiskers=0.7,
         mouth=(0.78, -0.70, 1.2, -0.60),
     ),
     "elephant": Skull(
@@ -211,12 +219,14 @@ SKULLS: Mapping[str, Skull] = {
             ((0.42, 0.02, 0), (1.0, 0.0, 0), (0.86, 0.74), (1.0, 1.0)),
         ),
         eye=(0.50, 0.24, 0.80),
-        eye_size=0.10,
+        eye_size=0.15,
         pupil="round",
-        iris="#5a3a1c",
+        lid_color="#3f3a35",
+        iris="#8a5f2a",
         horn=(0.72, -0.40, 0.50),
-        ear=(0.10, 0.40, 0.72),
-        ear_way=(-0.20, -0.80, 0.62),
+        ear=(0.22, 0.02, 0.66),
+        ear_way=(-0.20, -0.60, 0.78),
+        ear_opening=(0.50, 0.60, 0.55),
         ear_length=1.0,
         ear_width=1.15,
         ear_fold=0.14,
@@ -232,6 +242,7 @@ SKULLS: Mapping[str, Skull] = {
         eye_size=0.40,
         look=(0.45, 0.45, 1.0),
         pupil="bar",
+        lid_color="#33461a",
         iris="#b08a1e",
         holes=(((1.28, 0.30, 0.30), (0.06, 0.08, 0.08)),),
         mouth=(0.15, -0.25, 1.6, -0.30),
@@ -248,6 +259,7 @@ SKULLS: Mapping[str, Skull] = {
         eye_size=0.20,
         look=(0.25, 0.1, 1.0),
         pupil="round",
+        lid_color="#2a3419",
         iris="#a5751c",
         holes=(((1.20, 0.35, 0.50), (0.08, 0.10, 0.10)),),
         mouth=(0.25, -0.26, 1.5, -0.30),

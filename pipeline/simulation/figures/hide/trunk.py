@@ -76,7 +76,8 @@ def leg_lumps(chain: Chain, start: int, end: int, girths: Array) -> Iterator[Lum
             r_a = min(r_a, 1.9 * r_b)
         blend = (UPPER_BLEND if upper else LOWER_BLEND) * max(r_a, r_b)
         deep = LEG_DEPTH + (0.10 if i == 0 else 0.0)
-        bulge = (0.14, 0.20)[i] if i < 2 and upper else NARROW_SHANK
+        # The second of three links is a forearm.
+        bulge = (0.14, 0.20)[i] if i < min(2, max(len(ways) - 1, 1)) else NARROW_SHANK
         yield cone(
             *(a, b),
             (deep * r_a * girths[i, 1], LEG_WIDTH * r_a * girths[i, 0]),

@@ -147,7 +147,7 @@ def test_each_hand_can_grab_a_different_thing() -> None:
         for k in range(2):
             if grips[k, 0] >= 0:
                 apart[k].append(math.dist(*arrays.p[grips[k]]))
-    for gaps, seconds in zip(apart, (3.0, 8.0), strict=True):
+    for gaps, seconds in zip(apart, (2.9, 8.0), strict=True):
         assert len(gaps) > seconds * STEPS
         assert max(gaps[10:]) < 1e-3
     assert np.ptp(np.unwrap(angles)) > math.radians(60.0)
@@ -403,7 +403,7 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
     assert (hugger, hugged, others) == ("b", "a", [])
     # The trigger fires once, in the next step; that of the reverse hug does not.
     assert [(order.step, order.text) for order in followed] == [(step, "go_to [-1, 3]")]
-    assert 0.9 < step / STEPS < 3.0
+    assert 0.9 < step / STEPS < 3.5
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ HEAD_SIZE = 1.1
 TOE_REACH = 0.68
 """Distance of the toes ahead of the ankle, in the length of a shoe."""
 
-SOLE = 0.003
+SOLE = 0.008
 """By which soles are drawn above the ground, into which rolling feet would press them [m]."""
 
 LEAST_HEAD = 0.10

@@ -47,16 +47,17 @@ SOLE_OUTLINE = (
 """Edges of a right sole: ahead, its inner and its outer side."""
 
 SOLE_HEIGHTS = (
-    (-0.30, 0.000, 0.095),
+    (-0.30, 0.040, 0.095),
+    (-0.19, 0.000, 0.092),
     (0.06, 0.000, 0.085),
     (0.08, 0.030, 0.080),
     (0.22, 0.012, 0.058),
     (0.34, 0.000, 0.048),
-    (0.52, 0.002, 0.050),
-    (0.71, 0.030, 0.075),
+    (0.46, 0.002, 0.050),
+    (0.71, 0.050, 0.085),
 )
-"""Height of its underside and of its upper side: the heel, the arch, the ball, the spring of the
-toes."""
+"""Height of its underside and of its upper side: the heel, bevelled behind, the arch, the ball, the
+spring of the toes."""
 
 INSET = 0.014
 """By which the edges of a sole are rounded."""
@@ -94,7 +95,9 @@ def _sole() -> Surface:
     """Return a right sole with its heel."""
     edges, heights = np.array(SOLE_OUTLINE), np.array(SOLE_HEIGHTS)
     # Denser at the heel's breast, where the underside steps.
-    x = np.unique(np.concatenate([edges[:, 0], [-0.23, -0.12, 0.06, 0.08, 0.16, 0.33, 0.46]]))
+    x = np.unique(
+        np.concatenate([edges[:, 0], [-0.23, -0.19, -0.12, 0.06, 0.08, 0.16, 0.33, 0.46]])
+    )
     inner, outer = (np.interp(x, edges[:, 0], edges[:, k]) for k in (1, 2))
     under, upper = (np.interp(x, heights[:, 0], heights[:, k]) for k in (1, 2))
     middle, half = 0.5 * (inner + outer), 0.5 * (outer - inner)

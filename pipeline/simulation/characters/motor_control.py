@@ -104,7 +104,7 @@ def _within_view_of_way(person: Record, aside: float) -> float:
     """Return a gaze yaw against the pelvis such that a person sees its way.
 
     The head turns to the way before the person sets out, and keeps to the present way until it has
-    slowed down. Who walks backward looks over a shoulder.
+    slowed down. A person walking backward looks over a shoulder.
     """
     aside = _within_view(person, aside, goal_velocity(person))
     return _within_view(person, aside, (person.velocity[0], person.velocity[1]))

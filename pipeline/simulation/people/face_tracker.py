@@ -1,8 +1,8 @@
 """Face tracker: the faces of people, from what they feel, are told to show, and look at, and hands.
 
 Feelings rise fast and fade slowly. Eyes jump to what is looked at before the head has turned, and
-rest on it while the head follows; lids blink, and go down with the gaze. Who is angry makes fists,
-unless its hands have something to do.
+rest on it while the head follows; lids blink, and go down with the gaze. Angry people make
+fists, unless their hands have something to do.
 
 Source: Bentivoglio et al. 1997 for the rate of blinks.
 """

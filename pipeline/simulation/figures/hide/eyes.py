@@ -27,7 +27,7 @@ PUPILS: Mapping[str, tuple[float, float]] = {
 """Height and width of a pupil by its shape, in those of a round one."""
 
 SCLERA = "#1e1611"
-"""Colour of what is seen of an eye around its iris: animals show no white."""
+"""Colour of the visible part of an eye around its iris: animals show no white."""
 
 CATCHLIGHT_DEG, CATCHLIGHT_SIZE_DEG = 30.0, 13.0
 """Angle and radius of the reflection of the sky: that of the sun alone is less than a pixel."""
